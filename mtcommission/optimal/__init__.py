@@ -1,0 +1,1 @@
+"""The physical optimum of a move on a plant."""

@@ -1,0 +1,195 @@
+"""An optimal control as the other modules see it: arcs, and the motion that they cause.
+
+Every arc is exact: on it the set force is the output of a small autonomous linear system,
+
+    F_set(t) = output expm(generator (t - t_start)) initial,
+
+which covers bang arcs (generator 0), boundary arcs (closed loop on the constraint) and the
+interior arcs of the linear-quadratic problem (Hamiltonian system) alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from mtcommission.plant import Plant
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Arc:
+    """One piece of the control, with F_set(t) = output expm(generator (t - t_start)) initial.
+
+    Parameters
+    ----------
+    t_start, t_end
+        Ends of the arc [s].
+    control
+        ``"+F_max"``, ``"-F_max"``, ``"interior"`` or ``"boundary:NAME:+"`` / ``"boundary:NAME:-"``.
+    generator, initial, output
+        Shapes (k, k), (k,), (k,) [1/s, -, N].
+    """
+
+    t_start: float
+    t_end: float
+    control: str
+    generator: Array
+    initial: Array
+    output: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TouchPoint:
+    """An instant at which a bound is touched and left at once.
+
+    Parameters
+    ----------
+    t
+        [s].
+    limit
+        Signal and side, e.g. ``"v_phi:+"``.
+    """
+
+    t: float
+    limit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bound:
+    """A symmetric bound on a state or output.
+
+    Parameters
+    ----------
+    name
+        State or output of the plant.
+    value
+        Largest magnitude, in the signal's SI unit.
+    """
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trajectory:
+    """Sampled motion.
+
+    Parameters
+    ----------
+    t
+        Shape (n_samples,) [s].
+    force
+        F_set, shape (n_samples,) [N]; at a switch the value after it.
+    states
+        Shape (n_samples, n), columns as ``Plant.states``.
+    """
+
+    t: Array
+    force: Array
+    states: Array
+
+
+def constant_arc(t_start: float, t_end: float, *, control: str, force: float) -> Arc:
+    """Return a bang arc.
+
+    Parameters
+    ----------
+    t_start, t_end
+        [s].
+    control
+        Its label.
+    force
+        [N].
+
+    Returns
+    -------
+    Arc
+
+    Examples
+    --------
+    >>> constant_arc(0.0, 1e-3, control="+F_max", force=2e3).output
+    array([2000.])
+    """
+    return Arc(
+        t_start=t_start,
+        t_end=t_end,
+        control=control,
+        generator=np.zeros((1, 1)),
+        initial=np.ones(1),
+        output=np.array([force]),
+    )
+
+
+def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
+    """Return the state after all arcs, starting at rest; exact up to rounding.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    arcs
+        In order, without gaps.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Source: variation of constants; the input is appended to the state (Van Loan 1978).
+    """
+    x = np.zeros(plant.order)
+    for arc in arcs:
+        joint = _joint_system(plant, arc)
+        z = np.concatenate([x, arc.initial])
+        x = (expm(joint * (arc.t_end - arc.t_start)) @ z)[: plant.order]
+    return x
+
+
+def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Trajectory:
+    """Return the motion under the arcs, sampled evenly inside each arc and at each switch.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    arcs
+        In order, without gaps, starting at t = 0 from rest.
+    step
+        Largest distance of samples [s].
+
+    Returns
+    -------
+    Trajectory
+        A switch appears once, with the force after it; the last sample ends the last arc.
+    """
+    x = np.zeros(plant.order)
+    times, forces, states = [], [], []
+    for arc in arcs:
+        length = arc.t_end - arc.t_start
+        count = max(1, int(np.ceil(length / step)))
+        transition = expm(_joint_system(plant, arc) * (length / count))
+        z = np.concatenate([x, arc.initial])
+        for i in range(count):
+            times.append(arc.t_start + i * length / count)
+            forces.append(arc.output @ z[plant.order :])
+            states.append(z[: plant.order])
+            z = transition @ z
+        x = z[: plant.order]
+        last_force = float(arc.output @ z[plant.order :])
+    times.append(arcs[-1].t_end)
+    forces.append(last_force)
+    states.append(x)
+    return Trajectory(t=np.array(times), force=np.array(forces), states=np.array(states))
+
+
+def _joint_system(plant: Plant, arc: Arc) -> Array:
+    n, k = plant.order, arc.initial.size
+    joint = np.zeros((n + k, n + k))
+    joint[:n, :n] = plant.A
+    joint[:n, n:] = np.outer(plant.B, arc.output)
+    joint[n:, n:] = arc.generator
+    return joint
