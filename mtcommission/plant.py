@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import (
-    FlexibleMode,
     Machine,
     Manipulator,
     flexible_modes,
@@ -147,7 +146,7 @@ class Plant:
             row[self.states.index(signal)] = 1.0
             return row
         if signal in self.outputs:
-            return self.C[self.outputs.index(signal)]
+            return np.asarray(self.C[self.outputs.index(signal)])
         raise KeyError(signal)
 
 
@@ -188,8 +187,8 @@ def build_plant(machine: Machine) -> Plant:
     if isinstance(machine.mechanics, Manipulator):
         states: tuple[str, ...] = ("x_b", "x_s", "phi", "v_b", "v_s", "v_phi", "F")
         position, velocity = 1, 4
-        places = ((0, 3), (2, 5))
-        scales = (
+        places: tuple[tuple[int, int], ...] = ((0, 3), (2, 5))
+        scales: tuple[float, ...] = (
             -1.0 / machine.mechanics.base_mass,
             machine.mechanics.lever_arm / machine.mechanics.rotary_inertia,
         )

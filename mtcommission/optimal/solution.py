@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from mtcommission.machine import Move, Weight
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -193,3 +194,124 @@ def _joint_system(plant: Plant, arc: Arc) -> Array:
     joint[:n, n:] = np.outer(plant.B, arc.output)
     joint[n:, n:] = arc.generator
     return joint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Certificate:
+    """What proves a time-optimal control; see docs/optimal-control.md for what each part means.
+
+    Parameters
+    ----------
+    t_f_lower_bound
+        No admissible control reaches the target sooner [s]; from a dual feasible point.
+    relative_gap
+        (t_f - t_f_lower_bound) / t_f.
+    adjoint_initial
+        λ(0), shape (n,), normalised by H = 1 + λ(Ax + B F_set) = 0 as in the paper's eq. (7).
+    switching_slopes
+        dσ/dt at each switching time, σ = λ_F / T, shape (n_switches,).
+    switching_law_holds
+        Whether F_set = -sign(λ_F) F_max on the whole interval (off boundary arcs).
+    terminal_jacobian_rank
+        Rank of the Jacobian of the terminal conditions over switching times and t_f; -1 where
+        it is not square or does not apply.
+    terminal_jacobian_condition
+        Its condition number after scaling; nan where it does not apply.
+    """
+
+    t_f_lower_bound: float
+    relative_gap: float
+    adjoint_initial: Array
+    switching_slopes: Array
+    switching_law_holds: bool
+    terminal_jacobian_rank: int
+    terminal_jacobian_condition: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TimeOptimum:
+    """A time-optimal control, free or under bounds.
+
+    Parameters
+    ----------
+    move
+        Velocity step or positioning move.
+    force_limit
+        Force left for motion [N].
+    bounds
+        Bounds on states and outputs; empty for the free optimum.
+    method
+        ``"exact"`` or ``"transcription"``.
+    t_f
+        Final time [s].
+    arcs
+        In order, without gaps, from 0 to t_f.
+    touch_points
+        Where a bound is touched without a boundary arc.
+    terminal_error
+        State at t_f minus target, shape (n,); 0 for a free state.
+    peaks
+        Largest magnitude of each of ``Plant.signals`` on [0, t_f].
+    certificate
+        The proof.
+    """
+
+    move: Move
+    force_limit: float
+    bounds: tuple[Bound, ...]
+    method: str
+    t_f: float
+    arcs: tuple[Arc, ...]
+    touch_points: tuple[TouchPoint, ...]
+    terminal_error: Array
+    peaks: Array
+    certificate: Certificate
+
+    @property
+    def switching_times(self) -> tuple[float, ...]:
+        """Ends of all arcs but the last [s]."""
+        return tuple(arc.t_end for arc in self.arcs[:-1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DampingOptimum:
+    """A damping-optimal control: the saturated linear-quadratic problem, eq. (5).
+
+    Parameters
+    ----------
+    move
+        Velocity step or positioning move.
+    force_limit
+        Force left for motion [N].
+    method
+        ``"exact"`` or ``"transcription"``.
+    t_f
+        Final time [s].
+    weights
+        c_i by state.
+    arcs
+        In order, without gaps, from 0 to t_f.
+    cost
+        Value of the functional [N² s].
+    cost_terms
+        Its parts: first F_set², then one for each weight [N² s].
+    adjoint_initial
+        λ(0), shape (n,).
+    law_residual
+        Largest |F_set - Proj(-λ_F / 2T)| / F_max over [0, t_f], eq. (16).
+    terminal_error, peaks
+        As in ``TimeOptimum``.
+    """
+
+    move: Move
+    force_limit: float
+    method: str
+    t_f: float
+    weights: tuple[Weight, ...]
+    arcs: tuple[Arc, ...]
+    cost: float
+    cost_terms: Array
+    adjoint_initial: Array
+    law_residual: float
+    terminal_error: Array
+    peaks: Array

@@ -1,0 +1,76 @@
+"""Machines for tests, built without the profile reader so that faults do not hide each other."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from mtcommission.machine import (
+    Drive,
+    FlexibleMode,
+    Machine,
+    Manipulator,
+    Modal,
+    Modes,
+    Requirements,
+    VelocityStep,
+)
+
+REQUIREMENTS = Requirements(
+    tcp_deviation=5e-6, modes=Modes(surface=2e-6, accuracy=5e-6, speed=20e-6)
+)
+
+
+def paper_machine(*, max_force: float = 2e3) -> Machine:
+    """Christiansen, Maurer & Zirn, Table 1, with the velocity step of eq. (3)."""
+    return Machine(
+        name="Milling machine workpiece manipulator",
+        axis="X",
+        source="Christiansen, Maurer, Zirn, Table 1",
+        mechanics=Manipulator(
+            base_mass=450.0,
+            slider_mass=750.0,
+            rotary_inertia=40.0,
+            lever_arm=0.25,
+            tcp_height=0.21,
+            base_stiffness=44.41e6,
+            base_damping=8500.0,
+            rotary_stiffness=8.2e6,
+            rotary_damping=1800.0,
+        ),
+        drive=Drive(force_lag=2.5e-3, max_force=max_force),
+        moves=(VelocityStep(velocity_step=0.1),),
+        requirements=REQUIREMENTS,
+    )
+
+
+def random_modal_machine(seed: int, *, n_modes: int) -> Machine:
+    """A plausible axis: 50 ... 2000 kg, modes from 15 to 300 Hz, damping 0.5 ... 10 %."""
+    generator = np.random.default_rng([seed, n_modes])
+    mass = float(np.exp(generator.uniform(np.log(50.0), np.log(2000.0))))
+    frequencies = np.sort(np.exp(generator.uniform(np.log(15.0), np.log(300.0), n_modes)))
+    modes = tuple(
+        FlexibleMode(
+            name=f"m{i}",
+            natural_frequency=2 * pi * float(frequency),
+            damping_ratio=float(generator.uniform(0.005, 0.1)),
+            tcp_gain=float(generator.uniform(-1.0, 1.0)) / mass,
+            measured_gain=float(generator.choice([0.0, 1.0]))
+            * float(generator.uniform(0, 1))
+            / mass,
+        )
+        for i, frequency in enumerate(frequencies)
+    )
+    acceleration = float(np.exp(generator.uniform(np.log(0.5), np.log(20.0))))
+    return Machine(
+        name=f"random {seed}",
+        axis="X",
+        source="seeded generator",
+        mechanics=Modal(moving_mass=mass, modes=modes),
+        drive=Drive(
+            force_lag=float(generator.uniform(0.5e-3, 4e-3)), max_force=mass * acceleration
+        ),
+        moves=(VelocityStep(velocity_step=float(generator.uniform(0.02, 1.0))),),
+        requirements=REQUIREMENTS,
+    )
