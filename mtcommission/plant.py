@@ -173,7 +173,8 @@ def build_plant(machine: Machine) -> Plant:
 
     Examples
     --------
-    >>> from mtcommission.machine import Drive, Modal, Modes, Requirements, VelocityStep
+    >>> from mtcommission.machine import (
+    ...     Drive, FlexibleMode, Modal, Modes, Requirements, VelocityStep)
     >>> axis = Machine(name="a", axis="X", source="example",
     ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",
     ...         natural_frequency=2 * pi * 40, damping_ratio=0.03, tcp_gain=0.01),)),

@@ -1,0 +1,327 @@
+"""One position cycle of the sampled loop, as arithmetic and as matrices.
+
+Which path carries which dead time:
+
+- The position controller samples the encoder at the position cycle and hands its velocity
+  setpoint down one position cycle later; it is held for that cycle (zero-order hold).
+- Feed-forward of velocity, force and reference state goes the same way. Velocity and
+  reference state are taken from the setpoint τ - 1.5 T_p ago, so that they arrive at their
+  comparison τ late, like the position that the position controller compares.
+- The velocity controller samples at the velocity cycle; its force acts one velocity cycle
+  later and is held.
+
+The same arithmetic advances numbers (a simulation, with saturation) and unit vectors (the
+matrices of the linear loop), so the two cannot differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, inf
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.signal import cont2discrete, tf2ss
+
+from mtcommission.loop.controller import (
+    POSITION_PATH_CYCLES,
+    Controller,
+    filter_polynomials,
+    reference_state,
+)
+from mtcommission.machine import ForceFilter
+from mtcommission.plant import Plant
+
+Array = NDArray[np.float64]
+
+INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stage:
+    """A discrete single-input single-output block x⁺ = A x + B u, y = C x + D u."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SampledLoop:
+    """A plant under a controller, ready to be advanced by position cycles.
+
+    Parameters
+    ----------
+    plant, controller
+        What it was built from; the plant may differ from the one the controller was tuned for.
+    plant_A, plant_B
+        The plant over one velocity cycle, shapes (n, n), (n,).
+    filters
+        Set-force filters at the velocity cycle.
+    delays
+        Setpoint samples kept, in position cycles.
+    delayed_position, delayed_velocity
+        Weights of (current and kept samples) x INPUTS for x_ref(t - τ) and for the velocity
+        feed-forward, shape (4 (delays + 1),).
+    feedforward
+        The same for the held force: feed-forward and K x reference state.
+    states
+        Names of the loop's states.
+    outputs
+        Names per velocity cycle: tcp, encoder, force, then the plant's states.
+    """
+
+    plant: Plant
+    controller: Controller
+    plant_A: Array
+    plant_B: Array
+    filters: tuple[Stage, ...]
+    delays: int
+    delayed_position: Array
+    delayed_velocity: Array
+    feedforward: Array
+    states: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LiftedLoop:
+    """The linear loop at the position cycle, X⁺ = A X + B r, Y = C X + D r.
+
+    Parameters
+    ----------
+    A, B, C, D
+        Shapes (n, n), (n, 4), (cycles n_outputs, n), (cycles n_outputs, 4); the outputs of the
+        first velocity cycle come first.
+    dt
+        Position cycle [s].
+    states, inputs, outputs
+        Names; an output is ``tcp[0]``, ..., with the velocity cycle in brackets.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    dt: float
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> SampledLoop:
+    """Return the loop of a plant under a controller.
+
+    Parameters
+    ----------
+    plant
+        The machine as it is (perhaps in a corner).
+    controller
+        All gains.
+    model
+        The machine as the controller believes it to be, for its reference state.
+
+    Returns
+    -------
+    SampledLoop
+    """
+    T_p, tau = controller.position_cycle, controller.reference_delay
+    arrival = max(tau - POSITION_PATH_CYCLES * T_p, 0.0)
+    delays = max(ceil(tau / T_p - 1e-9), ceil(arrival / T_p - 1e-9))
+    delayed = delay_weights(arrival, cycle=T_p, delays=delays)
+    m = controller.feedforward_mass
+    force = np.zeros(4 * (delays + 1))
+    force[2] = controller.acceleration_feedforward * m
+    force[3] = controller.jerk_feedforward * m * controller.force_lag
+    force += controller.state_gains @ reference_state(model, controller) @ delayed
+    A, B = discretise(plant, controller.velocity_cycle)
+    filters = tuple(_discretise_filter(item, controller) for item in controller.force_filters)
+    names = [f"plant.{name}" for name in plant.states]
+    names += ["integrator", "pending_force"]
+    names += [f"filter[{i}].{k}" for i, stage in enumerate(filters) for k in range(len(stage.B))]
+    names += [f"observer.{model.states[i]}" for i in controller.observer.states]
+    names += ["held_velocity", "held_force"]
+    names += [f"{name}[-{k}]" for k in range(1, delays + 1) for name in INPUTS]
+    return SampledLoop(
+        plant=plant,
+        controller=controller,
+        plant_A=A,
+        plant_B=B,
+        filters=filters,
+        delays=delays,
+        delayed_position=delay_weights(tau, cycle=T_p, delays=delays)[0],
+        delayed_velocity=controller.velocity_feedforward * delayed[1],
+        feedforward=force,
+        states=tuple(names),
+        outputs=("tcp", "encoder", "force", *plant.states),
+    )
+
+
+def discretise(plant: Plant, step: float) -> tuple[Array, Array]:
+    """Return the zero-order-hold discretisation (A, B) of the plant over one step [s]."""
+    n = plant.order
+    joint = np.zeros((n + 1, n + 1))
+    joint[:n, :n] = plant.A
+    joint[:n, n] = plant.B
+    transition = expm(joint * step)
+    return transition[:n, :n], transition[:n, n]
+
+
+def _discretise_filter(item: ForceFilter, controller: Controller) -> Stage:
+    numerator, denominator = filter_polynomials(item)
+    A, B, C, D, _ = cont2discrete(
+        tf2ss(numerator, denominator), controller.velocity_cycle, method="bilinear"
+    )
+    return Stage(A=A, B=B[:, 0], C=C[0], D=float(D[0, 0]))
+
+
+def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:
+    """Return the weights of setpoint samples that give the setpoint some time ago.
+
+    Position by quintic Hermite interpolation (exact while the jerk is constant; a jerk step
+    of Δj inside the cycle costs at most some Δj T³/400), the velocity by its derivative,
+    acceleration and jerk linearly.
+
+    Parameters
+    ----------
+    delay
+        [s].
+    cycle
+        Position cycle [s].
+    delays
+        Kept samples; at least delay/cycle.
+
+    Returns
+    -------
+    ndarray, shape (4, 4 (delays + 1))
+        Rows x, v, a, j; columns (x, v, a, j) of the current sample, then of the one before, ...
+    """
+    back = ceil(delay / cycle - 1e-9)
+    s = min(max(back - delay / cycle, 0.0), 1.0)
+    weights = np.zeros((4, delays + 1, 4))
+    if s == 0.0:
+        weights[:, back, :] = np.eye(4)
+        return weights.reshape(4, -1)
+    powers = np.array([1.0, s, s**2, s**3, s**4, s**5])
+    slopes = np.array([0.0, 1.0, 2 * s, 3 * s**2, 4 * s**3, 5 * s**4]) / cycle
+    scale = np.array([1.0, cycle, cycle**2])
+    for row, basis in ((0, powers), (1, slopes)):
+        ends = basis @ _HERMITE
+        weights[row, back, :3] = ends[:3] * scale
+        weights[row, back - 1, :3] = ends[3:] * scale
+    for row in (2, 3):
+        weights[row, back, row] = 1.0 - s
+        weights[row, back - 1, row] = s
+    return weights.reshape(4, -1)
+
+
+# Coefficients of 1, s, ..., s^5 (rows) over x0, v0, a0, x1, v1, a1 (columns) on s in [0, 1].
+_HERMITE = np.linalg.inv(
+    np.array(
+        [
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
+            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+            [0.0, 0.0, 2.0, 6.0, 12.0, 20.0],
+        ]
+    )
+)
+
+
+def advance_cycle(
+    loop: SampledLoop, X: Array, references: Array, *, force_limit: float = inf
+) -> tuple[Array, Array]:
+    """Return the loop one position cycle later, and its outputs at each velocity cycle.
+
+    Parameters
+    ----------
+    loop
+        The loop.
+    X
+        States, shape (n, m): m independent columns.
+    references
+        x_ref, v_ref, a_ref, j_ref now, shape (4, m).
+    force_limit
+        Saturation of the set force [N]; the integrator stands still while it acts.
+
+    Returns
+    -------
+    X_next
+        Shape (n, m).
+    outputs
+        Shape (cycles, n_outputs, m).
+    """
+    controller, plant, observer = loop.controller, loop.plant, loop.controller.observer
+    n, n_o = plant.order, len(observer.states)
+    P, z, pending, rest = X[:n], X[n], X[n + 1], X[n + 2 :]
+    filter_states = []
+    for stage in loop.filters:
+        filter_states.append(rest[: len(stage.B)])
+        rest = rest[len(stage.B) :]
+    estimate, held_velocity, held_force = rest[:n_o], rest[n_o], rest[n_o + 1]
+    line = np.concatenate([references, rest[n_o + 2 :]])
+
+    encoder, tcp = plant.row("encoder"), plant.row("tcp")
+    encoder_rate = encoder @ plant.A
+    measured = np.array([plant.row(sensor) for sensor in controller.sensors])
+    gains = controller.state_gains[list(observer.states)]
+    Kp, integral = controller.velocity_gain, controller.velocity_cycle / controller.integral_time
+
+    new_velocity = (
+        controller.position_gain * (loop.delayed_position @ line - encoder @ P)
+        + loop.delayed_velocity @ line
+    )
+    new_force = loop.feedforward @ line
+    outputs = np.empty((controller.cycles, 3 + n, X.shape[1]))
+    for i in range(controller.cycles):
+        outputs[i] = np.vstack([tcp @ P, encoder @ P, pending, P])
+        error = held_velocity - encoder_rate @ P
+        demand = Kp * (error + z) + held_force - gains @ estimate
+        for k, stage in enumerate(loop.filters):
+            filtered = stage.C @ filter_states[k] + stage.D * demand
+            filter_states[k] = stage.A @ filter_states[k] + np.outer(stage.B, demand)
+            demand = filtered
+        force = np.clip(demand, -force_limit, force_limit)
+        z = np.where(force == demand, z + integral * error, z)
+        innovation = measured @ P - observer.C @ estimate
+        estimate = observer.A @ estimate + np.outer(observer.B, pending) + observer.L @ innovation
+        P = loop.plant_A @ P + np.outer(loop.plant_B, pending)
+        pending = force
+    kept = line[: 4 * loop.delays]
+    return np.vstack([P, z, pending, *filter_states, estimate, new_velocity, new_force, kept]), (
+        outputs
+    )
+
+
+def lift_loop(loop: SampledLoop) -> LiftedLoop:
+    """Return the linear loop as matrices at the position cycle.
+
+    Parameters
+    ----------
+    loop
+        The loop.
+
+    Returns
+    -------
+    LiftedLoop
+        By advancing unit states and unit references.
+    """
+    n = len(loop.states)
+    unit = np.eye(n + 4)
+    following, outputs = advance_cycle(loop, unit[:n], unit[n:])
+    Y = outputs.reshape(-1, n + 4)
+    names = [f"{name}[{i}]" for i in range(loop.controller.cycles) for name in loop.outputs]
+    return LiftedLoop(
+        A=following[:, :n],
+        B=following[:, n:],
+        C=Y[:, :n],
+        D=Y[:, n:],
+        dt=loop.controller.position_cycle,
+        states=loop.states,
+        inputs=INPUTS,
+        outputs=tuple(names),
+    )

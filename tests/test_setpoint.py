@@ -1,0 +1,99 @@
+"""The setpoint must be what Ruckig plans, exact between samples, and never touch the network."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mtcommission
+from mtcommission.errors import ComputationError
+from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.setpoint import MotionLimits, jerk_steps, plan_setpoint, sample_setpoint
+
+positive = st.floats(min_value=-1.0, max_value=1.0).map(lambda e: 10.0**e)
+
+
+@given(
+    a=positive.map(lambda v: 3.0 * v),
+    ramp=positive.map(lambda v: 0.02 * v),
+    size=positive,
+    velocity=positive,
+    kind=st.sampled_from(["step", "move", "limited"]),
+)
+@settings(max_examples=150, deadline=None)
+def test_closed_form_agrees_with_ruckig(
+    a: float, ramp: float, size: float, velocity: float, kind: str
+) -> None:
+    """The search would rank other motions than the control then executes."""
+    move: Move
+    if kind == "step":
+        move = VelocityStep(velocity_step=0.1 * size)
+    elif kind == "move":
+        move = Positioning(distance=0.05 * size)
+    else:
+        move = Positioning(distance=0.05 * size, max_velocity=0.3 * velocity)
+    limits = MotionLimits(acceleration=a, jerk=a / ramp)
+    setpoint = plan_setpoint(move, limits)
+    ours = jerk_steps(move, acceleration=np.array([a]), jerk=np.array([limits.jerk]))
+    assert ours.duration[0] == pytest.approx(setpoint.duration, rel=1e-9)
+    times = np.linspace(0.0, setpoint.duration, 97)
+    age = np.maximum(times[:, None] - ours.times, 0.0)
+    x = (age**3 / 6) @ ours.steps[0]
+    v = (age**2 / 2) @ ours.steps[0]
+    ruckig = sample_setpoint(setpoint, times)
+    assert np.allclose(v, ruckig[:, 1], atol=1e-8 * np.max(ruckig[:, 1]))
+    assert np.allclose(x, ruckig[:, 0], atol=1e-8 * np.max(ruckig[:, 0]))
+    assert np.max(np.abs(ruckig[:, 2])) <= a * (1 + 1e-9)
+
+
+def test_seven_segment_duration_of_textbooks() -> None:
+    """T = d/v + v/a + a/j: 0.95 s for 0.4 m, 0.5 m/s, 5 m/s², 100 m/s³."""
+    move = Positioning(distance=0.4, max_velocity=0.5)
+    setpoint = plan_setpoint(move, MotionLimits(acceleration=5.0, jerk=100.0))
+    assert setpoint.duration == pytest.approx(0.4 / 0.5 + 0.5 / 5 + 5 / 100, rel=1e-12)
+    assert sample_setpoint(setpoint, np.array([setpoint.duration]))[0, 0] == 0.4
+
+
+def test_derivatives_are_consistent_between_samples() -> None:
+    """A wrong polynomial between the knots would reach the loop as a false acceleration."""
+    setpoint = plan_setpoint(
+        VelocityStep(velocity_step=0.1),
+        MotionLimits(acceleration=2.0, jerk=150.0),
+        moving_average=7e-3,
+    )
+    t = np.linspace(-0.01, 0.1, 110001)
+    values = sample_setpoint(setpoint, t)
+    for column in range(3):
+        integral = np.concatenate(
+            [[0.0], np.cumsum(0.5 * (values[1:, column + 1] + values[:-1, column + 1])) * 1e-6]
+        )
+        scale = np.max(np.abs(values[:, column]))
+        assert np.allclose(integral, values[:, column], atol=2e-4 * scale)
+
+
+def test_moving_average_is_the_average_of_the_unfiltered_setpoint() -> None:
+    """The filter of the control is a sliding mean over the stated time."""
+    move, limits = VelocityStep(velocity_step=0.1), MotionLimits(acceleration=2.0, jerk=500.0)
+    plain = plan_setpoint(move, limits)
+    filtered = plan_setpoint(move, limits, moving_average=0.02)
+    assert filtered.duration == pytest.approx(plain.duration + 0.02, rel=1e-12)
+    window = np.linspace(0.0, 0.02, 20001)
+    for t in (0.003, 0.02, 0.041, 0.06):
+        fine = sample_setpoint(plain, t - window)[:, 1]
+        mean = np.mean(0.5 * (fine[1:] + fine[:-1]))
+        assert sample_setpoint(filtered, np.array([t]))[0, 1] == pytest.approx(mean, rel=1e-6)
+
+
+def test_ruckigs_refusal_becomes_a_named_outcome() -> None:
+    with pytest.raises(ComputationError, match="setpoint failed"):
+        plan_setpoint(VelocityStep(velocity_step=0.1), MotionLimits(acceleration=-1.0, jerk=1.0))
+
+
+def test_the_package_never_sets_waypoints() -> None:
+    """Ruckig's Community build would send them to a server on the network."""
+    sources = Path(mtcommission.__file__).parent.rglob("*.py")
+    assert not [file for file in sources if "intermediate_positions" in file.read_text("utf-8")]
