@@ -1,0 +1,437 @@
+"""Every conversion factor: "44.41 N/um" -> 44.41e6.
+
+A unit is read as a product of symbols, so the list stays short and "kN s/m", "kN·s/m",
+"kN*s/m" and "kNs/m" are one unit. Factors are exact fractions and powers of π: "52.2 ms" is the
+same number as 0.0522, to the last bit.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from dataclasses import dataclass
+from difflib import get_close_matches
+from fractions import Fraction
+from itertools import product
+from math import isfinite, pi
+from typing import NamedTuple
+
+LONGEST_TEXT = 80
+"""Characters of a quantity; keeps hostile input from costing time."""
+
+LONGEST_WORD = 8
+"""Letters of symbols written without a gap, as in "kNms"."""
+
+LARGEST = 10**300
+"""Beyond it a number is as good as infinite."""
+
+NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+DIGITS = re.compile(r"[+-]?[0-9.,]*[0-9]")
+TOKEN = re.compile(
+    r"(?P<power>\s*(?:\^|\*\*)\s*-?[0-9]|(?<=[A-Za-z°)])-?[2-9])"
+    r"|\s*(?:(?P<one>1000|1)(?=\s*/)|(?P<word>[A-Za-zµ°%]+)|(?P<mark>[*/()]))"
+)
+SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+
+class Token(NamedTuple):
+    """A piece of a unit: a power, the number 1 or 1000, a word, or a mark."""
+
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit as factor x π^pi_power x m^a kg^b s^c rad^d.
+
+    Parameters
+    ----------
+    exponents
+        (a, b, c, d). The radian is counted so that an angle is never taken for a length.
+    factor
+        Exact SI value of one such unit, without π.
+    pi_power
+        Power of π in the SI value.
+    """
+
+    exponents: tuple[int, int, int, int]
+    factor: Fraction = Fraction(1)
+    pi_power: int = 0
+
+    @property
+    def si_value(self) -> float:
+        """Value of one such unit in SI."""
+        return float(self.factor) * pi**self.pi_power
+
+    def __mul__(self, other: Unit) -> Unit:
+        m, kg, s, rad = (a + b for a, b in zip(self.exponents, other.exponents, strict=True))
+        return Unit((m, kg, s, rad), self.factor * other.factor, self.pi_power + other.pi_power)
+
+    def __pow__(self, power: int) -> Unit:
+        m, kg, s, rad = (power * a for a in self.exponents)
+        return Unit((m, kg, s, rad), self.factor**power, power * self.pi_power)
+
+
+@dataclass(frozen=True, slots=True)
+class Dimension:
+    """A kind of quantity: what a unit must measure.
+
+    Parameters
+    ----------
+    name
+        With its article, for messages: "a mass".
+    si
+        The SI unit, for messages.
+    forms
+        Units that count as 1 of this quantity. The first is the SI unit; further ones admit
+        what is written by custom, e.g. N m beside N m/rad.
+    usual
+        Units to propose, with their preposition.
+    """
+
+    name: str
+    si: str
+    forms: tuple[Unit, ...]
+    usual: str
+
+    def per(self, other: Dimension) -> Dimension:
+        """Return the quantity "this per other", e.g. a force per velocity."""
+        forms = tuple(a * b**-1 for a, b in product(self.forms, other.forms))
+        si = f"{self.si}/({other.si})"
+        return Dimension(f"{self.name} per {other.name.split(' ', 1)[1]}", si, forms, f"in {si}")
+
+
+ONE = Unit((0, 0, 0, 0))
+_METRE, _GRAM = Unit((1, 0, 0, 0)), Unit((0, 1, 0, 0), Fraction(1, 1000))
+_SECOND, _RADIAN = Unit((0, 0, 1, 0)), Unit((0, 0, 0, 1))
+_NEWTON = Unit((1, 1, -2, 0))
+_PREFIXES = {"n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "k": 3, "M": 6, "G": 9}
+
+
+def _symbols() -> dict[str, Unit]:
+    def scaled(unit: Unit, factor: Fraction, pi_power: int = 0) -> Unit:
+        return Unit(unit.exponents, unit.factor * factor, pi_power)
+
+    minute = scaled(_SECOND, Fraction(60))
+    turn = scaled(_RADIAN, Fraction(2), 1)
+    table = {
+        "t": scaled(_GRAM, Fraction(10**6)),
+        "min": minute,
+        "rev": turn,
+        "rpm": turn * minute**-1,
+        "deg": scaled(_RADIAN, Fraction(1, 180), 1),
+        "°": scaled(_RADIAN, Fraction(1, 180), 1),
+        "arcmin": scaled(_RADIAN, Fraction(1, 180 * 60), 1),
+        "arcsec": scaled(_RADIAN, Fraction(1, 180 * 3600), 1),
+        "%": scaled(ONE, Fraction(1, 100)),
+        "percent": scaled(ONE, Fraction(1, 100)),
+    }
+    # Each symbol with the prefixes in use, so that a slip such as "Mm" is not taken as a unit.
+    for symbol, unit, prefixes in (
+        ("m", _METRE, "nuµmc"),
+        ("g", _GRAM, "mk"),
+        ("s", _SECOND, "nuµm"),
+        ("N", _NEWTON, "mkMG"),
+        ("rad", _RADIAN, "nuµm"),
+        ("Hz", _SECOND**-1, "mk"),
+    ):
+        table[symbol] = unit
+        for prefix in prefixes:
+            table[prefix + symbol] = scaled(unit, Fraction(10) ** _PREFIXES[prefix])
+    return table
+
+
+SYMBOLS = _symbols()
+"""The units that may be combined; both micro signs are read as µ."""
+
+
+def read_unit(text: str) -> tuple[Unit, ...]:
+    """Return what a unit text can mean, the likeliest first.
+
+    Symbols written without a gap may be read in more than one way: "Nms" is N m s or N ms.
+    Products associate to the left, as in pint: "N/m s" is (N/m) s.
+
+    Parameters
+    ----------
+    text
+        Unit, e.g. ``"kN s/m"``; empty for a plain number.
+
+    Returns
+    -------
+    tuple of Unit
+
+    Raises
+    ------
+    ValueError
+        If a symbol is unknown or the text is not a product of powers of units.
+
+    Examples
+    --------
+    >>> [unit.si_value for unit in read_unit("N/um")]
+    [1000000.0]
+    >>> len(read_unit("Nms/rad"))
+    2
+    """
+    if len(text) > LONGEST_TEXT:
+        raise ValueError(f"a unit has at most {LONGEST_TEXT} characters")
+    plain = text.replace("μ", "µ").replace("per cent", "%").replace("×", "*")
+    plain = re.sub("[·⋅]", "*", plain)
+    plain = re.sub("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda m: "^" + m[0].translate(SUPERSCRIPTS), plain).strip()
+    if not plain:
+        return (ONE,)
+    tokens = _tokens("1" + plain if plain.startswith("/") else plain, text)
+    units = _product(tokens, text)
+    if tokens:
+        raise ValueError(f'"{text}" is not a unit: an opening parenthesis is missing')
+    return units
+
+
+def _tokens(plain: str, text: str) -> deque[Token]:
+    tokens: deque[Token] = deque()
+    place = 0
+    while place < len(plain):
+        match = TOKEN.match(plain, place)
+        if match is None or match.lastgroup is None:
+            raise ValueError(f'"{text}" is not a unit; write it like "N s/m" or "m/s^2"')
+        tokens.append(Token(match.lastgroup, match[match.lastgroup]))
+        place = match.end()
+    return tokens
+
+
+def _product(tokens: deque[Token], text: str) -> tuple[Unit, ...]:
+    """Take a product off the tokens, up to a closing parenthesis."""
+    units = _factor(tokens, text)
+    while tokens and tokens[0].text != ")":
+        mark = tokens.popleft().text if tokens[0].text in ("*", "/") else "*"
+        factors = _factor(tokens, text)
+        sign = -1 if mark == "/" else 1
+        # A dict, not a list: equal meanings would double with every word.
+        units = tuple(dict.fromkeys(a * b**sign for a, b in product(units, factors)))
+    return units
+
+
+def _factor(tokens: deque[Token], text: str) -> tuple[Unit, ...]:
+    """Take one unit, number or parenthesis with its power off the tokens."""
+    if not tokens:
+        raise ValueError(f'"{text}" is not a unit: it breaks off')
+    head = tokens.popleft()
+    if head.text == "(":
+        units = _product(tokens, text)
+        if not tokens:
+            raise ValueError(f'"{text}" is not a unit: a closing parenthesis is missing')
+        tokens.popleft()
+        return _raised(units, _power(tokens))
+    if head.kind == "one":
+        units = (Unit(ONE.exponents, Fraction(int(head.text))),)
+        return _raised(units, _power(tokens))
+    if head.kind == "word":
+        return _word(head.text, _power(tokens))
+    raise ValueError(f'"{text}" is not a unit: "{head.text}" is misplaced')
+
+
+def _power(tokens: deque[Token]) -> int:
+    if tokens and tokens[0].kind == "power":
+        return int(tokens.popleft().text.strip(" \t^*"))
+    return 1
+
+
+def _raised(units: tuple[Unit, ...], power: int) -> tuple[Unit, ...]:
+    return tuple(unit**power for unit in units)
+
+
+def _word(word: str, power: int) -> tuple[Unit, ...]:
+    """Return the meanings of a word; a power belongs to its last symbol: kgm^2 is kg m^2."""
+    if word in SYMBOLS:
+        return (SYMBOLS[word] ** power,)
+    splits = _splits(word) if len(word) <= LONGEST_WORD else []
+    if not splits:
+        same = [symbol for symbol in SYMBOLS if symbol.lower() == word.lower()]
+        close = same or get_close_matches(word, SYMBOLS, n=1, cutoff=0.6)
+        proposal = f' (did you mean "{close[0]}"?)' if close else ""
+        raise ValueError(f'unknown unit "{word}"{proposal}')
+    meanings = []
+    for *first, last in splits:
+        unit = SYMBOLS[last] ** power
+        for symbol in first:
+            unit = unit * SYMBOLS[symbol]
+        meanings.append(unit)
+    return tuple(dict.fromkeys(meanings))
+
+
+def _splits(word: str) -> list[tuple[str, ...]]:
+    """Return the ways to read a word as symbols side by side, short symbols first."""
+    if not word:
+        return [()]
+    return [
+        (word[:size], *rest)
+        for size in range(1, len(word) + 1)
+        if word[:size] in SYMBOLS
+        for rest in _splits(word[size:])
+    ]
+
+
+def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = False) -> float:
+    """Return the SI value of a number with a unit; a bare number is SI already.
+
+    Parameters
+    ----------
+    text
+        E.g. ``"44.41 N/um"``.
+    dimension
+        What it must be.
+    decimal_comma
+        Whether ``"2,5 ms"`` is read as 2.5 ms instead of refused.
+
+    Returns
+    -------
+    float
+        The double nearest to the exact value; finite.
+
+    Raises
+    ------
+    ValueError
+        With a message that says what was got and what to write.
+
+    Examples
+    --------
+    >>> parse_quantity("44.41 N/um", STIFFNESS)
+    44410000.0
+    >>> parse_quantity("20 deg", LENGTH)
+    Traceback (most recent call last):
+    ...
+    ValueError: got "20 deg", which is an angle; must be a length, in m, mm, um or nm
+    """
+    shown = _shorten(text)
+    if len(text) > LONGEST_TEXT:
+        raise ValueError(f'got "{shown}"; a quantity has at most {LONGEST_TEXT} characters')
+    number, unit = _split_number(text, shown, dimension, decimal_comma=decimal_comma)
+    try:
+        meanings = read_unit(unit)
+    except ValueError as error:
+        raise ValueError(f'got "{shown}": {error}; {_expected(dimension)}') from error
+    if not unit:
+        return _value(number, ONE, shown)
+    for meaning, form in product(meanings, dimension.forms):
+        if meaning.exponents == form.exponents:
+            return _value(number, meaning * form**-1, shown)
+    hint = "; g is the gram here, write 9.81 m/s^2" if unit == "g" else ""
+    raise ValueError(f'got "{shown}", which is {_name(meanings[0])}; {_expected(dimension)}{hint}')
+
+
+def _split_number(
+    text: str, shown: str, dimension: Dimension, *, decimal_comma: bool
+) -> tuple[str, str]:
+    """Return number and unit of a quantity as texts."""
+    plain = text.strip().replace("\N{MINUS SIGN}", "-")
+    digits = DIGITS.match(plain)
+    if digits is not None and "," in digits[0]:
+        plain = digits[0].replace(",", ".") + plain[digits.end() :]
+        if plain.count(".", 0, digits.end()) > 1:
+            raise ValueError(f'got "{shown}"; write the number without thousands separators')
+        if not decimal_comma:
+            raise ValueError(f'got "{shown}" with a comma; write it with a point: "{plain}"')
+    match = NUMBER.match(plain)
+    if match is not None:
+        return match[0], plain[match.end() :].strip()
+    if re.match(r"[+-]?(nan|inf)", plain, re.IGNORECASE):
+        raise ValueError(f'got "{shown}", must be a finite number; {_expected(dimension)}')
+    raise ValueError(f'got "{shown}", which does not begin with a number; {_expected(dimension)}')
+
+
+def _value(number: str, unit: Unit, shown: str) -> float:
+    rough = float(number)
+    if not isfinite(rough):
+        raise ValueError(f'got "{shown}", must be a finite number')
+    # Also keeps "0e999999999" from being spelt out as a fraction.
+    if rough == 0.0:
+        return 0.0
+    exact = Fraction(number) * unit.factor
+    if abs(exact) > LARGEST:
+        raise ValueError(f'got "{shown}", must be a finite number')
+    return float(exact) * pi**unit.pi_power
+
+
+def convert_to(value: float, unit: str) -> float:
+    """Return an SI value in another unit, for output.
+
+    Parameters
+    ----------
+    value
+        SI.
+    unit
+        Wanted unit, e.g. ``"mm/s^2"``.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        If the unit is unknown.
+
+    Examples
+    --------
+    >>> convert_to(2.5, "mm/s^2")
+    2500.0
+    """
+    return value / read_unit(unit)[0].si_value
+
+
+def _shorten(text: str) -> str:
+    printable = "".join(letter if letter.isprintable() else "?" for letter in text)
+    return printable if len(printable) <= LONGEST_TEXT else printable[: LONGEST_TEXT - 3] + "..."
+
+
+def _expected(dimension: Dimension) -> str:
+    return f"must be {dimension.name}, {dimension.usual}"
+
+
+def _name(unit: Unit) -> str:
+    for dimension in DIMENSIONS:
+        if unit.exponents == dimension.forms[0].exponents:
+            return dimension.name
+    parts = zip(("m", "kg", "s", "rad"), unit.exponents, strict=True)
+    symbols = [symbol if power == 1 else f"{symbol}^{power}" for symbol, power in parts if power]
+    return "a quantity in " + " ".join(symbols)
+
+
+def _dimension(name: str, si: str, usual: str, *custom: Unit) -> Dimension:
+    return Dimension(name, si, (read_unit(si)[0], *custom), usual)
+
+
+# The radian counts, but custom drops it wherever no length could be meant instead.
+MASS = _dimension("a mass", "kg", "in kg, g or t")
+LENGTH = _dimension("a length", "m", "in m, mm, um or nm")
+ANGLE = _dimension("an angle", "rad", "in rad, mrad, deg, arcsec or rev")
+TIME = _dimension("a time", "s", "in s, ms, us or min")
+FREQUENCY = _dimension(
+    "a frequency", "Hz", "in Hz, kHz or 1/min", Unit((0, 0, -1, 1), Fraction(2), 1)
+)
+FORCE = _dimension("a force", "N", "in N, kN or MN")
+TORQUE = _dimension("a torque", "N m", "in N m or kN m")
+INERTIA = _dimension("a moment of inertia", "kg m^2", "in kg m^2, kg cm^2 or kg mm^2")
+VELOCITY = _dimension("a velocity", "m/s", "in m/s, mm/s, m/min or mm/min")
+ANGULAR_VELOCITY = _dimension("an angular velocity", "rad/s", "in rad/s, deg/s or rev/min")
+ACCELERATION = _dimension("an acceleration", "m/s^2", "in m/s^2 or mm/s^2")
+ANGULAR_ACCELERATION = _dimension("an angular acceleration", "rad/s^2", "in rad/s^2 or deg/s^2")
+JERK = _dimension("a jerk", "m/s^3", "in m/s^3 or mm/s^3")
+ANGULAR_JERK = _dimension("an angular jerk", "rad/s^3", "in rad/s^3 or deg/s^3")
+STIFFNESS = _dimension("a stiffness", "N/m", "in N/m, N/mm, N/um or kN/mm")
+DAMPING = _dimension("a damping constant", "N s/m", "in N s/m or kN s/m")
+ROTARY_STIFFNESS = _dimension("a rotary stiffness", "N m/rad", "in N m/rad", Unit((2, 1, -2, 0)))
+ROTARY_DAMPING = _dimension(
+    "a rotary damping constant", "N m s/rad", "in N m s/rad", Unit((2, 1, -1, 0))
+)
+GAIN = _dimension("a position gain", "1/s", "in 1/s or (m/min)/mm")
+PER_MASS = _dimension("a gain per mass", "1/kg", "in 1/kg")
+PER_INERTIA = _dimension("a gain per inertia", "1/(kg m^2)", "in 1/(kg m^2)", Unit((-2, -1, 0, 1)))
+RATIO = _dimension("a ratio", "", "without a unit or in %")
+
+DIMENSIONS = (
+    MASS, LENGTH, ANGLE, TIME, FREQUENCY, FORCE, TORQUE, INERTIA, VELOCITY, ANGULAR_VELOCITY,
+    ACCELERATION, ANGULAR_ACCELERATION, JERK, ANGULAR_JERK, STIFFNESS, DAMPING,
+    ROTARY_STIFFNESS, ROTARY_DAMPING, PER_MASS, PER_INERTIA, RATIO,
+)  # fmt: skip
+"""All dimensions with a name of their own; a gain is a frequency by its exponents."""
