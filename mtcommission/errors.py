@@ -85,6 +85,10 @@ class Outcome(Enum):
         "the closed loop is unstable; lower velocity_gain, then position_gain, "
         "or leave them out to have them tuned"
     )
+    NOT_OBSERVABLE = (
+        "the sensors do not see this state, so no feedback can use it; "
+        'remove the gain, or add a second encoder with tcp_sensor = "position"'
+    )
     BANDWIDTH_OUT_OF_REACH = (
         "no stable loop reaches minimum_bandwidth with the required margins; "
         "shorten force_lag and the cycles, or lower minimum_bandwidth"

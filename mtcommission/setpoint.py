@@ -16,30 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.limits import MotionLimits
 from mtcommission.machine import Move, Positioning, VelocityStep
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MotionLimits:
-    """What the engineer types into the control.
-
-    Parameters
-    ----------
-    acceleration
-        a [m/s²].
-    jerk
-        j [m/s³].
-    """
-
-    acceleration: float
-    jerk: float
-
-    @property
-    def jerk_time(self) -> float:
-        """Time t_j = a/j of one acceleration ramp [s]."""
-        return self.acceleration / self.jerk
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

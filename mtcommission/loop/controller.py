@@ -130,12 +130,12 @@ def feedforward_delay(
     ...     force_lag=2.5e-3, jerk_feedforward=0.0, force_filters=()), 4)
     5.625
     """
-    filters = sum(_filter_delay(item) for item in force_filters)
+    filters = sum(filter_delay(item) for item in force_filters)
     own = POSITION_PATH_CYCLES * position_cycle + velocity_cycle
     return own + (1.0 - jerk_feedforward) * force_lag + filters
 
 
-def _filter_delay(item: ForceFilter) -> float:
+def filter_delay(item: ForceFilter) -> float:
     zeta, omega = item.damping, item.natural_frequency
     if item.kind is FilterKind.LOW_PASS:
         return 2.0 * zeta / omega

@@ -137,7 +137,7 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     force[3] = controller.jerk_feedforward * m * controller.force_lag
     force += controller.state_gains @ reference_state(model, controller) @ delayed
     A, B = discretise(plant, controller.velocity_cycle)
-    filters = tuple(_discretise_filter(item, controller) for item in controller.force_filters)
+    filters = tuple(discretise_filter(item, controller) for item in controller.force_filters)
     names = [f"plant.{name}" for name in plant.states]
     names += ["integrator", "pending_force"]
     names += [f"filter[{i}].{k}" for i, stage in enumerate(filters) for k in range(len(stage.B))]
@@ -169,7 +169,8 @@ def discretise(plant: Plant, step: float) -> tuple[Array, Array]:
     return transition[:n, :n], transition[:n, n]
 
 
-def _discretise_filter(item: ForceFilter, controller: Controller) -> Stage:
+def discretise_filter(item: ForceFilter, controller: Controller) -> Stage:
+    """Return a set-force filter at the velocity cycle (bilinear transform)."""
     numerator, denominator = filter_polynomials(item)
     A, B, C, D, _ = cont2discrete(
         tf2ss(numerator, denominator), controller.velocity_cycle, method="bilinear"

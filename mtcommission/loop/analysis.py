@@ -1,0 +1,176 @@
+"""Poles, margins and bandwidth of a loop. One of two doors to python-control.
+
+The loop is cut at F_set. Everything at the velocity cycle is exact in z = exp(i ω T_v); the
+position path is taken in its base band, that is, the images of its slower sampling are left
+out (they lie above 1/(2 T_p) and are attenuated by the hold and the plant).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, pi
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.controller import Controller
+from mtcommission.loop.sampled import LiftedLoop, discretise, discretise_filter
+from mtcommission.plant import Plant
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+GRID_POINTS = 1200
+"""Frequencies of the Bode plot; modes get a cluster of their own (empirical: margins of the
+shipped machines change by less than 0.01 dB and 0.05 degrees when doubled)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FrequencyResponse:
+    """Responses over frequency.
+
+    Parameters
+    ----------
+    frequency_hz
+        Shape (n,) [Hz].
+    open_loop
+        L, loop cut at F_set, shape (n,).
+    closed_velocity_loop
+        Velocity setpoint to encoder velocity, position loop open, shape (n,).
+    """
+
+    frequency_hz: Array
+    open_loop: ComplexArray
+    closed_velocity_loop: ComplexArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoopAnalysis:
+    """How good a loop is, whatever its setpoint.
+
+    Parameters
+    ----------
+    is_stable
+        Whether all poles of the lifted loop lie inside the unit circle.
+    poles
+        Poles of the lifted loop mapped to the s plane, ln(z)/T_p [1/s]; dead-time poles at
+        z = 0 are left out.
+    gain_margin_db, phase_margin_deg
+        Worst over all crossings, cut at F_set; inf where the curve does not cross.
+    sensitivity_peak
+        max |1/(1 + L)| [-].
+    bandwidth_hz
+        -3 dB of the closed velocity loop [Hz].
+    """
+
+    is_stable: bool
+    poles: ComplexArray
+    gain_margin_db: float
+    phase_margin_deg: float
+    sensitivity_peak: float
+    bandwidth_hz: float
+
+
+def frequency_response(plant: Plant, controller: Controller) -> FrequencyResponse:
+    """Return open and closed loop over frequency.
+
+    Parameters
+    ----------
+    plant, controller
+        The loop.
+
+    Returns
+    -------
+    FrequencyResponse
+        From 0.1 Hz to the Nyquist frequency of the velocity cycle.
+    """
+    T_v, N = controller.velocity_cycle, controller.cycles
+    omega = _grid(plant, controller)
+    z = np.exp(1j * omega * T_v)
+    A, B = discretise(plant, T_v)
+    states = _resolvent(A, B.astype(np.complex128)[None, :].repeat(z.size, 0), z)
+    encoder = states @ plant.row("encoder")
+    rate = states @ (plant.row("encoder") @ plant.A)
+    pi_law = controller.velocity_gain * (1.0 + T_v / controller.integral_time / (z - 1.0))
+    held = z**-N * (1.0 - z**-N) / (1.0 - 1.0 / z) / N
+    feedback = np.zeros_like(z)
+    observer = controller.observer
+    if observer.states:
+        measured = states @ np.array([plant.row(sensor) for sensor in controller.sensors]).T
+        drive = observer.B + measured @ observer.L.T
+        estimate = _resolvent(observer.A - observer.L @ observer.C, drive, z)
+        feedback = estimate @ controller.state_gains[list(observer.states)]
+    path = 1.0 / z
+    for item in controller.force_filters:
+        stage = discretise_filter(item, controller)
+        drive = np.tile(stage.B.astype(np.complex128), (z.size, 1))
+        path = path * (_resolvent(stage.A, drive, z) @ stage.C + stage.D)
+    inner = path * (pi_law * rate + feedback)
+    outer = path * pi_law * controller.position_gain * held * encoder
+    return FrequencyResponse(
+        frequency_hz=omega / (2 * pi),
+        open_loop=inner + outer,
+        closed_velocity_loop=path * pi_law * rate / (1.0 + inner),
+    )
+
+
+def analyse_loop(response: FrequencyResponse, lifted: LiftedLoop) -> LoopAnalysis:
+    """Return poles, margins and bandwidth.
+
+    Parameters
+    ----------
+    response
+        From ``frequency_response``.
+    lifted
+        The same loop as matrices.
+
+    Returns
+    -------
+    LoopAnalysis
+
+    Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4 (margins, sensitivity peak).
+    """
+    system = control.ss(
+        lifted.A, lifted.B, lifted.C[:1], lifted.D[:1], lifted.dt, remove_useless_states=False
+    )
+    z = np.asarray(control.poles(system))
+    alive = z[np.abs(z) > DEAD_TIME_RADIUS]
+    omega = 2 * pi * response.frequency_hz
+    curve = control.frd(response.open_loop, omega, smooth=True)
+    gains, phases, *_ = control.stability_margins(curve, returnall=True)
+    closed = np.abs(response.closed_velocity_loop)
+    below = np.flatnonzero(closed < 1.0 / np.sqrt(2.0))
+    return LoopAnalysis(
+        is_stable=bool(np.max(np.abs(z)) < 1.0),
+        poles=np.log(alive) / lifted.dt,
+        gain_margin_db=_worst(20.0 * np.abs(np.log10(np.asarray(gains)))),
+        phase_margin_deg=_worst(np.abs(np.asarray(phases))),
+        sensitivity_peak=float(np.max(1.0 / np.abs(1.0 + response.open_loop))),
+        bandwidth_hz=float(response.frequency_hz[below[0]]) if below.size else inf,
+    )
+
+
+DEAD_TIME_RADIUS = 1e-3
+"""Lifted poles inside this circle are dead times: at 2 ms they decay in 0.3 ms (empirical)."""
+
+
+def _worst(values: Array) -> float:
+    return float(np.min(values)) if values.size else inf
+
+
+def _grid(plant: Plant, controller: Controller) -> Array:
+    """Frequencies [rad/s] up to Nyquist, with clusters of each mode's half-width."""
+    nyquist = pi / controller.velocity_cycle
+    parts = [np.geomspace(2 * pi * 0.1, 0.999 * nyquist, GRID_POINTS)]
+    for mode in plant.modes:
+        width = max(mode.damping_ratio, 1e-3)
+        parts.append(mode.natural_frequency * (1.0 + width * np.linspace(-4.0, 4.0, 81)))
+    omega = np.unique(np.concatenate(parts))
+    return omega[(omega > 0.0) & (omega < nyquist)]
+
+
+def _resolvent(A: Array, drive: ComplexArray, z: ComplexArray) -> ComplexArray:
+    """Rows (zI - A)^-1 drive, shape (n_frequencies, n)."""
+    matrices = z[:, None, None] * np.eye(A.shape[0]) - A
+    return np.asarray(np.linalg.solve(matrices, drive[:, :, None])[:, :, 0])

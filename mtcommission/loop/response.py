@@ -1,0 +1,274 @@
+"""A setpoint through the loop, judged by the project's definitions.
+
+e(t) = TCP position - x_ref(t - τ); t_e ends the setpoint. Residual deviation: max |e| for
+t >= t_e + τ. Settling time: the later of t_e + τ and the last time with |e| above the band.
+Simulated at every velocity cycle until every closed-loop mode has decayed below 1 % of the
+band at the tool.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.sampled import LiftedLoop, SampledLoop, advance_cycle
+from mtcommission.machine import Drive
+from mtcommission.setpoint import Setpoint, sample_setpoint
+
+Array = NDArray[np.float64]
+
+DECAYED = 0.01
+"""Share of the band below which a mode counts as gone (the project's definition)."""
+
+HORIZON = 10.0
+"""A response that has not decayed this long after t_e is "not settled" [s] (empirical: no
+commissioning engineer waits longer)."""
+
+ZERO_POLE = 1e-6
+"""Lifted poles this small are dead times and gone after a few cycles."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoopResponse:
+    """What the machine does with a setpoint.
+
+    Parameters
+    ----------
+    t
+        Every velocity cycle, shape (n_samples,) [s].
+    deviation
+        e, shape (n_samples,) [m].
+    force
+        F_set, shape (n_samples,) [N].
+    states
+        Plant states, shape (n_samples, n).
+    t_end
+        t_e + τ [s].
+    settling_time
+        [s]; inf means "not settled".
+    residual_deviation, peak_deviation
+        [m]; residual inf if the response does not decay within the horizon.
+    mode_amplitudes
+        Amplitude of each plant mode at the tool at t_e + τ, about its quasi-static
+        deflection, shape (n_modes,) [m].
+    peaks
+        Largest magnitude of each of ``Plant.signals``.
+    max_force
+        Largest |F_set| that the loop asks for, saturation apart [N].
+    rms_force
+        Motor force over [0, t_e + dwell], static load included in its worse direction [N].
+    saturated
+        Whether it asks for more than the force limit; the motion shown is then the saturated one.
+    """
+
+    t: Array
+    deviation: Array
+    force: Array
+    states: Array
+    t_end: float
+    settling_time: float
+    residual_deviation: float
+    peak_deviation: float
+    mode_amplitudes: Array
+    peaks: Array
+    max_force: float
+    rms_force: float
+    saturated: bool
+
+
+def simulate(
+    loop: SampledLoop, lifted: LiftedLoop, setpoint: Setpoint, *, drive: Drive, band: float
+) -> LoopResponse:
+    """Return the response to a setpoint, at rest before it.
+
+    Parameters
+    ----------
+    loop, lifted
+        The same loop as arithmetic and as matrices.
+    setpoint
+        From t = 0, in step with a position cycle.
+    drive
+        Force limit and static load.
+    band
+        tcp_deviation of the requirements [m].
+
+    Returns
+    -------
+    LoopResponse
+    """
+    tau = loop.controller.reference_delay
+    until = setpoint.duration + tau
+    outputs, decayed = _run_linear(loop, lifted, setpoint, until=until, band=band)
+    max_force = float(np.max(np.abs(outputs[:, 2])))
+    saturated = max_force > drive.motion_force
+    if saturated:
+        outputs, decayed = _run_saturated(
+            loop, lifted, setpoint, limit=drive.motion_force, until=until, band=band
+        )
+    t = np.arange(len(outputs)) * loop.controller.velocity_cycle
+    reference = sample_setpoint(setpoint, t - tau)[:, 0]
+    deviation = outputs[:, 0] - reference
+    states = outputs[:, 3:]
+    signals = np.hstack([states, states @ loop.plant.C.T])
+    after = t >= until - 1e-12
+    return LoopResponse(
+        t=t,
+        deviation=deviation,
+        force=outputs[:, 2],
+        states=states,
+        t_end=until,
+        settling_time=_settling_time(t, deviation, until, band) if decayed else inf,
+        residual_deviation=float(np.max(np.abs(deviation[after]))) if decayed else inf,
+        peak_deviation=float(np.max(np.abs(deviation))),
+        mode_amplitudes=_mode_amplitudes(loop, states[int(np.argmax(after))]),
+        peaks=np.max(np.abs(signals), axis=0),
+        max_force=max_force,
+        rms_force=_rms_force(t, states[:, -1], setpoint, drive.static_load),
+        saturated=saturated,
+    )
+
+
+def steady_state(lifted: LiftedLoop) -> Array:
+    """Return the loop state that belongs to rest or coasting, shape (n, 2).
+
+    X = result @ (x_ref, v_ref) solves X⁺ = A X + B r with x_ref⁺ = x_ref + T_p v_ref.
+
+    Parameters
+    ----------
+    lifted
+        A stable loop.
+
+    Returns
+    -------
+    ndarray
+    """
+    eye = np.eye(len(lifted.A))
+    at_rest = np.linalg.solve(eye - lifted.A, lifted.B[:, 0])
+    coasting = np.linalg.solve(eye - lifted.A, lifted.B[:, 1] - lifted.dt * at_rest)
+    return np.column_stack([at_rest, coasting])
+
+
+def cycles_to_decay(lifted: LiftedLoop, transient: Array, *, amplitude: float) -> int:
+    """Return after how many position cycles every mode is below an amplitude at the tool.
+
+    Parameters
+    ----------
+    lifted
+        The loop.
+    transient
+        Loop state less its steady state, shape (n,).
+    amplitude
+        [m].
+
+    Returns
+    -------
+    int
+        Capped at the horizon plus one.
+    """
+    z, V = np.linalg.eig(lifted.A)
+    alive = np.abs(z) > ZERO_POLE
+    shares = np.linalg.lstsq(V, transient.astype(np.complex128), rcond=None)[0]
+    tool_rows = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
+    size = np.max(np.abs(lifted.C[tool_rows] @ (V * shares)), axis=0)
+    longest = ceil(HORIZON / lifted.dt) + 1
+    needed = 0.0
+    for radius, amount in zip(np.abs(z[alive]), size[alive], strict=True):
+        if amount > amplitude:
+            needed = max(
+                needed, inf if radius >= 1.0 else np.log(amplitude / amount) / np.log(radius)
+            )
+    return int(min(needed + 1, longest))
+
+
+def _run_linear(
+    loop: SampledLoop, lifted: LiftedLoop, setpoint: Setpoint, *, until: float, band: float
+) -> tuple[Array, bool]:
+    """Outputs at every velocity cycle, shape (n_samples, n_outputs), and whether they decayed."""
+    first = ceil(until / lifted.dt) + 1
+    references = sample_setpoint(setpoint, np.arange(first) * lifted.dt)
+    X = np.zeros(len(lifted.A))
+    history = [X]
+    for r in references[:-1]:
+        X = lifted.A @ X + lifted.B @ r
+        history.append(X)
+    more, decayed = _free_cycles(lifted, X, references[-1], band)
+    tail = sample_setpoint(setpoint, (first - 1 + np.arange(more + 1)) * lifted.dt)
+    for r in tail[:-1]:
+        X = lifted.A @ X + lifted.B @ r
+        history.append(X)
+    references = np.vstack([references, tail[1:]])
+    Y = np.array(history) @ lifted.C.T + references @ lifted.D.T
+    return Y.reshape(-1, len(loop.outputs)), decayed
+
+
+def _run_saturated(
+    loop: SampledLoop,
+    lifted: LiftedLoop,
+    setpoint: Setpoint,
+    *,
+    limit: float,
+    until: float,
+    band: float,
+) -> tuple[Array, bool]:
+    """The same with saturation, cycle by cycle; linear decay is awaited once it is left."""
+    X = np.zeros((len(lifted.A), 1))
+    pieces: list[Array] = []
+    last_saturated, decayed, k, stop = 0, False, 0, ceil(until / lifted.dt) + 1
+    longest = stop + ceil(HORIZON / lifted.dt)
+    while k < min(stop, longest):
+        r = sample_setpoint(setpoint, np.array([k * lifted.dt]))[0]
+        X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
+        pieces.append(Y[:, :, 0])
+        if np.max(np.abs(Y[:, 2, 0])) >= limit:
+            last_saturated = k
+        k += 1
+        if k == stop:
+            r = sample_setpoint(setpoint, np.array([k * lifted.dt]))[0]
+            more, decayed = _free_cycles(lifted, X[:, 0], r, band)
+            if more > 1 or last_saturated == k - 1:
+                stop += max(more, 1)
+    return np.concatenate(pieces), decayed
+
+
+def _free_cycles(lifted: LiftedLoop, X: Array, reference: Array, band: float) -> tuple[int, bool]:
+    """Position cycles still to simulate, and whether the loop has decayed by then."""
+    transient = X - steady_state(lifted) @ reference[:2]
+    cycles = cycles_to_decay(lifted, transient, amplitude=DECAYED * band)
+    return cycles, cycles * lifted.dt <= HORIZON
+
+
+def _settling_time(t: Array, deviation: Array, until: float, band: float) -> float:
+    outside = np.flatnonzero(np.abs(deviation) > band)
+    if not outside.size:
+        return until
+    last = int(outside[-1])
+    if last == len(t) - 1:
+        return inf
+    here, following = abs(deviation[last]), abs(deviation[last + 1])
+    crossing = t[last] + (t[last + 1] - t[last]) * (here - band) / (here - following)
+    return max(until, float(crossing))
+
+
+def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:
+    """Amplitude of each mode's free vibration from this state on, at the tool [m]."""
+    force = state[loop.plant.force]
+    amplitudes = []
+    for mode in loop.plant.modes:
+        zeta, omega = mode.damping_ratio, mode.natural_frequency
+        q = state[mode.deflection] / mode.scale - force / omega**2
+        rate = state[mode.rate] / mode.scale
+        quadrature = (rate + zeta * omega * q) / (omega * sqrt(1.0 - zeta**2))
+        amplitudes.append(abs(mode.tcp_gain) * sqrt(q**2 + quadrature**2))
+    return np.array(amplitudes)
+
+
+def _rms_force(t: Array, force: Array, setpoint: Setpoint, static_load: float) -> float:
+    """RMS over [0, t_e + dwell]; the motion may go either way against the static load."""
+    window = setpoint.duration + setpoint.move.dwell
+    inside = t <= window
+    square = float(np.trapezoid(force[inside] ** 2, t[inside])) / window
+    mean = float(np.trapezoid(force[inside], t[inside])) / window
+    return sqrt(square + static_load**2 + 2.0 * abs(static_load * mean))

@@ -1,0 +1,278 @@
+"""The linear response to thousands of setpoints at once, for the search.
+
+A setpoint is a sum of jerk steps. A jerk step of 1 that began the time s before position
+sample n is, at that and all later samples, sum_p s^p/p! times the p-th basis input, where
+basis p is the setpoint whose p-th lower derivative steps at sample n (p = 0: jerk, 1:
+acceleration, 2: velocity, 3: position). So the state of the sampled loop at the end of any
+setpoint is a short sum over tabulated states, exact for any instants of the steps, and what
+follows is free motion, one matrix product for all setpoints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.response import steady_state
+from mtcommission.loop.sampled import LiftedLoop, SampledLoop
+from mtcommission.setpoint import JerkSteps
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+LONGEST_SEARCH = 0.5
+"""Free motion looked at by the search after t_e [s]; what settles later counts as inf (a
+recommendation that needs longer is found by widening it, see ``search_horizon``)."""
+
+CHUNK = 512
+"""Setpoints per matrix product: keeps the responses in the cache (measured)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ResponseTables:
+    """What the search needs of one loop.
+
+    Parameters
+    ----------
+    dt, velocity_cycle, reference_delay
+        [s].
+    order
+        Highest derivative that steps: 3 jerk, 4 snap (behind a moving average).
+    states
+        Loop state n cycles after a basis input began, shape (order + 1, n_cycles, n).
+    free_motion
+        Tool deviation at each later velocity cycle per unit state, shape (n, n_samples).
+    steady
+        From ``steady_state``, shape (n, 2).
+    steady_deviation
+        Tool deviation while coasting, per unit velocity [s].
+    """
+
+    dt: float
+    velocity_cycle: float
+    reference_delay: float
+    order: int
+    states: Array
+    free_motion: Array
+    steady: Array
+    steady_deviation: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Settling:
+    """Judgement of many setpoints on one loop.
+
+    Parameters
+    ----------
+    settling_time
+        Shape (n_limits,) [s]; inf where the horizon ends first.
+    residual_deviation
+        Shape (n_limits,) [m].
+    """
+
+    settling_time: Array
+    residual_deviation: Array
+
+
+def build_tables(
+    loop: SampledLoop,
+    lifted: LiftedLoop,
+    *,
+    longest: float,
+    horizon: float = LONGEST_SEARCH,
+    filtered: bool = False,
+) -> ResponseTables:
+    """Return the tables of one loop.
+
+    Parameters
+    ----------
+    loop, lifted
+        The same loop as arithmetic and as matrices.
+    longest
+        Longest setpoint that will be asked for [s].
+    horizon
+        Free motion covered after it [s].
+    filtered
+        Whether the setpoints come from a moving average.
+
+    Returns
+    -------
+    ResponseTables
+    """
+    T, order = lifted.dt, 4 if filtered else 3
+    count = int(np.ceil(longest / T)) + 3
+    k = np.arange(count)
+    states = np.empty((order + 1, count, len(lifted.A)))
+    for p in range(order + 1):
+        references = np.column_stack(
+            [_basis(k * T, order - p - derivative) for derivative in range(4)]
+        )
+        X = np.zeros(len(lifted.A))
+        for i in range(count):
+            states[p, i] = X
+            X = lifted.A @ X + lifted.B @ references[i]
+    tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
+    rows = lifted.C[tool]
+    pieces = []
+    for _ in range(int(np.ceil(horizon / T))):
+        pieces.append(rows)
+        rows = rows @ lifted.A
+    steady = steady_state(lifted)
+    tau = loop.controller.reference_delay
+    return ResponseTables(
+        dt=T,
+        velocity_cycle=loop.controller.velocity_cycle,
+        reference_delay=tau,
+        order=order,
+        states=states,
+        free_motion=np.concatenate(pieces).T,
+        steady=steady,
+        steady_deviation=float(lifted.C[tool[0]] @ steady[:, 1]) + tau,
+    )
+
+
+def _basis(t: Array, power: int) -> Array:
+    """t^power / power!, zero for a negative power."""
+    return np.zeros_like(t) if power < 0 else t**power / factorial(power)
+
+
+def settle(tables: ResponseTables, steps: JerkSteps, *, band: float) -> Settling:
+    """Return settling time and residual deviation of many setpoints on one loop.
+
+    Parameters
+    ----------
+    tables
+        Of the loop; of order 4 if ``steps`` are snap steps.
+    steps
+        Instants and sizes of the steps of the highest derivative.
+    band
+        [m].
+
+    Returns
+    -------
+    Settling
+    """
+    count = len(steps.times)
+    settling, residual = np.empty(count), np.empty(count)
+    for start in range(0, count, CHUNK):
+        part = slice(start, start + CHUNK)
+        settling[part], residual[part] = _settle_chunk(
+            tables, steps.times[part], steps.steps[part], band
+        )
+    return Settling(settling_time=settling, residual_deviation=residual)
+
+
+def _settle_chunk(
+    tables: ResponseTables, times: Array, steps: Array, band: float
+) -> tuple[Array, Array]:
+    T, T_v = tables.dt, tables.velocity_cycle
+    t_e = times[:, -1]
+    end = np.ceil(t_e / T - 1e-9).astype(np.int64)
+    X, reference, velocity = _state_at(tables, times, steps, end)
+    X -= reference[:, None] * tables.steady[:, 0] + velocity[:, None] * tables.steady[:, 1]
+    e = np.abs(X @ tables.free_motion + (velocity * tables.steady_deviation)[:, None])
+
+    # Before t_e + τ the delayed setpoint still moves; those samples do not count.
+    begin = np.ceil((t_e + tables.reference_delay - end * T) / T_v - 1e-9).astype(np.int64)
+    begin = np.maximum(begin, 0)
+    head = int(begin.max()) + 1
+    e[:, :head][np.arange(head) < begin[:, None]] = 0.0
+    residual = e.max(axis=1)
+    outside = e > band
+    n = e.shape[1]
+    last = n - 1 - np.argmax(outside[:, ::-1], axis=1)
+    settled = ~outside.any(axis=1)
+    following = np.minimum(last + 1, n - 1)
+    rows = np.arange(len(e))
+    here, there = e[rows, last], e[rows, following]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = last + (here - band) / (here - there)
+    until = t_e + tables.reference_delay
+    settling = np.where(settled, until, np.maximum(until, end * T + crossing * T_v))
+    settling[~settled & (last >= n - 1)] = np.inf
+    return settling, residual
+
+
+def _state_at(
+    tables: ResponseTables, times: Array, steps: Array, end: IntArray
+) -> tuple[Array, Array, Array]:
+    """Loop state, x_ref and v_ref at position sample ``end`` of each setpoint."""
+    T, order = tables.dt, tables.order
+    begun = np.ceil(times / T - 1e-9).astype(np.int64)
+    early = np.maximum(begun * T - times, 0.0)
+    index = end[:, None] - begun
+    X = np.zeros((len(times), tables.states.shape[2]))
+    for p in range(order + 1):
+        weight = steps * early**p / factorial(p)
+        X += np.einsum("ms,msn->mn", weight, tables.states[p][index])
+    age = end[:, None] * T - times
+    reference = np.sum(steps * age**order, axis=1) / factorial(order)
+    velocity = np.sum(steps * age ** (order - 1), axis=1) / factorial(order - 1)
+    return X, reference, velocity
+
+
+def moving_average_steps(steps: JerkSteps, *, time: float) -> JerkSteps:
+    """Return the snap steps of the same setpoints behind a moving average.
+
+    Parameters
+    ----------
+    steps
+        Jerk steps.
+    time
+        Length of the average [s], > 0.
+
+    Returns
+    -------
+    JerkSteps
+        ``steps`` now in m/s⁴; the last instant is the end of the filtered setpoint.
+    """
+    return JerkSteps(
+        times=np.hstack([steps.times, steps.times + time]),
+        steps=np.hstack([steps.steps, -steps.steps]) / time,
+    )
+
+
+def extremes(
+    lifted: LiftedLoop, steps: JerkSteps, *, signals: Array, order: int, settle_cycles: int
+) -> Array:
+    """Return the largest magnitude of some outputs of one loop for a few setpoints.
+
+    Parameters
+    ----------
+    lifted
+        The loop.
+    steps
+        Steps of the derivative ``order``.
+    signals
+        Rows over (outputs of one velocity cycle), shape (n_signals, n_outputs).
+    order
+        3 jerk, 4 snap.
+    settle_cycles
+        Position cycles to look at after the longest setpoint.
+
+    Returns
+    -------
+    ndarray, shape (n_limits, n_signals)
+    """
+    cycles = int(np.ceil(float(np.max(steps.duration)) / lifted.dt)) + settle_cycles
+    per_cycle = signals.shape[1]
+    rows = len(lifted.outputs) // per_cycle
+    C = (signals @ lifted.C.reshape(rows, per_cycle, -1)).reshape(-1, len(lifted.A))
+    D = (signals @ lifted.D.reshape(rows, per_cycle, -1)).reshape(-1, 4)
+    X = np.zeros((len(lifted.A), len(steps.times)))
+    largest = np.zeros((len(C), len(steps.times)))
+    for k in range(cycles):
+        age = np.maximum(k * lifted.dt - steps.times, 0.0)
+        begun = k * lifted.dt - steps.times >= -1e-12
+        r = np.array(
+            [
+                np.sum(steps.steps * begun * _basis(age, order - derivative), axis=1)
+                for derivative in range(4)
+            ]
+        )
+        np.maximum(largest, np.abs(C @ X + D @ r), out=largest)
+        X = lifted.A @ X + lifted.B @ r
+    return np.asarray(largest.reshape(rows, len(signals), -1).max(axis=0).T)

@@ -1,0 +1,288 @@
+"""Commissioning <-> JSON: the record that stays, and that every sheet is printed from.
+
+All numbers are SI without suffix unless the key says otherwise (``_hz``, ``_db``, ``_deg``).
+JSON knows no infinity: a settling time that was not reached, or a limit that was not set, is
+null.
+"""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+SCHEMA = 1
+
+
+class Tool(TypedDict):
+    """Program and version, and the versions of the libraries that computed."""
+
+    name: str
+    version: str
+    libraries: dict[str, str]
+
+
+class Profile(TypedDict):
+    """The machine profile as read."""
+
+    name: str
+    sha256: str
+    text: str
+
+
+class Quantity(TypedDict):
+    """One machine datum as the sheet shows it: its key in the profile, value and SI unit."""
+
+    key: str
+    value: float | str
+    unit: str
+    source: str
+
+
+class ModeEntry(TypedDict):
+    """A flexible mode of the plant."""
+
+    name: str
+    frequency_hz: float
+    damping_ratio: float
+    tcp_gain: float
+    measured_gain: float
+
+
+class PlantEntry(TypedDict):
+    """The plant: x' = A x + B F_set and its outputs, rows over the states."""
+
+    states: list[str]
+    units: dict[str, str]
+    A: list[list[float]]
+    B: list[float]
+    outputs: dict[str, list[float]]
+    modes: list[ModeEntry]
+    controllability_rank: int
+    moving_mass: float
+    rigid_acceleration: float
+
+
+class Series(TypedDict):
+    """A sampled motion for the plots; ``signals`` by name (F_set, then every state and output)."""
+
+    t: list[float]
+    signals: dict[str, list[float]]
+
+
+class ArcEntry(TypedDict):
+    """An arc of an optimal control."""
+
+    t_start: float
+    t_end: float
+    control: str
+
+
+class OptimumEntry(TypedDict):
+    """An optimal control as `optimal --json` prints it, with its motion for the plots."""
+
+    kind: str
+    method: str
+    f_max: float
+    move: dict[str, float]
+    limits: dict[str, float]
+    t_f: float
+    arcs: list[ArcEntry]
+    switching_times: list[float]
+    touch_points: list[dict[str, float | str]]
+    peaks: dict[str, float]
+    terminal_error: dict[str, float]
+    cost: float | None
+    cost_terms: dict[str, float]
+    weights: dict[str, float]
+    certificate: dict[str, float | bool | dict[str, float] | list[float] | None]
+    series: Series
+
+
+class OptimaEntry(TypedDict):
+    """The optima of one move; ``constrained`` is null where the profile bounds no peaks."""
+
+    move: dict[str, float]
+    time: OptimumEntry
+    constrained: OptimumEntry | None
+    damping: OptimumEntry | None
+    remarks: list[str]
+
+
+class LimitsEntry(TypedDict):
+    """Recommended limits with what bound them."""
+
+    acceleration: float
+    jerk: float
+    jerk_time: float
+    bound_by: str
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float
+
+
+class Alternative(TypedDict):
+    """Other limits, and why they are shown."""
+
+    name: str
+    acceleration: float
+    jerk: float
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float
+    meets_requirements: bool
+
+
+class RuleResult(TypedDict):
+    """A maker's or textbook's rule, in the same simulation."""
+
+    name: str
+    source: str
+    acceleration: float
+    jerk: float
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float
+    meets_requirements: bool
+
+
+class RuleText(TypedDict):
+    """The rule of thumb, in words and as a formula, with its range."""
+
+    text: str
+    formula: str
+    valid_for: str
+
+
+class Landscape(TypedDict):
+    """Worst settling time over (a, j): ``settling_time[i][k]`` at acceleration i, jerk time k."""
+
+    acceleration: list[float]
+    jerk_time: list[float]
+    settling_time: list[list[float | None]]
+
+
+class LimitsPart(TypedDict):
+    """All about the limits."""
+
+    recommended: LimitsEntry
+    alternatives: list[Alternative]
+    rules: list[RuleResult]
+    rule: RuleText
+    landscape: Landscape
+    search: dict[str, float]
+
+
+class ClosedLoop(TypedDict):
+    """The linear nominal loop from [x_ref, v_ref, a_ref, j_ref] to the outputs."""
+
+    A: list[list[float]]
+    B: list[list[float]]
+    C: list[list[float]]
+    D: list[list[float]]
+    dt: float
+    states: list[str]
+    inputs: list[str]
+    outputs: list[str]
+
+
+class LoopPart(TypedDict):
+    """The controller and how good its loop is; margins with the loop cut at F_set."""
+
+    Kv: float
+    Kp: float
+    Tn: float
+    reference_delay: float
+    state_feedback: dict[str, float]
+    feedforward: dict[str, float]
+    position_cycle: float
+    velocity_cycle: float
+    sensors: list[str]
+    observed_states: list[str]
+    closed_loop: ClosedLoop
+    poles: list[list[float]]
+    gain_margin_db: float | None
+    phase_margin_deg: float | None
+    sensitivity_peak: float
+    bandwidth_hz: float | None
+    worst_corner: dict[str, float | None]
+    bode: Series
+    remarks: list[str]
+
+
+class Segment(TypedDict):
+    """One segment of Ruckig's profile."""
+
+    duration: float
+    jerk: float
+
+
+class SetpointEntry(TypedDict):
+    """The setpoint of a move with the recommended limits."""
+
+    duration: float
+    moving_average: float
+    segments: list[Segment]
+
+
+class ResponseEntry(TypedDict):
+    """A closed-loop response in one corner."""
+
+    payload: float
+    frequency_factor: float
+    damping_factor: float
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float
+    mode_amplitudes: dict[str, float]
+    peaks: dict[str, float]
+    max_force: float
+    rms_force: float
+    saturated: bool
+
+
+class MoveEntry(TypedDict):
+    """One move with the recommended limits: nominal response, corners, motion for the plots."""
+
+    move: dict[str, float]
+    setpoint: SetpointEntry
+    response: ResponseEntry
+    corners: list[ResponseEntry]
+    series: Series
+
+
+class Check(TypedDict):
+    """One requirement against what was found; ``value`` null = not settled."""
+
+    name: str
+    value: float | None
+    limit: float
+    unit: str
+    met: bool
+    where: str
+
+
+class AssessmentPart(TypedDict):
+    """The verdict."""
+
+    met: bool
+    checks: list[Check]
+    obstacle: str
+
+
+class Record(TypedDict):
+    """A whole commissioning."""
+
+    schema: int
+    tool: Tool
+    created: str
+    profile: Profile
+    machine: dict[str, str]
+    data: list[Quantity]
+    settings: dict[str, float | str]
+    assumptions: list[str]
+    warnings: list[str]
+    plant: PlantEntry
+    optima: list[OptimaEntry]
+    limits: LimitsPart
+    loop: LoopPart
+    moves: list[MoveEntry]
+    assessment: AssessmentPart
