@@ -101,6 +101,11 @@ class Dimension:
         si = f"{self.si}/({other.si})"
         return Dimension(f"{self.name} per {other.name.split(' ', 1)[1]}", si, forms, f"in {si}")
 
+    def squared(self) -> Dimension:
+        """Return the square of the quantity."""
+        forms = tuple(unit**2 for unit in self.forms)
+        return Dimension(f"{self.name} squared", f"({self.si})^2", forms, f"in ({self.si})^2")
+
 
 ONE = Unit((0, 0, 0, 0))
 _METRE, _GRAM = Unit((1, 0, 0, 0)), Unit((0, 1, 0, 0), Fraction(1, 1000))
@@ -427,6 +432,10 @@ ROTARY_DAMPING = _dimension(
 GAIN = _dimension("a position gain", "1/s", "in 1/s or (m/min)/mm")
 PER_MASS = _dimension("a gain per mass", "1/kg", "in 1/kg")
 PER_INERTIA = _dimension("a gain per inertia", "1/(kg m^2)", "in 1/(kg m^2)", Unit((-2, -1, 0, 1)))
+MODAL_DEFLECTION = _dimension("a modal deflection", "N s^2", "in N s^2")
+MODAL_RATE = _dimension("a modal rate", "N s", "in N s")
+ROTARY_MODAL_DEFLECTION = _dimension("a rotary modal deflection", "N m s^2", "in N m s^2")
+ROTARY_MODAL_RATE = _dimension("a rotary modal rate", "N m s", "in N m s")
 RATIO = _dimension("a ratio", "", "without a unit or in %")
 
 DIMENSIONS = (

@@ -1,0 +1,307 @@
+"""Machine profile (TOML) -> Machine: units to SI, every fault at once, with file and line."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.machine import Machine
+from mtcommission.profile_build import build_machine
+from mtcommission.profile_lines import KeyLines, KeyPath, find_key_lines
+from mtcommission.profile_model import (
+    ControlTable,
+    DampingOptimalTable,
+    DriveTable,
+    ForceFilterTable,
+    MachineTable,
+    ManipulatorTable,
+    ModalTable,
+    ModeBands,
+    ModeTable,
+    MoveTable,
+    ProfileTable,
+    RequirementsTable,
+    SetpointFilterTable,
+    Table,
+)
+from mtcommission.profile_values import Context, Faults, describe, propose
+from mtcommission.units import (
+    ANGLE,
+    ANGULAR_VELOCITY,
+    FORCE,
+    LENGTH,
+    MODAL_DEFLECTION,
+    MODAL_RATE,
+    ROTARY_MODAL_DEFLECTION,
+    ROTARY_MODAL_RATE,
+    TORQUE,
+    VELOCITY,
+    Dimension,
+)
+
+LARGEST_FILE = 1_000_000
+"""Bytes; a profile has a few thousand."""
+
+_TABLES: Mapping[tuple[str, ...], type[Table]] = {
+    (): ProfileTable,
+    ("machine",): MachineTable,
+    ("plant", "manipulator"): ManipulatorTable,
+    ("plant", "modal"): ModalTable,
+    ("plant", "modal", "modes"): ModeTable,
+    ("drive",): DriveTable,
+    ("moves",): MoveTable,
+    ("requirements",): RequirementsTable,
+    ("requirements", "modes"): ModeBands,
+    ("damping_optimal",): DampingOptimalTable,
+    ("control",): ControlTable,
+    ("control", "setpoint_filter"): SetpointFilterTable,
+    ("control", "force_filters"): ForceFilterTable,
+}
+
+
+def read_profile(path: Path | str) -> Machine:
+    """Return the machine that a profile file describes.
+
+    Parameters
+    ----------
+    path
+        TOML file in UTF-8, with or without byte order mark.
+
+    Returns
+    -------
+    Machine
+        SI.
+
+    Raises
+    ------
+    InputError
+        With every fault found.
+    """
+    return parse_profile(read_profile_text(path), where=str(path))
+
+
+def read_profile_text(path: Path | str) -> str:
+    """Return the text of a profile file, without byte order mark.
+
+    Parameters
+    ----------
+    path
+        TOML file in UTF-8.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read as text.
+    """
+    where = str(path)
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except FileNotFoundError as error:
+        raise _file_fault(where, "there is no such file; check the name") from error
+    except IsADirectoryError as error:
+        raise _file_fault(where, "is a directory; name a profile (.toml) in it") from error
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise _file_fault(where, f"cannot be read: {reason}") from error
+    if len(data) > LARGEST_FILE:
+        raise _file_fault(where, f"is larger than {LARGEST_FILE} bytes; that is no profile")
+    if b"\0" in data:
+        raise _file_fault(where, "is a binary or UTF-16 file; save the profile as UTF-8 text")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the profile as UTF-8 text"
+        raise InputError([Fault(where=where, line=line, message=message)]) from error
+
+
+def profile_text_hash(data: bytes) -> str:
+    """Return the SHA-256 of a profile's bytes, as 64 hexadecimal digits.
+
+    Parameters
+    ----------
+    data
+        The file as it is on disk.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> profile_text_hash(b"")[:8]
+    'e3b0c442'
+    """
+    return sha256(data).hexdigest()
+
+
+def parse_profile(text: str, *, where: str) -> Machine:
+    """Return the machine that a profile text describes.
+
+    Parameters
+    ----------
+    text
+        TOML.
+    where
+        Name for messages, e.g. the file name.
+
+    Returns
+    -------
+    Machine
+        SI.
+
+    Raises
+    ------
+    InputError
+        With every fault found, ordered by line.
+    """
+    if not text.strip():
+        message = "is empty; start from one of the shipped profiles"
+        raise InputError([Fault(where=where, line=1, message=message)])
+    data = _load_toml(text, where=where)
+    try:
+        table = ProfileTable.model_validate(data, context=_context(data))
+    except ValidationError as error:
+        lines = find_key_lines(text)
+        faults = [fault for detail in error.errors() for fault in _translate(detail, where, lines)]
+        raise InputError(sorted(faults, key=lambda fault: fault.line)) from error
+    return build_machine(table)
+
+
+def profile_schema() -> str:
+    """Return the JSON schema of profiles, as JSON text.
+
+    Returns
+    -------
+    str
+        Quantities carry their SI unit as ``x-unit`` and ``x-unit-rotary``.
+
+    Examples
+    --------
+    >>> json.loads(profile_schema())["title"]
+    'ProfileTable'
+    """
+    return json.dumps(ProfileTable.model_json_schema(by_alias=True), indent=2)
+
+
+def _file_fault(where: str, message: str) -> InputError:
+    return InputError([Fault(where=where, message=message)])
+
+
+def _load_toml(text: str, *, where: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        message = "is nested too deeply; a profile needs no more than three levels"
+        raise InputError([Fault(where=where, line=1, message=message)]) from error
+    except ValueError as error:  # also numbers with thousands of digits
+        place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
+        line = int(place[1]) if place else max(1, len(text.splitlines()))
+        reason = re.sub(r" ?\(at [^)]*\)", "", str(error))
+        hint = "; a quantity with a unit stands in quotes" if _is_bare_unit(text, line) else ""
+        message = f"TOML syntax: {reason}{hint}"
+        raise InputError([Fault(where=where, line=line, message=message)]) from error
+
+
+def _is_bare_unit(text: str, line: int) -> bool:
+    lines = text.split("\n")
+    found = re.search(r"=\s*[-+]?[0-9.]+\s*[A-Za-zµμ°%]", lines[line - 1] if lines else "")
+    return found is not None
+
+
+def _context(data: Mapping[str, Any]) -> Context:
+    """Return what values depend on, from data that may still be wrong."""
+    machine, plant = data.get("machine"), data.get("plant")
+    is_rotary = isinstance(machine, dict) and machine.get("motion") == "rotary"
+    position, velocity, force, deflection, rate = (
+        (ANGLE, ANGULAR_VELOCITY, TORQUE, ROTARY_MODAL_DEFLECTION, ROTARY_MODAL_RATE)
+        if is_rotary
+        else (LENGTH, VELOCITY, FORCE, MODAL_DEFLECTION, MODAL_RATE)
+    )
+    kind = plant.get("kind") if isinstance(plant, dict) else ""
+    states: dict[str, Dimension] = {}
+    if isinstance(plant, dict) and kind == "manipulator":
+        states = {"x_b": position, "x_s": position, "phi": ANGLE}
+        states |= {"v_b": velocity, "v_s": velocity, "v_phi": ANGULAR_VELOCITY, "F": force}
+    if isinstance(plant, dict) and kind == "modal":
+        modes = plant.get("modes")
+        tables = (
+            [mode for mode in modes if isinstance(mode, dict)] if isinstance(modes, list) else []
+        )
+        states = {"x": position, "v": velocity, "F": force}
+        for name in (mode.get("name") for mode in tables):
+            states |= {f"q_{name}": deflection, f"v_{name}": rate}
+    outputs = dict.fromkeys(("tcp", "encoder", "tcp_vibration"), position)
+    return Context(is_rotary=is_rotary, states=states, outputs=outputs)
+
+
+def _translate(detail: ErrorDetails, where: str, lines: KeyLines) -> list[Fault]:
+    """Return the faults behind one pydantic error, in our words."""
+    loc: KeyPath = detail["loc"]
+    path = loc
+    if loc[:1] == ("plant",) and loc[1:2] in (("manipulator",), ("modal",)):
+        path = (loc[0], *loc[2:])  # pydantic puts the kind into the path
+    cause = detail.get("ctx", {}).get("error")
+    items = cause.items if isinstance(cause, Faults) else (("", _message(detail, loc)),)
+    if detail["type"] in ("union_tag_not_found", "union_tag_invalid"):
+        path = (*path, "kind")
+    faults = []
+    for below, message in items:
+        parts = [int(part) if part.isdigit() else part for part in below.split(".") if part]
+        key = (*path, *parts)
+        faults.append(
+            Fault(
+                where=where,
+                line=lines.line_of(key),
+                key=".".join(str(part) for part in key),
+                message=message,
+            )
+        )
+    return faults
+
+
+def _message(detail: ErrorDetails, loc: KeyPath) -> str:
+    got = describe(detail["input"])
+    context = detail.get("ctx", {})
+    table = _TABLES.get(tuple(part for part in loc[:-1] if isinstance(part, str)), ProfileTable)
+    fields = {field.alias or name: field for name, field in table.model_fields.items()}
+    name = str(loc[-1]) if loc else ""
+    match detail["type"]:
+        case "extra_forbidden":
+            return f"unknown key{propose(name, fields)}"
+        case "missing":
+            examples = fields[name].examples if name in fields else None
+            header = "[[moves]]" if name == "moves" else f"[{name}]"
+            add = f"{name} = {examples[0]}" if examples else f"a table {header}"
+            return f"missing; add {add}"
+        case "literal_error":
+            return f"got {got}, must be {context['expected'].replace(chr(39), chr(34))}"
+        case "union_tag_not_found":
+            return 'missing; add kind = "manipulator" or kind = "modal"'
+        case "union_tag_invalid":
+            return f'got "{context["tag"]}", must be "manipulator" or "modal"'
+        case "model_type" | "model_attributes_type":
+            return f"got {got}, must be a table"
+        case "list_type":
+            return f"got {got}, must be an array"
+        case "too_short":
+            return (
+                f"got {context['actual_length']} elements, at least {context['min_length']} needed"
+            )
+        case "too_long":
+            return f"got too many elements, at most {context['max_length']} allowed"
+    return f"got {got}: {detail['msg']}"

@@ -1,0 +1,115 @@
+"""Where each key of a TOML text stands, so that every fault can name its line.
+
+tomllib keeps no positions. This scanner only looks for keys; it trusts that tomllib has
+accepted the text.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+KeyPath = tuple[str | int, ...]
+
+_PIECE = re.compile(
+    r'"""(?:\\[\s\S]|[^\\])*?"{3,5}'  # up to two quotes may precede the closing three
+    r"|'''[\s\S]*?'{3,5}"
+    r'|"(?:\\.|[^"\\\n])*"'
+    r"|'[^'\n]*'"
+    r"|\#[^\n]*"
+    r"|[\n\[\]{}=]"
+    r"|[^\n\[\]{}=\"'\#]+"
+)
+_KEY_PART = re.compile(r'"((?:\\.|[^"\\])*)"|\'([^\']*)\'|([A-Za-z0-9_-]+)')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeyLines:
+    """The line of every table and of every key that starts a line.
+
+    Parameters
+    ----------
+    lines
+        Path, e.g. ``("moves", 0, "distance")``, to line, counted from 1.
+    """
+
+    lines: Mapping[KeyPath, int]
+
+    def line_of(self, path: KeyPath) -> int:
+        """Return the line of a key, or of the nearest key or table that holds it; else 1."""
+        for size in range(len(path), 0, -1):
+            if path[:size] in self.lines:
+                return self.lines[path[:size]]
+        return 1
+
+
+def find_key_lines(text: str) -> KeyLines:
+    r"""Return where the keys of a TOML text stand.
+
+    Parameters
+    ----------
+    text
+        Valid TOML.
+
+    Returns
+    -------
+    KeyLines
+
+    Examples
+    --------
+    >>> find_key_lines("[drive]\nmax_force = 1\n").line_of(("drive", "max_force"))
+    2
+    """
+    lines: dict[KeyPath, int] = {}
+    counts: Counter[KeyPath] = Counter()
+    table: KeyPath = ()
+    for line, statement in _statements(text):
+        keys = _split(statement)
+        if statement.startswith("["):
+            table = _resolve(keys, counts)
+            lines.setdefault(table, line)
+            if statement.startswith("[["):
+                counts[table] += 1
+                table = (*table, counts[table] - 1)
+                lines[table] = line
+        else:
+            for size in range(1, len(keys) + 1):
+                lines.setdefault((*table, *keys[:size]), line)
+    return KeyLines(lines=lines)
+
+
+def _statements(text: str) -> list[tuple[int, str]]:
+    """Return the first line and the text up to "=" of each table header and key."""
+    statements: list[tuple[int, str]] = []
+    line, start, depth, head, in_value = 1, 1, 0, "", False
+    for match in _PIECE.finditer(text):
+        piece = match[0]
+        if piece == "\n" and depth == 0:
+            if head.strip():
+                statements.append((start, head.strip()))
+            head, in_value = "", False
+        elif piece == "=" and not in_value:
+            in_value = True
+        elif in_value:
+            depth += (piece in ("[", "{")) - (piece in ("]", "}"))
+        elif piece[0] not in "#\n":
+            start = start if head.strip() else line
+            head += piece
+        line += piece.count("\n")
+    return [*statements, (start, head.strip())] if head.strip() else statements
+
+
+def _split(statement: str) -> list[str]:
+    return [match[1] or match[2] or match[3] or "" for match in _KEY_PART.finditer(statement)]
+
+
+def _resolve(keys: list[str], counts: Counter[KeyPath]) -> KeyPath:
+    """Return a header's path, with the index of the current element of each array on the way."""
+    path: KeyPath = ()
+    for depth, key in enumerate(keys):
+        path = (*path, key)
+        if depth < len(keys) - 1 and counts[path]:
+            path = (*path, counts[path] - 1)
+    return path

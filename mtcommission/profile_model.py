@@ -1,0 +1,452 @@
+"""The keys of a profile: what each means, what is allowed, and what must fit together.
+
+The classes mirror the TOML tables one to one. A key that may be left out is None here; what
+that means is decided where the Machine is built.
+"""
+
+from __future__ import annotations
+
+from math import inf, pi, sqrt
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from mtcommission.errors import Outcome
+from mtcommission.profile_values import (
+    Faults,
+    Name,
+    PerSignal,
+    Quantity,
+    Range,
+    SignalTable,
+    describe,
+)
+from mtcommission.units import (
+    ANGLE,
+    ANGULAR_VELOCITY,
+    DAMPING,
+    FORCE,
+    FREQUENCY,
+    GAIN,
+    INERTIA,
+    LENGTH,
+    MASS,
+    PER_INERTIA,
+    PER_MASS,
+    RATIO,
+    ROTARY_DAMPING,
+    ROTARY_STIFFNESS,
+    STIFFNESS,
+    TIME,
+    TORQUE,
+    VELOCITY,
+    Dimension,
+)
+
+EQUAL_POLES = 1e-6
+"""Relative distance of two poles below which they count as one, as in the plant."""
+MOST_MODES = 8
+LARGEST_FREQUENCY_SPREAD = 0.5
+WHOLE_MULTIPLE = 1e-9
+"""Relative distance from a whole number of velocity cycles."""
+
+
+def _range(dimension: Dimension, low: float, high: float, above: float = -inf) -> Range:
+    return Range(dimension=dimension, low=low, high=high, above=above)
+
+
+def _same(dimension: Dimension, low: float, high: float, above: float = -inf) -> Quantity:
+    both = _range(dimension, low, high, above)
+    return Quantity(both, both)
+
+
+# The ends only catch slips of units: a thousand tonnes, a nanometre, a kilometre.
+MASS_Q = Quantity(_range(MASS, 1e-3, 1e6, 0.0), _range(INERTIA, 1e-9, 1e7, 0.0))
+LOAD_Q = Quantity(_range(MASS, 0.0, 1e6), _range(INERTIA, 0.0, 1e7))
+# The tower turns on a rotary axis as well, so its own quantities stay rotary.
+INERTIA_Q = _same(INERTIA, 1e-9, 1e7, 0.0)
+ROTARY_STIFFNESS_Q = _same(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0)
+ROTARY_DAMPING_Q = _same(ROTARY_DAMPING, 0.0, 1e11)
+ARM_Q = Quantity(_range(LENGTH, -100.0, 100.0), _range(RATIO, -1e4, 1e4))
+STIFFNESS_Q = Quantity(_range(STIFFNESS, 1.0, 1e12, 0.0), _range(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0))
+DAMPING_Q = Quantity(_range(DAMPING, 0.0, 1e10), _range(ROTARY_DAMPING, 0.0, 1e11))
+FORCE_Q = Quantity(_range(FORCE, 1e-3, 1e8, 0.0), _range(TORQUE, 1e-6, 1e8, 0.0))
+WEIGHT_Q = Quantity(_range(FORCE, -1e8, 1e8), _range(TORQUE, -1e8, 1e8))
+VELOCITY_Q = Quantity(_range(VELOCITY, 1e-6, 100.0, 0.0), _range(ANGULAR_VELOCITY, 1e-6, 1e4, 0.0))
+DISTANCE_Q = Quantity(_range(LENGTH, 1e-7, 1e3, 0.0), _range(ANGLE, 1e-7, 1e5, 0.0))
+BAND_Q = Quantity(_range(LENGTH, 1e-10, 0.1, 0.0), _range(ANGLE, 1e-10, 1.0, 0.0))
+MODE_GAIN_Q = Quantity(_range(PER_MASS, -1e6, 1e6), _range(PER_INERTIA, -1e12, 1e12))
+VELOCITY_GAIN_Q = Quantity(
+    _range(DAMPING, 1e-6, 1e12, 0.0), _range(ROTARY_DAMPING, 1e-9, 1e12, 0.0)
+)
+DELAY_Q = Quantity(_range(TIME, 0.0, 10.0), _range(TIME, 0.0, 10.0), word="auto")
+LAG_Q = _same(TIME, 1e-6, 1.0, 0.0)
+DWELL_Q = _same(TIME, 0.0, 1e5)
+TIME_Q = _same(TIME, 1e-6, 1e4, 0.0)
+FREQUENCY_Q = _same(FREQUENCY, 1e-2, 1e5, 0.0)
+GAIN_Q = _same(GAIN, 1e-3, 1e5, 0.0)
+RATIO_Q = _same(RATIO, -1e30, 1e30)
+SPREAD_Q = _same(RATIO, 0.0, 1e30)
+FILTER_DAMPING_Q = _same(RATIO, 0.0, 10.0)
+FEEDFORWARD_Q = _same(RATIO, 0.0, 10.0)
+
+
+class Table(BaseModel):
+    """A TOML table: unknown keys are faults, and nothing is converted silently."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+
+
+def _key(description: str, example: str) -> Any:
+    return Field(description=description, examples=[example])
+
+
+def _option(description: str, example: str, default: object = None) -> Any:
+    return Field(default, description=description, examples=[example])
+
+
+class MachineTable(Table):
+    """[machine]."""
+
+    name: Annotated[str, Name()] = _key("Name of the machine.", '"Machining centre"')
+    axis: Annotated[str, Name()] = _key("Name of the axis.", '"X"')
+    source: Annotated[str, Name(longest=400)] = _key(
+        "Where the numbers come from.", '"data sheet 12/2024"'
+    )
+    motion: Literal["linear", "rotary"] = _option(
+        "A rotary axis takes inertia for mass, torque for force and rad for m.",
+        '"linear"',
+        "linear",
+    )
+
+
+class ManipulatorTable(Table):
+    """[plant] with kind = "manipulator"."""
+
+    kind: Literal["manipulator"] = _key("Form of the plant.", '"manipulator"')
+    base_mass: Annotated[float, MASS_Q] = _key("Mass of the base, m_b.", '"450 kg"')
+    slider_mass: Annotated[float, MASS_Q] = _key("Mass of the slider, m_s.", '"750 kg"')
+    rotary_inertia: Annotated[float, INERTIA_Q] = _key(
+        "Inertia of the tower about the fictive joint, J.", '"40 kg m^2"'
+    )
+    lever_arm: Annotated[float, ARM_Q] = _key("From the joint to the drive force, r.", '"0.25 m"')
+    tcp_height: Annotated[float, ARM_Q] = _key(
+        "Tool centre point above the joint, h; negative if the tower tilts backwards.", '"0.21 m"'
+    )
+    base_stiffness: Annotated[float, STIFFNESS_Q] = _key("Stiffness k_b.", '"44.41 N/um"')
+    base_damping: Annotated[float, DAMPING_Q] = _key("Damping d_b.", '"8500 N s/m"')
+    rotary_stiffness: Annotated[float, ROTARY_STIFFNESS_Q] = _key("Stiffness k.", '"8.2e6 N m/rad"')
+    rotary_damping: Annotated[float, ROTARY_DAMPING_Q] = _key("Damping d.", '"1800 N m s/rad"')
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        k_b, m_b, d_b = self.base_stiffness, self.base_mass, self.base_damping
+        k, J, d = self.rotary_stiffness, self.rotary_inertia, self.rotary_damping
+        faults = []
+        if self.lever_arm == 0.0:
+            faults.append(
+                (
+                    "lever_arm",
+                    "got 0, but the force must turn the tower; "
+                    'give the arm, or describe the axis as kind = "modal"',
+                )
+            )
+        for key, damping, critical, unit in (
+            ("base_damping", d_b, 2.0 * sqrt(k_b * m_b), "N s/m"),
+            ("rotary_damping", d, 2.0 * sqrt(k * J), "N m s/rad"),
+        ):
+            if damping >= critical:
+                faults.append(
+                    (
+                        key,
+                        f"got {damping:g} {unit}, a damping ratio of "
+                        f"{damping / critical:.3g}; must be < {critical:.4g} {unit} (ratio 1)",
+                    )
+                )
+        base = _pole(sqrt(k_b / m_b), d_b / (2.0 * sqrt(k_b * m_b)))
+        if not faults and _is_same(base, _pole(sqrt(k / J), d / (2.0 * sqrt(k * J)))):
+            faults.append(("rotary_stiffness", _equal_poles("base", "rotation", sqrt(k / J))))
+        _raise(faults)
+        return self
+
+
+class ModeTable(Table):
+    """[[plant.modes]]."""
+
+    name: Annotated[str, Name(is_identifier=True)] = _key("Name of the mode.", '"column"')
+    frequency: Annotated[float, FREQUENCY_Q] = _key("Eigenfrequency, undamped.", '"40 Hz"')
+    damping_ratio: Annotated[float, RATIO_Q] = _key("Damping ratio, 0 to below 1.", "0.03")
+    tcp_gain: Annotated[float, MODE_GAIN_Q] = _key("Share in the tool position.", '"0.002 1/kg"')
+    measured_gain: Annotated[float, MODE_GAIN_Q] = _option(
+        "Share in the encoder position.", '"0.001 1/kg"', 0.0
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not 0.0 <= self.damping_ratio < 1.0:
+            message = f"got {self.damping_ratio:g}, must be >= 0 and < 1"
+            raise Faults([("damping_ratio", message)])
+        return self
+
+
+class ModalTable(Table):
+    """[plant] with kind = "modal"."""
+
+    kind: Literal["modal"] = _key("Form of the plant.", '"modal"')
+    moving_mass: Annotated[float, MASS_Q] = _key("Total rigid mass.", '"800 kg"')
+    modes: list[ModeTable] = Field(
+        description="One to eight modes.", min_length=1, max_length=MOST_MODES
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        faults = []
+        poles = [_pole(mode.frequency, mode.damping_ratio) for mode in self.modes]
+        for i, mode in enumerate(self.modes):
+            for j in range(i):
+                other = self.modes[j]
+                if mode.name == other.name:
+                    faults.append(
+                        (f"modes.{i}.name", f'got "{mode.name}" twice, names must differ')
+                    )
+                if _is_same(poles[i], poles[j]):
+                    omega = 2.0 * pi * mode.frequency
+                    faults.append(
+                        (f"modes.{i}.frequency", _equal_poles(other.name, mode.name, omega))
+                    )
+        _raise(faults)
+        return self
+
+
+class DriveTable(Table):
+    """[drive]."""
+
+    force_lag: Annotated[float, LAG_Q] = _key("Time constant of the force loop, T.", '"2.5 ms"')
+    max_force: Annotated[float, FORCE_Q] = _key("Largest force, F_max.", '"2 kN"')
+    continuous_force: Annotated[float | None, FORCE_Q] = _option(
+        "Thermal (RMS) limit over move and dwell.", '"1 kN"'
+    )
+    static_load: Annotated[float, WEIGHT_Q] = _option(
+        "Weight or process force; its amount is not available for motion.", '"0 N"', 0.0
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if abs(self.static_load) >= self.max_force:
+            message = (
+                f"got {self.static_load:g} against max_force = {self.max_force:g}; its amount "
+                "must be smaller, or no force is left for motion"
+            )
+            raise Faults([("static_load", message)])
+        return self
+
+
+class MoveTable(Table):
+    """[[moves]]."""
+
+    velocity_step: Annotated[float | None, VELOCITY_Q] = _option(
+        "Accelerate from rest to this velocity; the end position is free.", '"0.1 m/s"'
+    )
+    distance: Annotated[float | None, DISTANCE_Q] = _option(
+        "Move over this distance from rest to rest.", '"20 mm"'
+    )
+    max_velocity: Annotated[float | None, VELOCITY_Q] = _option(
+        "Velocity limit of a move over a distance.", '"0.5 m/s"'
+    )
+    dwell: Annotated[float, DWELL_Q] = _option("Rest after the move.", '"0 s"', 0.0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.velocity_step is None) == (self.distance is None):
+            got = "neither" if self.distance is None else "both"
+            raise Faults([("", f"got {got} of velocity_step and distance, give exactly one")])
+        if self.max_velocity is not None and self.distance is None:
+            message = "belongs to a move with distance; give distance, or remove it"
+            raise Faults([("max_velocity", message)])
+        return self
+
+
+class ModeBands(Table):
+    """[requirements.modes]."""
+
+    surface: Annotated[float | None, BAND_Q] = _option("Band for finishing.", '"2 um"')
+    accuracy: Annotated[float | None, BAND_Q] = _option("Band for contours.", '"5 um"')
+    speed: Annotated[float | None, BAND_Q] = _option("Band for roughing.", '"20 um"')
+
+
+class RequirementsTable(Table):
+    """[requirements]."""
+
+    tcp_deviation: Annotated[float, BAND_Q] = _key(
+        "Half width of the band about the delayed setpoint.", '"5 um"'
+    )
+    max_settling_time: Annotated[float | None, TIME_Q] = _option(
+        "Longest settling time.", '"0.2 s"'
+    )
+    frequency_spread: Annotated[float, SPREAD_Q] = _option(
+        "Relative uncertainty of all eigenfrequencies.", '"5 %"', 0.0
+    )
+    damping_spread: Annotated[float, SPREAD_Q] = _option(
+        "Relative uncertainty of all damping ratios.", '"0 %"', 0.0
+    )
+    payload: list[Annotated[float, LOAD_Q]] | None = Field(
+        None,
+        description="Least and largest payload.",
+        examples=['["0 kg", "100 kg"]'],
+        min_length=2,
+        max_length=2,
+    )
+    payload_radius: Annotated[float, ARM_Q] = _option(
+        "Radius of gyration of the payload about the rotary joint.", '"0.3 m"', 0.0
+    )
+    peaks: Annotated[dict[str, float], SignalTable(PerSignal.BOUND)] = _option(
+        "Bounds on states or outputs during the whole response.", '{ v_phi = "5 mrad/s" }', {}
+    )
+    modes: ModeBands = Field(default_factory=ModeBands, description="Band of each machining mode.")
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        faults = []
+        if self.frequency_spread > LARGEST_FREQUENCY_SPREAD:
+            faults.append(
+                ("frequency_spread", f"got {self.frequency_spread:g}, must be from 0 to 0.5 (50 %)")
+            )
+        if self.damping_spread >= 1.0:
+            faults.append(
+                ("damping_spread", f"got {self.damping_spread:g}, must be >= 0 and < 1 (100 %)")
+            )
+        if self.payload is not None and self.payload[0] > self.payload[1]:
+            low, high = self.payload
+            faults.append(("payload", f"got {low:g} to {high:g}, the least comes first"))
+        if self.payload_radius < 0.0:
+            faults.append(("payload_radius", f"got {self.payload_radius:g}, must be >= 0"))
+        _raise(faults)
+        return self
+
+
+class DampingOptimalTable(Table):
+    """[damping_optimal]."""
+
+    t_f: Annotated[float | None, TIME_Q] = _option("Final time.", '"52.2 ms"')
+    weights: Annotated[str | dict[str, float], SignalTable(PerSignal.WEIGHT, ("balanced",))] = (
+        _option("Weights c_i of the squared states.", '"balanced"', "balanced")
+    )
+
+
+class SetpointFilterTable(Table):
+    """setpoint_filter of [control]."""
+
+    kind: Literal["moving_average"] = _key("Kind of filter.", '"moving_average"')
+    time: Annotated[float, LAG_Q] = _key("Length of the filter.", '"20 ms"')
+
+
+class ForceFilterTable(Table):
+    """An element of force_filters of [control]."""
+
+    kind: Literal["notch", "low_pass"] = _key("Kind of filter.", '"notch"')
+    frequency: Annotated[float, FREQUENCY_Q] = _key("Frequency of the filter.", '"72 Hz"')
+    damping: Annotated[float, FILTER_DAMPING_Q] = _key(
+        "Damping ratio: of the denominator of a low-pass, of the numerator of a notch.", "0.1"
+    )
+
+
+class ControlTable(Table):
+    """[control]; what is left out is tuned."""
+
+    position_gain: Annotated[float | None, GAIN_Q] = _option("Kv.", '"60 1/s"')
+    velocity_gain: Annotated[float | None, VELOCITY_GAIN_Q] = _option("Kp.", '"200 kN s/m"')
+    integral_time: Annotated[float | None, TIME_Q] = _option("Tn.", '"20 ms"')
+    velocity_feedforward: Annotated[float, FEEDFORWARD_Q] = _option("Weight.", "1.0", 1.0)
+    acceleration_feedforward: Annotated[float, FEEDFORWARD_Q] = _option(
+        "Weight, times feedforward_mass.", "1.0", 1.0
+    )
+    jerk_feedforward: Annotated[float, FEEDFORWARD_Q] = _option(
+        "Weight, times feedforward_mass and force_lag.", "0.0", 0.0
+    )
+    feedforward_mass: Annotated[float | None, MASS_Q] = _option(
+        "Mass of the feed-forward; default: moving mass at mid payload.", '"800 kg"'
+    )
+    reference_delay: Annotated[float | None, DELAY_Q] = _option(
+        "Delay of the reference path, or auto.", '"auto"'
+    )
+    position_cycle: Annotated[float, LAG_Q] = _option("Position controller cycle.", '"2 ms"', 2e-3)
+    velocity_cycle: Annotated[float, LAG_Q] = _option(
+        "Velocity controller cycle.", '"125 us"', 125e-6
+    )
+    tcp_sensor: Literal["none", "position"] = _option(
+        "Second encoder near the tool.", '"none"', "none"
+    )
+    state_feedback: Annotated[
+        str | dict[str, float], SignalTable(PerSignal.GAIN, ("auto", "off"))
+    ] = _option(
+        "Active damping of the dominant mode: auto, off, or gains by state.", '"auto"', "auto"
+    )
+    setpoint_filter: SetpointFilterTable | None = _option(
+        'Filter behind the setpoint generator, or "none".', '"none"'
+    )
+    force_filters: list[ForceFilterTable] = Field(
+        default_factory=list, description="Filters in the set-force path.", max_length=8
+    )
+    minimum_bandwidth: Annotated[float | None, FREQUENCY_Q] = _option(
+        "What tuning must at least reach, closed velocity loop, -3 dB.", '"15 Hz"'
+    )
+
+    @field_validator("setpoint_filter", mode="before")
+    @classmethod
+    def _none_is_left_out(cls, value: object) -> object:
+        if isinstance(value, str) and value != "none":
+            raise Faults(
+                [("", f'got {describe(value)}, must be "none" or a table with kind and time')]
+            )
+        return None if value == "none" else value
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        ratio = self.position_cycle / self.velocity_cycle
+        if round(ratio) < 1 or abs(ratio - round(ratio)) > WHOLE_MULTIPLE * ratio:
+            message = (
+                f"got {self.position_cycle:g} s, {ratio:.6g} times velocity_cycle = "
+                f"{self.velocity_cycle:g} s; must be a whole multiple"
+            )
+            raise Faults([("position_cycle", message)])
+        return self
+
+
+class ProfileTable(Table):
+    """A machine profile for mtcommission; quantities are SI numbers or texts with a unit."""
+
+    schema_version: Literal[1] = Field(
+        alias="schema", description="Version of the format.", examples=["1"]
+    )
+    machine: MachineTable = Field(description="What the sheet calls the axis.")
+    plant: Annotated[ManipulatorTable | ModalTable, Field(discriminator="kind")] = Field(
+        description="The mechanics."
+    )
+    drive: DriveTable = Field(description="The motor as the axis feels it.")
+    moves: list[MoveTable] = Field(
+        description="One or more; the limits must serve all of them.", min_length=1, max_length=50
+    )
+    requirements: RequirementsTable = Field(description="What the axis must achieve.")
+    damping_optimal: DampingOptimalTable = Field(
+        default_factory=DampingOptimalTable, description="The damping-optimal control."
+    )
+    control: ControlTable = Field(default_factory=ControlTable, description="The cascade.")
+
+
+def _pole(omega: float, zeta: float) -> complex:
+    """Return the pole of a mode; its unit does not matter for a relative comparison."""
+    return complex(-zeta * omega, omega * sqrt(1.0 - zeta**2)) if zeta < 1.0 else complex(-omega)
+
+
+def _is_same(pole: complex, other: complex) -> bool:
+    return abs(pole - other) <= EQUAL_POLES * abs(pole)
+
+
+def _equal_poles(one: str, other: str, omega: float) -> str:
+    hertz = omega / (2.0 * pi)
+    return f"modes {one} and {other} at {hertz:.6g} Hz: {Outcome.EQUAL_POLES.value}"
+
+
+def _raise(faults: list[tuple[str, str]]) -> None:
+    if faults:
+        raise Faults(faults)
