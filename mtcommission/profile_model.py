@@ -432,6 +432,13 @@ class ProfileTable(Table):
     )
     control: ControlTable = Field(default_factory=ControlTable, description="The cascade.")
 
+    @field_validator("schema_version", mode="before")
+    @classmethod
+    def _is_no_boolean(cls, value: object) -> object:
+        if isinstance(value, bool):  # True == 1 in Python
+            raise Faults([("", f"got {describe(value)}, must be 1")])
+        return value
+
 
 def _pole(omega: float, zeta: float) -> complex:
     """Return the pole of a mode; its unit does not matter for a relative comparison."""

@@ -307,7 +307,10 @@ def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = Fal
     ...
     ValueError: got "20 deg", which is an angle; must be a length, in m, mm, um or nm
     """
+    text = text.replace("\t", " ")
     shown = _shorten(text)
+    if not text.isprintable():
+        raise ValueError(f'got "{shown}" with control characters; remove them')
     if len(text) > LONGEST_TEXT:
         raise ValueError(f'got "{shown}"; a quantity has at most {LONGEST_TEXT} characters')
     number, unit = _split_number(text, shown, dimension, decimal_comma=decimal_comma)

@@ -1,0 +1,209 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from mtcommission.machine import (
+    Control,
+    FlexibleMode,
+    Machine,
+    Manipulator,
+    Modal,
+    Modes,
+    Motion,
+    Positioning,
+    VelocityStep,
+)
+from mtcommission.plausibility import check_plausibility
+from mtcommission.profile import read_profile
+from tests.machines import paper_machine, random_modal_machine
+
+PROFILES = Path(__file__).parent.parent / "profiles"
+PAPER = paper_machine()
+
+
+def remarks_on(machine: Machine) -> list[str]:
+    return [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
+
+
+def with_mode(**changes: float) -> Machine:
+    mode = FlexibleMode(name="column", natural_frequency=250.0, damping_ratio=0.03, tcp_gain=1e-3)
+    modal = Modal(moving_mass=750.0, modes=(replace(mode, **changes),))
+    return replace(PAPER, mechanics=modal)
+
+
+@pytest.mark.parametrize("path", sorted(PROFILES.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_shipped_machines_are_plausible(path: Path) -> None:
+    assert remarks_on(read_profile(path)) == []
+
+
+def test_ordinary_machines_raise_few_remarks() -> None:
+    """Else nobody reads them: only cycles that are too long for a fast mode are expected."""
+    remarks = [
+        remark
+        for seed in range(40)
+        for remark in remarks_on(random_modal_machine(seed, n_modes=2))
+        if "position" not in remark
+    ]
+    assert remarks == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "remark"),
+    [
+        (
+            {"damping_ratio": 0.35},
+            "damping ratio 0.35 is above what machine structures show, 0.002 to 0.3",
+        ),
+        (
+            {"damping_ratio": 0.0},
+            "damping ratio 0 is below what machine structures show, 0.002 to 0.3",
+        ),
+        (
+            {"natural_frequency": 628.3},
+            "100 Hz is above a third",
+        ),
+        ({"natural_frequency": 5.0}, "0.796 Hz is slower than any machine structure"),
+        ({"tcp_gain": 0.0}, "neither tool nor encoder sees it"),
+        ({"tcp_gain": 1.0}, "its gain is 750 times 1/moving_mass"),
+    ],
+)
+def test_an_unusual_mode(changes: dict[str, float], remark: str) -> None:
+    machine = with_mode(**changes)
+    if "third" in remark:
+        machine = replace(machine, control=Control(position_cycle=4e-3))
+    found = [text for text in remarks_on(machine) if remark in text]
+    assert len(found) == 1
+    assert found[0].startswith("plant.modes.0: mode column: ")
+
+
+@pytest.mark.parametrize(
+    ("position_cycle", "velocity_cycle", "expected"),
+    [
+        (2e-3, 125e-6, []),
+        (
+            4e-3,
+            125e-6,
+            [
+                "plant: mode rotation: one period has only 3.5 position cycles of 4 ms; "
+                "a jerk time can only be set that coarsely",
+            ],
+        ),
+        (
+            5.5e-3,
+            5.5e-3,
+            [
+                "plant: mode base: one period has only 3.6 position cycles of 5.5 ms; "
+                "a jerk time can only be set that coarsely",
+                "plant: mode rotation: 72.1 Hz is above a third of the velocity loop's sampling "
+                "rate, 181.8 Hz; no feedback can damp it",
+                "plant: mode rotation: 72.1 Hz is above a third of the position loop's sampling "
+                "rate, 181.8 Hz; setpoints at that cycle cannot shape it",
+            ],
+        ),
+    ],
+)
+def test_cycles_too_long_for_the_modes_of_the_paper(
+    position_cycle: float, velocity_cycle: float, expected: list[str]
+) -> None:
+    control = Control(position_cycle=position_cycle, velocity_cycle=velocity_cycle)
+    assert remarks_on(replace(PAPER, control=control)) == expected
+
+
+def with_drive(**changes: float) -> Machine:
+    return replace(PAPER, drive=replace(PAPER.drive, **changes))
+
+
+def with_needs(**changes: object) -> Machine:
+    return replace(PAPER, requirements=replace(PAPER.requirements, **changes))
+
+
+@pytest.mark.parametrize(
+    ("machine", "expected"),
+    [
+        (
+            with_drive(max_force=2.0),
+            "drive.max_force: 2 N on 750 kg give 0.00267 m/s^2, which hardly moves the axis; "
+            "check both units",
+        ),
+        (
+            replace(with_needs(tcp_deviation=1e-3), drive=replace(PAPER.drive, max_force=2e6)),
+            "drive.max_force: 2e+06 N on 750 kg give 2.67e+03 m/s^2, which is more than a machine "
+            "axis bears; check both units",
+        ),
+        (
+            with_drive(static_load=-1200.0),
+            "drive.static_load: 1200 N take more than half of max_force = 2000 N; "
+            "consider a counterbalance",
+        ),
+        (
+            with_drive(continuous_force=3000.0),
+            "drive.continuous_force: 3000 N is above max_force = 2000 N, so it limits nothing; "
+            "the two may be swapped",
+        ),
+        (
+            with_drive(force_lag=0.25),
+            "drive.force_lag: 250 ms is long for a force loop (servo drives: 0.5 to 5 ms)",
+        ),
+        (
+            replace(PAPER, moves=(VelocityStep(velocity_step=0.1), Positioning(distance=5e3))),
+            "moves.1: a rigid axis would need 86.6 s for this move; "
+            "check distance, velocity and force",
+        ),
+        (
+            replace(PAPER, moves=(Positioning(distance=1.0, max_velocity=1e-3),)),
+            "moves.0: a rigid axis would need 1e+03 s for this move; "
+            "check distance, velocity and force",
+        ),
+        (
+            with_needs(tcp_deviation=0.05),
+            "requirements.tcp_deviation: 0.05 m is no accuracy at all; check the unit",
+        ),
+        (
+            with_needs(payload=(0.0, 3000.0)),
+            "requirements.payload: 3000 kg is more than three times the moving mass, 750 kg; "
+            "one set of limits will be slow for the empty axis",
+        ),
+        (
+            with_needs(modes=Modes(surface=20e-6, accuracy=5e-6, speed=2e-6)),
+            "requirements.modes: surface 2e-05, accuracy 5e-06 and speed 2e-06 m do not widen in "
+            "this order; they may be swapped",
+        ),
+        (
+            replace(PAPER, control=Control(feedforward_mass=75.0)),
+            "control.feedforward_mass: 75 kg is far from the moving mass, 750 to 750 kg; "
+            "the feed-forward will push too little or too much",
+        ),
+        (
+            replace(PAPER, control=Control(minimum_bandwidth_hz=15e3)),
+            "control.minimum_bandwidth: 1.5e+04 Hz is above a third of the velocity loop's "
+            "sampling rate, 8000 Hz",
+        ),
+    ],
+)
+def test_one_unusual_number_one_remark(machine: Machine, expected: str) -> None:
+    assert remarks_on(machine) == [expected]
+
+
+def test_a_deviation_in_the_wrong_unit_shows_in_the_deflection_as_well() -> None:
+    keys = [remark.key for remark in check_plausibility(with_needs(tcp_deviation=5e-9))]
+    assert keys == ["plant", "plant", "requirements.tcp_deviation"]
+
+
+def test_stiffness_a_thousand_times_too_soft_is_noticed() -> None:
+    assert isinstance(PAPER.mechanics, Manipulator)
+    soft = replace(PAPER.mechanics, rotary_stiffness=8.2e2, rotary_damping=18.0)
+    assert any(
+        "the full force bends the tool by" in text
+        for text in remarks_on(replace(PAPER, mechanics=soft))
+    )
+
+
+def test_a_rotary_axis_is_described_in_its_own_units() -> None:
+    axis = replace(PAPER, motion=Motion.ROTARY, drive=replace(PAPER.drive, max_force=2.0))
+    assert remarks_on(axis) == [
+        "drive.max_force: 2 N m on 750 kg m^2 give 0.00267 rad/s^2, which hardly moves the axis; "
+        "check both units"
+    ]

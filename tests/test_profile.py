@@ -1,0 +1,738 @@
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from math import inf, pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.machine import (
+    FilterKind,
+    Machine,
+    Manipulator,
+    Modal,
+    Motion,
+    Positioning,
+    StateFeedback,
+    TcpSensor,
+    VelocityStep,
+)
+from mtcommission.plant import build_plant
+from mtcommission.profile import parse_profile, profile_schema, profile_text_hash, read_profile
+from mtcommission.profile_lines import find_key_lines
+from tests.machines import paper_machine
+
+PROFILES = Path(__file__).parent.parent / "profiles"
+SHIPPED = sorted(PROFILES.glob("*.toml"))
+MILLING = (PROFILES / "milling-manipulator.toml").read_text(encoding="utf-8")
+GANTRY = (PROFILES / "modal-two-modes.toml").read_text(encoding="utf-8")
+
+MANIPULATOR = """\
+schema = 1
+[machine]
+name = "m"
+axis = "X"
+source = "s"
+[plant]
+kind = "manipulator"
+base_mass = "450 kg"
+slider_mass = "750 kg"
+rotary_inertia = "40 kg m^2"
+lever_arm = "0.25 m"
+tcp_height = "0.21 m"
+base_stiffness = "44.41 N/um"
+base_damping = "8500 N s/m"
+rotary_stiffness = "8.2e6 N m/rad"
+rotary_damping = "1800 N m s/rad"
+[drive]
+force_lag = "2.5 ms"
+max_force = "2 kN"
+[[moves]]
+velocity_step = "0.1 m/s"
+[requirements]
+tcp_deviation = "5 um"
+"""
+"""Line 8 is base_mass, 19 max_force, 21 velocity_step, 23 tcp_deviation, 24 the end."""
+
+MODAL = """\
+schema = 1
+[machine]
+name = "m"
+axis = "X"
+source = "s"
+[plant]
+kind = "modal"
+moving_mass = "300 kg"
+[[plant.modes]]
+name = "beam"
+frequency = "40 Hz"
+damping_ratio = 0.02
+tcp_gain = "2e-3 1/kg"
+[[plant.modes]]
+name = "ram"
+frequency = "80 Hz"
+damping_ratio = "3 %"
+tcp_gain = "-2e-3 1/kg"
+[drive]
+force_lag = "2.5 ms"
+max_force = "2 kN"
+[[moves]]
+velocity_step = "0.1 m/s"
+[requirements]
+tcp_deviation = "5 um"
+"""
+
+
+def faults_in(text: str) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        parse_profile(text, where="p.toml")
+    return [str(fault) for fault in caught.value.faults]
+
+
+def changed(text: str, old: str, new: str) -> str:
+    assert old in text
+    return text.replace(old, new)
+
+
+# What a whole profile says
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_shipped_profile_is_read_and_has_a_plant(path: Path) -> None:
+    machine = read_profile(path)
+    assert build_plant(machine).order >= 5
+    assert machine.drive.motion_force > 0.0
+
+
+def test_four_profiles_are_shipped() -> None:
+    names = {path.stem for path in SHIPPED}
+    assert names >= {"milling-manipulator", "honing-z", "modal-two-modes", "ball-screw"}
+
+
+def test_the_milling_profile_is_table_1_christiansen_maurer_zirn() -> None:
+    machine, paper = read_profile(PROFILES / "milling-manipulator.toml"), paper_machine()
+    assert machine.mechanics == paper.mechanics
+    assert machine.drive == paper.drive
+    assert machine.moves == paper.moves
+    assert machine.requirements.tcp_deviation == paper.requirements.tcp_deviation
+    assert machine.requirements.modes.surface == pytest.approx(2e-6)
+    assert machine.requirements.peaks == ()
+    assert machine.damping_optimal.t_f == 0.0522
+    weights = {weight.state: weight.value for weight in machine.damping_optimal.weights}
+    assert weights == {"x_b": 1.8858e15, "phi": 1.0961e15, "v_b": 8.6070e10, "v_phi": 2.8505e10}
+
+
+def test_the_ball_screw_is_the_two_masses_that_its_comment_derives() -> None:
+    """Recomputed as an eigenvalue problem of two masses and a spring."""
+    machine = read_profile(PROFILES / "ball-screw.toml")
+    ratio = 2 * pi / 0.03
+    screw = pi / 4 * 0.063**2 * 2.06e11 / 1.4
+    K = 1 / (1 / screw + 1 / 2e9 + 1 / 1e9)
+    M = np.diag([(0.00636 + 2 * 0.000655 + 0.001973) * ratio**2, 2500.0])
+    values, vectors = np.linalg.eig(np.linalg.solve(M, K * np.array([[1, -1], [-1, 1]])))
+    flexible = int(np.argmax(values))
+    shape = vectors[:, flexible] / sqrt(vectors[:, flexible] @ M @ vectors[:, flexible])
+    assert isinstance(machine.mechanics, Modal)
+    (mode,) = machine.mechanics.modes
+    assert machine.mechanics.moving_mass == pytest.approx(float(np.trace(M)), rel=1e-4)
+    assert mode.natural_frequency == pytest.approx(sqrt(values[flexible]), rel=1e-3)
+    assert mode.measured_gain == pytest.approx(shape[0] ** 2, rel=1e-3)
+    assert mode.tcp_gain == pytest.approx(shape[0] * shape[1], rel=1e-3)
+    assert machine.drive.max_force == pytest.approx(120 * ratio, rel=2e-3)
+    assert machine.drive.continuous_force == pytest.approx(22.5 * ratio, rel=2e-3)
+
+
+def test_every_key_of_the_interface_reaches_the_machine() -> None:
+    text = (
+        MANIPULATOR
+        + """\
+max_settling_time = "0.2 s"
+frequency_spread = "5 %"
+damping_spread = 0.1
+payload = ["0 kg", 100]
+payload_radius = "300 mm"
+[requirements.peaks]
+v_phi = "5 mrad/s"
+tcp_vibration = "20 um"
+F = "1.5 kN"
+[requirements.modes]
+surface = "2.5 um"
+[damping_optimal]
+t_f = "60 ms"
+weights = "balanced"
+[control]
+position_gain = "3 (m/min)/mm"
+velocity_gain = "200 kN s/m"
+integral_time = "20 ms"
+velocity_feedforward = 0.9
+acceleration_feedforward = 1
+jerk_feedforward = "50 %"
+feedforward_mass = "800 kg"
+reference_delay = "3 ms"
+position_cycle = "1 ms"
+velocity_cycle = "250 us"
+tcp_sensor = "position"
+state_feedback = { v_phi = "1e4 N s/rad", phi = -2e5 }
+setpoint_filter = { kind = "moving_average", time = "20 ms" }
+force_filters = [{ kind = "notch", frequency = "72 Hz", damping = 0.1 }]
+minimum_bandwidth = "15 Hz"
+"""
+    )
+    machine = parse_profile(text, where="p.toml")
+    needs, control = machine.requirements, machine.control
+    assert (needs.max_settling_time, needs.frequency_spread, needs.damping_spread) == (
+        0.2,
+        0.05,
+        0.1,
+    )
+    assert (needs.payload, needs.payload_radius) == ((0.0, 100.0), 0.3)
+    peaks = {peak.name: peak.bound for peak in needs.peaks}
+    assert peaks == {"v_phi": 5e-3, "tcp_vibration": 20e-6, "F": 1500.0}
+    bands = needs.modes
+    assert (bands.surface, bands.accuracy, bands.speed) == (2.5e-6, 5e-6, 20e-6)
+    assert machine.damping_optimal.t_f == 0.06
+    assert machine.damping_optimal.weights == ()
+    assert control.position_gain == pytest.approx(50.0)
+    assert (control.velocity_gain, control.integral_time) == (200e3, 0.02)
+    assert (control.velocity_feedforward, control.acceleration_feedforward) == (0.9, 1.0)
+    assert (control.jerk_feedforward, control.feedforward_mass) == (0.5, 800.0)
+    assert control.reference_delay == 3e-3
+    assert (control.position_cycle, control.velocity_cycle) == (1e-3, 250e-6)
+    assert control.tcp_sensor is TcpSensor.POSITION
+    assert control.state_feedback is StateFeedback.GIVEN
+    gains = {gain.state: gain.value for gain in control.state_gains}
+    assert gains == {"v_phi": 1e4, "phi": -2e5}
+    assert control.moving_average_time == 0.02
+    (notch,) = control.force_filters
+    assert (notch.kind, notch.damping) == (FilterKind.NOTCH, 0.1)
+    assert notch.natural_frequency == pytest.approx(2 * pi * 72)
+    assert control.minimum_bandwidth_hz == 15.0
+
+
+def test_what_is_left_out_has_the_defaults_of_the_interface() -> None:
+    machine = parse_profile(MANIPULATOR, where="p.toml")
+    assert (machine.drive.continuous_force, machine.drive.static_load) == (inf, 0.0)
+    assert machine.requirements.max_settling_time == inf
+    assert machine.requirements.payload == (0.0, 0.0)
+    assert machine.control.position_gain is None
+    assert machine.control.reference_delay is None
+    assert (machine.control.position_cycle, machine.control.velocity_cycle) == (2e-3, 125e-6)
+    assert machine.control.state_feedback is StateFeedback.AUTO
+    assert machine.control.force_filters == ()
+    assert machine.motion is Motion.LINEAR
+
+
+def test_words_stand_for_what_is_left_out() -> None:
+    text = MANIPULATOR + (
+        '[control]\nreference_delay = "auto"\nsetpoint_filter = "none"\nstate_feedback = "off"\n'
+    )
+    control = parse_profile(text, where="p.toml").control
+    assert control.reference_delay is None
+    assert control.moving_average_time == 0.0
+    assert control.state_feedback is StateFeedback.OFF
+
+
+def test_moves_of_both_kinds_in_order() -> None:
+    text = MANIPULATOR + (
+        '[[moves]]\ndistance = "20 mm"\nmax_velocity = "30 m/min"\ndwell = 1\n'
+        "[[moves]]\ndistance = 0.5\n"
+    )
+    assert parse_profile(text, where="p.toml").moves == (
+        VelocityStep(velocity_step=0.1),
+        Positioning(distance=0.02, max_velocity=0.5, dwell=1.0),
+        Positioning(distance=0.5),
+    )
+
+
+def test_a_rotary_axis_takes_inertia_torque_and_angle() -> None:
+    text = (
+        MODAL.replace('axis = "X"', 'axis = "C"\nmotion = "rotary"')
+        .replace('"300 kg"', '"3 kg m^2"')
+        .replace('"2e-3 1/kg"', '"0.2 1/(kg m^2)"')
+        .replace('"-2e-3 1/kg"', '"-0.2 rad/(N m s^2)"')
+        .replace('"2 kN"', '"200 Nm"')
+        .replace('"0.1 m/s"', '"30 rev/min"')
+        .replace('"5 um"', '"1 arcsec"')
+    )
+    machine = parse_profile(text + '[requirements.peaks]\nq_beam = "1 N m s^2"\n', where="p.toml")
+    assert machine.motion is Motion.ROTARY
+    assert machine.moves == (VelocityStep(velocity_step=pytest.approx(pi)),)
+    assert machine.requirements.tcp_deviation == pytest.approx(pi / 648000)
+    assert faults_in(text.replace("30 rev/min", "0.1 m/s")) == [
+        'p.toml:24: moves.0.velocity_step: got "0.1 m/s", which is a velocity; '
+        "must be an angular velocity, in rad/s, deg/s or rev/min"
+    ]
+
+
+def test_a_plain_number_is_si() -> None:
+    text = changed(MODAL, '"40 Hz"', "40")
+    machine = parse_profile(text, where="p.toml")
+    assert isinstance(machine.mechanics, Modal)
+    assert machine.mechanics.modes[0].natural_frequency == pytest.approx(80 * pi)
+    assert machine.mechanics.modes[1].damping_ratio == 0.03
+
+
+# Broken profiles: the exact message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ('"450 kg"', '"-450 kg"', "8: plant.base_mass: got -450 kg, must be > 0 kg"),
+        ('"450 kg"', "-450", "8: plant.base_mass: got -450 kg, must be > 0 kg"),
+        ('"450 kg"', "nan", "8: plant.base_mass: got nan, must be a finite number"),
+        ('"450 kg"', "-inf", "8: plant.base_mass: got -inf, must be a finite number"),
+        ('"450 kg"', "true", "8: plant.base_mass: got true, must be a mass, in kg, g or t"),
+        ('"450 kg"', "[450]", "8: plant.base_mass: got an array, must be a mass, in kg, g or t"),
+        (
+            '"450 kg"',
+            "2024-12-24",
+            "8: plant.base_mass: got a date or time, must be a mass, in kg, g or t",
+        ),
+        (
+            '"450 kg"',
+            '"heavy"',
+            '8: plant.base_mass: got "heavy", which does not begin with a number; '
+            "must be a mass, in kg, g or t",
+        ),
+        (
+            '"450 kg"',
+            '"450 mm"',
+            '8: plant.base_mass: got "450 mm", which is a length; must be a mass, in kg, g or t',
+        ),
+        (
+            '"450 kg"',
+            '"4,5 t"',
+            '8: plant.base_mass: got "4,5 t" with a comma; write it with a point: "4.5 t"',
+        ),
+        (
+            '"450 kg"',
+            "4.5e9",
+            "8: plant.base_mass: got 4.5e+09 kg, must be from 0.001 to 1e+06 kg; check the unit",
+        ),
+        (
+            '"450 kg"',
+            "9" * 400,
+            "8: plant.base_mass: got an integer beyond all bounds, must be a finite number",
+        ),
+        ("base_mass =", "# base_mass =", '6: plant.base_mass: missing; add base_mass = "450 kg"'),
+        (
+            '"0.25 m"',
+            '"0 mm"',
+            "11: plant.lever_arm: got 0, but the force must turn the tower; "
+            'give the arm, or describe the axis as kind = "modal"',
+        ),
+        (
+            '"8500 N s/m"',
+            '"300 kN s/m"',
+            "14: plant.base_damping: got 300000 N s/m, a damping ratio of 1.06; "
+            "must be < 2.827e+05 N s/m (ratio 1)",
+        ),
+        (
+            '"manipulator"',
+            '"robot"',
+            '7: plant.kind: got "robot", must be "manipulator" or "modal"',
+        ),
+        ('"2 kN"', '"0 N"', "19: drive.max_force: got 0 N, must be > 0 N"),
+        ('"2 kN"', "0", "19: drive.max_force: got 0 N, must be > 0 N"),
+        (
+            '"2 kN"',
+            '"2 kN"\nstatic_load = -2000',
+            "20: drive.static_load: got -2000 against max_force = 2000; its amount must be "
+            "smaller, or no force is left for motion",
+        ),
+        (
+            '"2 kN"',
+            '"2 kN"\ncontinuous_force = 0',
+            "20: drive.continuous_force: got 0 N, must be > 0 N",
+        ),
+        (
+            '"0.1 m/s"',
+            '"0.1 m/s"\nmax_velocity = 1',
+            "22: moves.0.max_velocity: belongs to a move with distance; "
+            "give distance, or remove it",
+        ),
+        (
+            '"0.1 m/s"',
+            '"0.1 m/s"\ndistance = 1',
+            "20: moves.0: got both of velocity_step and distance, give exactly one",
+        ),
+        (
+            "velocity_step =",
+            "dwell = 0 #",
+            "20: moves.0: got neither of velocity_step and distance, give exactly one",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\nfrequency_spread = "60 %"',
+            "24: requirements.frequency_spread: got 0.6, must be from 0 to 0.5 (50 %)",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\ndamping_spread = 1',
+            "24: requirements.damping_spread: got 1, must be >= 0 and < 1 (100 %)",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\ndamping_spread = -0.1',
+            "24: requirements.damping_spread: got -0.1, must be >= 0",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\npayload = ["100 kg", "0 kg"]',
+            "24: requirements.payload: got 100 to 0, the least comes first",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\npayload = ["0 kg"]',
+            "24: requirements.payload: got 1 elements, at least 2 needed",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\npayload = ["-1 kg", 5]',
+            "24: requirements.payload.0: got -1 kg, must be >= 0 kg",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\npeaks = { v_fi = 1 }',
+            '24: requirements.peaks.v_fi: no such signal; did you mean "v_phi"?',
+        ),
+        (
+            '"5 um"',
+            '"5 um"\npeaks = { v_phi = "5 mm/s" }',
+            '24: requirements.peaks.v_phi: got "5 mm/s", which is a velocity; '
+            "must be an angular velocity, in rad/s, deg/s or rev/min",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\npeaks = { v_phi = 0 }',
+            "24: requirements.peaks.v_phi: got 0 rad/s, must be > 0 rad/s",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[damping_optimal]\nweights = { tcp = 1 }',
+            "25: damping_optimal.weights.tcp: no such signal; "
+            "there are x_b, x_s, phi, v_b, v_s, v_phi, F",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[damping_optimal]\nweights = "equal"',
+            '25: damping_optimal.weights: got "equal", must be "balanced" or a table of signals',
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[control]\nposition_cycle = "1 ms"\nvelocity_cycle = "300 us"',
+            "25: control.position_cycle: got 0.001 s, 3.33333 times velocity_cycle = 0.0003 s; "
+            "must be a whole multiple",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[control]\nstate_feedback = "on"',
+            '25: control.state_feedback: got "on", must be "auto" or "off" or a table of signals',
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[control]\nsetpoint_filter = "some"',
+            '25: control.setpoint_filter: got "some", must be "none" or a table with kind and time',
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[control]\nreference_delay = "soon"',
+            '25: control.reference_delay: got "soon", which does not begin with a number; '
+            'must be a time, in s, ms, us or min, or "auto"',
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[control]\ntcp_sensor = "laser"',
+            '25: control.tcp_sensor: got "laser", must be "none" or "position"',
+        ),
+        ("schema = 1", "schema = 2", "1: schema: got 2, must be 1"),
+        ("schema = 1", "schema = true", "1: schema: got true, must be 1"),
+        ("schema = 1", "", "1: schema: missing; add schema = 1"),
+        (
+            'name = "m"',
+            f'name = "{"m" * 81}"',
+            "3: machine.name: got 81 characters, at most 80 are allowed",
+        ),
+        (
+            'name = "m"',
+            'name = "m\\u0007"',
+            "3: machine.name: got control characters, remove them",
+        ),
+        ('name = "m"', 'name = " "', "3: machine.name: got an empty text, give a name"),
+        ('name = "m"', "name = 7", "3: machine.name: got 7, must be a text in quotes"),
+    ],
+)
+def test_one_fault_one_line(old: str, new: str, expected: str) -> None:
+    assert faults_in(changed(MANIPULATOR, old, new)) == [f"p.toml:{expected}"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "damping_ratio = 0.02",
+            "damping_ratio = 1",
+            "12: plant.modes.0.damping_ratio: got 1, must be >= 0 and < 1",
+        ),
+        (
+            '"ram"',
+            '"beam"',
+            '15: plant.modes.1.name: got "beam" twice, names must differ',
+        ),
+        (
+            '"ram"',
+            '"the ram"',
+            '15: plant.modes.1.name: got "the ram", must be letters, digits and _, '
+            "not beginning with a digit",
+        ),
+        (
+            '"2e-3 1/kg"',
+            '"2e-3 kg"',
+            '13: plant.modes.0.tcp_gain: got "2e-3 kg", which is a mass; '
+            "must be a gain per mass, in 1/kg",
+        ),
+    ],
+)
+def test_one_fault_in_one_mode(old: str, new: str, expected: str) -> None:
+    assert faults_in(changed(MODAL, old, new)) == [f"p.toml:{expected}"]
+
+
+def test_equal_poles_are_said_with_their_remedy() -> None:
+    text = changed(changed(MODAL, '"80 Hz"', "40.00000001"), '"3 %"', "0.02")
+    assert faults_in(text) == [
+        "p.toml:16: plant.modes.1.frequency: modes beam and ram at 40 Hz: two modes have the "
+        "same poles, so one force cannot bring both to rest independently; merge them into one "
+        "mode (add their tcp_gain and measured_gain)"
+    ]
+
+
+def test_more_than_eight_modes_are_refused() -> None:
+    more = "".join(
+        f'[[plant.modes]]\nname = "m{i}"\nfrequency = {100 + i}\ndamping_ratio = 0\ntcp_gain = 0\n'
+        for i in range(7)
+    )
+    assert faults_in(MODAL + more) == [
+        "p.toml:9: plant.modes: got too many elements, at most 8 allowed"
+    ]
+
+
+def test_all_faults_come_at_once_and_in_order() -> None:
+    text = changed(MANIPULATOR, '"450 kg"', '"-450 kg"')
+    text = changed(text, "slider_mass", "slidermass")
+    text = changed(text, '"2 kN"', '"2 kg"')
+    assert faults_in(text) == [
+        'p.toml:6: plant.slider_mass: missing; add slider_mass = "750 kg"',
+        "p.toml:8: plant.base_mass: got -450 kg, must be > 0 kg",
+        'p.toml:9: plant.slidermass: unknown key; did you mean "slider_mass"?',
+        'p.toml:19: drive.max_force: got "2 kg", which is a mass; must be a force, in N, kN or MN',
+    ]
+
+
+def test_a_misspelt_table_is_both_unknown_and_missing() -> None:
+    assert faults_in(changed(MANIPULATOR, "[drive]", "[driver]")) == [
+        "p.toml:1: drive: missing; add a table [drive]",
+        'p.toml:17: driver: unknown key; did you mean "drive"?',
+    ]
+
+
+def test_missing_tables_are_asked_for() -> None:
+    assert faults_in("schema = 1\n") == [
+        "p.toml:1: machine: missing; add a table [machine]",
+        "p.toml:1: plant: missing; add a table [plant]",
+        "p.toml:1: drive: missing; add a table [drive]",
+        "p.toml:1: moves: missing; add a table [[moves]]",
+        "p.toml:1: requirements: missing; add a table [requirements]",
+    ]
+
+
+def test_a_fault_in_the_plant_raises_no_echo_in_the_peaks() -> None:
+    text = changed(MANIPULATOR, '"manipulator"', '"robot"') + "peaks = { v_phi = 1 }\n"
+    assert len(faults_in(text)) == 1
+
+
+# Files
+
+
+def fault_of_file(path: Path) -> Fault:
+    with pytest.raises(InputError) as caught:
+        read_profile(path)
+    (fault,) = caught.value.faults
+    return fault
+
+
+@pytest.mark.parametrize(
+    ("data", "line", "message"),
+    [
+        (b"", 1, "is empty; start from one of the shipped profiles"),
+        (b"\xef\xbb\xbf \r\n", 1, "is empty; start from one of the shipped profiles"),
+        (b"\x7fELF\0\0", 0, "is a binary or UTF-16 file; save the profile as UTF-8 text"),
+        (
+            b'schema = 1\n# \xb5m\n',
+            2,
+            "byte 0xb5 is not UTF-8; save the profile as UTF-8 text",
+        ),
+        (
+            b"schema = 1\n[drive]\nmax_force = 2 kN\n",
+            3,
+            "TOML syntax: Expected newline or end of document after a statement; "
+            "a quantity with a unit stands in quotes",
+        ),
+        (
+            b"a = " + b"[" * 20000,
+            1,
+            "is nested too deeply; a profile needs no more than three levels",
+        ),
+        (b"#" * 1_000_001, 0, "is larger than 1000000 bytes; that is no profile"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_no_profile(tmp_path: Path, data: bytes, line: int, message: str) -> None:
+    path = tmp_path / "p.toml"
+    path.write_bytes(data)
+    assert fault_of_file(path) == Fault(where=str(path), line=line, message=message)
+
+
+def test_no_file_and_a_directory(tmp_path: Path) -> None:
+    assert fault_of_file(tmp_path / "x").message == "there is no such file; check the name"
+    assert fault_of_file(tmp_path).message == "is a directory; name a profile (.toml) in it"
+    assert "cannot be read" in fault_of_file(Path("a\0b")).message
+
+
+def test_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "p.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + MILLING.replace("\n", "\r\n").encode())
+    assert read_profile(path) == parse_profile(MILLING, where="")
+    broken = changed(MANIPULATOR, '"2 kN"', "0").replace("\n", "\r\n")
+    assert faults_in(broken) == ["p.toml:19: drive.max_force: got 0 N, must be > 0 N"]
+
+
+def test_the_hash_is_that_of_sha256_fips_180_4() -> None:
+    assert profile_text_hash(b"abc").startswith("ba7816bf8f01cfea414140de5dae2223b00361a3")
+
+
+# Lines
+
+
+def test_lines_survive_comments_strings_arrays_and_dotted_keys() -> None:
+    text = '''\
+# [drive] in a comment
+title = """
+[drive]
+max_force = 1
+"""
+a.b."c d" = 1   # = [x]
+list = [
+  1, # ]
+  { drive = 2 },
+]
+[drive]
+max_force = "[[moves]]"
+[[moves]]
+x = { y = 1, z = [1, 2] }
+[[moves]]
+  [moves.inner]
+  x = 'C:\\'
+  q = 5
+[[moves]]
+'''
+    assert tomllib.loads(text)["moves"][1]["inner"]["q"] == 5
+    lines = find_key_lines(text)
+    expected = {
+        ("title",): 2,
+        ("a", "b", "c d"): 6,
+        ("list",): 7,
+        ("list", 1, "drive"): 7,
+        ("drive",): 11,
+        ("drive", "max_force"): 12,
+        ("drive", "missing"): 11,
+        ("moves",): 13,
+        ("moves", 0, "x", "y"): 14,
+        ("moves", 1): 15,
+        ("moves", 1, "inner", "q"): 18,
+        ("moves", 2): 19,
+        ("nowhere",): 1,
+    }
+    assert {path: lines.line_of(path) for path in expected} == expected
+
+
+@pytest.mark.parametrize("text", [MILLING, GANTRY, MANIPULATOR, MODAL])
+def test_every_key_is_found_where_a_plain_search_finds_it(text: str) -> None:
+    for (*_, key), line in find_key_lines(text).lines.items():
+        if isinstance(key, str):
+            assert re.search(rf"\b{key}\b", text.split("\n")[line - 1])
+
+
+# Robustness and schema
+
+
+def mutate(text: str, generator: np.random.Generator) -> str:
+    """Cut, double, swap or replace pieces, as a hasty editor would."""
+    pieces = re.findall(r"\w+|\s+|[^\w\s]", text)
+    junk = [
+        '"',
+        "[",
+        "]]",
+        "=",
+        "-",
+        "nan",
+        "inf",
+        "1e999",
+        "kg",
+        "\x00",
+        "{",
+        "true",
+        "µ",
+        "\n",
+        "9" * 30,
+    ]
+    for _ in range(int(generator.integers(1, 4))):
+        i, j = (int(k) for k in generator.integers(0, len(pieces), 2))
+        match int(generator.integers(0, 4)):
+            case 0:
+                pieces[i] = ""
+            case 1:
+                pieces[i] = junk[int(generator.integers(0, len(junk)))]
+            case 2:
+                pieces[i], pieces[j] = pieces[j], pieces[i]
+            case _:
+                pieces[i] = pieces[j]
+    return "".join(pieces)
+
+
+def test_a_damaged_profile_gives_a_machine_or_input_errors_and_nothing_else() -> None:
+    texts = [path.read_text(encoding="utf-8") for path in SHIPPED]
+    outcomes = []
+    for seed in range(400):
+        text = mutate(texts[seed % len(texts)], np.random.default_rng([20241224, seed]))
+        try:
+            outcomes.append(isinstance(parse_profile(text, where="p.toml"), Machine))
+        except InputError as error:
+            outcomes.append(False)
+            for fault in error.faults:
+                assert 1 <= fault.line <= len(text.split("\n")), str(fault)
+                assert str(fault).isprintable()
+    assert 0.2 < np.mean(outcomes) < 0.9
+
+
+def test_the_schema_names_every_key_with_a_description() -> None:
+    schema = json.loads(profile_schema())
+    tables = [schema, *schema["$defs"].values()]
+    keys = {key: value for table in tables for key, value in table["properties"].items()}
+    assert {"schema", "base_mass", "tcp_gain", "max_velocity", "force_filters"} <= set(keys)
+    assert [key for key, value in keys.items() if not value.get("description")] == []
+    assert keys["base_mass"]["x-unit"] == "kg"
+
+
+def test_the_examples_of_the_schema_are_valid() -> None:
+    """They are what a message proposes for a missing key."""
+    for key in Manipulator.__dataclass_fields__:
+        text = re.sub(rf"^{key} = .*\n", "", MANIPULATOR, flags=re.M)
+        (fault,) = faults_in(text)
+        proposal = fault.split("; add ")[1]
+        assert isinstance(
+            parse_profile(changed(text, "[drive]", f"{proposal}\n[drive]"), where=""), Machine
+        )

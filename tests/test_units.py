@@ -1,0 +1,234 @@
+from __future__ import annotations
+
+from math import isfinite, pi
+
+import pint
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mtcommission.units import (
+    ACCELERATION,
+    ANGLE,
+    ANGULAR_VELOCITY,
+    DAMPING,
+    FORCE,
+    FREQUENCY,
+    GAIN,
+    INERTIA,
+    LENGTH,
+    MASS,
+    PER_INERTIA,
+    RATIO,
+    ROTARY_DAMPING,
+    ROTARY_STIFFNESS,
+    STIFFNESS,
+    SYMBOLS,
+    TIME,
+    TORQUE,
+    VELOCITY,
+    Dimension,
+    convert_to,
+    parse_quantity,
+    read_unit,
+)
+
+REPEATABLE = settings(derandomize=True, deadline=None)
+PINT = pint.UnitRegistry()
+PINT_NAMES = {
+    "t": "metric_ton",
+    "rev": "turn",
+    "°": "degree",
+    "arcmin": "arcminute",
+    "%": "percent",
+}
+
+
+@pytest.mark.parametrize("symbol", [s for s in SYMBOLS if s not in ("%", "percent")])
+def test_every_symbol_has_the_factor_and_dimension_that_pint_gives(symbol: str) -> None:
+    unit = SYMBOLS[symbol]
+    theirs = PINT.Quantity(1.0, PINT_NAMES.get(symbol, symbol)).to_base_units()
+    ours = PINT.Quantity(
+        unit.si_value, "meter**{} * kilogram**{} * second**{} * rad**{}".format(*unit.exponents)
+    )
+    assert theirs.check(ours.dimensionality)
+    assert unit.si_value == pytest.approx(theirs.magnitude, rel=1e-14)
+
+
+@REPEATABLE
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from(["*", "/"]),
+            st.sampled_from([s for s in SYMBOLS if s not in ("%", "percent", "°")]),
+            st.integers(1, 3),
+        ),
+        min_size=1,
+        max_size=5,
+    ),
+    st.sampled_from(["*", " * ", " ", "·"]),
+)
+def test_products_powers_and_quotients_agree_with_pint(
+    factors: list[tuple[str, str, int]], times: str
+) -> None:
+    """Association to the left and powers: an error here would scale a stiffness wrongly."""
+    ours = "1" if factors[0][0] == "/" else ""
+    theirs = "1.0"
+    for mark, symbol, power in factors:
+        ours += (times if mark == "*" and ours else mark if mark == "/" else "") + symbol
+        ours += f"^{power}" if power > 1 else ""
+        theirs += f" {mark} {PINT_NAMES.get(symbol, symbol)}**{power}"
+    expected = PINT.parse_expression(theirs).to_base_units().magnitude
+    assert read_unit(ours)[0].si_value == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "expected"),
+    [
+        ("44.41 N/um", STIFFNESS, 44.41e6),
+        ("44.41 N/µm", STIFFNESS, 44.41e6),
+        ("44.41 N/μm", STIFFNESS, 44.41e6),
+        ("12 kN/mm", STIFFNESS, 12e6),
+        ("52.2 ms", TIME, 0.0522),
+        ("125 µs", TIME, 125e-6),
+        ("8.2e6 N m/rad", ROTARY_STIFFNESS, 8.2e6),
+        ("8.2e6 Nm/rad", ROTARY_STIFFNESS, 8.2e6),
+        ("8.2e6 N·m", ROTARY_STIFFNESS, 8.2e6),
+        ("1 Nm/deg", ROTARY_STIFFNESS, 180 / pi),
+        ("1800 Nms/rad", ROTARY_DAMPING, 1800.0),
+        ("1800 N*m*s", ROTARY_DAMPING, 1800.0),
+        ("200 kN s/m", DAMPING, 200e3),
+        ("200kNs/m", DAMPING, 200e3),
+        ("5 Nmm", TORQUE, 5e-3),
+        ("40 kgm^2", INERTIA, 40.0),
+        ("40 kg cm²", INERTIA, 40e-4),
+        ("40 kg mm**2", INERTIA, 40e-6),
+        ("1 (m/min)/mm", GAIN, 1000 / 60),
+        ("1 1000/min", GAIN, 1000 / 60),
+        ("60 1/s", GAIN, 60.0),
+        ("60/s", GAIN, 60.0),
+        ("60 s⁻¹", GAIN, 60.0),
+        ("3000 rev/min", FREQUENCY, 50.0),
+        ("3000 rpm", ANGULAR_VELOCITY, 100 * pi),
+        ("3000 1/min", FREQUENCY, 50.0),
+        ("20 rad/s", FREQUENCY, 10 / pi),
+        ("30 m/min", VELOCITY, 0.5),
+        ("1 mm/s2", ACCELERATION, 1e-3),
+        ("3600 arcsec", ANGLE, pi / 180),
+        ("2 rad/(N m s^2)", PER_INERTIA, 2.0),
+        ("2 1/(kg m^2)", PER_INERTIA, 2.0),
+        ("5 %", RATIO, 0.05),
+        ("5 per cent", RATIO, 0.05),
+        ("0.05", RATIO, 0.05),
+        ("2.5", MASS, 2.5),
+        ("\N{MINUS SIGN}3 mm", LENGTH, -3e-3),
+        ("-.5e1 mm", LENGTH, -5e-3),
+        ("0e999999999 m", LENGTH, 0.0),
+    ],
+)
+def test_written_by_custom(text: str, dimension: Dimension, expected: float) -> None:
+    assert parse_quantity(text, dimension) == pytest.approx(expected, rel=1e-15)
+
+
+@REPEATABLE
+@given(st.decimals(-1000, 1000, allow_nan=False, allow_infinity=False, places=5))
+def test_a_factor_of_ten_costs_no_digit(number: object) -> None:
+    """The record must show 0.0522 for "52.2 ms", not 0.052200000000000003."""
+    assert parse_quantity(f"{number} ms", TIME) == float(f"{number}e-3")
+
+
+MUST_BE_MASS = "; must be a mass, in kg, g or t"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("5 kg^2", 'got "5 kg^2", which is a quantity in kg^2' + MUST_BE_MASS),
+        ("5 Kg", 'got "5 Kg": unknown unit "Kg" (did you mean "kg"?)' + MUST_BE_MASS),
+        ("5 lbs", 'got "5 lbs": unknown unit "lbs"' + MUST_BE_MASS),
+        ("2,5 kg", 'got "2,5 kg" with a comma; write it with a point: "2.5 kg"'),
+        ("1,000,000 kg", 'got "1,000,000 kg"; write the number without thousands separators'),
+        ("nan", 'got "nan", must be a finite number' + MUST_BE_MASS),
+        ("-inf kg", 'got "-inf kg", must be a finite number' + MUST_BE_MASS),
+        ("1e999 kg", 'got "1e999 kg", must be a finite number'),
+        ("1e308 t", 'got "1e308 t", must be a finite number'),
+        ("heavy", 'got "heavy", which does not begin with a number' + MUST_BE_MASS),
+        ("", 'got "", which does not begin with a number' + MUST_BE_MASS),
+        (
+            "5 (kg",
+            'got "5 (kg": "(kg" is not a unit: a closing parenthesis is missing' + MUST_BE_MASS,
+        ),
+        (
+            "5 kg)",
+            'got "5 kg)": "kg)" is not a unit: an opening parenthesis is missing' + MUST_BE_MASS,
+        ),
+        ("5 kg/", 'got "5 kg/": "kg/" is not a unit: it breaks off' + MUST_BE_MASS),
+        ("5 *kg", 'got "5 *kg": "*kg" is not a unit: "*" is misplaced' + MUST_BE_MASS),
+        (
+            "10 1000 kg",
+            'got "10 1000 kg": "1000 kg" is not a unit; write it like "N s/m" or "m/s^2"'
+            + MUST_BE_MASS,
+        ),
+        ("5 kg\x1b[31m", 'got "5 kg?[31m" with control characters; remove them'),
+        ("5" * 81, f'got "{"5" * 77}..."; a quantity has at most 80 characters'),
+    ],
+)
+def test_a_slip_is_named_with_its_remedy(text: str, message: str) -> None:
+    assert fault_in(text, MASS) == message
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "got", "wanted"),
+    [
+        ("20 deg", LENGTH, "an angle", "a length, in m, mm, um or nm"),
+        ("20 mm", ANGLE, "a length", "an angle, in rad, mrad, deg, arcsec or rev"),
+        ("5 Nm", FORCE, "a torque", "a force, in N, kN or MN"),
+        ("5 N", TORQUE, "a force", "a torque, in N m or kN m"),
+        ("5 N/m", ROTARY_STIFFNESS, "a stiffness", "a rotary stiffness, in N m/rad"),
+        ("5 1/s", PER_INERTIA, "a frequency", "a gain per inertia, in 1/(kg m^2)"),
+    ],
+)
+def test_a_unit_of_another_quantity_is_refused(
+    text: str, dimension: Dimension, got: str, wanted: str
+) -> None:
+    assert fault_in(text, dimension) == f'got "{text}", which is {got}; must be {wanted}'
+
+
+def test_g_is_the_gram() -> None:
+    assert fault_in("5 g", ACCELERATION).endswith("g is the gram here, write 9.81 m/s^2")
+
+
+def fault_in(text: str, dimension: Dimension) -> str:
+    """The message of the refusal, "" if the text was read as a finite number."""
+    try:
+        return "" if isfinite(parse_quantity(text, dimension)) else "not finite"
+    except ValueError as error:
+        return str(error)
+
+
+def test_the_decimal_comma_is_read_where_it_is_welcome() -> None:
+    assert parse_quantity("2,5 ms", TIME, decimal_comma=True) == 2.5e-3
+    with pytest.raises(ValueError, match="thousands"):
+        parse_quantity("1.000,5 kg", MASS, decimal_comma=True)
+
+
+@REPEATABLE
+@given(st.text(max_size=100), st.sampled_from([MASS, LENGTH, FREQUENCY, ROTARY_DAMPING]))
+def test_any_text_is_read_or_refused_without_harm_to_the_console(
+    text: str, dimension: Dimension
+) -> None:
+    message = fault_in(text, dimension)
+    assert message.isprintable()
+    assert message != "not finite"
+
+
+@REPEATABLE
+@given(st.text("mskgNrad%/*^() 0123456789µ", max_size=79))
+def test_units_made_of_known_letters_never_break_the_parser(text: str) -> None:
+    message = fault_in("1 " + text, STIFFNESS)
+    assert not message or message.startswith("got ")
+
+
+@pytest.mark.parametrize("unit", ["mm/s^2", "N/um", "deg/s", "m/min"])
+def test_conversion_there_and_back(unit: str) -> None:
+    assert convert_to(read_unit(unit)[0].si_value * 7.25, unit) == pytest.approx(7.25, rel=1e-15)
