@@ -439,6 +439,27 @@ class ProfileTable(Table):
             raise Faults([("", f"got {describe(value)}, must be 1")])
         return value
 
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        spread = self.requirements.damping_spread
+        largest = max(_damping_ratios(self.plant)) * (1.0 + spread)
+        if largest >= 1.0:
+            message = (
+                f"got {spread:g}, which raises a damping ratio to {largest:.3g} in the worst "
+                "corner; must stay < 1"
+            )
+            raise Faults([("requirements.damping_spread", message)])
+        return self
+
+
+def _damping_ratios(plant: ManipulatorTable | ModalTable) -> list[float]:
+    if isinstance(plant, ModalTable):
+        return [mode.damping_ratio for mode in plant.modes]
+    return [
+        plant.base_damping / (2.0 * sqrt(plant.base_stiffness * plant.base_mass)),
+        plant.rotary_damping / (2.0 * sqrt(plant.rotary_stiffness * plant.rotary_inertia)),
+    ]
+
 
 def _pole(omega: float, zeta: float) -> complex:
     """Return the pole of a mode; its unit does not matter for a relative comparison."""

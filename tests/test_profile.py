@@ -502,6 +502,14 @@ def test_one_fault_in_one_mode(old: str, new: str, expected: str) -> None:
     assert faults_in(changed(MODAL, old, new)) == [f"p.toml:{expected}"]
 
 
+def test_every_corner_must_stay_a_vibration() -> None:
+    text = changed(MODAL, "damping_ratio = 0.02", "damping_ratio = 0.6")
+    assert faults_in(text + "damping_spread = 0.7\n") == [
+        "p.toml:26: requirements.damping_spread: got 0.7, which raises a damping ratio to 1.02 in "
+        "the worst corner; must stay < 1"
+    ]
+
+
 def test_equal_poles_are_said_with_their_remedy() -> None:
     text = changed(changed(MODAL, '"80 Hz"', "40.00000001"), '"3 %"', "0.02")
     assert faults_in(text) == [
