@@ -1,6 +1,6 @@
 """Plant + move + t_f -> the damping-optimal control: the saturated linear-quadratic problem.
 
-    minimise ∫ F_set² + Σ c_i x_i² dt   subject to |F_set| <= F_max, from rest to the target
+minimise ∫ F_set² + Σ c_i x_i² dt   subject to |F_set| <= F_max, from rest to the target
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 REFINEMENT = 8
 """Cells per sample interval for quadrature and peaks: nine-point Newton-Cotes and cubic
 interpolation then err by less than 1e-14 and 3e-9 of the fastest amplitude."""
+
 
 def solve_damping_optimal(
     plant: Plant, move: Move, *, force_limit: float, t_f: float, weights: tuple[Weight, ...]
@@ -70,13 +71,13 @@ def solve_damping_optimal(
     >>> axis = Machine(name="a", axis="X", source="example",
     ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",
     ...         natural_frequency=250.0, damping_ratio=0.03, tcp_gain=0.01),)),
-    ...     drive=Drive(force_lag=2e-3, max_force=1e3), moves=(VelocityStep(velocity_step=0.1),),
+    ...     drive=Drive(force_lag=2e-3, max_force=280.0), moves=(VelocityStep(velocity_step=0.1),),
     ...     requirements=Requirements(tcp_deviation=1e-5,
     ...         modes=Modes(surface=4e-6, accuracy=1e-5, speed=4e-5)))
-    >>> best = solve_damping_optimal(build_plant(axis), axis.moves[0], force_limit=1e3,
+    >>> best = solve_damping_optimal(build_plant(axis), axis.moves[0], force_limit=280.0,
     ...     t_f=0.05, weights=(Weight(state="v_column", value=1e5),))
     >>> [arc.control for arc in best.arcs]
-    []
+    ['+F_max', 'interior', '+F_max', 'interior', 'interior', '-F_max']
     """
     problem = scale_problem(plant, move, force_limit=force_limit, t_f=t_f, weights=weights)
     solved = solve_saturated(problem)
@@ -157,7 +158,10 @@ def _peaks(plant: Plant, problem: SaturatedProblem, flow: PiecewiseFlow, fine: A
     rows[:, : plant.order] = signal_rows(plant) * problem.state_scale
     value = fine @ rows.T
     rate = np.stack(
-        [piece @ (rows @ problem.generators[label + 1]).T for piece, label in zip(fine, flow.labels, strict=True)]
+        [
+            piece @ (rows @ problem.generators[label + 1]).T
+            for piece, label in zip(fine, flow.labels, strict=True)
+        ]
     )
     step = np.repeat((flow.t[:, 1] - flow.t[:, 0]) / REFINEMENT, fine[0, :, 1:, 0].size)
     k = rows.shape[0]

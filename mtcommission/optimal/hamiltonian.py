@@ -280,9 +280,7 @@ def _powers(E: Array) -> Array:
     done = 1
     while done < SAMPLES_PER_PIECE:
         more = min(done, SAMPLES_PER_PIECE - done)
-        powers[:, done + 1 : done + more + 1] = (
-            powers[:, done : done + 1] @ powers[:, 1 : more + 1]
-        )
+        powers[:, done + 1 : done + more + 1] = powers[:, done : done + 1] @ powers[:, 1 : more + 1]
         done += more
     return powers
 
@@ -292,7 +290,9 @@ def _solve_nodes(problem: SaturatedProblem, flow: Array, *, bound: float) -> Arr
     n = problem.order
     k, width = flow.shape[0], 2 * n
     last = np.concatenate([np.flatnonzero(problem.fixed), n + np.flatnonzero(~problem.fixed)])
-    end_value = np.concatenate([problem.target[problem.fixed], np.zeros(int((~problem.fixed).sum()))])
+    end_value = np.concatenate(
+        [problem.target[problem.fixed], np.zeros(int((~problem.fixed).sum()))]
+    )
     right = np.concatenate(
         [
             np.zeros(n),

@@ -29,10 +29,17 @@ from mtcommission.optimal.peaks import unit_cubics
 
 Array = NDArray[np.float64]
 
-LAW_TOLERANCE = 1e-9
-"""Largest violation of the control law that counts as solved, in units of F_max [-]."""
+LAW_TOLERANCE = 1e-6
+"""Largest violation of the control law that counts as solved, in units of F_max [-]. Usually it
+falls below ``LAW_GOAL``; close to t_f,min the multipliers grow and rounding stops it earlier."""
 
-ITERATIONS = 25
+LAW_GOAL = 1e-10
+"""Violation at which the iteration stops, in units of F_max [-]."""
+
+DIVERGED = 1e3
+"""Violation from which the iteration does not come back, in units of F_max [-] (empirical)."""
+
+ITERATIONS = 40
 """Arc iterations for one limit before the step is halved (empirical)."""
 
 STEPS = 60
@@ -162,14 +169,17 @@ def _settle(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) -> It
     best = _judge(problem, arcs, bound=bound)
     now = best
     for _ in range(ITERATIONS):
-        if best.violation <= LAW_TOLERANCE * bound:
+        if best.violation <= LAW_GOAL * bound or now.violation > DIVERGED:
             break
         try:
             now = _judge(problem, crossings(problem, now.flow), bound=bound)
         except np.linalg.LinAlgError:
             break
+        stagnant = best.violation <= LAW_TOLERANCE * bound and now.violation > best.violation / 4
         if now.violation < best.violation:
             best = now
+        if stagnant:
+            break
     return best
 
 

@@ -1,0 +1,322 @@
+"""Plant + move -> optimal control on a grid, by direct transcription and IPOPT.
+
+This is the paper's own method. It needs no knowledge of the structure, takes any bounds, and
+serves as an independent check of the exact solutions; it is neither exact nor certified.
+Every number of a result but t_f and the adjoint belongs to the *exact* motion of the plant
+under the control that was found, so the discretisation shows as a terminal error.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import inf, isfinite, nan, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine import Move, Positioning, Weight
+from mtcommission.optimal.discretisation import (
+    LONGEST,
+    GridProblem,
+    GridSolution,
+    TranscriptionSettings,
+    bounded_rows,
+    solve_grid,
+)
+from mtcommission.optimal.hamiltonian import state_scales, terminal_target
+from mtcommission.optimal.peaks import hermite_peaks, signal_rows
+from mtcommission.optimal.solution import (
+    Arc,
+    Bound,
+    Certificate,
+    DampingOptimum,
+    TimeOptimum,
+    constant_arc,
+)
+from mtcommission.plant import Plant
+
+Array = NDArray[np.float64]
+
+SATURATED = 1e-5
+"""Distance from the limit, in units of F_max, below which an interval counts as saturated:
+IPOPT ends at most about its tolerance over the multiplier inside the limit."""
+
+LAW_TOLERANCE = 1e-5
+"""Largest violation of the switching law, weighted with |λ_F| / max |λ_F| [-]."""
+
+
+def transcribe_time_optimal(
+    plant: Plant,
+    move: Move,
+    *,
+    force_limit: float,
+    bounds: tuple[Bound, ...],
+    settings: TranscriptionSettings,
+) -> TimeOptimum:
+    """Return the shortest move on a grid.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    move
+        Velocity step or positioning move; its velocity limit is one more bound.
+    force_limit
+        Force left for motion, F_max [N].
+    bounds
+        Enforced at the grid points only.
+    settings
+        Grid and IPOPT.
+
+    Returns
+    -------
+    TimeOptimum
+        The bounds of its certificate are nan: a transcription proves nothing. The adjoint is
+        that of the discretised problem; the switching law is checked on the grid.
+
+    Raises
+    ------
+    ComputationError
+        BOUND_CANNOT_HOLD if IPOPT finds the bounds infeasible, BEYOND_HORIZON if t_f reaches
+        the end of the search, NO_CONVERGENCE for IPOPT's other failures.
+    KeyError
+        If a bound names no signal of the plant.
+
+    Source: Christiansen, Maurer & Zirn, secs. 5 and 5.2.
+    """
+    t_guess = _guess_time(plant, move, force_limit=force_limit)
+    scales = state_scales(plant, force_limit=force_limit, t_f=t_guess)
+    problem = _grid_problem(
+        plant,
+        move,
+        bounds=bounds,
+        scales=scales,
+        t_f=t_guess,
+        force_limit=force_limit,
+        weights=None,
+    )
+    found = solve_grid(problem, settings)
+    if found.t_f > 0.999 * LONGEST * t_guess:
+        detail = f"IPOPT went to t_f = {found.t_f:.4g} s"
+        raise ComputationError(Outcome.BEYOND_HORIZON, detail)
+    control = _snap(found.control) * force_limit
+    states = _simulate(plant, control, t_f=found.t_f)
+    target, fixed = terminal_target(plant, move)
+    return TimeOptimum(
+        move=move,
+        force_limit=force_limit,
+        bounds=bounds,
+        method="transcription",
+        t_f=found.t_f,
+        arcs=_arcs(control, t_f=found.t_f, force_limit=force_limit),
+        touch_points=(),
+        terminal_error=np.where(fixed, states[-1] - target, 0.0),
+        peaks=_peaks(plant, control, states, t_f=found.t_f),
+        certificate=_certificate(plant, found, adjoint_scale=t_guess / scales),
+    )
+
+
+def transcribe_damping_optimal(
+    plant: Plant,
+    move: Move,
+    *,
+    force_limit: float,
+    t_f: float,
+    weights: tuple[Weight, ...],
+    bounds: tuple[Bound, ...],
+    settings: TranscriptionSettings,
+) -> DampingOptimum:
+    """Return the move with the least weighted squares on a grid.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    move
+        Velocity step or positioning move; its velocity limit is one more bound.
+    force_limit
+        Force left for motion, F_max [N].
+    t_f
+        Final time [s].
+    weights
+        c_i by state [N² per squared unit].
+    bounds
+        Enforced at the grid points only.
+    settings
+        Grid and IPOPT.
+
+    Returns
+    -------
+    DampingOptimum
+        ``law_residual`` compares each constant force with the adjoint of its interval.
+
+    Raises
+    ------
+    ComputationError
+        FINAL_TIME_TOO_SHORT if IPOPT finds no such move, NO_CONVERGENCE for its other failures.
+    KeyError
+        If a bound names no signal of the plant.
+    ValueError
+        If a weight names no state.
+
+    Source: Christiansen, Maurer & Zirn, sec. 6.
+    """
+    scales = state_scales(plant, force_limit=force_limit, t_f=t_f)
+    problem = _grid_problem(
+        plant,
+        move,
+        bounds=bounds,
+        scales=scales,
+        t_f=t_f,
+        force_limit=force_limit,
+        weights=weights,
+    )
+    found = solve_grid(problem, settings)
+    control = _snap(found.control) * force_limit
+    states = _simulate(plant, control, t_f=t_f)
+    target, fixed = terminal_target(plant, move)
+    adjoint_scale = force_limit**2 * t_f / scales
+    wanted = -found.adjoint @ (adjoint_scale * plant.B) / 2.0
+    law = np.abs(control - np.clip(wanted, -force_limit, force_limit)) / force_limit
+    terms = _cost_terms(plant, control, states, t_f=t_f, weights=weights)
+    return DampingOptimum(
+        move=move,
+        force_limit=force_limit,
+        method="transcription",
+        t_f=t_f,
+        weights=weights,
+        arcs=_arcs(control, t_f=t_f, force_limit=force_limit),
+        cost=float(terms.sum()),
+        cost_terms=terms,
+        adjoint_initial=found.adjoint_initial * adjoint_scale,
+        law_residual=float(law.max()),
+        terminal_error=np.where(fixed, states[-1] - target, 0.0),
+        peaks=_peaks(plant, control, states, t_f=t_f),
+    )
+
+
+def _guess_time(plant: Plant, move: Move, *, force_limit: float) -> float:
+    """Return the rigid body's shortest time plus the time that flexibility may cost [s]."""
+    slowest = max(2.0 * np.pi / mode.natural_frequency for mode in plant.modes)
+    acceleration = force_limit / plant.moving_mass
+    if not isinstance(move, Positioning):
+        rigid = move.velocity_step / acceleration
+    elif move.distance * acceleration > move.max_velocity**2:
+        rigid = move.distance / move.max_velocity + move.max_velocity / acceleration
+    else:
+        rigid = 2.0 * sqrt(move.distance / acceleration)
+    return float(rigid + slowest / 2.0 + 4.0 * plant.force_lag)
+
+
+def _grid_problem(
+    plant: Plant,
+    move: Move,
+    *,
+    bounds: tuple[Bound, ...],
+    scales: Array,
+    t_f: float,
+    force_limit: float,
+    weights: tuple[Weight, ...] | None,
+) -> GridProblem:
+    velocity_limit = move.max_velocity if isinstance(move, Positioning) else inf
+    if isfinite(velocity_limit):
+        velocity = plant.states[plant.velocity]
+        bounds = (*bounds, Bound(name=velocity, value=velocity_limit))
+    c = np.zeros(plant.order)
+    for weight in weights or ():
+        c[plant.states.index(weight.state)] += weight.value
+    target, fixed = terminal_target(plant, move)
+    return GridProblem(
+        A=plant.A * scales / scales[:, None],
+        B=plant.B * force_limit / scales,
+        target=target / scales,
+        fixed=fixed,
+        t_guess=t_f,
+        free_time=weights is None,
+        weights=c * (scales / force_limit) ** 2,
+        rows=bounded_rows(plant, bounds, state_scale=scales),
+    )
+
+
+def _snap(control: Array) -> Array:
+    """Return the control with its nearly saturated intervals at the limit exactly."""
+    return np.where(np.abs(control) > 1.0 - SATURATED, np.sign(control), control)
+
+
+def _arcs(control: Array, *, t_f: float, force_limit: float) -> tuple[Arc, ...]:
+    """Return one arc for each run of equal saturated intervals, and for each other interval."""
+    N = control.size
+    saturated = np.abs(control) == force_limit
+    joined = saturated[1:] & (control[1:] == control[:-1])
+    starts = [0, *(np.flatnonzero(~joined) + 1).tolist(), N]
+    arcs = []
+    for start, end in pairwise(starts):
+        label = "interior"
+        if saturated[start]:
+            label = "+F_max" if control[start] > 0.0 else "-F_max"
+        t_start, t_end = start * t_f / N, t_f if end == N else end * t_f / N
+        arcs.append(constant_arc(t_start, t_end, control=label, force=float(control[start])))
+    return tuple(arcs)
+
+
+def _held_input(plant: Plant, step: float) -> Array:
+    """Return the transition of (x, u) over a time in which u is constant."""
+    n = plant.order
+    joint = np.zeros((n + 1, n + 1))
+    joint[:n, :n], joint[:n, n] = plant.A, plant.B
+    return np.asarray(expm(joint * step))
+
+
+def _simulate(plant: Plant, control: Array, *, t_f: float) -> Array:
+    """Return the exact states at the grid points, shape (N + 1, n)."""
+    n = plant.order
+    transition = _held_input(plant, t_f / control.size)
+    Phi, Gamma = transition[:n, :n], np.outer(control, transition[:n, n])
+    states = np.zeros((control.size + 1, n))
+    for k in range(control.size):
+        states[k + 1] = Phi @ states[k] + Gamma[k]
+    return states
+
+
+def _peaks(plant: Plant, control: Array, states: Array, *, t_f: float) -> Array:
+    rows = signal_rows(plant)
+    drift, push = states @ plant.A.T @ rows.T, np.outer(control, rows @ plant.B)
+    values = states @ rows.T
+    return hermite_peaks(
+        np.full(control.size, t_f / control.size),
+        values[:-1],
+        values[1:],
+        start_rate=drift[:-1] + push,
+        end_rate=drift[1:] + push,
+    )
+
+
+def _cost_terms(
+    plant: Plant, control: Array, states: Array, *, t_f: float, weights: tuple[Weight, ...]
+) -> Array:
+    step = t_f / control.size
+    z = np.column_stack([states[:-1], control])
+    squares = np.zeros(plant.order + 1)
+    for node, share in zip(*np.polynomial.legendre.leggauss(6), strict=True):
+        inside = z @ _held_input(plant, step * (1.0 + node) / 2.0).T
+        squares += share * step / 2.0 * (inside**2).sum(axis=0)
+    state_terms = [weight.value * squares[plant.states.index(weight.state)] for weight in weights]
+    return np.array([squares[-1], *state_terms])
+
+
+def _certificate(plant: Plant, found: GridSolution, *, adjoint_scale: Array) -> Certificate:
+    switching = found.adjoint @ (adjoint_scale * plant.B)
+    changes = np.flatnonzero(np.sign(switching[1:]) != np.sign(switching[:-1]))
+    step = found.t_f / found.control.size
+    violation = np.abs(found.control + np.sign(switching)) * np.abs(switching)
+    return Certificate(
+        t_f_lower_bound=nan,
+        relative_gap=nan,
+        adjoint_initial=found.adjoint_initial * adjoint_scale,
+        switching_slopes=(switching[changes + 1] - switching[changes]) / step,
+        switching_law_holds=bool(violation.max() <= LAW_TOLERANCE * np.abs(switching).max()),
+        terminal_jacobian_rank=-1,
+        terminal_jacobian_condition=nan,
+    )

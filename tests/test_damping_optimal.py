@@ -1,0 +1,362 @@
+"""If these fail, the damping-optimal control is not the optimum that the sheet claims."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import quad, solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import linprog
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.optimal.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.hamiltonian import terminal_target
+from mtcommission.optimal.peaks import hermite_peaks
+from mtcommission.optimal.solution import (
+    Certificate,
+    DampingOptimum,
+    TimeOptimum,
+    constant_arc,
+    sample_trajectory,
+)
+from mtcommission.optimal.weights import balanced_weights
+from mtcommission.plant import Plant, build_plant
+from tests.machines import paper_machine, random_modal_machine
+
+Array = NDArray[np.float64]
+
+STEP = VelocityStep(velocity_step=0.1)
+PAPER_WEIGHTS = tuple(  # Christiansen, Maurer & Zirn, eq. (17)
+    Weight(state=state, value=value)
+    for state, value in [
+        ("x_b", 1.8858e15),
+        ("phi", 1.0961e15),
+        ("v_b", 8.6070e10),
+        ("v_phi", 2.8505e10),
+    ]
+)
+PAPER_SWITCHES = (0.0, 0.009337, 0.009668, 0.036552, 0.037653, 0.041942, 0.043505)  # eq. (12)
+T_F_MIN = 0.0435202  # bracketed by the two tests that use it
+
+
+def paper_optimum(
+    *, t_f: float = 0.0522, move: Move = STEP, force_limit: float = 2e3
+) -> DampingOptimum:
+    plant = build_plant(paper_machine())
+    return solve_damping_optimal(
+        plant, move, force_limit=force_limit, t_f=t_f, weights=PAPER_WEIGHTS
+    )
+
+
+def random_case(seed: int) -> tuple[Plant, Move, tuple[Weight, ...], float]:
+    """A machine with one to five modes, a move, mode weights, and a t_f of some periods."""
+    generator = np.random.default_rng(seed)
+    machine = random_modal_machine(seed, n_modes=1 + seed % 5)
+    plant = build_plant(machine)
+    move = machine.moves[0] if seed % 2 else Positioning(distance=float(generator.uniform(0.01, 1)))
+    slowest = min(mode.natural_frequency for mode in plant.modes)
+    t_f = float(generator.uniform(1.0, 4.0)) * 2 * np.pi / slowest
+    weights = tuple(
+        Weight(
+            state=plant.states[mode.deflection],
+            value=float(np.exp(generator.uniform(-3, 3))) * mode.natural_frequency**4,
+        )
+        for mode in plant.modes
+    )
+    return plant, move, weights, t_f
+
+
+def least_force_on_grid(plant: Plant, move: Move, *, t_f: float, intervals: int) -> float:
+    """Least force that reaches the target with piecewise constant control, by a linear program."""
+    n = plant.order
+    joint = np.zeros((n + 1, n + 1))
+    joint[:n, :n], joint[:n, n] = plant.A, plant.B
+    transition = expm(joint * (t_f / intervals))
+    columns = [transition[:n, n]]
+    for _ in range(intervals - 1):
+        columns.append(transition[:n, :n] @ columns[-1])
+    target, fixed = terminal_target(plant, move)
+    rows = np.column_stack(columns[::-1])[fixed]
+    size = np.abs(rows).sum(axis=1)
+    wanted = target[fixed] / size
+    scale = np.abs(wanted).max()  # u in units of a force of about the right size
+    answer = linprog(
+        c=np.append(np.zeros(intervals), 1.0),
+        A_eq=np.column_stack([rows / size[:, None], np.zeros(size.size)]),
+        b_eq=wanted / scale,
+        A_ub=np.block(
+            [
+                [np.eye(intervals), -np.ones((intervals, 1))],
+                [-np.eye(intervals), -np.ones((intervals, 1))],
+            ]
+        ),
+        b_ub=np.zeros(2 * intervals),
+        bounds=(None, None),
+    )
+    assert answer.status == 0
+    return float(answer.fun * scale)
+
+
+def test_paper_section_6_largest_rotation_rate() -> None:
+    peak = paper_optimum().peaks[5]
+    assert peak == pytest.approx(0.008916, rel=2e-3)  # the paper's t_f is rounded to 0.0522
+    assert round(float(peak), 4) == 0.0089
+
+
+def test_paper_weights_give_the_measured_ratio_of_terms() -> None:
+    terms = paper_optimum().cost_terms
+    assert terms / terms[0] == pytest.approx([1, 0.97, 0.98, 0.25, 0.15], abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("move", "t_f"), [(STEP, 0.0522), (STEP, 0.0440), (Positioning(distance=0.02), 0.18)]
+)
+def test_law_16_and_adjoint_equation_hold_for_a_general_ode_solver(move: Move, t_f: float) -> None:
+    # from λ(0) alone, with plant, adjoint equation and law as printed; scaled only for accuracy.
+    # Shooting forward amplifies every error, so only the first part can be followed.
+    plant, best = build_plant(paper_machine()), paper_optimum(move=move, t_f=t_f)
+    n, F = plant.order, best.force_limit
+    D = np.diag([1.8858e15, 0, 1.0961e15, 8.6070e10, 0, 2.8505e10, 0])
+    size = np.concatenate([best.peaks[:n], F**2 * plant.force_lag / best.peaks[:n]])
+
+    def force(z: Array) -> Array:
+        return np.clip(-z[2 * n - 1] * size[-1] / (2 * plant.force_lag), -F, F)
+
+    def slope(_: float, z: Array) -> Array:
+        x, adjoint = np.split(z * size, 2)
+        rates = [plant.A @ x + plant.B * force(z), -2 * D @ x - adjoint @ plant.A]
+        return np.concatenate(rates) / size
+
+    motion = sample_trajectory(plant, best.arcs, step=5e-5)
+    part = motion.t < 0.02
+    start = np.concatenate([np.zeros(n), best.adjoint_initial]) / size
+    flow = solve_ivp(
+        slope, (0, 0.02), start, "DOP853", motion.t[part], rtol=1e-12, atol=1e-14, max_step=1e-4
+    )
+    assert np.abs(force(flow.y) - motion.force[part]).max() < 1e-6 * F
+    assert np.abs(flow.y[:n].T - motion.states[part] / size[:n]).max() < 1e-6
+
+
+def test_cost_terms_agree_with_adaptive_quadrature() -> None:
+    plant, best = build_plant(paper_machine()), paper_optimum()
+    motion = sample_trajectory(plant, best.arcs, step=2e-6)
+    for weight, term in zip(best.weights, best.cost_terms[1:], strict=True):
+        x = motion.states[:, plant.states.index(weight.state)]
+        assert weight.value * np.trapezoid(x**2, motion.t) == pytest.approx(term, rel=1e-6)
+    effort = 0.0
+    for arc in best.arcs:
+        integral, _ = quad(
+            lambda t, a=arc: float(a.output @ expm(a.generator * t) @ a.initial) ** 2,
+            0.0,
+            arc.t_end - arc.t_start,
+            epsabs=0.0,
+            epsrel=1e-10,
+        )
+        effort += integral
+    assert best.cost_terms[0] == pytest.approx(effort, rel=1e-9)
+    assert best.cost == pytest.approx(best.cost_terms.sum(), rel=1e-14)
+
+
+def test_adjoint_is_the_price_of_the_target() -> None:
+    # λ_vs is constant for a velocity step, and dJ / d(velocity step) = -λ_vs(t_f)
+    best, change = paper_optimum(), 1e-6
+    more, less = (
+        paper_optimum(move=VelocityStep(velocity_step=0.1 + side * change)).cost
+        for side in (1.0, -1.0)
+    )
+    assert (more - less) / (2 * change) == pytest.approx(-best.adjoint_initial[4], rel=1e-5)
+    assert best.adjoint_initial[1] == pytest.approx(0.0, abs=1e-9 * abs(best.adjoint_initial[4]))
+
+
+def test_no_admissible_variation_is_cheaper() -> None:
+    # convex combinations with other admissible controls that reach the target cost more
+    plant, best = build_plant(paper_machine()), paper_optimum()
+    other = solve_damping_optimal(
+        plant, STEP, force_limit=2e3, t_f=0.0522, weights=(Weight(state="v_phi", value=1e13),)
+    )
+    one, two = (sample_trajectory(plant, each.arcs, step=1e-6) for each in (best, other))
+    force = [np.interp(one.t, each.t, each.force) for each in (one, two)]
+    states = [
+        np.column_stack([np.interp(one.t, each.t, each.states[:, i]) for i in (0, 2, 3, 5)])
+        for each in (one, two)
+    ]
+    c = np.array([weight.value for weight in PAPER_WEIGHTS])
+
+    def cost(share: float) -> float:
+        u = (1 - share) * force[0] + share * force[1]
+        x = (1 - share) * states[0] + share * states[1]
+        return float(np.trapezoid(u**2 + x**2 @ c, one.t))
+
+    assert cost(0.0) == pytest.approx(best.cost, rel=1e-5)
+    assert cost(0.0) < cost(0.01) < cost(0.1) < cost(1.0)
+
+
+def test_arcs_are_continuous_and_saturated_where_they_say() -> None:
+    best = paper_optimum()
+    labels = [arc.control for arc in best.arcs]
+    structure = [label for i, label in enumerate(labels) if i == 0 or label != labels[i - 1]]
+    assert structure == [
+        "+F_max",
+        "interior",
+        "+F_max",
+        "interior",
+        "+F_max",
+        "interior",
+        "-F_max",
+    ]
+    assert best.arcs[0].t_start == 0.0
+    assert best.arcs[-1].t_end == 0.0522
+    for arc, after in pairwise(best.arcs):
+        assert arc.t_end == after.t_start
+        end = arc.output @ expm(arc.generator * (arc.t_end - arc.t_start)) @ arc.initial
+        assert end == pytest.approx(after.output @ after.initial, abs=1e-6 * best.force_limit)
+
+
+def test_peaks_between_samples() -> None:
+    plant, best = build_plant(paper_machine()), paper_optimum()
+    motion = sample_trajectory(plant, best.arcs, step=1e-6)
+    signals = np.column_stack([motion.states, motion.states @ plant.C.T])
+    assert np.abs(signals).max(axis=0) == pytest.approx(best.peaks, rel=1e-6)
+
+
+def test_hermite_peak_of_a_polynomial_is_exact() -> None:
+    t = np.array([[-1.0], [0.4]])
+    y, rate = t**3 - 0.3 * t, 3 * t**2 - 0.3
+    peak = hermite_peaks(np.array([1.4]), y[:1], y[1:], start_rate=rate[:1], end_rate=rate[1:])
+    assert peak == pytest.approx([0.7])
+    inner = hermite_peaks(
+        np.array([1.0]),
+        np.zeros((1, 1)),
+        np.zeros((1, 1)),
+        start_rate=np.ones((1, 1)),
+        end_rate=-np.ones((1, 1)),
+    )
+    assert inner == pytest.approx([0.25])
+
+
+def test_scaling_of_force_and_move() -> None:
+    best = paper_optimum()
+    double = paper_optimum(move=VelocityStep(velocity_step=0.2), force_limit=4e3)
+    assert double.cost == pytest.approx(4 * best.cost, rel=1e-10)
+    assert [a.t_end for a in double.arcs] == pytest.approx([a.t_end for a in best.arcs], rel=1e-9)
+
+
+def test_more_time_and_more_force_never_cost_more() -> None:
+    by_time = [paper_optimum(t_f=t_f).cost for t_f in (0.0437, 0.046, 0.0522, 0.07, 0.2)]
+    assert all(later < sooner for sooner, later in pairwise(by_time))
+    by_force = [paper_optimum(force_limit=F).cost for F in (1.8e3, 2e3, 3e3, 1e4)]
+    assert all(more <= less * (1 + 1e-12) for less, more in pairwise(by_force))
+
+
+def test_ten_times_the_shortest_time_needs_no_saturation() -> None:
+    best = paper_optimum(t_f=10 * T_F_MIN)
+    plant = build_plant(paper_machine())
+    assert {arc.control for arc in best.arcs} == {"interior"}
+    assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
+
+
+def test_just_above_the_shortest_time_is_nearly_bang_bang() -> None:
+    best = paper_optimum(t_f=1.0001 * T_F_MIN)
+    plant = build_plant(paper_machine())
+    saturated = sum(a.t_end - a.t_start for a in best.arcs if a.control != "interior")
+    assert saturated > 0.9 * best.t_f
+    assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
+    assert best.law_residual < 1e-6
+
+
+@pytest.mark.parametrize("t_f", [0.9999 * T_F_MIN, 0.99 * T_F_MIN, 0.5 * T_F_MIN, 0.005])
+def test_shorter_than_the_shortest_time_is_refused(t_f: float) -> None:
+    with pytest.raises(ComputationError) as caught:
+        paper_optimum(t_f=t_f)
+    assert caught.value.outcome is Outcome.FINAL_TIME_TOO_SHORT
+    assert f"t_f = {t_f:.6g} s takes more than" in caught.value.detail
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_refuses_exactly_what_a_linear_program_cannot_reach(seed: int) -> None:
+    plant, move, weights, t_f = random_case(seed)
+    force = least_force_on_grid(plant, move, t_f=t_f, intervals=300)
+    solve_damping_optimal(plant, move, force_limit=1.005 * force, t_f=t_f, weights=weights)
+    with pytest.raises(ComputationError) as caught:
+        solve_damping_optimal(plant, move, force_limit=0.97 * force, t_f=t_f, weights=weights)
+    assert caught.value.outcome is Outcome.FINAL_TIME_TOO_SHORT
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_machines_reach_the_target(seed: int) -> None:
+    plant, move, weights, t_f = random_case(seed)
+    free = solve_damping_optimal(plant, move, force_limit=1e12, t_f=t_f, weights=weights)
+    wanted = max(
+        abs(
+            float(
+                arc.output @ expm(arc.generator * share * (arc.t_end - arc.t_start)) @ arc.initial
+            )
+        )
+        for arc in free.arcs
+        for share in (0.0, 0.5)
+    )
+    best = solve_damping_optimal(plant, move, force_limit=0.93 * wanted, t_f=t_f, weights=weights)
+    assert any(arc.control != "interior" for arc in best.arcs)
+    assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
+    assert best.law_residual < 1e-6
+    assert best.cost > free.cost
+
+
+def test_unknown_state_in_a_weight() -> None:
+    plant = build_plant(paper_machine())
+    with pytest.raises(ValueError, match="not in tuple"):
+        solve_damping_optimal(
+            plant, STEP, force_limit=2e3, t_f=0.0522, weights=(Weight(state="v_x", value=1.0),)
+        )
+
+
+def paper_time_optimum() -> TimeOptimum:
+    plant = build_plant(paper_machine())
+    arcs = tuple(
+        constant_arc(start, end, control="-F_max" if i % 2 else "+F_max", force=2e3 * (-1) ** i)
+        for i, (start, end) in enumerate(pairwise(PAPER_SWITCHES))
+    )
+    unproved = Certificate(
+        t_f_lower_bound=np.nan,
+        relative_gap=np.nan,
+        adjoint_initial=np.zeros(plant.order),
+        switching_slopes=np.zeros(5),
+        switching_law_holds=False,
+        terminal_jacobian_rank=-1,
+        terminal_jacobian_condition=np.nan,
+    )
+    return TimeOptimum(
+        move=STEP,
+        force_limit=2e3,
+        bounds=(),
+        method="exact",
+        t_f=PAPER_SWITCHES[-1],
+        arcs=arcs,
+        touch_points=(),
+        terminal_error=np.zeros(plant.order),
+        peaks=np.zeros(plant.order + 3),
+        certificate=unproved,
+    )
+
+
+def test_balance_along_the_papers_time_optimum_gives_its_weights() -> None:
+    weights = balanced_weights(build_plant(paper_machine()), paper_time_optimum())
+    assert [weight.state for weight in weights] == ["x_b", "phi", "v_b", "v_phi"]
+    ratios = [ours.value / paper.value for ours, paper in zip(weights, PAPER_WEIGHTS, strict=True)]
+    assert ratios == pytest.approx([1.0129, 1.0142, 1.0188, 1.0261], abs=1e-4)
+
+
+def test_balance_means_equal_terms_along_the_reference() -> None:
+    plant, reference = build_plant(paper_machine()), paper_time_optimum()
+    motion = sample_trajectory(plant, reference.arcs, step=1e-6)
+    for weight in balanced_weights(plant, reference):
+        x = motion.states[:, plant.states.index(weight.state)]
+        effort = reference.force_limit**2 * reference.t_f
+        assert weight.value * np.trapezoid(x**2, motion.t) == pytest.approx(effort, rel=1e-6)
+    stronger = replace(reference, arcs=reference.arcs[:1])
+    assert balanced_weights(plant, stronger)[0].value != balanced_weights(plant, reference)[0].value
