@@ -4,6 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from mtcommission.machine import Move, VelocityStep
+from mtcommission.optimal.solution import Trajectory
+
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionLimits:
@@ -24,3 +33,62 @@ class MotionLimits:
     def jerk_time(self) -> float:
         """Time t_j = a/j of one acceleration ramp [s]."""
         return self.acceleration / self.jerk
+
+
+def condense(move: Move, trajectory: Trajectory, *, velocity: int) -> MotionLimits:
+    """Return the jerk-limited profile of the same duration that is closest to an optimum.
+
+    Closest means the least integral of the squared difference of the rigid velocities: the
+    profile then covers the same ground at the same times. Profiles of duration t_f form a
+    family in the jerk time t_j alone, since t_f = v/a + t_j for a change of velocity v (twice
+    that for a move from rest to rest, plus the cruise at max_velocity).
+
+    Parameters
+    ----------
+    move
+        The move that the optimum does.
+    trajectory
+        Its motion.
+    velocity
+        Column of the rigid velocity.
+
+    Returns
+    -------
+    MotionLimits
+        A bound and starting point, no recommendation: the optimum's vibration is not in it.
+    """
+    t, v = trajectory.t, trajectory.states[:, velocity]
+    t_f = float(t[-1])
+    if isinstance(move, VelocityStep):
+        peak, rise = move.velocity_step, t_f
+    else:
+        peak = min(move.max_velocity, 2.0 * move.distance / t_f)
+        rise = t_f - move.distance / peak
+
+    def profile(ramp: float) -> tuple[MotionLimits, float]:
+        acceleration = peak / (rise - ramp)
+        ends = np.cumsum([ramp, rise - 2.0 * ramp, ramp])
+        up = _ramp(t, ends, acceleration, ramp)
+        down = (
+            0.0
+            if isinstance(move, VelocityStep)
+            else _ramp(t - (t_f - rise), ends, acceleration, ramp)
+        )
+        error = float(np.trapezoid((up - down - v) ** 2, t))
+        return MotionLimits(acceleration=acceleration, jerk=acceleration / ramp), error
+
+    best = minimize_scalar(
+        lambda ramp: profile(ramp)[1],
+        bounds=(1e-3 * rise, 0.5 * rise),
+        method="bounded",
+        options={"xatol": 1e-4 * rise},
+    )
+    return profile(float(best.x))[0]
+
+
+def _ramp(t: Array, ends: Array, acceleration: float, ramp: float) -> Array:
+    """Velocity of one S-shaped change that begins at t = 0, for any t."""
+    jerk = acceleration / ramp
+    knots = np.concatenate([[0.0], ends])
+    age = np.maximum(t[:, None] - knots, 0.0)
+    return np.asarray((age**2 / 2.0) @ (jerk * np.array([1.0, -1.0, -1.0, 1.0])))

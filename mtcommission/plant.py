@@ -19,6 +19,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import (
     Machine,
     Manipulator,
+    Motion,
     flexible_modes,
     moving_mass,
 )
@@ -96,6 +97,8 @@ class Plant:
         T [s].
     position, velocity
         Indices of the rigid position and velocity.
+    signal_units
+        SI units of ``signals``, for messages and sheets.
     """
 
     states: tuple[str, ...]
@@ -108,6 +111,7 @@ class Plant:
     force_lag: float
     position: int
     velocity: int
+    signal_units: tuple[str, ...]
 
     @property
     def order(self) -> int:
@@ -258,7 +262,20 @@ def _assemble(
         force_lag=T,
         position=position,
         velocity=velocity,
+        signal_units=_signal_units(machine, states),
     )
+
+
+def _signal_units(machine: Machine, states: tuple[str, ...]) -> tuple[str, ...]:
+    length, force = ("m", "N") if machine.motion is Motion.LINEAR else ("rad", "N m")
+    known = {"phi": "rad", "v_phi": "rad/s", "F": force}
+    if isinstance(machine.mechanics, Manipulator):
+        known |= {"x_b": "m", "v_b": "m/s", "x_s": length, "v_s": f"{length}/s"}
+    else:
+        known |= {"x": length, "v": f"{length}/s"}
+        known |= {f"q_{mode.name}": f"{force} s^2" for mode in machine.mechanics.modes}
+        known |= {f"v_{mode.name}": f"{force} s" for mode in machine.mechanics.modes}
+    return (*(known[state] for state in states), length, length, length)
 
 
 def _check_modes(modes: tuple[PlantMode, ...]) -> None:

@@ -10,7 +10,7 @@ snap) steps at the knots. It is therefore exact at any time, not only at the pos
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -265,21 +265,29 @@ def _peak_velocity(move: Positioning, acceleration: Array, jerk: Array) -> Array
     return np.minimum(velocity, move.max_velocity) if isfinite(move.max_velocity) else velocity
 
 
-def fastest_duration(move: Move, *, acceleration: float) -> float:
-    """Return the duration without any jerk limit [s]: no setpoint with this a is shorter.
+def reached_acceleration(move: Move, *, acceleration: float, jerk: float) -> float:
+    """Return the largest acceleration that a move really reaches [m/s²].
+
+    A change of velocity v below a²/j ends before a is reached: the peak is sqrt(j v).
 
     Parameters
     ----------
     move
         Velocity step or positioning.
-    acceleration
-        a [m/s²].
+    acceleration, jerk
+        Limits [m/s², m/s³].
 
     Returns
     -------
     float
+
+    Examples
+    --------
+    >>> reached_acceleration(VelocityStep(velocity_step=0.01), acceleration=2.0, jerk=100.0)
+    1.0
     """
     if isinstance(move, VelocityStep):
-        return move.velocity_step / acceleration
-    peak = min(move.max_velocity, (acceleration * move.distance) ** 0.5)
-    return peak / acceleration + move.distance / peak if peak < inf else 0.0
+        velocity = move.velocity_step
+    else:
+        velocity = float(_peak_velocity(move, np.array([acceleration]), np.array([jerk]))[0])
+    return min(acceleration, sqrt(jerk * velocity))

@@ -136,16 +136,13 @@ def analyse_loop(response: FrequencyResponse, lifted: LiftedLoop) -> LoopAnalysi
     )
     z = np.asarray(control.poles(system))
     alive = z[np.abs(z) > DEAD_TIME_RADIUS]
-    omega = 2 * pi * response.frequency_hz
-    curve = control.frd(response.open_loop, omega, smooth=True)
-    gains, phases, *_ = control.stability_margins(curve, returnall=True)
     closed = np.abs(response.closed_velocity_loop)
     below = np.flatnonzero(closed < 1.0 / np.sqrt(2.0))
     return LoopAnalysis(
         is_stable=bool(np.max(np.abs(z)) < 1.0),
         poles=np.log(alive) / lifted.dt,
-        gain_margin_db=_worst(20.0 * np.abs(np.log10(np.asarray(gains)))),
-        phase_margin_deg=_worst(np.abs(np.asarray(phases))),
+        gain_margin_db=_gain_margin_db(response.open_loop),
+        phase_margin_deg=_phase_margin_deg(response.open_loop),
         sensitivity_peak=float(np.max(1.0 / np.abs(1.0 + response.open_loop))),
         bandwidth_hz=float(response.frequency_hz[below[0]]) if below.size else inf,
     )
@@ -155,8 +152,29 @@ DEAD_TIME_RADIUS = 1e-3
 """Lifted poles inside this circle are dead times: at 2 ms they decay in 0.3 ms (empirical)."""
 
 
-def _worst(values: Array) -> float:
-    return float(np.min(values)) if values.size else inf
+def _gain_margin_db(open_loop: ComplexArray) -> float:
+    """Smallest |20 log10 |L|| where L crosses the negative real axis; inf if it does not.
+
+    Crossings are interpolated between neighbours on the dense grid; python-control's own
+    search for them agrees (tested) and takes some hundred times as long.
+    """
+    here, there = open_loop[:-1], open_loop[1:]
+    cuts = here.imag * there.imag < 0.0
+    here, there = here[cuts], there[cuts]
+    share = here.imag / (here.imag - there.imag)
+    real = here.real + share * (there.real - here.real)
+    real = real[real < 0.0]
+    return float(np.min(np.abs(20.0 * np.log10(-real)))) if real.size else inf
+
+
+def _phase_margin_deg(open_loop: ComplexArray) -> float:
+    """Smallest distance of L from -1 on the unit circle, as an angle; inf without crossing."""
+    level = np.log(np.abs(open_loop))
+    cuts = np.flatnonzero(level[:-1] * level[1:] < 0.0)
+    share = level[cuts] / (level[cuts] - level[cuts + 1])
+    turn = np.angle(open_loop[cuts + 1] / open_loop[cuts])
+    phase = np.angle(-open_loop[cuts]) + share * turn
+    return float(np.degrees(np.min(np.abs(phase)))) if cuts.size else inf
 
 
 def _grid(plant: Plant, controller: Controller) -> Array:

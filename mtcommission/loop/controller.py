@@ -136,6 +136,7 @@ def feedforward_delay(
 
 
 def filter_delay(item: ForceFilter) -> float:
+    """Return the low-frequency delay of a set-force filter [s]."""
     zeta, omega = item.damping, item.natural_frequency
     if item.kind is FilterKind.LOW_PASS:
         return 2.0 * zeta / omega

@@ -108,7 +108,7 @@ def simulate(
         outputs, decayed = _run_saturated(
             loop, lifted, setpoint, limit=drive.motion_force, until=until, band=band
         )
-    t = np.arange(len(outputs)) * loop.controller.velocity_cycle
+    t: Array = np.arange(len(outputs), dtype=np.float64) * loop.controller.velocity_cycle
     reference = sample_setpoint(setpoint, t - tau)[:, 0]
     deviation = outputs[:, 0] - reference
     states = outputs[:, 3:]
@@ -180,7 +180,7 @@ def cycles_to_decay(lifted: LiftedLoop, transient: Array, *, amplitude: float) -
             needed = max(
                 needed, inf if radius >= 1.0 else np.log(amplitude / amount) / np.log(radius)
             )
-    return int(min(needed + 1, longest))
+    return int(min(max(needed, 0.0) + 1, longest))
 
 
 def _run_linear(
@@ -188,20 +188,9 @@ def _run_linear(
 ) -> tuple[Array, bool]:
     """Outputs at every velocity cycle, shape (n_samples, n_outputs), and whether they decayed."""
     first = ceil(until / lifted.dt) + 1
-    references = sample_setpoint(setpoint, np.arange(first) * lifted.dt)
-    X = np.zeros(len(lifted.A))
-    history = [X]
-    for r in references[:-1]:
-        X = lifted.A @ X + lifted.B @ r
-        history.append(X)
-    more, decayed = _free_cycles(lifted, X, references[-1], band)
-    tail = sample_setpoint(setpoint, (first - 1 + np.arange(more + 1)) * lifted.dt)
-    for r in tail[:-1]:
-        X = lifted.A @ X + lifted.B @ r
-        history.append(X)
-    references = np.vstack([references, tail[1:]])
-    Y = np.array(history) @ lifted.C.T + references @ lifted.D.T
-    return Y.reshape(-1, len(loop.outputs)), decayed
+    X, moving = _advance_linear(lifted, np.zeros(len(lifted.A)), setpoint, 0, first)
+    tail, decayed = _run_free(lifted, X, setpoint, start=first, band=band)
+    return np.vstack([moving, tail]).reshape(-1, len(loop.outputs)), decayed
 
 
 def _run_saturated(
@@ -213,31 +202,46 @@ def _run_saturated(
     until: float,
     band: float,
 ) -> tuple[Array, bool]:
-    """The same with saturation, cycle by cycle; linear decay is awaited once it is left."""
+    """The same with saturation, cycle by cycle, until the free motion stays within the limit."""
     X = np.zeros((len(lifted.A), 1))
     pieces: list[Array] = []
-    last_saturated, decayed, k, stop = 0, False, 0, ceil(until / lifted.dt) + 1
-    longest = stop + ceil(HORIZON / lifted.dt)
-    while k < min(stop, longest):
-        r = sample_setpoint(setpoint, np.array([k * lifted.dt]))[0]
-        X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
-        pieces.append(Y[:, :, 0])
-        if np.max(np.abs(Y[:, 2, 0])) >= limit:
-            last_saturated = k
-        k += 1
-        if k == stop:
-            r = sample_setpoint(setpoint, np.array([k * lifted.dt]))[0]
-            more, decayed = _free_cycles(lifted, X[:, 0], r, band)
-            if more > 1 or last_saturated == k - 1:
-                stop += max(more, 1)
-    return np.concatenate(pieces), decayed
+    stop, k = ceil(until / lifted.dt) + 1, 0
+    last = stop + ceil(HORIZON / lifted.dt)
+    while k < last:
+        references = sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * lifted.dt)
+        for r in references:
+            X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
+            pieces.append(Y[:, :, 0])
+        tail, decayed = _run_free(lifted, X[:, 0], setpoint, start=stop, band=band)
+        samples = tail.reshape(-1, len(loop.outputs))
+        if np.max(np.abs(samples[:, 2])) <= limit:
+            return np.vstack([*pieces, samples]), decayed
+        k, stop = stop, min(2 * stop, last)
+    return np.vstack(pieces), False
 
 
-def _free_cycles(lifted: LiftedLoop, X: Array, reference: Array, band: float) -> tuple[int, bool]:
-    """Position cycles still to simulate, and whether the loop has decayed by then."""
+def _run_free(
+    lifted: LiftedLoop, X: Array, setpoint: Setpoint, *, start: int, band: float
+) -> tuple[Array, bool]:
+    """Lifted outputs from a cycle on until all modes have decayed, and whether they have."""
+    reference = sample_setpoint(setpoint, np.array([start * lifted.dt]))[0]
     transient = X - steady_state(lifted) @ reference[:2]
     cycles = cycles_to_decay(lifted, transient, amplitude=DECAYED * band)
-    return cycles, cycles * lifted.dt <= HORIZON
+    _, outputs = _advance_linear(lifted, X, setpoint, start, start + cycles)
+    return outputs, cycles * lifted.dt <= HORIZON
+
+
+def _advance_linear(
+    lifted: LiftedLoop, X: Array, setpoint: Setpoint, start: int, stop: int
+) -> tuple[Array, Array]:
+    """Loop state at cycle ``stop`` and the lifted outputs of all cycles before it."""
+    times = np.arange(start, stop, dtype=np.float64) * lifted.dt
+    references = sample_setpoint(setpoint, times)
+    history = np.empty((len(references), len(X)))
+    for k, r in enumerate(references):
+        history[k] = X
+        X = lifted.A @ X + lifted.B @ r
+    return X, history @ lifted.C.T + references @ lifted.D.T
 
 
 def _settling_time(t: Array, deviation: Array, until: float, band: float) -> float:

@@ -23,9 +23,8 @@ from mtcommission.setpoint import JerkSteps
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-LONGEST_SEARCH = 0.5
-"""Free motion looked at by the search after t_e [s]; what settles later counts as inf (a
-recommendation that needs longer is found by widening it, see ``search_horizon``)."""
+SEARCH_HORIZON = 0.5
+"""Free motion looked at by the search after t_e [s]; what settles later counts as inf there."""
 
 CHUNK = 512
 """Setpoints per matrix product: keeps the responses in the cache (measured)."""
@@ -82,7 +81,7 @@ def build_tables(
     lifted: LiftedLoop,
     *,
     longest: float,
-    horizon: float = LONGEST_SEARCH,
+    horizon: float = SEARCH_HORIZON,
     filtered: bool = False,
 ) -> ResponseTables:
     """Return the tables of one loop.
@@ -104,12 +103,10 @@ def build_tables(
     """
     T, order = lifted.dt, 4 if filtered else 3
     count = int(np.ceil(longest / T)) + 3
-    k = np.arange(count)
+    t = np.arange(count, dtype=np.float64) * T
     states = np.empty((order + 1, count, len(lifted.A)))
     for p in range(order + 1):
-        references = np.column_stack(
-            [_basis(k * T, order - p - derivative) for derivative in range(4)]
-        )
+        references = np.column_stack([_basis(t, order - p - derivative) for derivative in range(4)])
         X = np.zeros(len(lifted.A))
         for i in range(count):
             states[p, i] = X
@@ -235,44 +232,75 @@ def moving_average_steps(steps: JerkSteps, *, time: float) -> JerkSteps:
     )
 
 
-def extremes(
-    lifted: LiftedLoop, steps: JerkSteps, *, signals: Array, order: int, settle_cycles: int
-) -> Array:
-    """Return the largest magnitude of some outputs of one loop for a few setpoints.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Extremes:
+    """What a setpoint demands of one loop while it moves.
+
+    Parameters
+    ----------
+    peaks
+        Largest magnitude of each signal, shape (n_limits, n_signals).
+    mean_force, mean_square_force
+        Of the motor force over [0, t_e + dwell], shape (n_limits,) [N, N²].
+    """
+
+    peaks: Array
+    mean_force: Array
+    mean_square_force: Array
+
+
+def find_extremes(
+    lifted: LiftedLoop, steps: JerkSteps, *, signals: Array, order: int, dwell: float, tail: float
+) -> Extremes:
+    """Return peaks and mean forces of a moderate number of setpoints on one loop.
 
     Parameters
     ----------
     lifted
-        The loop.
+        The loop; the last of its outputs per velocity cycle is the motor force.
     steps
         Steps of the derivative ``order``.
     signals
-        Rows over (outputs of one velocity cycle), shape (n_signals, n_outputs).
+        Rows over the outputs of one velocity cycle, shape (n_signals, n_outputs).
     order
         3 jerk, 4 snap.
-    settle_cycles
-        Position cycles to look at after the longest setpoint.
+    dwell
+        Rest after the setpoint that counts for the mean [s].
+    tail
+        Free motion looked at after the longest setpoint [s].
 
     Returns
     -------
-    ndarray, shape (n_limits, n_signals)
+    Extremes
     """
-    cycles = int(np.ceil(float(np.max(steps.duration)) / lifted.dt)) + settle_cycles
     per_cycle = signals.shape[1]
     rows = len(lifted.outputs) // per_cycle
-    C = (signals @ lifted.C.reshape(rows, per_cycle, -1)).reshape(-1, len(lifted.A))
-    D = (signals @ lifted.D.reshape(rows, per_cycle, -1)).reshape(-1, 4)
+    C = lifted.C.reshape(rows, per_cycle, -1)
+    D = lifted.D.reshape(rows, per_cycle, -1)
+    C_s, D_s = (signals @ C).reshape(-1, len(lifted.A)), (signals @ D).reshape(-1, 4)
+    C_f, D_f = C[:, -1], D[:, -1]
+    window = steps.duration + dwell
     X = np.zeros((len(lifted.A), len(steps.times)))
-    largest = np.zeros((len(C), len(steps.times)))
-    for k in range(cycles):
-        age = np.maximum(k * lifted.dt - steps.times, 0.0)
-        begun = k * lifted.dt - steps.times >= -1e-12
+    largest = np.zeros((len(C_s), len(steps.times)))
+    first, second = np.zeros((2, len(steps.times)))
+    step = lifted.dt / rows
+    for k in range(int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))):
+        age = k * lifted.dt - steps.times
+        begun = age >= -1e-12
         r = np.array(
             [
-                np.sum(steps.steps * begun * _basis(age, order - derivative), axis=1)
-                for derivative in range(4)
+                np.sum(steps.steps * begun * _basis(np.maximum(age, 0.0), order - i), axis=1)
+                for i in range(4)
             ]
         )
-        np.maximum(largest, np.abs(C @ X + D @ r), out=largest)
+        np.maximum(largest, np.abs(C_s @ X + D_s @ r), out=largest)
+        times = k * lifted.dt + step * np.arange(rows)
+        force = np.where(times[:, None] <= window, C_f @ X + D_f @ r, 0.0)
+        first += force.sum(axis=0) * step
+        second += (force**2).sum(axis=0) * step
         X = lifted.A @ X + lifted.B @ r
-    return np.asarray(largest.reshape(rows, len(signals), -1).max(axis=0).T)
+    return Extremes(
+        peaks=largest.reshape(rows, len(signals), -1).max(axis=0).T,
+        mean_force=first / window,
+        mean_square_force=second / window,
+    )

@@ -22,7 +22,12 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.analysis import LoopAnalysis, analyse_loop, frequency_response
+from mtcommission.loop.analysis import (
+    FrequencyResponse,
+    LoopAnalysis,
+    analyse_loop,
+    frequency_response,
+)
 from mtcommission.loop.controller import (
     Controller,
     Observer,
@@ -56,6 +61,8 @@ class TuningSettings:
     gain_margin_db, phase_margin_deg, sensitivity_peak
         Required in every corner; Åström & Hägglund recommend 6 ... 14 dB, 30 ... 60 degrees and
         1.2 ... 2.0.
+    reserve_deg
+        Phase that the cascade alone keeps above that, for the state feedback to spend (empirical).
     mode_damping
         Wanted damping ratios of the dominant mode, tried in order.
     reduction
@@ -67,6 +74,7 @@ class TuningSettings:
 
     gain_margin_db: float = 6.0
     phase_margin_deg: float = 30.0
+    reserve_deg: float = 5.0
     sensitivity_peak: float = 2.0
     mode_damping: tuple[float, ...] = (0.2, 0.15, 0.1)
     reduction: float = 0.92
@@ -84,7 +92,7 @@ class TunedLoop:
         With every gain resolved.
     corners
         The nominal machine first.
-    loops, lifted, analyses
+    loops, lifted, responses, analyses
         One for each corner.
     remarks
         What was chosen, by which rule, and what could not be done; sentences for the sheet.
@@ -94,6 +102,7 @@ class TunedLoop:
     corners: tuple[Corner, ...]
     loops: tuple[SampledLoop, ...]
     lifted: tuple[LiftedLoop, ...]
+    responses: tuple[FrequencyResponse, ...]
     analyses: tuple[LoopAnalysis, ...]
     remarks: tuple[str, ...]
 
@@ -137,13 +146,18 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
 def _tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
     given = machine.control
     fixed = given.velocity_gain is not None and given.position_gain is not None
+    reserved = settings
+    if given.state_feedback is StateFeedback.AUTO:
+        reserved = replace(
+            settings, phase_margin_deg=settings.phase_margin_deg + settings.reserve_deg
+        )
     fraction = 1.0
     while True:
         controller = _cascade(machine, fraction)
         tuned = _close(machine, controller, remarks=_cascade_remarks(machine, fraction, controller))
         if fixed and given.integral_time is not None:
             return _judge_given(tuned, settings)
-        if _has_margins(tuned, settings):
+        if _has_margins(tuned, reserved):
             break
         fraction *= settings.reduction
         slowest = min(analysis.bandwidth_hz for analysis in tuned.analyses)
@@ -158,7 +172,10 @@ def _tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
             raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
     slowest = min(analysis.bandwidth_hz for analysis in tuned.analyses)
     if slowest < given.minimum_bandwidth_hz:
-        detail = f"the fastest loop with the margins has {slowest:.3g} Hz, wanted {given.minimum_bandwidth_hz:.3g} Hz"
+        detail = (
+            f"the fastest loop with the margins has {slowest:.3g} Hz, "
+            f"wanted {given.minimum_bandwidth_hz:.3g} Hz"
+        )
         raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
     return tuned
 
@@ -215,16 +232,14 @@ def _close(machine: Machine, controller: Controller, *, remarks: tuple[str, ...]
     plants = [build_plant(vary(machine, corner)) for corner in places]
     loops = tuple(build_loop(plant, controller, model=model) for plant in plants)
     lifted = tuple(lift_loop(loop) for loop in loops)
-    analyses = tuple(
-        analyse_loop(frequency_response(plant, controller), matrices)
-        for plant, matrices in zip(plants, lifted, strict=True)
-    )
+    responses = tuple(frequency_response(plant, controller) for plant in plants)
     return TunedLoop(
         controller=controller,
         corners=places,
         loops=loops,
         lifted=lifted,
-        analyses=analyses,
+        responses=responses,
+        analyses=tuple(map(analyse_loop, responses, lifted)),
         remarks=remarks,
     )
 
@@ -306,8 +321,9 @@ def _with_active_damping(
         gains = _mode_gains(plant, mode, damping)
         controller = replace(cascade.controller, state_gains=gains, observer=observer)
         remark = (
-            f"State feedback (LQR, Kalman observer on {' and '.join(controller.sensors)}) raises the "
-            f"design damping of mode {mode.name} from {mode.damping_ratio:.3g} to {damping:.3g}.{blind}"
+            f"State feedback (LQR, Kalman observer on {' and '.join(controller.sensors)}) raises "
+            f"the design damping of mode {mode.name} from {mode.damping_ratio:.3g} to "
+            f"{damping:.3g}.{blind}"
         )
         tuned = _close(machine, controller, remarks=(*cascade.remarks, remark))
         if _has_margins(tuned, settings):

@@ -1,4 +1,4 @@
-"""Commissioning <-> JSON: the record that stays, and that every sheet is printed from.
+"""The record's exact shape, as the project's interface states it.
 
 All numbers are SI without suffix unless the key says otherwise (``_hz``, ``_db``, ``_deg``).
 JSON knows no infinity: a settling time that was not reached, or a limit that was not set, is
@@ -10,6 +10,8 @@ from __future__ import annotations
 from typing import TypedDict
 
 SCHEMA = 1
+
+CertificateEntry = dict[str, float | bool | dict[str, float] | list[float] | None]
 
 
 class Tool(TypedDict):
@@ -58,7 +60,6 @@ class PlantEntry(TypedDict):
     modes: list[ModeEntry]
     controllability_rank: int
     moving_mass: float
-    rigid_acceleration: float
 
 
 class Series(TypedDict):
@@ -93,7 +94,7 @@ class OptimumEntry(TypedDict):
     cost: float | None
     cost_terms: dict[str, float]
     weights: dict[str, float]
-    certificate: dict[str, float | bool | dict[str, float] | list[float] | None]
+    certificate: CertificateEntry
     series: Series
 
 

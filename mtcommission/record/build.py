@@ -1,0 +1,350 @@
+"""Commissioning -> Record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import version
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission import __version__
+from mtcommission.assess import Assessment
+from mtcommission.commission import Commissioning, MoveResult, Optima
+from mtcommission.loop.response import LoopResponse
+from mtcommission.loop.tuning import TunedLoop
+from mtcommission.machine import Corner, Manipulator
+from mtcommission.plant import Plant, kalman_rank
+from mtcommission.record.data import describe_move, list_assumptions, list_data
+from mtcommission.record.optima import finite_or_none, optimum_entry, series_entry
+from mtcommission.record.schema import (
+    SCHEMA,
+    Alternative,
+    AssessmentPart,
+    Check,
+    ClosedLoop,
+    Landscape,
+    LimitsEntry,
+    LimitsPart,
+    LoopPart,
+    ModeEntry,
+    MoveEntry,
+    OptimaEntry,
+    PlantEntry,
+    Profile,
+    Record,
+    ResponseEntry,
+    RuleResult,
+    RuleText,
+    Segment,
+    Series,
+    SetpointEntry,
+    Tool,
+)
+from mtcommission.rules import dominant_mode
+from mtcommission.setpoint import sample_setpoint
+
+Array = NDArray[np.float64]
+
+PLOT_STEP = 0.25e-3
+"""Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""
+
+PLOT_TAIL = 0.15
+"""What a plot shows after the end of the setpoint [s]."""
+
+
+def build_record(
+    commissioning: Commissioning, *, profile: Profile, created: str, warnings: Sequence[str]
+) -> Record:
+    """Return the record of a commissioning.
+
+    Parameters
+    ----------
+    commissioning
+        What was computed.
+    profile
+        Name, hash and text of the profile that it came from.
+    created
+        Date and time, ISO 8601.
+    warnings
+        Physical warnings about the profile.
+
+    Returns
+    -------
+    Record
+    """
+    machine, plant = commissioning.machine, commissioning.plant
+    return Record(
+        schema=SCHEMA,
+        tool=Tool(name="mtcommission", version=__version__, libraries=_library_versions()),
+        created=created,
+        profile=profile,
+        machine={
+            "name": machine.name,
+            "axis": machine.axis,
+            "motion": machine.motion.value,
+            "source": machine.source,
+            "kind": "manipulator" if isinstance(machine.mechanics, Manipulator) else "modal",
+        },
+        data=list_data(machine),
+        settings=_settings_entry(commissioning),
+        assumptions=list_assumptions(machine),
+        warnings=list(warnings),
+        plant=_plant_entry(plant),
+        optima=[_optima_entry(plant, item) for item in commissioning.optima],
+        limits=limits_part(commissioning),
+        loop=_loop_part(commissioning),
+        moves=[move_entry(plant, commissioning.tuned, result) for result in commissioning.moves],
+        assessment=assessment_part(commissioning.assessment),
+    )
+
+
+def limits_part(commissioning: Commissioning) -> LimitsPart:
+    """Return all about the limits, as ``limits --json`` prints it."""
+    choice, best = commissioning.choice, commissioning.recommended
+    return LimitsPart(
+        recommended=LimitsEntry(
+            acceleration=best.limits.acceleration,
+            jerk=best.limits.jerk,
+            jerk_time=best.limits.jerk_time,
+            bound_by=choice.bound_by,
+            settling_time=finite_or_none(best.settling_time),
+            residual_deviation=finite_or_none(best.residual_deviation),
+            peak_deviation=best.peak_deviation,
+        ),
+        alternatives=[
+            Alternative(
+                name=trial.name,
+                acceleration=trial.limits.acceleration,
+                jerk=trial.limits.jerk,
+                settling_time=finite_or_none(trial.settling_time),
+                residual_deviation=finite_or_none(trial.residual_deviation),
+                peak_deviation=trial.peak_deviation,
+                meets_requirements=trial.assessment.is_met,
+            )
+            for trial in commissioning.alternatives
+        ],
+        rules=[
+            RuleResult(
+                name=trial.name,
+                source=trial.source,
+                acceleration=trial.limits.acceleration,
+                jerk=trial.limits.jerk,
+                settling_time=finite_or_none(trial.settling_time),
+                residual_deviation=finite_or_none(trial.residual_deviation),
+                peak_deviation=trial.peak_deviation,
+                meets_requirements=trial.assessment.is_met,
+            )
+            for trial in commissioning.rules
+        ],
+        rule=_rule_text(commissioning),
+        landscape=Landscape(
+            acceleration=choice.acceleration.tolist(),
+            jerk_time=choice.jerk_time.tolist(),
+            settling_time=[
+                [finite_or_none(value) for value in row] for row in choice.settling_time
+            ],
+        ),
+        search={"evaluations": choice.evaluations},
+    )
+
+
+def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
+    """Return one move with its limits, as ``simulate --json`` prints it."""
+    setpoint, nominal = result.setpoint, result.responses[0]
+    filtered = setpoint.duration - float(np.sum(setpoint.segment_durations))
+    every = max(1, round(PLOT_STEP / tuned.controller.velocity_cycle))
+    shown = nominal.t <= nominal.t_end + PLOT_TAIL
+    shown[:] &= np.arange(len(shown)) % every == 0
+    t = nominal.t[shown]
+    delayed = sample_setpoint(setpoint, t - tuned.controller.reference_delay)
+    now = sample_setpoint(setpoint, t)
+    extra = {
+        "x_ref_delayed": delayed[:, 0],
+        "v_ref": now[:, 1],
+        "a_ref": now[:, 2],
+        "j_ref": now[:, 3],
+        "deviation": nominal.deviation[shown],
+        "F_set": nominal.force[shown],
+    }
+    return MoveEntry(
+        move=describe_move(setpoint.move),
+        setpoint=SetpointEntry(
+            duration=setpoint.duration,
+            moving_average=max(filtered, 0.0) if filtered > 1e-12 else 0.0,
+            segments=[
+                Segment(duration=duration, jerk=jerk)
+                for duration, jerk in zip(
+                    setpoint.segment_durations.tolist(),
+                    setpoint.segment_jerks.tolist(),
+                    strict=True,
+                )
+            ],
+        ),
+        response=_response_entry(plant, tuned.corners[0], nominal),
+        corners=[
+            _response_entry(plant, corner, response)
+            for corner, response in zip(tuned.corners, result.responses, strict=True)
+        ],
+        series=series_entry(plant, t, nominal.states[shown], extra),
+    )
+
+
+def assessment_part(assessment: Assessment) -> AssessmentPart:
+    """Return the verdict as the record holds it."""
+    return AssessmentPart(
+        met=assessment.is_met,
+        checks=[
+            Check(
+                name=check.name,
+                value=finite_or_none(check.value),
+                limit=check.limit,
+                unit=check.unit,
+                met=check.is_met,
+                where=check.where,
+            )
+            for check in assessment.checks
+        ],
+        obstacle=assessment.obstacle,
+    )
+
+
+def _settings_entry(commissioning: Commissioning) -> dict[str, float | str]:
+    """Every numerical setting, with the name of its group."""
+    found: dict[str, float | str] = {}
+    for group, values in asdict(commissioning.settings).items():
+        for name, value in values.items():
+            shown = value if isinstance(value, int | float) else ", ".join(map(str, value))
+            found[f"{group}.{name}"] = shown
+    return found
+
+
+def _plant_entry(plant: Plant) -> PlantEntry:
+    return PlantEntry(
+        states=list(plant.states),
+        units=dict(zip(plant.signals, plant.signal_units, strict=True)),
+        A=plant.A.tolist(),
+        B=plant.B.tolist(),
+        outputs=dict(zip(plant.outputs, plant.C.tolist(), strict=True)),
+        modes=[
+            ModeEntry(
+                name=mode.name,
+                frequency_hz=mode.frequency_hz,
+                damping_ratio=mode.damping_ratio,
+                tcp_gain=mode.tcp_gain,
+                measured_gain=mode.measured_gain,
+            )
+            for mode in plant.modes
+        ],
+        controllability_rank=kalman_rank(plant),
+        moving_mass=plant.moving_mass,
+    )
+
+
+def _optima_entry(plant: Plant, item: Optima) -> OptimaEntry:
+    return OptimaEntry(
+        move=describe_move(item.move),
+        time=optimum_entry(plant, item.time),
+        constrained=optimum_entry(plant, item.constrained) if item.constrained else None,
+        damping=optimum_entry(plant, item.damping) if item.damping else None,
+        remarks=list(item.remarks),
+    )
+
+
+def _rule_text(commissioning: Commissioning) -> RuleText:
+    mode = dominant_mode(commissioning.plant)
+    a = commissioning.machine.drive.motion_force / commissioning.plant.moving_mass
+    f = mode.frequency_hz
+    return RuleText(
+        text=(
+            f"One acceleration ramp lasts one period of mode {mode.name} ({f:.3g} Hz), which a "
+            "ramp of that length does not excite."
+        ),
+        formula="j = a f / k, k = 1, 2, ...",
+        valid_for=(
+            f"velocity changes of at least a / f (here {a / f:.3g} m/s at a = {a:.3g} m/s^2; "
+            "rad instead of m on a rotary axis); below that a is never reached; exact for an "
+            "undamped mode"
+        ),
+    )
+
+
+def _loop_part(commissioning: Commissioning) -> LoopPart:
+    tuned, plant = commissioning.tuned, commissioning.plant
+    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.lifted[0]
+    bode = tuned.responses[0]
+    gains = controller.state_gains
+    return LoopPart(
+        Kv=controller.position_gain,
+        Kp=controller.velocity_gain,
+        Tn=controller.integral_time,
+        reference_delay=controller.reference_delay,
+        state_feedback={
+            state: float(gain) for state, gain in zip(plant.states, gains, strict=True) if gain
+        },
+        feedforward={
+            "velocity": controller.velocity_feedforward,
+            "acceleration": controller.acceleration_feedforward,
+            "jerk": controller.jerk_feedforward,
+            "mass": controller.feedforward_mass,
+        },
+        position_cycle=controller.position_cycle,
+        velocity_cycle=controller.velocity_cycle,
+        sensors=list(controller.sensors),
+        observed_states=[plant.states[i] for i in controller.observer.states],
+        closed_loop=ClosedLoop(
+            A=lifted.A.tolist(),
+            B=lifted.B.tolist(),
+            C=lifted.C.tolist(),
+            D=lifted.D.tolist(),
+            dt=lifted.dt,
+            states=list(lifted.states),
+            inputs=list(lifted.inputs),
+            outputs=list(lifted.outputs),
+        ),
+        poles=[[float(pole.real), float(pole.imag)] for pole in nominal.poles],
+        gain_margin_db=finite_or_none(nominal.gain_margin_db),
+        phase_margin_deg=finite_or_none(nominal.phase_margin_deg),
+        sensitivity_peak=nominal.sensitivity_peak,
+        bandwidth_hz=finite_or_none(nominal.bandwidth_hz),
+        worst_corner={
+            "gain_margin_db": finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
+            "phase_margin_deg": finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
+            "sensitivity_peak": max(a.sensitivity_peak for a in tuned.analyses),
+            "bandwidth_hz": finite_or_none(min(a.bandwidth_hz for a in tuned.analyses)),
+        },
+        bode=Series(
+            t=bode.frequency_hz.tolist(),
+            signals={
+                "open_loop_db": (20 * np.log10(np.abs(bode.open_loop))).tolist(),
+                "open_loop_deg": np.degrees(np.unwrap(np.angle(bode.open_loop))).tolist(),
+                "closed_velocity_db": (20 * np.log10(np.abs(bode.closed_velocity_loop))).tolist(),
+            },
+        ),
+        remarks=list(tuned.remarks),
+    )
+
+
+def _response_entry(plant: Plant, corner: Corner, response: LoopResponse) -> ResponseEntry:
+    return ResponseEntry(
+        payload=corner.payload,
+        frequency_factor=corner.frequency_factor,
+        damping_factor=corner.damping_factor,
+        settling_time=finite_or_none(response.settling_time),
+        residual_deviation=finite_or_none(response.residual_deviation),
+        peak_deviation=response.peak_deviation,
+        mode_amplitudes={
+            mode.name: float(amplitude)
+            for mode, amplitude in zip(plant.modes, response.mode_amplitudes, strict=True)
+        },
+        peaks=dict(zip(plant.signals, response.peaks.tolist(), strict=True)),
+        max_force=response.max_force,
+        rms_force=response.rms_force,
+        saturated=response.saturated,
+    )
+
+
+def _library_versions() -> dict[str, str]:
+    names = ("casadi", "ruckig", "control", "numpy", "scipy")
+    return {name: version(name) for name in names}

@@ -1,0 +1,109 @@
+"""Machine -> the data and assumptions that every sheet lists."""
+
+from __future__ import annotations
+
+from math import isfinite, pi
+
+from mtcommission.machine import Machine, Manipulator, Motion, Move, VelocityStep
+from mtcommission.record.schema import Quantity
+
+
+def describe_move(move: Move) -> dict[str, float]:
+    """Return a move with the profile's keys; limits that were not set are left out."""
+    if isinstance(move, VelocityStep):
+        entry = {"velocity_step": move.velocity_step}
+    else:
+        entry = {"distance": move.distance}
+        if isfinite(move.max_velocity):
+            entry["max_velocity"] = move.max_velocity
+    if move.dwell:
+        entry["dwell"] = move.dwell
+    return entry
+
+
+def list_assumptions(machine: Machine) -> list[str]:
+    """Return what the computation assumes beyond the profile; printed on every sheet."""
+    found = [
+        "The axis is linear: a rigid mass, a first-order force lag and decoupled flexible modes. "
+        "Friction, backlash, cogging and cable forces are left out.",
+        "The encoder measures without error; velocity is the exact rate of the encoder position "
+        "at each velocity cycle.",
+        "Position controller and feed-forward act one position cycle late and are held for one "
+        "cycle; the force acts one velocity cycle late.",
+        "The time-optimal reference demands exact rest of all modes; the recommendation is judged "
+        "by a band, so the two answer different questions.",
+        "A calculated record is not an acceptance test (e.g. ISO 230); confirm on the machine.",
+    ]
+    if isinstance(machine.mechanics, Manipulator):
+        sign = "above" if machine.mechanics.tcp_height >= 0 else "below"
+        found.insert(
+            0,
+            f"tcp_height is taken as the height of the tool centre point {sign} the rotary joint, "
+            "so the tool stands at x_s - x_b + h phi as seen from the base; the paper names h but "
+            "gives no equation and no sign.",
+        )
+    if machine.drive.static_load:
+        found.append(
+            "The static load takes its amount from the force available for motion; its "
+            "deflection is constant and taken up by the integral part of the velocity loop."
+        )
+    if "illustrative" in machine.source.lower():
+        found.insert(0, "The machine data are illustrative, not those of a real machine.")
+    return found
+
+
+def list_data(machine: Machine) -> list[Quantity]:
+    """Return every machine datum with its key, SI unit and source."""
+    length, force, mass = (
+        ("m", "N", "kg") if machine.motion is Motion.LINEAR else ("rad", "N m", "kg m^2")
+    )
+    mechanics, drive, needs = machine.mechanics, machine.drive, machine.requirements
+    rows: list[tuple[str, float | str, str]]
+    if isinstance(mechanics, Manipulator):
+        rows = [
+            ("plant.base_mass", mechanics.base_mass, "kg"),
+            ("plant.slider_mass", mechanics.slider_mass, "kg"),
+            ("plant.rotary_inertia", mechanics.rotary_inertia, "kg m^2"),
+            ("plant.lever_arm", mechanics.lever_arm, "m"),
+            ("plant.tcp_height", mechanics.tcp_height, "m"),
+            ("plant.base_stiffness", mechanics.base_stiffness, "N/m"),
+            ("plant.base_damping", mechanics.base_damping, "N s/m"),
+            ("plant.rotary_stiffness", mechanics.rotary_stiffness, "N m/rad"),
+            ("plant.rotary_damping", mechanics.rotary_damping, "N m s/rad"),
+        ]
+    else:
+        rows = [("plant.moving_mass", mechanics.moving_mass, mass)]
+        for mode in mechanics.modes:
+            place = f"plant.modes.{mode.name}"
+            rows += [
+                (f"{place}.frequency", mode.natural_frequency / (2 * pi), "Hz"),
+                (f"{place}.damping_ratio", mode.damping_ratio, "-"),
+                (f"{place}.tcp_gain", mode.tcp_gain, f"1/({mass})"),
+                (f"{place}.measured_gain", mode.measured_gain, f"1/({mass})"),
+            ]
+    rows += [
+        ("drive.force_lag", drive.force_lag, "s"),
+        ("drive.max_force", drive.max_force, force),
+        ("drive.continuous_force", drive.continuous_force, force),
+        ("drive.static_load", drive.static_load, force),
+    ]
+    for number, move in enumerate(machine.moves, start=1):
+        for key, value in describe_move(move).items():
+            unit = {"velocity_step": f"{length}/s", "max_velocity": f"{length}/s"}.get(
+                key, length if key == "distance" else "s"
+            )
+            rows.append((f"moves[{number}].{key}", value, unit))
+    rows += [
+        ("requirements.tcp_deviation", needs.tcp_deviation, length),
+        ("requirements.max_settling_time", needs.max_settling_time, "s"),
+        ("requirements.frequency_spread", needs.frequency_spread, "-"),
+        ("requirements.damping_spread", needs.damping_spread, "-"),
+        ("requirements.payload (least)", needs.payload[0], mass),
+        ("requirements.payload (largest)", needs.payload[1], mass),
+    ]
+    rows += [(f"requirements.peaks.{peak.name}", peak.bound, "SI") for peak in needs.peaks]
+    return [
+        Quantity(key=key, value=value, unit=unit, source=machine.source)
+        for key, value, unit in rows
+        if not isinstance(value, float) or isfinite(value)
+    ]

@@ -1,0 +1,125 @@
+"""The makers' and textbooks' rules of thumb for acceleration and jerk, for comparison.
+
+None of them is a recommendation of this tool: each is entered as its source states it, runs
+through the same simulation, and is judged by the same requirements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isfinite, pi, sqrt
+
+from mtcommission.limits import MotionLimits
+from mtcommission.machine import Machine, Move, VelocityStep, moving_mass
+from mtcommission.plant import Plant, PlantMode
+
+NO_JERK_LIMIT = 1e-6
+"""Jerk time that stands for "no jerk limit" [s]: far below every sampling cycle."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rule:
+    """One rule, applied to a machine.
+
+    Parameters
+    ----------
+    name
+        Short, for the table.
+    source
+        Who says so.
+    limits
+        What it gives here.
+    """
+
+    name: str
+    source: str
+    limits: MotionLimits
+
+
+def dominant_mode(plant: Plant) -> PlantMode:
+    """Return the mode with the largest static deflection of the tool per newton.
+
+    Parameters
+    ----------
+    plant
+        Any plant.
+
+    Returns
+    -------
+    PlantMode
+        The one that a setpoint excites most: max |tcp_gain| / ω².
+    """
+    return max(plant.modes, key=lambda mode: abs(mode.tcp_gain) / mode.natural_frequency**2)
+
+
+def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
+    """Return the rules of thumb applied to a machine.
+
+    Parameters
+    ----------
+    machine, plant
+        The nominal machine and its plant.
+
+    Returns
+    -------
+    tuple of Rule
+
+    Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f.
+    """
+    a = machine.drive.motion_force / moving_mass(machine)
+    mode = dominant_mode(plant)
+    f, omega = mode.frequency_hz, mode.natural_frequency
+    stiff = min(a, machine.requirements.tcp_deviation * omega**2)
+    rules = [
+        Rule(
+            name="a = F_max/m, no jerk limit",
+            source="naive",
+            limits=_with_jerk_time(a, NO_JERK_LIMIT),
+        ),
+        Rule(
+            name=f"j = a f ({mode.name}, {f:.3g} Hz)",
+            source="zero residual vibration of an undamped mode (Biagiotti & Melchiorri)",
+            limits=_with_jerk_time(a, 1.0 / f),
+        ),
+        Rule(
+            name="a = e ω², j = a f",
+            source="static deflection within the band (textbook)",
+            limits=_with_jerk_time(stiff, 1.0 / f),
+        ),
+        Rule(
+            name="j = 10 a",
+            source="grblHAL; lower end of LinuxCNC",
+            limits=_with_jerk_time(a, 0.1),
+        ),
+        Rule(
+            name="j = 100 a",
+            source="upper end of LinuxCNC",
+            limits=_with_jerk_time(a, 0.01),
+        ),
+    ]
+    velocity = max(peak_velocity(move, a) for move in machine.moves)
+    if isfinite(velocity):
+        rules.append(
+            Rule(
+                name="j = a²/v_max",
+                source="HEIDENHAIN, MANUALplus 620: least axPathJerk",
+                limits=MotionLimits(acceleration=a, jerk=a**2 / velocity),
+            )
+        )
+    return tuple(rules)
+
+
+def peak_velocity(move: Move, acceleration: float) -> float:
+    """Return the largest velocity of a move under an acceleration limit alone [m/s]."""
+    if isinstance(move, VelocityStep):
+        return move.velocity_step
+    return min(move.max_velocity, sqrt(acceleration * move.distance))
+
+
+def longest_period(plant: Plant) -> float:
+    """Return the natural period of the slowest mode [s]; inf without modes."""
+    return max((2 * pi / mode.natural_frequency for mode in plant.modes), default=inf)
+
+
+def _with_jerk_time(acceleration: float, jerk_time: float) -> MotionLimits:
+    return MotionLimits(acceleration=acceleration, jerk=acceleration / jerk_time)
