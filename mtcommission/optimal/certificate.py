@@ -1,0 +1,229 @@
+"""The proof of a time-optimal control, from its multipliers alone.
+
+What is proved, and what each number means, is derived in docs/optimal-control.md, section 4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from mtcommission.optimal.dual import MARGIN, evaluate_dual
+from mtcommission.optimal.moments import MomentProblem, moment_rows
+from mtcommission.optimal.solution import Certificate
+from mtcommission.optimal.switching import (
+    ROUNDOFF,
+    Mesh,
+    build_mesh,
+    rounding_bound,
+    values_and_slopes,
+)
+from mtcommission.plant import Plant
+
+Array = NDArray[np.float64]
+
+CHECK_RADIANS = 0.25
+"""Distance of the checks of the switching law against the fastest pole (empirical)."""
+SIGN_TOLERANCE = 1e-9
+"""|λ_F| against its largest value below which a sign is not judged: there the control switches."""
+RANK_TOLERANCE = 1e-12
+"""Singular value against the largest below which the terminal Jacobian counts as singular."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Claim:
+    """A bang-bang control that is claimed to be time-optimal.
+
+    Parameters
+    ----------
+    switching_times
+        Ascending, shape (n_switches,) [s].
+    t_f
+        Final time [s].
+    first_force
+        Set force on the first arc, ±F_max [N].
+    multipliers
+        c of the switching function, shape (size,).
+    """
+
+    switching_times: Array
+    t_f: float
+    first_force: float
+    multipliers: Array
+
+
+def certify(plant: Plant, problem: MomentProblem, claim: Claim) -> Certificate:
+    """Return what the multipliers of a control prove about it.
+
+    The switching times enter only the comparisons; the bound comes from the multipliers.
+
+    Parameters
+    ----------
+    plant
+        The plant.
+    problem
+        Its moment problem.
+    claim
+        Control and multipliers.
+
+    Returns
+    -------
+    Certificate
+
+    Source: Pontryagin's principle as in Christiansen, Maurer & Zirn, eq. (7)-(9); the bound:
+    docs/optimal-control.md, section 2.
+
+    Examples
+    --------
+    Multipliers that are a little off still prove a bound, only a weaker one:
+
+    >>> from mtcommission.machine import Positioning
+    >>> from mtcommission.optimal.moments import moment_problem
+    >>> from mtcommission.plant import build_plant
+    >>> from tests.machines import paper_machine
+    >>> plant = build_plant(paper_machine())
+    >>> problem = moment_problem(plant, Positioning(distance=0.1))
+    >>> claim = Claim(switching_times=np.array([0.2]), t_f=0.4, first_force=2e3,
+    ...     multipliers=np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.19]))
+    >>> round(certify(plant, problem, claim).t_f_lower_bound, 6)
+    0.387231
+    """
+    force_limit = abs(claim.first_force)
+    bound = prove_bound(problem, claim.multipliers, span=problem.target / force_limit)
+    zeros = claim.t_f - claim.switching_times
+    _, slopes, _ = values_and_slopes(problem, claim.multipliers, zeros)
+    factor = _adjoint_factor(problem, claim)
+    values = np.linalg.svd(terminal_jacobian(problem, zeros, claim.t_f), compute_uv=False)
+    square = zeros.size == problem.size
+    return Certificate(
+        t_f_lower_bound=bound,
+        relative_gap=(claim.t_f - bound) / claim.t_f,
+        adjoint_initial=adjoint(plant, problem, claim, tau=claim.t_f),
+        switching_slopes=factor * slopes,
+        switching_law_holds=_law_holds(plant, problem, claim),
+        terminal_jacobian_rank=int(np.sum(values > RANK_TOLERANCE * values[0])) if square else -1,
+        terminal_jacobian_condition=float(values[0] / values[-1]) if square else nan,
+    )
+
+
+def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float) -> float:
+    """Return a time before which no admissible force reaches the target, whatever c is.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    multipliers
+        c, shape (size,); any values give a valid bound.
+    span
+        target / F_max [s] or [s²].
+
+    Returns
+    -------
+    float
+        T with ∫_0^T |σ_c| + (rounding allowance) = span [s].
+
+    Source: docs/optimal-control.md, section 2.
+    """
+    least = 2.0 * float(np.sqrt(span)) if problem.degree else span
+    point = evaluate_dual(build_mesh(problem, MARGIN * least), multipliers, span=span)
+    ends = np.append(point.zeros, point.bound)
+    allowance = _rounding_allowance(point.mesh, multipliers, ends) + 8.0 * ROUNDOFF * span
+    safe = evaluate_dual(point.mesh, multipliers, span=max(span - allowance, 0.0))
+    return safe.bound * (1.0 - 4.0 * ROUNDOFF)
+
+
+def _rounding_allowance(mesh: Mesh, multipliers: Array, ends: Array) -> float:
+    """Return a bound of the rounding error of ∫|σ|, from σ and from its primitive."""
+    problem = mesh.problem
+    magnitude = np.abs(problem.rates)
+    missed = float(np.diff(mesh.nodes) @ rounding_bound(mesh, multipliers))
+    tau = ends[:, np.newaxis]
+    modal = (8.0 + 2.0 * magnitude * tau) * np.minimum(tau, 2.0 / magnitude)
+    polynomial = abs(problem.constant(multipliers)) * ends + problem.target_integrals(ends)
+    per_end = modal @ problem.amplitudes(multipliers) + 8.0 * polynomial
+    return missed + 2.0 * ROUNDOFF * float(per_end.sum())
+
+
+def adjoint(plant: Plant, problem: MomentProblem, claim: Claim, *, tau: float) -> Array:
+    """Return λ at the remaining time τ, in the states of the plant.
+
+    Parameters
+    ----------
+    plant, problem, claim
+        The claimed control.
+    tau
+        t_f - t [s].
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Normalised by 1 + λ(Ax + B F_set) = 0.
+
+    Source: λ(τ) B = -factor σ(τ) with the rows of ``moment_rows``, each of which evolves by its
+    own e^{pτ}.
+    """
+    rows = moment_rows(plant, problem)
+    n_modal = 2 * problem.rates.size - 2
+    complex_c = claim.multipliers[0:n_modal:2] - 1j * claim.multipliers[1:n_modal:2]
+    turned = complex_c * np.exp(problem.rates[:-1] * tau)
+    weights = -np.append(claim.multipliers, -1.0)
+    weights[0:n_modal:2], weights[1:n_modal:2] = -turned.real, turned.imag
+    weights[n_modal] *= np.exp(problem.rates[-1].real * tau)
+    if problem.degree:
+        # ψ = τ belongs to a Jordan block: its row gains τ times the row of φ = 1.
+        weights[-2] += tau
+    return np.asarray(-_adjoint_factor(problem, claim) * (weights @ rows))
+
+
+def _adjoint_factor(problem: MomentProblem, claim: Claim) -> float:
+    """Return the factor between -λ_F/T and σ that makes the Hamiltonian vanish at t = 0."""
+    start, _, _ = values_and_slopes(problem, claim.multipliers, np.array([claim.t_f]))
+    return 1.0 / (abs(claim.first_force) * abs(float(start[0])))
+
+
+def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> Array:
+    """Return the scaled Jacobian of the terminal conditions over switching times and t_f.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    zeros
+        Remaining times of the switches, shape (k,) [s].
+    horizon
+        t_f [s].
+
+    Returns
+    -------
+    ndarray, shape (size + 1, k + 1)
+        In moment coordinates, a regular linear map of the states, with rows and then columns
+        scaled to length 1 (signs of columns left out); rank as in the states.
+
+    Source: Christiansen, Maurer & Zirn, sec. 5.1.
+    """
+    at = np.append(zeros, horizon)
+    functions = np.column_stack([problem.values(at), problem.target_values(at)]).T
+    by_row = functions / np.maximum(np.linalg.norm(functions, axis=1, keepdims=True), 1e-300)
+    return np.asarray(by_row / np.linalg.norm(by_row, axis=0))
+
+
+def _law_holds(plant: Plant, problem: MomentProblem, claim: Claim) -> bool:
+    """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on the plant's A."""
+    fastest = float(np.max(np.abs(problem.rates)))
+    count = int(np.ceil(claim.t_f * fastest / CHECK_RADIANS)) + 8
+    transition = expm(plant.A * (claim.t_f / count))
+    rows = adjoint(plant, problem, claim, tau=0.0)[np.newaxis]
+    while rows.shape[0] <= count:
+        rows = np.vstack([rows, rows @ transition])
+        transition = transition @ transition
+    lambda_force = rows[: count + 1, plant.force]
+    t = claim.t_f * (1.0 - np.arange(count + 1) / count)
+    arcs = np.searchsorted(claim.switching_times, t)
+    force = claim.first_force * (-1.0) ** arcs
+    judged = np.abs(lambda_force) > SIGN_TOLERANCE * np.max(np.abs(lambda_force))
+    return bool(np.all((force * lambda_force < 0.0)[judged]))

@@ -1,0 +1,227 @@
+"""The dual of the time-optimal problem: maximise the time that multipliers prove to be needed.
+
+For any multipliers c, no force below F_max reaches the target before the time T'(c) with
+
+    F_max ∫_0^{T'} |σ_c| dτ = target,        σ_c = ψ - Σ c_i φ_i.
+
+T' is quasi-concave in c, its maximum is t_f, and there sign σ_c is the optimal control.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.optimal.moments import MomentProblem
+from mtcommission.optimal.switching import (
+    Mesh,
+    build_mesh,
+    isolate_zeros,
+    values_and_slopes,
+)
+
+Array = NDArray[np.float64]
+
+MARGIN = 1.25
+"""Length of a mesh against the time that it must hold (empirical)."""
+LEAST_DAMPING = 1e-9
+DAMPING_LIMIT = 1e12
+"""Levenberg damping, against the scaled Hessian: below the first it is dropped, beyond the
+second no ascent is left (empirical)."""
+LEVEL = 1e-15
+"""Relative change of T' that rounding can feign."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DualPoint:
+    """Multipliers and the time that they prove.
+
+    Parameters
+    ----------
+    mesh
+        The mesh that σ was searched on; reaches beyond the bound.
+    multipliers
+        c, shape (size,).
+    bound
+        T'(c) [s].
+    zeros
+        Sign changes of σ before the bound, ascending, shape (k,) [s].
+    first_sign
+        Sign of σ before the first zero.
+    moments
+        ∫_0^{T'} sign(σ) φ, shape (size,); the gradient of T' up to 1/|σ(T')|.
+    norms
+        Size of ∫_0^{T'} |φ|, shape (size,), for scaling.
+    end_value
+        |σ(T')|.
+    """
+
+    mesh: Mesh
+    multipliers: Array
+    bound: float
+    zeros: Array
+    first_sign: float
+    moments: Array
+    norms: Array
+    end_value: float
+
+    @property
+    def residual(self) -> float:
+        """Largest moment against ∫|φ|; 0 at the optimum."""
+        return float(np.max(np.abs(self.moments) / self.norms))
+
+
+def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
+    """Return T'(c) with what a Newton step needs.
+
+    Parameters
+    ----------
+    mesh
+        A mesh of the problem; a longer one is built if T'(c) lies beyond it.
+    multipliers
+        c, shape (size,).
+    span
+        target / F_max [s] or [s²].
+
+    Returns
+    -------
+    DualPoint
+
+    Raises
+    ------
+    ComputationError
+        NO_CONVERGENCE if T'(c) lies beyond 2^40 meshes.
+    """
+    problem = mesh.problem
+    for _ in range(40):
+        zeros = isolate_zeros(mesh, multipliers)
+        ends = np.append(zeros, mesh.horizon)
+        primitive = problem.target_integrals(ends) - problem.integrals(ends) @ multipliers
+        pieces = np.abs(np.diff(primitive, prepend=0.0))
+        reached = np.cumsum(pieces)
+        if reached[-1] >= span:
+            break
+        mesh = build_mesh(problem, 2.0 * mesh.horizon)
+    else:
+        detail = f"the multipliers prove a time beyond {mesh.horizon:.3g} s"
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    k = int(np.searchsorted(reached, span))
+    start = float(zeros[k - 1]) if k else 0.0
+    missing = span - (float(reached[k - 1]) if k else 0.0)
+    bound = _reach(problem, multipliers, start, float(ends[k]), missing)
+    return _dual_point(mesh, multipliers, zeros[:k], bound)
+
+
+def _reach(
+    problem: MomentProblem, multipliers: Array, start: float, end: float, missing: float
+) -> float:
+    """Return τ in [start, end] with ∫_start^τ |σ| = missing; σ keeps its sign there."""
+    low, high = start, end
+    base = _primitive(problem, multipliers, start)
+    tau = end
+    for _ in range(100):
+        sigma = abs(float(_sigma(problem, multipliers, tau)))
+        excess = abs(_primitive(problem, multipliers, tau) - base) - missing
+        low, high = (low, tau) if excess > 0.0 else (tau, high)
+        newton = tau - excess / sigma if sigma > 0.0 else low
+        proposal = newton if low < newton < high else 0.5 * (low + high)
+        if abs(proposal - tau) <= 2e-16 * tau:
+            return proposal
+        tau = proposal
+    return tau
+
+
+def _primitive(problem: MomentProblem, multipliers: Array, tau: float) -> float:
+    at = np.array([tau])
+    return float((problem.target_integrals(at) - problem.integrals(at) @ multipliers)[0])
+
+
+def _sigma(problem: MomentProblem, multipliers: Array, tau: float) -> float:
+    at = np.array([tau])
+    return float((problem.target_values(at) - problem.values(at) @ multipliers)[0])
+
+
+def _dual_point(mesh: Mesh, multipliers: Array, zeros: Array, bound: float) -> DualPoint:
+    problem = mesh.problem
+    end_value = _sigma(problem, multipliers, bound)
+    last_sign = 1.0 if end_value >= 0.0 else -1.0
+    signs = last_sign * (-1.0) ** np.arange(zeros.size, -1, -1)
+    integrals = problem.integrals(np.append(zeros, bound))
+    inside = mesh.nodes[:-1] < bound
+    cells = np.diff(mesh.nodes)[inside]
+    return DualPoint(
+        mesh=mesh,
+        multipliers=multipliers,
+        bound=bound,
+        zeros=zeros,
+        first_sign=float(signs[0]),
+        moments=signs @ np.diff(integrals, axis=0, prepend=0.0),
+        norms=cells @ np.abs(mesh.values[:-1][inside]),
+        end_value=abs(end_value),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ascent:
+    """Where an ascent stands.
+
+    Parameters
+    ----------
+    point
+        The best multipliers so far.
+    damping
+        Levenberg damping of the next step, against the scaled Hessian.
+    stalled
+        Whether rounding or curvature ends the ascent here.
+    """
+
+    point: DualPoint
+    damping: float = 0.0
+    stalled: bool = False
+
+
+def ascend(ascent: Ascent, *, span: float) -> Ascent:
+    """Return the ascent after one damped Newton step on T'(c).
+
+    With the moments m and W = Σ 2 φ φ^T / |σ'| over the zeros, the step W^-1 m converges
+    quadratically wherever all zeros are simple; damping makes every step an ascent, so births
+    of arcs (double zeros) cost steps but not the result.
+
+    Parameters
+    ----------
+    ascent
+        Where it stands.
+    span
+        target / F_max.
+
+    Returns
+    -------
+    Ascent
+
+    Source: docs/optimal-control.md, section 3.
+    """
+    point = ascent.point
+    _, slopes, phi = values_and_slopes(point.mesh.problem, point.multipliers, point.zeros)
+    weighted = phi * np.sqrt(2.0 / np.maximum(np.abs(slopes), 1e-300))[:, np.newaxis]
+    hessian = weighted.T @ weighted
+    scale = np.sqrt(np.diag(hessian)) + 1e-300
+    values, vectors = np.linalg.eigh(hessian / scale[:, np.newaxis] / scale)
+    along = vectors.T @ (point.moments / scale)
+    values = np.maximum(values, 1e-15 * max(float(values[-1]), 1e-300))
+    damping = ascent.damping
+    while damping < DAMPING_LIMIT:
+        step = vectors @ (along / (values + damping)) / scale
+        trial = evaluate_dual(point.mesh, point.multipliers + step, span=span)
+        if trial.bound >= point.bound * (1.0 - LEVEL):
+            eased = 0.1 * damping if damping == ascent.damping else damping
+            level = trial.bound <= point.bound * (1.0 + LEVEL)
+            return Ascent(
+                point=trial,
+                damping=eased if eased > LEAST_DAMPING else 0.0,
+                stalled=level and trial.residual >= 0.5 * point.residual,
+            )
+        damping = max(4.0 * damping, 1e3 * LEAST_DAMPING)
+    return Ascent(point=point, damping=damping, stalled=True)

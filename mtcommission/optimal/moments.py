@@ -1,0 +1,164 @@
+"""What rest at the end demands of the force, as moments over the remaining time.
+
+With the remaining time τ = t_f - t, every terminal condition of an axis is a condition on a
+moment of the set force,
+
+    ∫ φ(τ) F_set dτ = 0        φ = Re e^{pτ}, Im e^{pτ} for each mode, and e^{-τ/T},
+    ∫ ψ(τ) F_set dτ = target   ψ = 1 (velocity step, target m Δv)
+                               ψ = τ (positioning, target m L; then φ = 1 joins the first line)
+
+and the functions φ, ψ do not depend on t_f. All of them decay or stay bounded, so nothing
+overflows, however long the move.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.machine import Move, VelocityStep
+from mtcommission.plant import Plant
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MomentProblem:
+    """The moment functions of one move on one plant.
+
+    Parameters
+    ----------
+    rates
+        Poles p of the modes (positive imaginary part), then -1/T; shape (n_modes + 1,) [1/s].
+    degree
+        ψ = τ^degree: 0 for a velocity step, 1 for positioning.
+    target
+        ∫ ψ F_set dτ: m Δv [N s] or m L [N s²].
+    """
+
+    rates: Complex
+    degree: int
+    target: float
+
+    @property
+    def size(self) -> int:
+        """Number of moments that must vanish."""
+        return 2 * self.rates.size - 1 + self.degree
+
+    def amplitudes(self, multipliers: Array) -> Array:
+        """Return the magnitude of the multiplier of each rate, shape (n_modes + 1,)."""
+        modal = multipliers[: 2 * self.rates.size - 2]
+        return np.append(np.hypot(modal[0::2], modal[1::2]), abs(multipliers[modal.size]))
+
+    def constant(self, multipliers: Array) -> float:
+        """Return the multiplier of φ = 1; 0 for a velocity step."""
+        return float(multipliers[-1]) if self.degree else 0.0
+
+    def values(self, tau: Array) -> Array:
+        """Return φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
+        return self._real(np.exp(tau[:, np.newaxis] * self.rates), np.ones(tau.size))
+
+    def values_and_slopes(self, tau: Array) -> tuple[Array, Array]:
+        """Return φ and dφ/dτ at remaining times τ [s] of shape (k,), each of shape (k, size)."""
+        exponentials = np.exp(tau[:, np.newaxis] * self.rates)
+        return (
+            self._real(exponentials, np.ones(tau.size)),
+            self._real(exponentials * self.rates, np.zeros(tau.size)),
+        )
+
+    def integrals(self, tau: Array) -> Array:
+        """Return ∫_0^τ φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
+        return self._real(np.expm1(tau[:, np.newaxis] * self.rates) / self.rates, tau)
+
+    def target_values(self, tau: Array) -> Array:
+        """Return ψ(τ)."""
+        return tau if self.degree else np.ones_like(tau)
+
+    def target_integrals(self, tau: Array) -> Array:
+        """Return ∫_0^τ ψ."""
+        return 0.5 * tau * tau if self.degree else tau
+
+    def _real(self, modal: Complex, constant: Array) -> Array:
+        # The real view of (re, im) pairs; the lag's pole is real, so its last column is void.
+        columns = modal.view(np.float64)[:, : 2 * self.rates.size - 1]
+        return np.column_stack([columns, constant]) if self.degree else columns
+
+
+def moment_problem(plant: Plant, move: Move) -> MomentProblem:
+    """Return the moment conditions of a move.
+
+    Parameters
+    ----------
+    plant
+        Any plant.
+    move
+        Velocity step or positioning move; a ``max_velocity`` is not looked at.
+
+    Returns
+    -------
+    MomentProblem
+
+    Source: variation of constants in the eigenvectors of A; docs/optimal-control.md, section 1.
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant import build_plant
+    >>> machine = paper_machine()
+    >>> moment_problem(build_plant(machine), machine.moves[0]).size
+    5
+    """
+    rates = np.array([mode.pole for mode in plant.modes] + [-1.0 / plant.force_lag], dtype=complex)
+    if isinstance(move, VelocityStep):
+        return MomentProblem(rates=rates, degree=0, target=plant.moving_mass * move.velocity_step)
+    return MomentProblem(rates=rates, degree=1, target=plant.moving_mass * move.distance)
+
+
+def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
+    """Return the functionals of the state that the moments measure.
+
+    Row w_i fulfils w_i e^{Aτ} B = φ_i(τ), so w_i x(t_f) is the moment of φ_i; the last row does
+    the same for ψ.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    problem
+        Its moment problem.
+
+    Returns
+    -------
+    ndarray, shape (size + 1, n)
+
+    Source: left eigenvectors of A (and one principal vector for ψ = τ), scaled by w B = 1;
+    docs/optimal-control.md, section 1.
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant import build_plant
+    >>> machine = paper_machine()
+    >>> plant = build_plant(machine)
+    >>> rows = moment_rows(plant, moment_problem(plant, machine.moves[0]))
+    >>> [round(float(b), 12) for b in rows @ plant.B]
+    [1.0, 0.0, 1.0, 0.0, 1.0, 1.0]
+    """
+    T, m, force = plant.force_lag, plant.moving_mass, plant.force
+    rows = np.zeros((problem.size + 1, plant.order))
+    for i, mode in enumerate(plant.modes):
+        p = mode.pole
+        rate = (1.0 + p * T) / mode.scale
+        for row, part in ((2 * i, np.real), (2 * i + 1, np.imag)):
+            rows[row, mode.deflection] = part(-(mode.natural_frequency**2) * rate / p)
+            rows[row, mode.rate] = part(rate)
+            rows[row, force] = part(T)
+    lag = 2 * len(plant.modes)
+    rows[lag, force] = T
+    rows[lag + 1, plant.velocity], rows[lag + 1, force] = m, T
+    if problem.degree:
+        rows[lag + 2, plant.position], rows[lag + 2, plant.velocity] = m, m * T
+    return rows

@@ -1,0 +1,137 @@
+"""The time-optimal control without limits on states: exact, and proved.
+
+The structure (the number of switches) is found, never assumed. docs/optimal-control.md derives
+the method.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine import Move, VelocityStep
+from mtcommission.optimal.bang_bang import bang_bang_motion, signal_peaks
+from mtcommission.optimal.certificate import Claim, certify
+from mtcommission.optimal.moments import moment_problem
+from mtcommission.optimal.polish import BangBang, find_bang_bang
+from mtcommission.optimal.solution import Arc, TimeOptimum, constant_arc, propagate
+from mtcommission.plant import Plant
+
+Array = NDArray[np.float64]
+
+GAP_TOLERANCE = 1e-9
+"""Largest relative distance of t_f from its proved lower bound."""
+ERROR_TOLERANCE = 1e-9
+"""Largest terminal error of a state against the peak of that state."""
+
+
+def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeOptimum:
+    """Return the fastest control that makes a move and leaves everything at rest.
+
+    Parameters
+    ----------
+    plant
+        The axis, at rest at t = 0.
+    move
+        Velocity step (end position free) or positioning move. A finite ``max_velocity`` is a
+        limit on a state and not looked at here.
+    force_limit
+        Force left for motion [N], > 0.
+
+    Returns
+    -------
+    TimeOptimum
+        With a certificate whose gap is at most 1e-9 and a terminal error of at most 1e-9 of
+        each state's peak.
+
+    Raises
+    ------
+    ComputationError
+        NO_FORCE_LEFT if ``force_limit`` is not positive; NO_CONVERGENCE if the iteration ends
+        before these accuracies.
+
+    Source: docs/optimal-control.md, sections 1 to 4; the problem: Christiansen, Maurer & Zirn,
+    eq. (1)-(3).
+
+    Examples
+    --------
+    >>> from mtcommission.plant import build_plant
+    >>> from tests.machines import paper_machine
+    >>> machine = paper_machine()
+    >>> optimum = solve_time_optimal(build_plant(machine), machine.moves[0], force_limit=2e3)
+    >>> [round(t, 6) for t in (*optimum.switching_times, optimum.t_f)]
+    [0.009395, 0.009731, 0.03657, 0.037678, 0.041955, 0.04352]
+    >>> optimum.certificate.relative_gap < 1e-12
+    True
+    """
+    if not force_limit > 0.0:
+        raise ComputationError(Outcome.NO_FORCE_LEFT, f"force left for motion {force_limit:.6g} N")
+    problem = moment_problem(plant, move)
+    control = find_bang_bang(problem, span=problem.target / force_limit)
+    claim = _claim(control, force_limit)
+    arcs = _arcs(claim)
+    motion = bang_bang_motion(
+        plant, claim.switching_times, t_f=claim.t_f, first_force=claim.first_force
+    )
+    optimum = TimeOptimum(
+        move=move,
+        force_limit=force_limit,
+        bounds=(),
+        method="exact",
+        t_f=claim.t_f,
+        arcs=arcs,
+        touch_points=(),
+        terminal_error=_terminal_error(plant, move, propagate(plant, arcs)),
+        peaks=signal_peaks(motion),
+        certificate=certify(plant, problem, claim),
+    )
+    _check(plant, optimum)
+    return optimum
+
+
+def _claim(control: BangBang, force_limit: float) -> Claim:
+    last_sign = control.first_sign * (-1.0) ** control.zeros.size
+    return Claim(
+        switching_times=control.horizon - control.zeros[::-1],
+        t_f=control.horizon,
+        first_force=last_sign * force_limit,
+        multipliers=control.multipliers,
+    )
+
+
+def _arcs(claim: Claim) -> tuple[Arc, ...]:
+    ends = [0.0, *(float(t) for t in claim.switching_times), claim.t_f]
+    arcs = []
+    force = claim.first_force
+    for start, end in pairwise(ends):
+        label = "+F_max" if force > 0.0 else "-F_max"
+        arcs.append(constant_arc(start, end, control=label, force=force))
+        force = -force
+    return tuple(arcs)
+
+
+def _terminal_error(plant: Plant, move: Move, final: Array) -> Array:
+    error = final.copy()
+    if isinstance(move, VelocityStep):
+        error[plant.velocity] -= move.velocity_step
+        error[plant.position] = 0.0
+    else:
+        error[plant.position] -= move.distance
+    return error
+
+
+def _check(plant: Plant, optimum: TimeOptimum) -> None:
+    relative = np.abs(optimum.terminal_error) / optimum.peaks[: plant.order]
+    worst = int(np.argmax(relative))
+    gap = optimum.certificate.relative_gap
+    if gap <= GAP_TOLERANCE and relative[worst] <= ERROR_TOLERANCE:
+        return
+    detail = (
+        f"t_f = {optimum.t_f:.9g} s with {len(optimum.arcs) - 1} switches, relative gap {gap:.2g} "
+        f"(at most {GAP_TOLERANCE:g}), terminal error of {plant.states[worst]} "
+        f"{relative[worst]:.2g} of its peak (at most {ERROR_TOLERANCE:g})"
+    )
+    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
