@@ -23,6 +23,9 @@ interpolation is exact to 1e-13."""
 SELECTION_MARGIN = 1e-3
 """Relative reserve for the error of the first mesh, (0.4)^4 / 384 = 7e-5 of the oscillation."""
 
+ROUNDOFF_MARGIN = 1e-13
+"""Rise within a cell, against the peak, that is not worth a closer look."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BangBangMotion:
@@ -154,6 +157,8 @@ def signal_peaks(motion: BangBangMotion) -> Array:
     rows = signal_rows(motion.plant)
     largest = np.zeros(rows.shape[0])
     for parts in (*REFINEMENTS, 1):
+        if not arc.size:
+            return largest
         first, last = states_at(motion, start, arc), states_at(motion, start + step, arc)
         drive = np.outer(motion.forces[arc], motion.plant.B)
         rates = (
@@ -177,4 +182,6 @@ def _may_peak(
 ) -> NDArray[np.bool_]:
     third = step[:, np.newaxis] / 3.0
     inner = np.maximum(np.abs(first + third * first_rate), np.abs(last - third * last_rate))
-    return np.asarray(np.any(inner * (1.0 + SELECTION_MARGIN) >= largest, axis=1))
+    # A plateau is nearly largest everywhere, but its control points do not rise above its ends.
+    rises = inner > np.maximum(np.abs(first), np.abs(last)) + ROUNDOFF_MARGIN * largest
+    return np.asarray(np.any(rises & (inner * (1.0 + SELECTION_MARGIN) >= largest), axis=1))
