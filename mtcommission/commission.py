@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from math import isfinite
 
 from mtcommission.assess import Assessment, assess
 from mtcommission.choose import Choice, SearchSettings, choose_limits
@@ -281,7 +282,7 @@ def find_time_optimum(
     plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
 ) -> TimeOptimum:
     """Return the time-optimal control, bounded or free, whichever the move and bounds ask for."""
-    limited = isinstance(move, Positioning) and move.max_velocity < float("inf")
+    limited = isinstance(move, Positioning) and isfinite(move.max_velocity)
     if bounds or limited:
         return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
     return solve_time_optimal(plant, move, force_limit=force_limit)
@@ -316,9 +317,10 @@ def find_damping_optimum(
         detail = f"t_f = {1e3 * t_f:.6g} ms, but t_f,min = {1e3 * least:.6g} ms"
         raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
     force = machine.drive.motion_force
-    weights = machine.damping_optimal.weights or balanced_weights(
-        plant, move, force_limit=force, t_f=t_f
-    )
+    weights = machine.damping_optimal.weights
+    if not weights:
+        reference = solve_time_optimal(plant, move, force_limit=force)
+        weights = balanced_weights(plant, reference)
     return solve_damping_optimal(plant, move, force_limit=force, t_f=t_f, weights=weights)
 
 

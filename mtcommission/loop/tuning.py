@@ -393,15 +393,10 @@ def _design_observer(
     A, B = discretise(plant, controller.velocity_cycle)
     A, B = A[np.ix_(states, states)], B[states]
     C = np.array([plant.row(sensor) for sensor in controller.sensors])[:, states]
-    # Unit-variance noises: states in units of what F_max does, so that the Riccati equation
-    # sees numbers near 1.
+    # Noises of variance 1, so that the Riccati equation sees no extreme weights.
     force = settings.force_noise * machine.drive.max_force
-    L, _, _ = control.dlqe(
-        A,
-        B[:, None],
-        C,
-        np.array([[force**2]]),
-        settings.position_noise**2 * np.eye(len(controller.sensors)),
-    )
+    noise = settings.position_noise
+    G, unit = force * B[:, None], np.eye(1)
+    L, _, _ = control.dlqe(A, G, C / noise, unit, np.eye(len(controller.sensors)))
     # control.dlqe gives the gain of the filter form; the predicting form needs A L.
-    return Observer(states=tuple(states), A=A, B=B, C=C, L=A @ L)
+    return Observer(states=tuple(states), A=A, B=B, C=C, L=A @ L / noise)

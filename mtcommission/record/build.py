@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission import __version__
-from mtcommission.assess import Assessment
+from mtcommission.assess import Assessment, assess
 from mtcommission.commission import Commissioning, MoveResult, Optima
 from mtcommission.loop.response import LoopResponse
 from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import Corner, Manipulator
+from mtcommission.machine import Corner, Machine, Manipulator
 from mtcommission.plant import Plant, kalman_rank
 from mtcommission.record.data import describe_move, list_assumptions, list_data
 from mtcommission.record.optima import finite_or_none, optimum_entry, series_entry
@@ -40,6 +40,7 @@ from mtcommission.record.schema import (
     Segment,
     Series,
     SetpointEntry,
+    SimulationPart,
     Tool,
 )
 from mtcommission.rules import dominant_mode
@@ -188,6 +189,21 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
             for corner, response in zip(tuned.corners, result.responses, strict=True)
         ],
         series=series_entry(plant, t, nominal.states[shown], extra),
+    )
+
+
+def simulation_part(
+    machine: Machine, plant: Plant, tuned: TunedLoop, results: Sequence[MoveResult]
+) -> SimulationPart:
+    """Return what ``simulate --json`` prints, judged like a recommendation."""
+    entries = [move_entry(plant, tuned, result) for result in results]
+    verdict = assess(machine, plant, tuned.corners, [result.responses for result in results])
+    return SimulationPart(
+        setpoint=entries[0]["setpoint"],
+        response=entries[0]["response"],
+        corners=entries[0]["corners"],
+        moves=entries,
+        assessment=assessment_part(verdict),
     )
 
 

@@ -269,6 +269,16 @@ class AssessmentPart(TypedDict):
     obstacle: str
 
 
+class SimulationPart(TypedDict):
+    """What ``simulate`` prints: the first move's setpoint and response, and all moves."""
+
+    setpoint: SetpointEntry
+    response: ResponseEntry
+    corners: list[ResponseEntry]
+    moves: list[MoveEntry]
+    assessment: AssessmentPart
+
+
 class Record(TypedDict):
     """A whole commissioning."""
 

@@ -1,0 +1,359 @@
+"""The commands, each a few lines: read the input, call one verb, write the result.
+
+Heavy imports sit inside the commands, so that ``--help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from mtcommission import __version__
+from mtcommission.errors import Fault, InputError, MtcommissionError
+
+if TYPE_CHECKING:
+    from mtcommission.commission import Commissioning
+    from mtcommission.machine import Machine
+    from mtcommission.record.schema import Profile, Record
+
+app = typer.Typer(
+    name="mtcommission",
+    help="Acceleration and jerk limits for machine tool axes, from the mechanical model.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+ProfileArgument = Annotated[Path, typer.Argument(metavar="PROFILE", help="Machine profile (TOML).")]
+ForceOption = Annotated[
+    str,
+    typer.Option("--f-max", metavar="F", help="Force limit for this call, e.g. 2kN."),
+]
+JsonOption = Annotated[
+    str, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for the screen.")
+]
+CsvOption = Annotated[
+    str, typer.Option("--csv", metavar="FILE", help="Write the motion as CSV; - for the screen.")
+]
+
+
+def main() -> NoReturn:
+    """Run the command line; every error becomes a message and an exit code."""
+    # Matrices here have some ten rows: threads cost more than they give, and the order of
+    # summation would change from run to run.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(encoding="utf-8", errors="replace")
+    try:
+        app()
+    except MtcommissionError as error:
+        _fail(str(error), error.exit_code)
+    except KeyboardInterrupt:
+        _fail("interrupted; nothing was written", 3)
+    except BrokenPipeError:
+        os._exit(0)  # the reader of our output has gone: nobody to tell
+    except OSError as error:
+        _fail(f"{error.filename or 'file system'}: {error.strerror or error}", 2)
+    except Exception as error:
+        _fail(f"internal error, please report it with the profile: {error!r}", 3)
+    sys.exit(0)
+
+
+def _fail(message: str, code: int) -> NoReturn:
+    sys.stderr.write(message + "\n")
+    sys.exit(code)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        sys.stdout.write(f"mtcommission {__version__}\n")
+        raise typer.Exit
+
+
+@app.callback()
+def start(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Version.")
+    ] = False,
+) -> None:
+    """Acceleration and jerk limits for machine tool axes, from the mechanical model."""
+
+
+@app.command()
+def run(
+    profile: ProfileArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder.")] = Path(
+        "commissioning"
+    ),
+    f_max: ForceOption = "",
+    no_pdf: Annotated[bool, typer.Option("--no-pdf", help="Leave the PDF out.")] = False,
+) -> None:
+    """Compute limits and write record.json, sheet.html, sheet.pdf and setpoint.csv."""
+    from mtcommission.files import setpoint_csv, write_files
+    from mtcommission.record.build import build_record
+    from mtcommission.record.files import dump_json
+    from mtcommission.sheet import print_html, print_pdf, summarise
+    from mtcommission.terminal import show
+
+    found = _compute(profile, f_max)
+    record = build_record(
+        found,
+        profile=_describe_profile(profile),
+        created=_now(),
+        warnings=_warnings(found.machine),
+    )
+    with _progress() as progress:
+        progress("sheet")
+        files = {
+            "record.json": dump_json(record).encode(),
+            "sheet.html": print_html(record).encode(),
+        }
+        if not no_pdf:
+            files["sheet.pdf"] = print_pdf(record)
+        for number, move in enumerate(found.moves, start=1):
+            name = "setpoint.csv" if number == 1 else f"setpoint-{number}.csv"
+            cycle = found.tuned.controller.position_cycle
+            files[name] = setpoint_csv(move.setpoint, step=cycle).encode()
+    write_files(output, files)
+    show(summarise(record))
+    sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
+    _finish(record)
+
+
+@app.command()
+def check(
+    profile: Annotated[
+        Path | None, typer.Argument(metavar="PROFILE", help="Machine profile (TOML).")
+    ] = None,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of profiles instead.")
+    ] = False,
+) -> None:
+    """Validate a profile; print modes, rigid-body limits and warnings."""
+    if schema:
+        from mtcommission.profile import profile_schema
+
+        sys.stdout.write(profile_schema().rstrip() + "\n")
+        return
+    if profile is None:
+        raise InputError([Fault(where="check", message="got no profile; give a TOML file")])
+    from mtcommission.plant import build_plant
+    from mtcommission.profile import read_profile
+    from mtcommission.terminal import describe_machine, show
+
+    machine = read_profile(profile)
+    show(describe_machine(machine, build_plant(machine), _warnings(machine)))
+
+
+@app.command()
+def optimal(
+    profile: ProfileArgument,
+    kind: Annotated[str, typer.Option("--kind", metavar="time|damping", help="What to minimise.")],
+    t_f: Annotated[
+        str, typer.Option("--t-f", metavar="S", help="Final time (damping), e.g. 52.2ms.")
+    ] = "",
+    limit: Annotated[
+        list[str] | None,
+        typer.Option("--limit", metavar="NAME=VALUE", help="E.g. v_phi=5mrad/s; repeatable."),
+    ] = None,
+    f_max: ForceOption = "",
+    velocity_step: Annotated[
+        str, typer.Option("--velocity-step", metavar="V", help="Move instead of the profile's.")
+    ] = "",
+    distance: Annotated[
+        str, typer.Option("--distance", metavar="L", help="Move instead of the profile's.")
+    ] = "",
+    move: Annotated[
+        int, typer.Option("--move", metavar="N", help="Which of the profile's moves.")
+    ] = 1,
+    method: Annotated[
+        str, typer.Option("--method", metavar="exact|transcription", help="Way of solving.")
+    ] = "exact",
+    scheme: Annotated[
+        str, typer.Option("--scheme", metavar="NAME", help="Transcription: euler or gauss.")
+    ] = "gauss",
+    intervals: Annotated[
+        int, typer.Option("--intervals", metavar="N", help="Transcription: intervals.")
+    ] = 1000,
+    json_file: JsonOption = "",
+    csv_file: CsvOption = "",
+) -> None:
+    """Compute one optimal control."""
+    from time import perf_counter
+
+    from mtcommission.files import motion_csv, write_text
+    from mtcommission.options import OptimalRequest, read_optimal_request, solve
+    from mtcommission.plant import build_plant
+    from mtcommission.record.files import dump_json
+    from mtcommission.record.optima import optimum_entry
+    from mtcommission.terminal import describe_optimum, show
+
+    machine = _read(profile, f_max)
+    plant = build_plant(machine)
+    request: OptimalRequest = read_optimal_request(
+        machine,
+        plant,
+        kind=kind,
+        method=method,
+        t_f=t_f,
+        limits=limit or [],
+        velocity_step=velocity_step,
+        distance=distance,
+        move=move,
+        scheme=scheme,
+        intervals=intervals,
+    )
+    with _progress() as progress:
+        progress(f"{kind}-optimal control")
+        begun = perf_counter()
+        solution = solve(machine, plant, request)
+        elapsed = perf_counter() - begun
+    entry = {**optimum_entry(plant, solution), "solve_time": elapsed}
+    entry.pop("series")
+    if json_file:
+        write_text(json_file, dump_json(entry))
+    if csv_file:
+        write_text(csv_file, motion_csv(plant, solution))
+    if "-" not in (json_file, csv_file):
+        show(describe_optimum(machine, plant, solution))
+
+
+@app.command()
+def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOption = "") -> None:
+    """Recommend acceleration and jerk; rules of thumb beside them."""
+    from mtcommission.files import write_text
+    from mtcommission.record.build import limits_part
+    from mtcommission.record.files import dump_json
+    from mtcommission.terminal import describe_limits, show
+
+    found = _compute(profile, f_max)
+    if json_file:
+        write_text(json_file, dump_json(limits_part(found)))
+    if json_file != "-":
+        show(describe_limits(found.machine, limits_part(found)))
+    raise typer.Exit(0 if found.assessment.is_met else 1)
+
+
+@app.command()
+def simulate(
+    profile: ProfileArgument,
+    acceleration: Annotated[str, typer.Option("--acceleration", metavar="A", help="E.g. 2m/s^2.")],
+    jerk: Annotated[str, typer.Option("--jerk", metavar="J", help="E.g. 100m/s^3.")],
+    f_max: ForceOption = "",
+    json_file: JsonOption = "",
+    csv_file: CsvOption = "",
+) -> None:
+    """Run one setpoint through the loop and judge it."""
+    from mtcommission.commission import Settings as ChainSettings
+    from mtcommission.commission import require_force, run_moves, settle_on_loop
+    from mtcommission.files import response_csv, write_text
+    from mtcommission.options import read_limits
+    from mtcommission.plant import build_plant
+    from mtcommission.record.build import simulation_part
+    from mtcommission.record.files import dump_json
+    from mtcommission.terminal import describe_simulation, show
+
+    machine = _read(profile, f_max)
+    chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
+    require_force(machine)
+    plant = build_plant(machine)
+    with _progress() as progress:
+        progress("feedback loop")
+        tuned = settle_on_loop(machine, plant, ChainSettings())
+        progress("response")
+        moves = run_moves(machine, tuned, chosen)
+    part = simulation_part(machine, plant, tuned, moves)
+    if json_file:
+        write_text(json_file, dump_json(part))
+    if csv_file:
+        write_text(csv_file, response_csv(plant, moves[0]))
+    if "-" not in (json_file, csv_file):
+        show(describe_simulation(machine, part))
+    raise typer.Exit(0 if part["assessment"]["met"] else 1)
+
+
+@app.command()
+def sheet(
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="record.json of a run.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder.")],
+    no_pdf: Annotated[bool, typer.Option("--no-pdf", help="Leave the PDF out.")] = False,
+) -> None:
+    """Print the sheet again from the record alone."""
+    from mtcommission.files import write_files
+    from mtcommission.record.files import load_record
+    from mtcommission.sheet import print_html, print_pdf
+
+    loaded = load_record(record)
+    with _progress() as progress:
+        progress("sheet")
+        files = {"sheet.html": print_html(loaded).encode()}
+        if not no_pdf:
+            files["sheet.pdf"] = print_pdf(loaded)
+    write_files(output, files)
+    sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
+    _finish(loaded)
+
+
+def _read(profile: Path, f_max: str) -> Machine:
+    from mtcommission.options import with_force
+    from mtcommission.profile import read_profile
+
+    machine = read_profile(profile)
+    return with_force(machine, f_max) if f_max else machine
+
+
+def _compute(profile: Path, f_max: str) -> Commissioning:
+    from mtcommission.commission import commission
+
+    machine = _read(profile, f_max)
+    with _progress() as progress:
+        return commission(machine, progress=progress)
+
+
+def _describe_profile(path: Path) -> Profile:
+    from mtcommission.profile import profile_text_hash, read_profile_text
+    from mtcommission.record.schema import Profile
+
+    return Profile(
+        name=path.name, sha256=profile_text_hash(path.read_bytes()), text=read_profile_text(path)
+    )
+
+
+def _now() -> str:
+    """Date and time of the record; SOURCE_DATE_EPOCH fixes it for repeatable builds."""
+    from datetime import UTC, datetime
+
+    fixed = os.environ.get("SOURCE_DATE_EPOCH")
+    moment = datetime.fromtimestamp(int(fixed), UTC) if fixed else datetime.now(UTC)
+    return moment.isoformat(timespec="seconds")
+
+
+def _finish(record: Record) -> NoReturn:
+    raise typer.Exit(0 if record["assessment"]["met"] else 1)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """Show the running stage on the error stream; silent where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("") as status:
+        yield lambda stage: status.update(f"{stage} …")
+
+
+def _warnings(machine: Machine) -> list[str]:
+    from mtcommission.plausibility import check_plausibility
+
+    return [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]

@@ -1,0 +1,114 @@
+"""Results -> files: CSV texts, and writing that leaves no half-written file behind."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.commission import MoveResult
+from mtcommission.errors import Fault, InputError
+from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_trajectory
+from mtcommission.plant import Plant
+from mtcommission.setpoint import Setpoint, sample_setpoint
+
+Array = NDArray[np.float64]
+
+MOTION_SAMPLES = 2000
+"""Samples of an optimal control in its CSV file, besides the switches."""
+
+
+def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files into a folder, each under a temporary name first.
+
+    Parameters
+    ----------
+    folder
+        Made if it is missing.
+    files
+        Contents by name.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be used.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in files.items():
+            _replace(folder / name, content)
+    except OSError as error:
+        message = f"cannot write there ({error.strerror}); give another folder with -o"
+        raise InputError([Fault(where=str(folder), message=message)]) from error
+
+
+def write_text(name: str, text: str) -> None:
+    """Write a text to a file, or to standard output if the name is ``-``.
+
+    Parameters
+    ----------
+    name
+        File name or ``-``.
+    text
+        Content.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    if name == "-":
+        sys.stdout.write(text)
+        return
+    try:
+        _replace(Path(name), text.encode())
+    except OSError as error:
+        message = f"cannot write this file ({error.strerror}); give another name"
+        raise InputError([Fault(where=name, message=message)]) from error
+
+
+def _replace(path: Path, content: bytes) -> None:
+    with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
+        try:
+            file.write(content)
+            file.close()
+            os.chmod(file.name, 0o644)
+            os.replace(file.name, path)
+        except OSError:
+            file.close()
+            Path(file.name).unlink(missing_ok=True)
+            raise
+
+
+def setpoint_csv(setpoint: Setpoint, *, step: float) -> str:
+    """Return a setpoint at the position cycle as CSV: t, x_ref, v_ref, a_ref, j_ref (SI)."""
+    times = np.arange(int(np.ceil(setpoint.duration / step - 1e-9)) + 1, dtype=np.float64) * step
+    return _csv(
+        ("t", "x_ref", "v_ref", "a_ref", "j_ref"),
+        np.column_stack([times, sample_setpoint(setpoint, times)]),
+    )
+
+
+def motion_csv(plant: Plant, solution: TimeOptimum | DampingOptimum) -> str:
+    """Return the motion under an optimal control as CSV: t, F_set, every state (SI)."""
+    motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / MOTION_SAMPLES)
+    return _csv(
+        ("t", "F_set", *plant.states), np.column_stack([motion.t, motion.force, motion.states])
+    )
+
+
+def response_csv(plant: Plant, result: MoveResult) -> str:
+    """Return the nominal response as CSV: t, deviation, F_set, every state (SI)."""
+    nominal = result.responses[0]
+    columns = np.column_stack([nominal.t, nominal.deviation, nominal.force, nominal.states])
+    return _csv(("t", "deviation", "F_set", *plant.states), columns)
+
+
+def _csv(names: tuple[str, ...], columns: Array) -> str:
+    rows = (",".join(f"{value:.12g}" for value in row) for row in columns.tolist())
+    return "\n".join([",".join(names), *rows]) + "\n"

@@ -1,0 +1,312 @@
+"""Options of the command line -> quantities and requests; every fault at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from math import isfinite
+
+from mtcommission.commission import (
+    DAMPING_TIME_FACTOR,
+    find_damping_optimum,
+    find_time_optimum,
+    require_force,
+)
+from mtcommission.errors import Fault, InputError
+from mtcommission.limits import MotionLimits
+from mtcommission.machine import Machine, Motion, Move, Positioning, VelocityStep
+from mtcommission.optimal.discretisation import Scheme, TranscriptionSettings
+from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
+from mtcommission.optimal.transcription import (
+    transcribe_damping_optimal,
+    transcribe_time_optimal,
+)
+from mtcommission.plant import Plant
+from mtcommission.units import (
+    ACCELERATION,
+    ANGLE,
+    ANGULAR_ACCELERATION,
+    ANGULAR_JERK,
+    ANGULAR_VELOCITY,
+    FORCE,
+    JERK,
+    LENGTH,
+    MODAL_DEFLECTION,
+    MODAL_RATE,
+    ROTARY_MODAL_DEFLECTION,
+    ROTARY_MODAL_RATE,
+    TIME,
+    TORQUE,
+    VELOCITY,
+    Dimension,
+    parse_quantity,
+)
+
+MOST_INTERVALS = 20_000
+"""Grid of a transcription that still fits into some GB."""
+
+BY_UNIT = {
+    "m": LENGTH,
+    "m/s": VELOCITY,
+    "rad": ANGLE,
+    "rad/s": ANGULAR_VELOCITY,
+    "N": FORCE,
+    "N m": TORQUE,
+    "N s^2": MODAL_DEFLECTION,
+    "N s": MODAL_RATE,
+    "N m s^2": ROTARY_MODAL_DEFLECTION,
+    "N m s": ROTARY_MODAL_RATE,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimalRequest:
+    """What ``optimal`` is asked for.
+
+    Parameters
+    ----------
+    kind
+        ``"time"`` or ``"damping"``.
+    method
+        ``"exact"`` or ``"transcription"``.
+    move
+        The profile's, or from the options.
+    t_f
+        Final time of the damping-optimal control [s]; None: the default of the profile.
+    bounds
+        From ``--limit``.
+    transcription
+        Grid of the direct transcription.
+    """
+
+    kind: str
+    method: str
+    move: Move
+    t_f: float | None
+    bounds: tuple[Bound, ...]
+    transcription: TranscriptionSettings
+
+
+def with_force(machine: Machine, text: str) -> Machine:
+    """Return the machine with another force limit.
+
+    Parameters
+    ----------
+    machine
+        From its profile.
+    text
+        Of ``--f-max``, e.g. ``2kN``.
+
+    Returns
+    -------
+    Machine
+
+    Raises
+    ------
+    InputError
+        If the text is no positive force, or leaves nothing beside the static load.
+    """
+    dimension = FORCE if machine.motion is Motion.LINEAR else TORQUE
+    faults: list[Fault] = []
+    force = _positive("--f-max", text, dimension, faults)
+    _raise(faults)
+    if force <= abs(machine.drive.static_load):
+        message = (
+            f"got {force:g} {dimension.si}, must be above the static load "
+            f"{abs(machine.drive.static_load):g} {dimension.si}"
+        )
+        raise InputError([Fault(where="--f-max", message=message)])
+    return replace(machine, drive=replace(machine.drive, max_force=force))
+
+
+def read_limits(machine: Machine, *, acceleration: str, jerk: str) -> MotionLimits:
+    """Return limits from ``--acceleration`` and ``--jerk``.
+
+    Raises
+    ------
+    InputError
+        With a fault for each text that is no positive quantity.
+    """
+    linear = machine.motion is Motion.LINEAR
+    faults: list[Fault] = []
+    a = _positive(
+        "--acceleration", acceleration, ACCELERATION if linear else ANGULAR_ACCELERATION, faults
+    )
+    j = _positive("--jerk", jerk, JERK if linear else ANGULAR_JERK, faults)
+    _raise(faults)
+    return MotionLimits(acceleration=a, jerk=j)
+
+
+def read_optimal_request(
+    machine: Machine,
+    plant: Plant,
+    *,
+    kind: str,
+    method: str,
+    t_f: str,
+    limits: Sequence[str],
+    velocity_step: str,
+    distance: str,
+    move: int,
+    scheme: str,
+    intervals: int,
+) -> OptimalRequest:
+    """Return what ``optimal`` is asked for.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    kind, method, t_f, limits, velocity_step, distance, move, scheme, intervals
+        Texts of the options; "" where one is not given.
+
+    Returns
+    -------
+    OptimalRequest
+
+    Raises
+    ------
+    InputError
+        With every fault found.
+    """
+    faults: list[Fault] = []
+    _one_of("--kind", kind, ("time", "damping"), faults)
+    _one_of("--method", method, ("exact", "transcription"), faults)
+    bounds = [_bound(plant, text, faults) for text in limits]
+    final = _positive("--t-f", t_f, TIME, faults) if t_f else None
+    if kind == "time" and t_f:
+        message = "goes with --kind damping; a time-optimal control finds its own final time"
+        faults.append(Fault(where="--t-f", message=message))
+    schemes = {item.value: item for item in Scheme}
+    _one_of("--scheme", scheme, tuple(schemes), faults)
+    if not 2 <= intervals <= MOST_INTERVALS:
+        message = f"got {intervals}, must be 2 to {MOST_INTERVALS}"
+        faults.append(Fault(where="--intervals", message=message))
+    if kind == "damping" and limits and method == "exact":
+        message = "bounds on a damping-optimal control need --method transcription"
+        faults.append(Fault(where="--limit", message=message))
+    chosen = _move(
+        machine, velocity_step=velocity_step, distance=distance, number=move, faults=faults
+    )
+    _raise(faults)
+    return OptimalRequest(
+        kind=kind,
+        method=method,
+        move=chosen,
+        t_f=final,
+        bounds=tuple(bounds),
+        transcription=TranscriptionSettings(scheme=schemes[scheme], intervals=intervals),
+    )
+
+
+def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimum | DampingOptimum:
+    """Return the optimal control that was asked for.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    request
+        From ``read_optimal_request``.
+
+    Returns
+    -------
+    TimeOptimum or DampingOptimum
+
+    Raises
+    ------
+    ComputationError
+        With a named outcome.
+    """
+    require_force(machine)
+    force, move = machine.drive.motion_force, request.move
+    exact = request.method == "exact"
+    if request.kind == "time":
+        if exact:
+            return find_time_optimum(plant, move, force_limit=force, bounds=request.bounds)
+        bounds = request.bounds
+        if isinstance(move, Positioning) and isfinite(move.max_velocity):
+            bounds += (Bound(name=plant.states[plant.velocity], value=move.max_velocity),)
+        return transcribe_time_optimal(
+            plant, move, force_limit=force, bounds=bounds, settings=request.transcription
+        )
+    least = find_time_optimum(plant, move, force_limit=force, bounds=()).t_f
+    t_f = request.t_f or machine.damping_optimal.t_f or DAMPING_TIME_FACTOR * least
+    solution = find_damping_optimum(machine, plant, move, t_f=t_f, least=least)
+    if exact:
+        return solution
+    return transcribe_damping_optimal(
+        plant,
+        move,
+        force_limit=force,
+        t_f=t_f,
+        weights=solution.weights,
+        bounds=request.bounds,
+        settings=request.transcription,
+    )
+
+
+def _move(
+    machine: Machine, *, velocity_step: str, distance: str, number: int, faults: list[Fault]
+) -> Move:
+    linear = machine.motion is Motion.LINEAR
+    if velocity_step and distance:
+        message = "cannot go with --velocity-step; give one of them"
+        faults.append(Fault(where="--distance", message=message))
+    if velocity_step:
+        dimension = VELOCITY if linear else ANGULAR_VELOCITY
+        return VelocityStep(
+            velocity_step=_positive("--velocity-step", velocity_step, dimension, faults)
+        )
+    if distance:
+        return Positioning(
+            distance=_positive("--distance", distance, LENGTH if linear else ANGLE, faults)
+        )
+    if not 1 <= number <= len(machine.moves):
+        message = f"got {number}, the profile has moves 1 to {len(machine.moves)}"
+        faults.append(Fault(where="--move", message=message))
+        return machine.moves[0]
+    return machine.moves[number - 1]
+
+
+def _bound(plant: Plant, text: str, faults: list[Fault]) -> Bound:
+    name, separator, value = text.partition("=")
+    name = name.strip()
+    if not separator:
+        faults.append(Fault(where="--limit", message=f"got {text!r}, must be NAME=VALUE"))
+    elif name not in plant.signals:
+        close = get_close_matches(name, plant.signals, n=1)
+        hint = f"; did you mean {close[0]}?" if close else ""
+        message = f"no state or output {name!r}{hint} There are: {', '.join(plant.signals)}"
+        faults.append(Fault(where="--limit", message=message))
+    else:
+        dimension = BY_UNIT[plant.signal_units[plant.signals.index(name)]]
+        found = _positive(f"--limit {name}", value, dimension, faults)
+        return Bound(name=name, value=found)
+    return Bound(name=name, value=1.0)
+
+
+def _positive(where: str, text: str, dimension: Dimension, faults: list[Fault]) -> float:
+    """The quantity, or 1 after noting a fault: the faults are raised together."""
+    try:
+        value = parse_quantity(text, dimension)
+    except ValueError as error:
+        faults.append(Fault(where=where, message=str(error)))
+        return 1.0
+    if value <= 0.0:
+        message = f"got {text.strip()}, must be > 0 {dimension.si}"
+        faults.append(Fault(where=where, message=message))
+        return 1.0
+    return value
+
+
+def _one_of(where: str, text: str, allowed: tuple[str, ...], faults: list[Fault]) -> None:
+    if text not in allowed:
+        message = f"got {text!r}, must be {' or '.join(allowed)}"
+        faults.append(Fault(where=where, message=message))
+
+
+def _raise(faults: list[Fault]) -> None:
+    if faults:
+        raise InputError(faults)

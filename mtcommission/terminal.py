@@ -1,0 +1,224 @@
+"""Results -> what a terminal of 80 columns shows; plain text when piped.
+
+Every number is formatted by the sheet's formatter, so terminal, HTML and PDF agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Console, Group, RenderableType
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from mtcommission.machine import Machine, Motion, Positioning
+from mtcommission.optimal.solution import DampingOptimum, TimeOptimum
+from mtcommission.plant import Plant, kalman_rank
+from mtcommission.record.schema import AssessmentPart, LimitsPart, SimulationPart
+from mtcommission.rules import peak_velocity
+from mtcommission.sheet.format import Formatter
+from mtcommission.sheet.labels_en import Labels
+
+WIDTH = 80
+
+SHOWN_ARCS = 24
+"""Arcs printed; a transcription has hundreds."""
+
+
+def show(content: RenderableType) -> None:
+    """Print to standard output: styled on a terminal, plain when piped."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=WIDTH, no_color=True)
+    console.print(content)
+
+
+def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) -> Group:
+    """Return modes, rigid-body limits and warnings of a profile.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    warnings
+        From the plausibility check.
+
+    Returns
+    -------
+    Group
+    """
+    printed, length, force = _formatter(machine), _length(machine), _force(machine)
+    modes = _table(
+        "Mode", "Frequency", "Damping ratio", "Tool per force, static", "Seen by encoder"
+    )
+    for mode in plant.modes:
+        compliance = mode.tcp_gain / mode.natural_frequency**2
+        at_full = printed.quantity(abs(compliance) * machine.drive.motion_force, length)
+        modes.add_row(
+            mode.name,
+            printed.quantity(mode.frequency_hz, "Hz"),
+            printed.number(mode.damping_ratio, digits=3),
+            f"{at_full} at F_max",
+            "yes" if mode.measured_gain else "no",
+        )
+    limits = _table("Rigid-body limit", "Value", "Reason")
+    a = machine.drive.motion_force / plant.moving_mass
+    mass = printed.quantity(plant.moving_mass, "kg" if length == "m" else "kg m^2")
+    limits.add_row(
+        "acceleration",
+        printed.quantity(a, f"{length}/s^2"),
+        f"{printed.quantity(machine.drive.motion_force, force)} on {mass}",
+    )
+    for number, move in enumerate(machine.moves, start=1):
+        velocity = peak_velocity(move, a)
+        time = velocity / a
+        if isinstance(move, Positioning):
+            time += move.distance / velocity
+        limits.add_row(
+            f"time of move {number}",
+            printed.quantity(time, "s"),
+            "at this acceleration, no jerk limit, no vibration: no control is faster",
+        )
+    rank = kalman_rank(plant)
+    parts: list[RenderableType] = [
+        _heading(f"{machine.name}, axis {machine.axis}"),
+        Text(f"Source of the data: {machine.source}"),
+        modes,
+        limits,
+        Text(f"Controllable: Kalman rank {rank} of {plant.order} states."),
+    ]
+    parts += [Text(f"Warning: {warning}", style="yellow") for warning in warnings]
+    if not warnings:
+        parts.append(Text("No warnings."))
+    return Group(*parts)
+
+
+def describe_optimum(
+    machine: Machine, plant: Plant, solution: TimeOptimum | DampingOptimum
+) -> Group:
+    """Return arcs, peaks and proof of an optimal control."""
+    printed = _formatter(machine)
+    arcs = _table("Arc", "From", "To", "F_set")
+    for number, arc in enumerate(solution.arcs[:SHOWN_ARCS], start=1):
+        arcs.add_row(
+            str(number), f"{1e3 * arc.t_start:.6f} ms", f"{1e3 * arc.t_end:.6f} ms", arc.control
+        )
+    if len(solution.arcs) > SHOWN_ARCS:
+        arcs.add_row("...", f"{len(solution.arcs) - SHOWN_ARCS} more:", "see --json", "")
+    peaks = _table("State or output", "Peak", "Terminal error")
+    errors = dict(zip(plant.states, solution.terminal_error.tolist(), strict=True))
+    for name, unit, peak in zip(
+        plant.signals, plant.signal_units, solution.peaks.tolist(), strict=True
+    ):
+        error = f"{errors[name]:.1e} {unit}" if name in errors else ""
+        peaks.add_row(name, printed.quantity(peak, unit), error)
+    lines = [
+        f"t_f = {1e3 * solution.t_f:.6f} ms at F_max = {solution.force_limit:g} "
+        f"{_force(machine)}, method {solution.method}"
+    ]
+    if isinstance(solution, TimeOptimum):
+        proof = solution.certificate
+        lines.append(
+            f"No control is faster than {1e3 * proof.t_f_lower_bound:.6f} ms "
+            f"(relative gap {proof.relative_gap:.1e})."
+        )
+        holds = "holds" if proof.switching_law_holds else "DOES NOT HOLD"
+        lines.append(f"Switching law F_set = -sign(lambda_F) F_max: {holds}.")
+        lines += [f"{p.limit} touched at {1e3 * p.t:.4f} ms" for p in solution.touch_points]
+    else:
+        lines.append(
+            f"Cost {solution.cost:.9g} N^2 s; law (16) kept to {solution.law_residual:.1e} F_max."
+        )
+        weights = ", ".join(f"{item.state} {item.value:.5g}" for item in solution.weights)
+        lines.append(f"Weights: {weights}")
+    kind = "Time-optimal" if isinstance(solution, TimeOptimum) else "Damping-optimal"
+    return Group(_heading(f"{kind} control"), *map(Text, lines), arcs, peaks)
+
+
+def describe_limits(machine: Machine, part: LimitsPart) -> Group:
+    """Return the recommendation, the optima's bounds and the rules of thumb."""
+    printed, length = _formatter(machine), _length(machine)
+    best = part["recommended"]
+    table = _table("Limits", "a", "j", "Settling", "Residual", "Met")
+    entries = [
+        ("recommended", best, None),
+        *((e["name"], e, e["meets_requirements"]) for e in [*part["alternatives"], *part["rules"]]),
+    ]
+    for name, entry, met in entries:
+        table.add_row(
+            escape(name),
+            printed.quantity(entry["acceleration"], f"{length}/s^2"),
+            printed.quantity(entry["jerk"], f"{length}/s^3"),
+            printed.quantity(entry["settling_time"], "s", missing="not settled"),
+            printed.quantity(entry["residual_deviation"], length, missing="not settled"),
+            "" if met is None else "yes" if met else "no",
+        )
+    rule = part["rule"]
+    return Group(
+        _heading("Limits"),
+        Text(f"Bound by: {best['bound_by']}."),
+        table,
+        Text(f"Rule of thumb: {rule['formula']}. {rule['text']} Valid for {rule['valid_for']}."),
+    )
+
+
+def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
+    """Return the worst response of each move and the verdict."""
+    printed, length, force = _formatter(machine), _length(machine), _force(machine)
+    table = _table("Move", "Corner", "Settling", "Residual", "Peak", "F_set")
+    for number, move in enumerate(part["moves"], start=1):
+        for index, response in enumerate(move["corners"]):
+            corner = (
+                "nominal"
+                if index == 0
+                else f"{response['payload']:g} kg, f x {response['frequency_factor']:g}"
+                f", zeta x {response['damping_factor']:g}"
+            )
+            wanted = printed.quantity(response["max_force"], force)
+            table.add_row(
+                str(number),
+                corner,
+                printed.quantity(response["settling_time"], "s", missing="not settled"),
+                printed.quantity(response["residual_deviation"], length, missing="not settled"),
+                printed.quantity(response["peak_deviation"], length),
+                f"{wanted} saturated" if response["saturated"] else wanted,
+            )
+    return Group(_heading("Response of the loop"), table, *_verdict(printed, part["assessment"]))
+
+
+def _verdict(printed: Formatter, assessment: AssessmentPart) -> list[RenderableType]:
+    lines: list[RenderableType] = []
+    for check in assessment["checks"]:
+        value = printed.quantity(check["value"], check["unit"], missing="not settled")
+        limit = printed.quantity(check["limit"], check["unit"])
+        word, style = ("met", "green") if check["met"] else ("NOT MET", "red")
+        lines.append(
+            Text(
+                f"{word}: {check['name']} {value}, allowed {limit} ({check['where']})", style=style
+            )
+        )
+    return lines
+
+
+def _heading(text: str) -> Text:
+    return Text(text, style="bold")
+
+
+def _table(*columns: str) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    return table
+
+
+def _formatter(machine: Machine) -> Formatter:
+    return Formatter(rotary=machine.motion is Motion.ROTARY, labels=Labels())
+
+
+def _length(machine: Machine) -> str:
+    return "m" if machine.motion is Motion.LINEAR else "rad"
+
+
+def _force(machine: Machine) -> str:
+    return "N" if machine.motion is Motion.LINEAR else "N m"
