@@ -21,6 +21,10 @@ from mtcommission.machine import Move, Positioning, VelocityStep
 
 Array = NDArray[np.float64]
 
+INSTANT = 1e-9
+"""Times closer than this are one instant [s]: whether a sample that falls on a knot sees the
+jerk before or after it must not hang on the last bit of a sum."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class JerkSteps:
@@ -193,7 +197,7 @@ def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
         values[-1, :2] = setpoint.move.distance, 0.0
     else:
         values[-1, 1] = setpoint.move.velocity_step
-    piece = np.searchsorted(knots, times, side="right") - 1
+    piece = np.searchsorted(knots, times + INSTANT, side="right") - 1
     sampled = _advance(values[np.maximum(piece, 0)], times - knots[np.maximum(piece, 0)])[:, :4]
     sampled[piece < 0] = 0.0
     return sampled

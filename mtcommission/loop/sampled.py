@@ -10,8 +10,8 @@ Which path carries which dead time:
 - The velocity controller samples at the velocity cycle; its force acts one velocity cycle
   later and is held.
 
-The same arithmetic advances numbers (a simulation, with saturation) and unit vectors (the
-matrices of the linear loop), so the two cannot differ.
+The same step advances numbers (a simulation, with saturation) and unit vectors (the matrices
+of the linear loop), so the two cannot differ.
 """
 
 from __future__ import annotations
@@ -56,17 +56,17 @@ class SampledLoop:
     ----------
     plant, controller
         What it was built from; the plant may differ from the one the controller was tuned for.
-    plant_A, plant_B
-        The plant over one velocity cycle, shapes (n, n), (n,).
-    filters
-        Set-force filters at the velocity cycle.
-    delays
-        Setpoint samples kept, in position cycles.
-    delayed_position, delayed_velocity
-        Weights of (current and kept samples) x INPUTS for x_ref(t - τ) and for the velocity
-        feed-forward, shape (4 (delays + 1),).
-    feedforward
-        The same for the held force: feed-forward and K x reference state.
+    step
+        State one velocity cycle later, before the new force and the integrator, shape (n, n).
+    demand
+        Force asked for, as a row over the state, shape (n,).
+    integration
+        What the integrator adds in a velocity cycle, shape (n,).
+    observation
+        Outputs at a velocity cycle, shape (n_outputs, n).
+    handed_down
+        Velocity setpoint and feed-forward force computed at the position cycle, over (state,
+        references), shape (2, n + 4).
     states
         Names of the loop's states.
     outputs
@@ -75,15 +75,23 @@ class SampledLoop:
 
     plant: Plant
     controller: Controller
-    plant_A: Array
-    plant_B: Array
-    filters: tuple[Stage, ...]
-    delays: int
-    delayed_position: Array
-    delayed_velocity: Array
-    feedforward: Array
+    step: Array
+    demand: Array
+    integration: Array
+    observation: Array
+    handed_down: Array
     states: tuple[str, ...]
     outputs: tuple[str, ...]
+
+    @property
+    def integrator(self) -> int:
+        """Index of the integrator; the pending force follows it."""
+        return self.plant.order
+
+    @property
+    def held(self) -> int:
+        """Index of the held velocity setpoint; the held force and kept samples follow it."""
+        return self.states.index("held_velocity")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -130,13 +138,6 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     T_p, tau = controller.position_cycle, controller.reference_delay
     arrival = max(tau - POSITION_PATH_CYCLES * T_p, 0.0)
     delays = max(ceil(tau / T_p - 1e-9), ceil(arrival / T_p - 1e-9))
-    delayed = delay_weights(arrival, cycle=T_p, delays=delays)
-    m = controller.feedforward_mass
-    force = np.zeros(4 * (delays + 1))
-    force[2] = controller.acceleration_feedforward * m
-    force[3] = controller.jerk_feedforward * m * controller.force_lag
-    force += controller.state_gains @ reference_state(model, controller) @ delayed
-    A, B = discretise(plant, controller.velocity_cycle)
     filters = tuple(discretise_filter(item, controller) for item in controller.force_filters)
     names = [f"plant.{name}" for name in plant.states]
     names += ["integrator", "pending_force"]
@@ -144,19 +145,78 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     names += [f"observer.{model.states[i]}" for i in controller.observer.states]
     names += ["held_velocity", "held_force"]
     names += [f"{name}[-{k}]" for k in range(1, delays + 1) for name in INPUTS]
+    step, demand, integration = _velocity_cycle(plant, controller, filters, size=len(names))
+    unit = np.eye(len(names))
+    P = unit[: plant.order]
     return SampledLoop(
         plant=plant,
         controller=controller,
-        plant_A=A,
-        plant_B=B,
-        filters=filters,
-        delays=delays,
-        delayed_position=delay_weights(tau, cycle=T_p, delays=delays)[0],
-        delayed_velocity=controller.velocity_feedforward * delayed[1],
-        feedforward=force,
+        step=step,
+        demand=demand,
+        integration=integration,
+        observation=np.vstack(
+            [plant.row("tcp") @ P, plant.row("encoder") @ P, unit[plant.order + 1], P]
+        ),
+        handed_down=_position_cycle(
+            plant, controller, model, arrival=arrival, delays=delays, size=len(names)
+        ),
         states=tuple(names),
         outputs=("tcp", "encoder", "force", *plant.states),
     )
+
+
+def _velocity_cycle(
+    plant: Plant, controller: Controller, filters: tuple[Stage, ...], *, size: int
+) -> tuple[Array, Array, Array]:
+    """Step matrix, demanded force and integrator increment, as rows over the state.
+
+    The order of the state is that of ``SampledLoop.states``; only the kept setpoint samples
+    at its end do not take part.
+    """
+    observer, n = controller.observer, plant.order
+    unit = np.eye(size)
+    P, z, pending, rest = unit[:n], unit[n], unit[n + 1], n + 2
+    step = unit.copy()
+    A, B = discretise(plant, controller.velocity_cycle)
+    step[:n] = A @ P + np.outer(B, pending)
+
+    first_observer = rest + sum(len(stage.B) for stage in filters)
+    seen = slice(first_observer, first_observer + len(observer.states))
+    estimate, held = unit[seen], unit[seen.stop : seen.stop + 2]
+    measured = np.array([plant.row(sensor) for sensor in controller.sensors]) @ P
+    step[seen] = (
+        observer.A @ estimate
+        + np.outer(observer.B, pending)
+        + observer.L @ (measured - observer.C @ estimate)
+    )
+
+    error = held[0] - plant.row("encoder") @ plant.A @ P
+    gains = controller.state_gains[list(observer.states)]
+    demand = controller.velocity_gain * (error + z) + held[1] - gains @ estimate
+    for stage in filters:
+        own = slice(rest, rest + len(stage.B))
+        step[own] = stage.A @ unit[own] + np.outer(stage.B, demand)
+        demand = stage.C @ unit[own] + stage.D * demand
+        rest = own.stop
+    return step, demand, controller.velocity_cycle / controller.integral_time * error
+
+
+def _position_cycle(
+    plant: Plant, controller: Controller, model: Plant, *, arrival: float, delays: int, size: int
+) -> Array:
+    """Velocity setpoint and feed-forward force, as rows over (state, references)."""
+    T_p, m = controller.position_cycle, controller.feedforward_mass
+    delayed = delay_weights(arrival, cycle=T_p, delays=delays)
+    position = delay_weights(controller.reference_delay, cycle=T_p, delays=delays)[0]
+    velocity = controller.position_gain * position + controller.velocity_feedforward * delayed[1]
+    force = controller.state_gains @ reference_state(model, controller) @ delayed
+    force[2] += controller.acceleration_feedforward * m
+    force[3] += controller.jerk_feedforward * m * controller.force_lag
+    rows = np.zeros((2, size + 4))
+    rows[:, size:] = velocity[:4], force[:4]
+    rows[:, size - 4 * delays : size] = velocity[4:], force[4:]
+    rows[0, : plant.order] = -controller.position_gain * plant.row("encoder")
+    return rows
 
 
 def discretise(plant: Plant, step: float) -> tuple[Array, Array]:
@@ -256,46 +316,19 @@ def advance_cycle(
     outputs
         Shape (cycles, n_outputs, m).
     """
-    controller, plant, observer = loop.controller, loop.plant, loop.controller.observer
-    n, n_o = plant.order, len(observer.states)
-    P, z, pending, rest = X[:n], X[n], X[n + 1], X[n + 2 :]
-    filter_states = []
-    for stage in loop.filters:
-        filter_states.append(rest[: len(stage.B)])
-        rest = rest[len(stage.B) :]
-    estimate, held_velocity, held_force = rest[:n_o], rest[n_o], rest[n_o + 1]
-    line = np.concatenate([references, rest[n_o + 2 :]])
-
-    encoder, tcp = plant.row("encoder"), plant.row("tcp")
-    encoder_rate = encoder @ plant.A
-    measured = np.array([plant.row(sensor) for sensor in controller.sensors])
-    gains = controller.state_gains[list(observer.states)]
-    Kp, integral = controller.velocity_gain, controller.velocity_cycle / controller.integral_time
-
-    new_velocity = (
-        controller.position_gain * (loop.delayed_position @ line - encoder @ P)
-        + loop.delayed_velocity @ line
-    )
-    new_force = loop.feedforward @ line
-    outputs = np.empty((controller.cycles, 3 + n, X.shape[1]))
-    for i in range(controller.cycles):
-        outputs[i] = np.vstack([tcp @ P, encoder @ P, pending, P])
-        error = held_velocity - encoder_rate @ P
-        demand = Kp * (error + z) + held_force - gains @ estimate
-        for k, stage in enumerate(loop.filters):
-            filtered = stage.C @ filter_states[k] + stage.D * demand
-            filter_states[k] = stage.A @ filter_states[k] + np.outer(stage.B, demand)
-            demand = filtered
+    z, held = loop.integrator, loop.held
+    handed_down = loop.handed_down @ np.vstack([X, references])
+    outputs = np.empty((loop.controller.cycles, len(loop.outputs), X.shape[1]))
+    for i in range(loop.controller.cycles):
+        outputs[i] = loop.observation @ X
+        demand = loop.demand @ X
         force = np.clip(demand, -force_limit, force_limit)
-        z = np.where(force == demand, z + integral * error, z)
-        innovation = measured @ P - observer.C @ estimate
-        estimate = observer.A @ estimate + np.outer(observer.B, pending) + observer.L @ innovation
-        P = loop.plant_A @ P + np.outer(loop.plant_B, pending)
-        pending = force
-    kept = line[: 4 * loop.delays]
-    return np.vstack([P, z, pending, *filter_states, estimate, new_velocity, new_force, kept]), (
-        outputs
-    )
+        increment = np.where(force == demand, loop.integration @ X, 0.0)
+        X = loop.step @ X
+        X[z] += increment
+        X[z + 1] = force
+    kept = np.vstack([references, X[held + 2 :]])[: len(X) - held - 2]
+    return np.vstack([X[:held], handed_down, kept]), outputs
 
 
 def lift_loop(loop: SampledLoop) -> LiftedLoop:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.response import steady_state
 from mtcommission.loop.sampled import LiftedLoop, SampledLoop
-from mtcommission.setpoint import JerkSteps
+from mtcommission.setpoint import INSTANT, JerkSteps
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -36,14 +36,16 @@ class ResponseTables:
 
     Parameters
     ----------
-    dt, velocity_cycle, reference_delay
+    dt, reference_delay
         [s].
+    spacing
+        Distance of the samples of the free motion [s].
     order
         Highest derivative that steps: 3 jerk, 4 snap (behind a moving average).
     states
         Loop state n cycles after a basis input began, shape (order + 1, n_cycles, n).
     free_motion
-        Tool deviation at each later velocity cycle per unit state, shape (n, n_samples).
+        Tool deviation at later velocity cycles per unit state, shape (n, n_samples).
     steady
         From ``steady_state``, shape (n, 2).
     steady_deviation
@@ -51,11 +53,11 @@ class ResponseTables:
     """
 
     dt: float
-    velocity_cycle: float
+    spacing: float
     reference_delay: float
     order: int
     states: Array
-    free_motion: Array
+    free_motion: NDArray[np.floating]
     steady: Array
     steady_deviation: float
 
@@ -81,8 +83,8 @@ def build_tables(
     lifted: LiftedLoop,
     *,
     longest: float,
-    horizon: float = SEARCH_HORIZON,
     filtered: bool = False,
+    stride: int = 1,
 ) -> ResponseTables:
     """Return the tables of one loop.
 
@@ -92,10 +94,11 @@ def build_tables(
         The same loop as arithmetic and as matrices.
     longest
         Longest setpoint that will be asked for [s].
-    horizon
-        Free motion covered after it [s].
     filtered
         Whether the setpoints come from a moving average.
+    stride
+        Velocity cycles from one sample of the free motion to the next; above 1 the samples are
+        in single precision too: for a first look.
 
     Returns
     -------
@@ -114,21 +117,41 @@ def build_tables(
     tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
     rows = lifted.C[tool]
     pieces = []
-    for _ in range(int(np.ceil(horizon / T))):
+    for _ in range(int(np.ceil(search_horizon(lifted) / T))):
         pieces.append(rows)
         rows = rows @ lifted.A
+    free_motion = np.concatenate(pieces)[::stride].T
     steady = steady_state(lifted)
     tau = loop.controller.reference_delay
     return ResponseTables(
         dt=T,
-        velocity_cycle=loop.controller.velocity_cycle,
+        spacing=stride * loop.controller.velocity_cycle,
         reference_delay=tau,
         order=order,
         states=states,
-        free_motion=np.concatenate(pieces).T,
+        free_motion=free_motion.astype(np.float64 if stride == 1 else np.float32),
         steady=steady,
         steady_deviation=float(lifted.C[tool[0]] @ steady[:, 1]) + tau,
     )
+
+
+def search_horizon(lifted: LiftedLoop) -> float:
+    """Return how long the search follows the free motion of a loop [s].
+
+    Until its slowest mode has decayed to a thousandth, at most ``SEARCH_HORIZON``.
+
+    Parameters
+    ----------
+    lifted
+        A stable loop.
+
+    Returns
+    -------
+    float
+    """
+    slowest = float(np.max(np.abs(np.linalg.eigvals(lifted.A))))
+    needed = -np.log(1e3) / np.log(slowest) * lifted.dt if slowest < 1.0 else SEARCH_HORIZON
+    return min(needed, SEARCH_HORIZON)
 
 
 def _basis(t: Array, power: int) -> Array:
@@ -165,12 +188,14 @@ def settle(tables: ResponseTables, steps: JerkSteps, *, band: float) -> Settling
 def _settle_chunk(
     tables: ResponseTables, times: Array, steps: Array, band: float
 ) -> tuple[Array, Array]:
-    T, T_v = tables.dt, tables.velocity_cycle
+    T, T_v = tables.dt, tables.spacing
     t_e = times[:, -1]
-    end = np.ceil(t_e / T - 1e-9).astype(np.int64)
+    end = np.ceil((t_e - INSTANT) / T).astype(np.int64)
     X, reference, velocity = _state_at(tables, times, steps, end)
     X -= reference[:, None] * tables.steady[:, 0] + velocity[:, None] * tables.steady[:, 1]
-    e = np.abs(X @ tables.free_motion + (velocity * tables.steady_deviation)[:, None])
+    e = X.astype(tables.free_motion.dtype) @ tables.free_motion
+    e += (velocity * tables.steady_deviation)[:, None].astype(e.dtype)
+    np.abs(e, out=e)
 
     # Before t_e + τ the delayed setpoint still moves; those samples do not count.
     begin = np.ceil((t_e + tables.reference_delay - end * T) / T_v - 1e-9).astype(np.int64)
@@ -198,7 +223,7 @@ def _state_at(
 ) -> tuple[Array, Array, Array]:
     """Loop state, x_ref and v_ref at position sample ``end`` of each setpoint."""
     T, order = tables.dt, tables.order
-    begun = np.ceil(times / T - 1e-9).astype(np.int64)
+    begun = np.ceil((times - INSTANT) / T).astype(np.int64)
     early = np.maximum(begun * T - times, 0.0)
     index = end[:, None] - begun
     X = np.zeros((len(times), tables.states.shape[2]))
@@ -286,7 +311,7 @@ def find_extremes(
     step = lifted.dt / rows
     for k in range(int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))):
         age = k * lifted.dt - steps.times
-        begun = age >= -1e-12
+        begun = age >= -INSTANT
         r = np.array(
             [
                 np.sum(steps.steps * begun * _basis(np.maximum(age, 0.0), order - i), axis=1)
