@@ -1,0 +1,99 @@
+"""The commissioning sheet: record -> neutral document -> HTML, PDF, terminal.
+
+content.py      record -> document, section by section (``*_part.py``)
+model.py        what a document consists of
+format.py       numbers and units
+labels_en.py    texts; one file for each language
+html.py         document -> one offline page (page.html, page.css, page.js)
+figures.py      plots -> SVG for print
+pdf.py          document -> PDF (sheet.typ)
+terminal.py     record -> summary in 80 columns
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mtcommission.record.schema import Record
+from mtcommission.sheet.content import compose
+from mtcommission.sheet.languages import find_labels
+
+if TYPE_CHECKING:
+    from mtcommission.sheet.terminal import Summary
+
+__all__ = ["print_html", "print_pdf", "summarise"]
+
+
+def print_html(record: Record, *, language: str = "en") -> str:
+    """Return the sheet as one HTML file that works offline.
+
+    Parameters
+    ----------
+    record
+        A whole commissioning.
+    language
+        Code of a language, e.g. "en".
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        If there is no such language.
+    """
+    from mtcommission.sheet.html import set_html
+
+    labels = find_labels(language)
+    return set_html(compose(record, labels), decimal_mark=labels.decimal_mark)
+
+
+def print_pdf(record: Record, *, language: str = "en") -> bytes:
+    """Return the sheet as PDF, A4; the same record always gives the same bytes.
+
+    Parameters
+    ----------
+    record
+        A whole commissioning.
+    language
+        Code of a language, e.g. "en".
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    InputError
+        If there is no such language.
+    ComputationError
+        PRINTING_FAILED with the compiler's message.
+    """
+    from mtcommission.sheet.pdf import set_pdf
+
+    return set_pdf(compose(record, find_labels(language)))
+
+
+def summarise(record: Record, *, language: str = "en") -> Summary:
+    """Return the summary for the terminal, to be printed by rich.
+
+    Parameters
+    ----------
+    record
+        A whole commissioning.
+    language
+        Code of a language, e.g. "en".
+
+    Returns
+    -------
+    Summary
+
+    Raises
+    ------
+    InputError
+        If there is no such language.
+    """
+    from mtcommission.sheet.terminal import Summary
+
+    return Summary(record=record, labels=find_labels(language))

@@ -1,0 +1,62 @@
+"""Record -> the neutral document that all printers show."""
+
+from __future__ import annotations
+
+from mtcommission.record.schema import Record
+from mtcommission.sheet.evidence_part import certificates, entry_form, versions
+from mtcommission.sheet.format import Formatter
+from mtcommission.sheet.labels_en import Labels
+from mtcommission.sheet.limits_part import landscape, limits, rules
+from mtcommission.sheet.loop_part import corner_tables, loop
+from mtcommission.sheet.machine_part import machine_data, requirements
+from mtcommission.sheet.model import Document
+from mtcommission.sheet.motion_part import first_look, motions
+from mtcommission.sheet.verdict_part import verdict
+
+HASH_DIGITS = 12
+"""Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
+
+
+def compose(record: Record, labels: Labels) -> Document:
+    """Return the sheet of a record.
+
+    Parameters
+    ----------
+    record
+        A whole commissioning.
+    labels
+        Texts of the language.
+
+    Returns
+    -------
+    Document
+    """
+    f = Formatter(rotary=record["machine"]["motion"] == "rotary", labels=labels)
+    profile = record["profile"]
+    return Document(
+        language=labels.language,
+        title=labels.title,
+        machine=record["machine"]["name"],
+        axis=f"{labels.axis} {record['machine']['axis']}",
+        identity=labels.identity.format(name=profile["name"], hash=profile["sha256"][:HASH_DIGITS]),
+        created=record["created"],
+        disclaimer=labels.disclaimer,
+        contents_heading=labels.contents,
+        skip_link=labels.skip,
+        script_note=labels.script_note,
+        page_word=labels.page,
+        sections=(
+            verdict(record, f, picture=first_look(record, f)),
+            machine_data(record, f),
+            requirements(record, f),
+            limits(record, f),
+            rules(record, f),
+            landscape(record, f),
+            motions(record, f),
+            loop(record, f),
+            corner_tables(record, f),
+            certificates(record, f),
+            versions(record, f),
+            entry_form(record, f),
+        ),
+    )

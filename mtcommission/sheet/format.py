@@ -1,0 +1,215 @@
+"""Every number of the sheet gets its engineering unit and its digits here, and only here."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import floor, isfinite, log10, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.sheet.labels_en import Labels
+
+Array = NDArray[np.float64]
+
+THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"
+DIGITS = 4
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """An engineering unit: value in it = SI value / ``size``.
+
+    Parameters
+    ----------
+    size
+        One such unit in SI.
+    unit
+        As printed.
+    """
+
+    size: float
+    unit: str
+
+
+_LADDERS: dict[str, tuple[Scale, ...]] = {
+    "m": (Scale(1.0, "m"), Scale(1e-3, "mm"), Scale(1e-6, "µm"), Scale(1e-9, "nm")),
+    "m/s": (Scale(1.0, "m/s"), Scale(1e-3, "mm/s"), Scale(1e-6, "µm/s")),
+    "m/s^2": (Scale(1.0, "m/s²"), Scale(1e-3, "mm/s²")),
+    "m/s^3": (Scale(1.0, "m/s³"),),
+    "s": (Scale(1.0, "s"), Scale(1e-3, "ms"), Scale(1e-6, "µs")),
+    "N": (Scale(1e3, "kN"), Scale(1.0, "N"), Scale(1e-3, "mN")),
+    "N m": (Scale(1e3, "kN·m"), Scale(1.0, "N·m"), Scale(1e-3, "mN·m")),
+    "N/m": (Scale(1e6, "N/µm"), Scale(1e3, "N/mm"), Scale(1.0, "N/m")),
+    "N s/m": (Scale(1e3, "kN·s/m"), Scale(1.0, "N·s/m")),
+    "N m/rad": (Scale(1e6, "MN·m/rad"), Scale(1e3, "kN·m/rad"), Scale(1.0, "N·m/rad")),
+    "N m s/rad": (Scale(1e3, "kN·m·s/rad"), Scale(1.0, "N·m·s/rad")),
+    "Hz": (Scale(1e3, "kHz"), Scale(1.0, "Hz")),
+    "rad": (Scale(1.0, "rad"), Scale(1e-3, "mrad"), Scale(1e-6, "µrad")),
+    "rad/s": (Scale(1.0, "rad/s"), Scale(1e-3, "mrad/s"), Scale(1e-6, "µrad/s")),
+}
+"""Units by SI unit, largest first; a value takes the first that it fills."""
+
+_DEGREE, _ARCSEC = pi / 180.0, pi / 180.0 / 3600.0
+_ROTARY_LADDERS: dict[str, tuple[Scale, ...]] = {
+    "rad": (Scale(_DEGREE, "°"), Scale(_ARCSEC, "″")),
+    "rad/s": (Scale(_DEGREE, "°/s"), Scale(_ARCSEC, "″/s")),
+    "rad/s^2": (Scale(_DEGREE, "°/s²"),),
+    "rad/s^3": (Scale(_DEGREE, "°/s³"),),
+}
+_FILLED = {"m": 0.5, "m/s": 0.01, "m/s^2": 0.01, "rad": 1.0, "s": 1.0}
+"""Value in the unit from which a unit of the ladder is used (else 1): 0.1 m/s stays m/s."""
+_ROTARY_FILLED = {"rad": 0.1, "rad/s": 0.1}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Formatter:
+    """Prints SI values for one axis in one language.
+
+    Parameters
+    ----------
+    rotary
+        Whether angles are the axis's own coordinate (then degrees) or a tilt (then mrad).
+    labels
+        Texts and decimal mark.
+    """
+
+    rotary: bool
+    labels: Labels
+
+    def quantity(self, value: float | None, unit: str, *, missing: str = "–") -> str:
+        """Return a value with its engineering unit, e.g. ``"105.6 ms"``.
+
+        Parameters
+        ----------
+        value
+            SI; None where the record has no number.
+        unit
+            SI unit as the record spells it, e.g. ``"m/s^2"``; "" for a plain number.
+        missing
+            Text for None.
+
+        Examples
+        --------
+        >>> linear = Formatter(rotary=False, labels=Labels())
+        >>> linear.quantity(4.5826e-6, "m").split(THIN_SPACE)
+        ['4.583', 'µm']
+        >>> Formatter(rotary=True, labels=Labels()).quantity(3.14159265, "rad/s^2")
+        '180°/s²'
+        """
+        if value is None or not isfinite(value):
+            return missing
+        scale = self.scale(abs(value), unit)
+        return self.with_unit(self.number(value / scale.size), scale.unit)
+
+    def with_unit(self, number: str, unit: str) -> str:
+        """Return number and unit with a thin space; degrees follow without one."""
+        gap = "" if unit[:1] in ("", "°", "″") else THIN_SPACE
+        return f"{number}{gap}{unit}"
+
+    def scale(self, magnitude: float, unit: str) -> Scale:
+        """Return the engineering unit for a magnitude [SI]."""
+        ladder = self._ladder(unit)
+        if ladder is None:
+            return Scale(1.0, pretty_unit(unit))
+        if magnitude == 0.0:
+            return min(ladder, key=lambda step: abs(log10(step.size)))
+        filled = (_ROTARY_FILLED if self.rotary else _FILLED).get(unit, 1.0)
+        for step in ladder:
+            # Half a digit of tolerance, so that 0.99999 ms and 1.0 ms share a unit.
+            if magnitude / step.size >= filled * (1.0 - 0.5 * 10.0**-DIGITS):
+                return step
+        return ladder[-1]
+
+    def scale_for(self, series: Sequence[Array], unit: str) -> Scale:
+        """Return one engineering unit for all of some series, for the axis of a plot."""
+        largest = max((float(np.max(np.abs(part))) for part in series if part.size), default=0.0)
+        return self.scale(largest, unit)
+
+    def number(self, value: float, *, digits: int = DIGITS) -> str:
+        """Return a number with significant digits; powers of ten beyond 1e6 and below 1e-3.
+
+        Parameters
+        ----------
+        value
+            Finite.
+        digits
+            Significant digits; integers below 1e6 are never cut.
+
+        Examples
+        --------
+        >>> f = Formatter(rotary=False, labels=Labels())
+        >>> [f.number(x) for x in (0.0, -2.5, 123456.0, 1.8858e15, 1e-10)]
+        ['0', '−2.5', '123456', '1.886×10¹⁵', '1×10⁻¹⁰']
+        """
+        if value == 0.0:
+            return "0"
+        exponent = floor(log10(abs(value)))
+        if -4 < exponent < 6:
+            decimals = max(0, digits - 1 - exponent)
+            text = f"{abs(value):.{decimals}f}"
+        else:
+            mantissa, _, power = f"{abs(value):.{digits - 1}e}".partition("e")
+            text = mantissa
+        if "." in text:
+            text = text.rstrip("0").rstrip(".")
+        if not -4 < exponent < 6:
+            text = f"{text}×10{str(int(power)).translate(SUPERSCRIPTS)}"
+        return ("−" if value < 0.0 else "") + text.replace(".", self.labels.decimal_mark)
+
+    def percent(self, fraction: float) -> str:
+        """Return a fraction in per cent, three digits."""
+        return self.with_unit(self.number(100.0 * fraction, digits=3), "%")
+
+    def settling(self, value: float | None) -> str:
+        """Return a settling time; None is "not settled"."""
+        return self.quantity(value, "s", missing=self.labels.not_settled)
+
+    def decibel(self, value: float | None) -> str:
+        """Return a gain margin; None means that the curve never crosses."""
+        return self.quantity(_rounded(value), "dB", missing=self.labels.unlimited)
+
+    def degree(self, value: float | None) -> str:
+        """Return a phase margin [degrees]; None means that the curve never crosses."""
+        if value is None:
+            return self.labels.unlimited
+        return self.with_unit(self.number(round(value, 1)), "°")
+
+    def _ladder(self, unit: str) -> tuple[Scale, ...] | None:
+        if self.rotary and unit in _ROTARY_LADDERS:
+            return _ROTARY_LADDERS[unit]
+        return _LADDERS.get(unit)
+
+
+def pretty_unit(unit: str) -> str:
+    """Return a unit as printed.
+
+    Examples
+    --------
+    >>> pretty_unit("kg m^2"), pretty_unit("1/(kg)"), pretty_unit("-")
+    ('kg·m²', '1/kg', '')
+    """
+    text = re.sub(r"\^(-?\d)", lambda match: match[1].translate(SUPERSCRIPTS), unit.strip())
+    text = re.sub(r"\((\w+)\)", r"\1", text)
+    return "" if text == "-" else text.replace(" ", "·")
+
+
+def motion_unit(unit: str, *, rotary: bool) -> str:
+    """Return the unit of the axis's own motion: m becomes rad on a rotary axis, N becomes N m.
+
+    Examples
+    --------
+    >>> motion_unit("m/s^2", rotary=True), motion_unit("kg", rotary=True)
+    ('rad/s^2', 'kg m^2')
+    """
+    swap = {"m": "rad", "N": "N m", "kg": "kg m^2", "N s/m": "N m s/rad", "1/kg": "1/(kg m^2)"}
+    if not rotary:
+        return unit
+    return swap.get(unit, re.sub(r"^m/", "rad/", unit))
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else round(value, 1)

@@ -1,0 +1,126 @@
+"""The sheet as one HTML file: offline, interactive plots, no request to any network."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from mtcommission.sheet.model import Document, HeatMap, LinePlot, Plot, PointPlot
+
+FOLDER = Path(__file__).parent
+DIGITS = 5
+"""Significant digits of plotted values; finer than a pixel, a third of the bytes."""
+
+
+def set_html(document: Document, *, decimal_mark: str) -> str:
+    """Return a document as a page.
+
+    Parameters
+    ----------
+    document
+        From ``content.compose``.
+    decimal_mark
+        For the values under the cursor.
+
+    Returns
+    -------
+    str
+        All text escaped; the content security policy admits only the page's own script and
+        style, by their hashes, and no connection.
+    """
+    style = (FOLDER / "page.css").read_text(encoding="utf-8")
+    script = (FOLDER / "page.js").read_text(encoding="utf-8")
+    plots = {
+        block.key: _plot_data(block)
+        for section in document.sections
+        for block in section.blocks
+        if isinstance(block, LinePlot | PointPlot | HeatMap)
+    }
+    environment = Environment(
+        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined
+    )
+    return environment.get_template("page.html").render(
+        document=document,
+        policy=_policy(style, script),
+        style=Markup(style),
+        script=Markup(script),
+        plots=_json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
+    )
+
+
+def _policy(style: str, script: str) -> str:
+    return (
+        "default-src 'none'; base-uri 'none'; form-action 'none'; "
+        f"style-src {_hash_source(style)}; script-src {_hash_source(script)}"
+    )
+
+
+def _hash_source(text: str) -> str:
+    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
+
+
+def _json_for_script(data: dict[str, Any]) -> Markup:
+    """Return JSON that cannot end its script element: no "<" is left in it."""
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c"))
+
+
+def _plot_data(plot: Plot) -> dict[str, Any]:
+    if isinstance(plot, LinePlot):
+        return {
+            "kind": "LinePlot",
+            "x_label": plot.x_label,
+            "x_is_log": plot.x_is_log,
+            "link": plot.link,
+            "panels": [
+                {
+                    "y_label": panel.y_label,
+                    "borders": [{"label": item.label, "y": item.y} for item in panel.borders],
+                    "lines": [
+                        {
+                            "label": line.label,
+                            "style": line.style,
+                            "stepped": line.is_stepped,
+                            "x": _rounded(line.x),
+                            "y": _rounded(line.y),
+                        }
+                        for line in panel.lines
+                    ],
+                }
+                for panel in plot.panels
+            ],
+        }
+    if isinstance(plot, PointPlot):
+        return {
+            "kind": "PointPlot",
+            "x_label": plot.x_label,
+            "y_label": plot.y_label,
+            "border": {"label": plot.border.label, "y": plot.border.y},
+            "marks": [
+                {"label": mark.label, "x": mark.x, "y": mark.y, "style": mark.style}
+                for mark in plot.marks
+            ],
+        }
+    return {
+        "kind": "HeatMap",
+        "x_label": plot.x_label,
+        "y_label": plot.y_label,
+        "value_label": plot.value_label,
+        "missing_label": plot.missing_label,
+        "x": _rounded(plot.x),
+        "y": _rounded(plot.y),
+        "values": [_rounded(row) for row in plot.values],
+        "chosen": {"x": plot.chosen.x, "y": plot.chosen.y, "style": plot.chosen.style},
+    }
+
+
+def _rounded(values: NDArray[np.float64]) -> list[float | None]:
+    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]

@@ -1,0 +1,301 @@
+"""English texts of the sheet; another language is one more file that replaces them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+NAMES: Mapping[str, str] = MappingProxyType(
+    {
+        "F_set": "Set force F_set",
+        "F": "Force F",
+        "tcp": "Tool centre point",
+        "tcp_vibration": "Elastic deflection at the tool",
+        "x_b": "Base position x_b",
+        "x_s": "Slider position x_s",
+        "phi": "Tower rotation φ",
+        "v_b": "Base velocity v_b",
+        "v_s": "Slider velocity v_s",
+        "v_phi": "Tower rotation rate v_φ",
+        "x": "Position x",
+        "v": "Velocity v",
+        "t_f_lower_bound": "Proven lower bound of t_f",
+        "relative_gap": "Relative gap to the lower bound",
+        "adjoint_initial": "Adjoint at t = 0",
+        "switching_slopes": "Slope of the switching function at each switch",
+        "switching_law_holds": "Switching law holds on the whole interval",
+        "terminal_jacobian_rank": "Rank of the Jacobian of the terminal conditions",
+        "terminal_jacobian_condition": "Its condition number, scaled",
+        "law_residual": "Largest deviation from the control law, relative to F_max",
+        "tcp_deviation": "Permitted TCP deviation (band)",
+        "tcp_height": "TCP height h, signed",
+        "force_lag": "Time constant of the force loop T",
+        "Kv": "Position gain Kv",
+        "Kp": "Velocity gain Kp",
+        "Tn": "Integral time Tn",
+    }
+)
+"""Keys and signals whose names do not follow from their spelling."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Labels:
+    """Texts of the sheet; the defaults are English. Braces take values already formatted."""
+
+    language: str = "en"
+    decimal_mark: str = "."
+    names: Mapping[str, str] = field(default_factory=lambda: NAMES)
+
+    # the printers' own words
+    title: str = "Commissioning sheet"
+    axis: str = "axis"
+    identity: str = "Profile {name}, SHA-256 {hash}"
+    disclaimer: str = "Calculated record, not an acceptance test."
+    contents: str = "Contents"
+    skip: str = "Skip to the verdict"
+    page: str = "page"
+    script_note: str = (
+        "Plots: drag to zoom, double-click to reset, move the pointer (or the arrow keys) to "
+        "read values. Without JavaScript the plots are in the PDF."
+    )
+
+    # words
+    yes: str = "yes"
+    no: str = "no"
+    met: str = "met"
+    not_met: str = "NOT MET"
+    not_settled: str = "not settled"
+    unlimited: str = "unlimited"
+    none: str = "None."
+    move: str = "Move {number}"
+    velocity_step: str = "velocity step {velocity}"
+    positioning: str = "positioning by {distance}"
+    positioning_limited: str = "positioning by {distance} at up to {velocity}"
+    quantity: str = "Quantity"
+    value: str = "Value"
+    key: str = "Key in the profile"
+    source: str = "Source"
+    acceleration: str = "Acceleration"
+    jerk: str = "Jerk"
+    jerk_time: str = "Jerk time"
+    settling_time: str = "Settling time"
+    residual: str = "Residual deviation"
+    peak_deviation: str = "Peak deviation"
+    time: str = "Time"
+    frequency: str = "Frequency"
+    damping_ratio: str = "Damping ratio"
+    velocity: str = "Velocity"
+
+    # 1 verdict
+    verdict_heading: str = "Verdict and values to enter"
+    verdict_met: str = "All requirements met"
+    verdict_not_met: str = "Requirements NOT met"
+    values_bound_by: str = "Bound by: {bound}"
+    obstacle: str = "What stands in the way: {obstacle}"
+    result_caption: str = "Result with these limits, worst move and worst corner"
+    of_band: str = "{value}, {percent} of the permitted {band}"
+    no_residual: str = "not settled; permitted {band}"
+    reference: str = (
+        "{move}: time-optimal reference, exact rest: {optimum}; "
+        "recommended: {settling} ({more} more)."
+    )
+    reference_unsettled: str = (
+        "{move}: time-optimal reference, exact rest: {optimum}; recommended: not settled."
+    )
+    reference_faster: str = (
+        "{move}: time-optimal reference, exact rest: {optimum}; recommended: {settling}, "
+        "{less} less, since it is judged by the band and not by exact rest."
+    )
+    reference_note: str = (
+        "The reference moves the nominal machine to exact rest with ideal control; the "
+        "recommendation is settled when the tool stays within the permitted deviation."
+    )
+    first_look_caption: str = "{move}: setpoint, response and TCP deviation, nominal machine"
+    first_look_alt: str = (
+        "Acceleration of setpoint and response, and TCP deviation over time: at most {peak}, "
+        "settled after {settling}."
+    )
+    checks_caption: str = "Requirements"
+    check: str = "Requirement"
+    found: str = "Found"
+    permitted: str = "Permitted"
+    verdict: str = "Verdict"
+    where: str = "Worst case"
+
+    sparkline: str = "Acceleration setpoint, {move}, {duration}:"
+
+    # 2 machine
+    machine_heading: str = "Machine and axis"
+    data_caption: str = "Data as calculated with"
+    machine_row: str = "Machine"
+    axis_row: str = "Axis"
+    motion_row: str = "Motion"
+    linear: str = "linear"
+    rotary: str = "rotary"
+    rigid_caption: str = "Rigid axis"
+    moving_mass: str = "Moving mass"
+    moving_inertia: str = "Moving inertia"
+    controllability: str = "Controllability: rank of the Kalman matrix"
+    of_states: str = "{rank} of {count} states"
+    modes_caption: str = "Modes of the structure (control off)"
+    mode: str = "Mode"
+    tcp_gain: str = "Gain at the tool"
+    measured_gain: str = "Gain at the encoder"
+    of_mode: str = "{name} of mode {mode}"
+    peak_bound: str = "{name}, largest magnitude"
+    requirements_heading: str = "Moves and requirements"
+    requirements_caption: str = "What is required"
+
+    # 3 limits
+    limits_heading: str = "Recommended limits"
+    alternatives_caption: str = "Recommendation and alternatives, in the same simulation"
+    limits_name: str = "Limits"
+    recommended: str = "Recommended"
+    rule_heading: str = "Rule"
+    rule_valid: str = "Valid for: {range}"
+    rules_heading: str = "Comparison with rules of thumb"
+    rules_caption: str = (
+        "Rules of makers and textbooks, in the same simulation (worst move, worst corner)"
+    )
+    rule: str = "Rule"
+    meets: str = "All met"
+    compare_caption: str = (
+        "Settling time against residual deviation: recommendation, alternatives and rules"
+    )
+    compare_alt: str = (
+        "Each point is one choice of limits; further left settles sooner, further down vibrates "
+        "less. Recommended: {settling} and {residual}. The numbers are in the tables."
+    )
+    unsettled_rules: str = "Not settled, so not in the plot: {names}."
+    band: str = "band {band}"
+    landscape_heading: str = "Landscape of the settling time"
+    landscape_caption: str = "Worst settling time over acceleration and jerk time"
+    landscape_alt: str = (
+        "Map of {rows} accelerations by {columns} jerk times; settling times from {least} to "
+        "{most}; the chosen point is at {acceleration} and {jerk_time}."
+    )
+    chosen: str = "chosen"
+
+    # 4 motion
+    motion_heading: str = "Optimum, recommendation and response"
+    drive_caption: str = "{move}: force, acceleration and velocity"
+    vibration_caption: str = "{move}: vibration and TCP deviation"
+    motion_alt: str = (
+        "Curves over time of {signals}. Set force of the response at most {force}; the tool "
+        "is at most {peak} off the setpoint and settled after {settling}."
+    )
+    motion_note: str = (
+        "All plots of a move share the time axis. Optima end in exact rest at t_f; the "
+        "acceleration shown for them and for the response is F/m. The setpoint is shown as "
+        "commanded; the deviation is counted from the setpoint delayed by {delay}."
+    )
+    time_optimal: str = "time-optimal"
+    constrained: str = "time-optimal, bounded"
+    damping_optimal: str = "damping-optimal"
+    setpoint: str = "setpoint"
+    response: str = "loop response"
+    deviation: str = "TCP deviation"
+    peaks_caption: str = "{move}: largest magnitudes"
+    signal: str = "Signal"
+    amplitudes_caption: str = "{move}: amplitudes at the tool after the setpoint ends"
+    amplitude: str = "Amplitude"
+    setpoint_caption: str = "{move}: segments of the setpoint"
+    duration: str = "Duration"
+    segment: str = "Segment"
+    moving_average: str = "Moving-average filter of the control: {time}."
+
+    # 5 loop
+    loop_heading: str = "Control loop"
+    gains_caption: str = "Gains"
+    margins_caption: str = "Stability, loop cut at the set force"
+    margin: str = "Margin"
+    nominal: str = "Nominal machine"
+    worst_corner: str = "Worst corner"
+    gain_margin: str = "Gain margin"
+    phase_margin: str = "Phase margin"
+    sensitivity_peak: str = "Sensitivity peak"
+    bandwidth: str = "Bandwidth of the velocity loop (−3 dB)"
+    reference_delay: str = "Reference delay τ"
+    feedforward: str = "Feed-forward: {name}"
+    state_feedback: str = "State feedback from {name}"
+    no_state_feedback: str = "No state feedback."
+    sensors: str = "Sensors: {names}."
+    observed: str = "Observed states: {names}."
+    position_cycle: str = "Position cycle"
+    velocity_cycle: str = "Velocity cycle"
+    bode_caption: str = "Frequency response: open loop (cut at the set force), closed velocity loop"
+    bode_alt: str = (
+        "Magnitude and phase over frequency. Gain margin {gain}, phase margin {phase}, "
+        "bandwidth of the velocity loop {bandwidth}."
+    )
+    magnitude: str = "Magnitude in dB"
+    phase: str = "Phase in °"
+    open_loop: str = "open loop"
+    closed_velocity: str = "closed velocity loop"
+    poles_caption: str = "Poles of the closed loop, slowest first"
+    real_part: str = "Real part"
+    remarks: str = "Remarks"
+    corners_heading: str = "Corners"
+    corners_caption: str = "{move}: response in every corner"
+    payload: str = "Payload"
+    frequencies: str = "Frequencies"
+    dampings: str = "Damping"
+    max_force: str = "Largest set force"
+    rms_force: str = "RMS force"
+    saturated: str = "Saturated"
+
+    # 6 evidence
+    evidence_heading: str = "Certificates and assumptions"
+    certificate_caption: str = "{move}: {what}"
+    final_time: str = "Final time t_f"
+    method: str = "Method"
+    cost: str = "Cost"
+    switches: str = "Switching times"
+    largest_error: str = "Largest terminal error, relative to the peak of its state"
+    weights: str = "Weights"
+    assumptions: str = "Assumptions"
+    warnings: str = "Warnings"
+    settings_caption: str = "Numerical settings"
+    setting: str = "Setting"
+    versions_heading: str = "Versions and profile"
+    versions_caption: str = "Calculated with"
+    program: str = "Program"
+    version: str = "Version"
+    created: str = "Calculated on"
+    hash_row: str = "SHA-256 of the profile"
+    profile_caption: str = "Profile {name} as read"
+
+    # 7 entry and signature
+    entry_heading: str = "Parameters to enter and signature"
+    entry_caption: str = "Values for the control"
+    parameter: str = "Parameter"
+    also: str = "In other units"
+    old_value: str = "Old value"
+    new_value: str = "New value"
+    entered_by: str = "Entered by"
+    verified: str = "Verified"
+    entry_note: str = "Verify before use. Never round the jerk up or the jerk time down."
+    signature_fields: tuple[str, ...] = (
+        "Machine number, place",
+        "Entered on the control (date, name, signature)",
+        "Verified at the machine (date, name, signature)",
+        "Remarks",
+    )
+
+    def name(self, key: str) -> str:
+        """Return the name of a signal or of a dotted profile key.
+
+        Examples
+        --------
+        >>> Labels().name("plant.base_mass"), Labels().name("v_phi")
+        ('Base mass', 'Tower rotation rate v_φ')
+        """
+        last = key.rpartition(".")[2]
+        if last in self.names:
+            return self.names[last]
+        words = last.replace("_", " ")
+        return words[:1].upper() + words[1:]
+
+
+ENGLISH = Labels()

@@ -1,0 +1,191 @@
+"""Recommended limits, their alternatives, the rules of thumb beside them, and the landscape."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mtcommission.record.schema import Alternative, LimitsEntry, Record, RuleResult
+from mtcommission.sheet.format import Formatter, motion_unit
+from mtcommission.sheet.model import (
+    Block,
+    Border,
+    Column,
+    HeatMap,
+    Mark,
+    Paragraph,
+    PointPlot,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.verdict_part import acceleration, band
+
+RECOMMENDED, ALTERNATIVE, RULE = 0, 1, 2
+"""Symbols of the point plot."""
+
+
+def limits(record: Record, f: Formatter) -> Section:
+    """Return the recommendation, what bound it, its alternatives, and the rule applied."""
+    text, part = f.labels, record["limits"]
+    recommended, rule = part["recommended"], part["rule"]
+    head = (text.recommended, *_numbers(recommended, f), _met(record["assessment"]["met"], f))
+    rows = [
+        (item["name"], *_numbers(item, f), _met(item["meets_requirements"], f))
+        for item in part["alternatives"]
+    ]
+    table = Table(
+        caption=text.alternatives_caption,
+        columns=(Column(head=text.limits_name, width=2.4), *_number_columns(f)),
+        rows=(head, *rows),
+        strong_rows=(0,),
+    )
+    return Section(
+        key="limits",
+        heading=text.limits_heading,
+        blocks=(
+            Paragraph(text=text.values_bound_by.format(bound=recommended["bound_by"])),
+            table,
+            Subheading(text=text.rule_heading),
+            Paragraph(text=rule["text"]),
+            Paragraph(text=rule["formula"], tone=Tone.FORMULA),
+            Paragraph(text=text.rule_valid.format(range=rule["valid_for"]), tone=Tone.NOTE),
+        ),
+    )
+
+
+def rules(record: Record, f: Formatter) -> Section:
+    """Return the comparison with the rules of thumb, as table and plot."""
+    text, part = f.labels, record["limits"]
+    table = Table(
+        caption=text.rules_caption,
+        columns=(
+            Column(head=text.rule, width=2.4),
+            Column(head=text.source, width=2.4),
+            *_number_columns(f),
+        ),
+        rows=tuple(
+            (item["name"], item["source"], *_numbers(item, f), _met(item["meets_requirements"], f))
+            for item in part["rules"]
+        ),
+    )
+    left_out = [
+        item["name"]
+        for item in [*part["alternatives"], *part["rules"]]
+        if item["settling_time"] is None or not item["residual_deviation"]
+    ]
+    note: tuple[Block, ...] = ()
+    if left_out:
+        sentence = text.unsettled_rules.format(names="; ".join(left_out))
+        note = (Paragraph(text=sentence, tone=Tone.NOTE),)
+    return Section(
+        key="rules",
+        heading=text.rules_heading,
+        blocks=(table, *_comparison(record, f), *note),
+    )
+
+
+def landscape(record: Record, f: Formatter) -> Section:
+    """Return the map of settling times with the chosen point."""
+    text, part = f.labels, record["limits"]["landscape"]
+    recommended = record["limits"]["recommended"]
+    values = np.array(
+        [[np.nan if cell is None else cell for cell in row] for row in part["settling_time"]]
+    ).reshape(len(part["acceleration"]), len(part["jerk_time"]))
+    known = values[np.isfinite(values)]
+    a_axis, t_axis = np.array(part["acceleration"]), np.array(part["jerk_time"])
+    a_scale = f.scale_for([a_axis], motion_unit("m/s^2", rotary=f.rotary))
+    t_scale = f.scale_for([t_axis], "s")
+    value_scale = f.scale_for([known], "s")
+    alt = text.landscape_alt.format(
+        rows=a_axis.size,
+        columns=t_axis.size,
+        least=f.settling(float(known.min()) if known.size else None),
+        most=f.settling(float(known.max()) if known.size else None),
+        acceleration=acceleration(record, f),
+        jerk_time=f.quantity(recommended["jerk_time"], "s"),
+    )
+    chosen = Mark(
+        label=text.chosen,
+        x=recommended["jerk_time"] / t_scale.size,
+        y=recommended["acceleration"] / a_scale.size,
+        style=RECOMMENDED,
+    )
+    heat_map = HeatMap(
+        key="landscape",
+        caption=text.landscape_caption,
+        alt=alt,
+        x_label=f"{text.jerk_time} in {t_scale.unit}",
+        y_label=f"{text.acceleration} in {a_scale.unit}",
+        value_label=f"{text.settling_time} in {value_scale.unit}",
+        x=t_axis / t_scale.size,
+        y=a_axis / a_scale.size,
+        values=values / value_scale.size,
+        missing_label=text.not_settled,
+        chosen=chosen,
+    )
+    return Section(key="landscape", heading=text.landscape_heading, blocks=(heat_map,))
+
+
+def _comparison(record: Record, f: Formatter) -> tuple[PointPlot, ...]:
+    """Return the plot of settling time against residual; nothing if no point has both."""
+    text, part, permitted = f.labels, record["limits"], band(record)
+    named: list[tuple[str, LimitsEntry | Alternative | RuleResult, int]] = [
+        (text.recommended, part["recommended"], RECOMMENDED),
+        *((item["name"], item, ALTERNATIVE) for item in part["alternatives"]),
+        *((item["name"], item, RULE) for item in part["rules"]),
+    ]
+    points = [
+        (name, item["settling_time"], item["residual_deviation"], style)
+        for name, item, style in named
+        if item["settling_time"] and item["residual_deviation"]
+    ]
+    if not points or permitted is None:
+        return ()
+    length = motion_unit("m", rotary=f.rotary)
+    t_scale = f.scale_for([np.array([point[1] for point in points], dtype=np.float64)], "s")
+    e_scale = f.scale(permitted, length)
+    marks = tuple(
+        Mark(label=name, x=(t or 0.0) / t_scale.size, y=(e or 0.0) / e_scale.size, style=style)
+        for name, t, e, style in points
+    )
+    recommended = part["recommended"]
+    return (
+        PointPlot(
+            key="comparison",
+            caption=text.compare_caption,
+            alt=text.compare_alt.format(
+                settling=f.settling(recommended["settling_time"]),
+                residual=f.quantity(recommended["residual_deviation"], length),
+            ),
+            x_label=f"{text.settling_time} in {t_scale.unit}",
+            y_label=f"{text.residual} in {e_scale.unit}",
+            marks=marks,
+            border=Border(
+                label=text.band.format(band=f.quantity(permitted, length)),
+                y=permitted / e_scale.size,
+            ),
+        ),
+    )
+
+
+def _number_columns(f: Formatter) -> tuple[Column, ...]:
+    text = f.labels
+    heads = (text.acceleration, text.jerk, text.settling_time, text.residual, text.peak_deviation)
+    columns = tuple(Column(head=head, width=1.25, is_number=True) for head in heads)
+    return (*columns, Column(head=text.meets, width=1.4))
+
+
+def _numbers(item: LimitsEntry | Alternative | RuleResult, f: Formatter) -> tuple[str, ...]:
+    length = motion_unit("m", rotary=f.rotary)
+    return (
+        f.quantity(item["acceleration"], f"{length}/s^2"),
+        f.quantity(item["jerk"], f"{length}/s^3"),
+        f.settling(item["settling_time"]),
+        f.quantity(item["residual_deviation"], length, missing=f.labels.not_settled),
+        f.quantity(item["peak_deviation"], length),
+    )
+
+
+def _met(is_met: bool, f: Formatter) -> str:
+    return f.labels.yes if is_met else f.labels.no

@@ -1,0 +1,241 @@
+"""The control loop: gains, margins, frequency response, poles, and the corners."""
+
+from __future__ import annotations
+
+from math import hypot, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.record.schema import MoveEntry, Record
+from mtcommission.sheet.format import Formatter, motion_unit
+from mtcommission.sheet.model import (
+    Block,
+    Border,
+    Bullets,
+    Column,
+    Line,
+    LinePlot,
+    Panel,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.verdict_part import move_title
+
+Array = NDArray[np.float64]
+
+OPEN, CLOSED = 4, 1
+"""Line styles: the open loop is the main curve."""
+
+
+def loop(record: Record, f: Formatter) -> Section:
+    """Return gains, margins, frequency response and poles."""
+    text, part = f.labels, record["loop"]
+    sentences = [text.sensors.format(names=", ".join(part["sensors"]))]
+    if part["observed_states"]:
+        sentences.append(text.observed.format(names=", ".join(part["observed_states"])))
+    if not part["state_feedback"]:
+        sentences.append(text.no_state_feedback)
+    gains = Table(
+        caption=text.gains_caption,
+        columns=(Column(head=text.quantity, width=2.0), Column(head=text.value, is_number=True)),
+        rows=gain_rows(record, f),
+    )
+    remarks: tuple[Block, ...] = ()
+    if part["remarks"]:
+        remarks = (Subheading(text=text.remarks), Bullets(items=tuple(part["remarks"])))
+    return Section(
+        key="loop",
+        heading=text.loop_heading,
+        blocks=(
+            gains,
+            Paragraph(text=" ".join(sentences), tone=Tone.NOTE),
+            _margins(record, f),
+            _bode(record, f),
+            _poles(record, f),
+            *remarks,
+        ),
+    )
+
+
+def gain_rows(record: Record, f: Formatter) -> tuple[tuple[str, str], ...]:
+    """Return name and value of every gain, delay and cycle."""
+    text, part, units = f.labels, record["loop"], record["plant"]["units"]
+    damping = motion_unit("N s/m", rotary=f.rotary)
+    mass = motion_unit("kg", rotary=f.rotary)
+    rows = [
+        (text.name("Kv"), f.quantity(part["Kv"], "1/s")),
+        (text.name("Kp"), f.quantity(part["Kp"], damping)),
+        (text.name("Tn"), f.quantity(part["Tn"], "s")),
+        (text.reference_delay, f.quantity(part["reference_delay"], "s")),
+    ]
+    for name, value in part["feedforward"].items():
+        unit = mass if "mass" in name else ""
+        rows.append(
+            (text.feedforward.format(name=text.name(name).lower()), f.quantity(value, unit))
+        )
+    for state, gain in part["state_feedback"].items():
+        unit = f"{units['F']}/({units[state]})" if state in units else ""
+        rows.append((text.state_feedback.format(name=state), f.quantity(gain, unit)))
+    rows.append((text.position_cycle, f.quantity(part["position_cycle"], "s")))
+    rows.append((text.velocity_cycle, f.quantity(part["velocity_cycle"], "s")))
+    return tuple(rows)
+
+
+def corner_tables(record: Record, f: Formatter) -> Section:
+    """Return the response of each move in every corner."""
+    text = f.labels
+    return Section(
+        key="corners",
+        heading=text.corners_heading,
+        blocks=tuple(
+            _corners(move, move_title(move["move"], number, f), record["plant"]["units"]["F"], f)
+            for number, move in enumerate(record["moves"], start=1)
+        ),
+    )
+
+
+def _margins(record: Record, f: Formatter) -> Table:
+    text, part = f.labels, record["loop"]
+    worst = part["worst_corner"]
+    peak = worst.get("sensitivity_peak")
+    rows = (
+        (
+            text.gain_margin,
+            f.decibel(part["gain_margin_db"]),
+            f.decibel(worst.get("gain_margin_db")),
+        ),
+        (
+            text.phase_margin,
+            f.degree(part["phase_margin_deg"]),
+            f.degree(worst.get("phase_margin_deg")),
+        ),
+        (
+            text.sensitivity_peak,
+            f.number(part["sensitivity_peak"], digits=3),
+            "–" if peak is None else f.number(peak, digits=3),
+        ),
+        (
+            text.bandwidth,
+            f.quantity(part["bandwidth_hz"], "Hz"),
+            f.quantity(worst.get("bandwidth_hz"), "Hz"),
+        ),
+    )
+    return Table(
+        caption=text.margins_caption,
+        columns=(
+            Column(head=text.margin, width=2.0),
+            Column(head=text.nominal, is_number=True),
+            Column(head=text.worst_corner, is_number=True),
+        ),
+        rows=rows,
+    )
+
+
+def _bode(record: Record, f: Formatter) -> LinePlot:
+    text, part = f.labels, record["loop"]
+    frequency = np.array(part["bode"]["t"])
+    signals = {name: np.array(values) for name, values in part["bode"]["signals"].items()}
+    # Whole turns are added so that the phase begins between -360 and 0 degrees.
+    phase = signals["open_loop_deg"] - 360.0 * np.ceil(signals["open_loop_deg"][0] / 360.0)
+
+    def line(label: str, y: Array, style: int) -> Line:
+        return Line(label=label, x=frequency, y=y, style=style)
+
+    return LinePlot(
+        key="bode",
+        caption=text.bode_caption,
+        alt=text.bode_alt.format(
+            gain=f.decibel(part["gain_margin_db"]),
+            phase=f.degree(part["phase_margin_deg"]),
+            bandwidth=f.quantity(part["bandwidth_hz"], "Hz"),
+        ),
+        x_label=f"{text.frequency} in Hz",
+        x_is_log=True,
+        link="bode",
+        panels=(
+            Panel(
+                y_label=text.magnitude,
+                lines=(
+                    line(text.open_loop, signals["open_loop_db"], OPEN),
+                    line(text.closed_velocity, signals["closed_velocity_db"], CLOSED),
+                ),
+                borders=(Border(label="0 dB", y=0.0),),
+            ),
+            Panel(
+                y_label=text.phase,
+                lines=(line(text.open_loop, phase, OPEN),),
+                borders=(Border(label="−180°", y=-180.0),),
+            ),
+        ),
+    )
+
+
+def _poles(record: Record, f: Formatter) -> Table:
+    """Return one row for each real pole and each pair."""
+    text = f.labels
+    upper = sorted(
+        ((real, imaginary) for real, imaginary in record["loop"]["poles"] if imaginary >= 0.0),
+        key=lambda pole: -pole[0],
+    )
+    rows = []
+    for real, imaginary in upper:
+        omega = hypot(real, imaginary)
+        is_pair = imaginary > 0.0
+        rows.append(
+            (
+                f.quantity(real, "1/s"),
+                f.quantity(omega / (2 * pi), "Hz") if is_pair else "–",
+                f.percent(-real / omega) if is_pair else "–",
+            )
+        )
+    return Table(
+        caption=text.poles_caption,
+        columns=(
+            Column(head=text.real_part, is_number=True),
+            Column(head=text.frequency, is_number=True),
+            Column(head=text.damping_ratio, is_number=True),
+        ),
+        rows=tuple(rows),
+    )
+
+
+def _corners(move: MoveEntry, title: str, force_unit: str, f: Formatter) -> Table:
+    text = f.labels
+    length = motion_unit("m", rotary=f.rotary)
+    rows = tuple(
+        (
+            f.quantity(corner["payload"], motion_unit("kg", rotary=f.rotary)),
+            f.percent(corner["frequency_factor"]),
+            f.percent(corner["damping_factor"]),
+            f.settling(corner["settling_time"]),
+            f.quantity(corner["residual_deviation"], length, missing=text.not_settled),
+            f.quantity(corner["peak_deviation"], length),
+            f.quantity(corner["max_force"], force_unit),
+            f.quantity(corner["rms_force"], force_unit),
+            text.yes if corner["saturated"] else text.no,
+        )
+        for corner in move["corners"]
+    )
+    heads = (
+        text.payload,
+        text.frequencies,
+        text.dampings,
+        text.settling_time,
+        text.residual,
+        text.peak_deviation,
+        text.max_force,
+        text.rms_force,
+        text.saturated,
+    )
+    return Table(
+        caption=text.corners_caption.format(move=title),
+        columns=tuple(Column(head=head, is_number=head != text.saturated) for head in heads),
+        rows=rows,
+        strong_rows=tuple(
+            i for i, corner in enumerate(move["corners"]) if corner["settling_time"] is None
+        ),
+    )

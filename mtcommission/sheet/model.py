@@ -1,0 +1,393 @@
+"""What a sheet consists of: one neutral document that every printer shows.
+
+The printers know these types and no others, so HTML and PDF cannot tell different things.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Tone(Enum):
+    """How a paragraph is meant."""
+
+    PLAIN = "plain"
+    NOTE = "note"
+    WARNING = "warning"
+    FORMULA = "formula"
+    CODE = "code"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Paragraph:
+    """A paragraph of text.
+
+    Parameters
+    ----------
+    text
+        Plain text; never markup.
+    tone
+        How it is meant.
+    """
+
+    text: str
+    tone: Tone = Tone.PLAIN
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bullets:
+    """A list of sentences.
+
+    Parameters
+    ----------
+    items
+        Plain texts.
+    tone
+        How they are meant.
+    """
+
+    items: tuple[str, ...]
+    tone: Tone = Tone.PLAIN
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subheading:
+    """A heading inside a section.
+
+    Parameters
+    ----------
+    text
+        Plain text.
+    """
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BigValue:
+    """A value to enter, printed so large that it is read from a metre.
+
+    Parameters
+    ----------
+    label, value, aside
+        E.g. "Acceleration", "2.4 m/s²", "a".
+    """
+
+    label: str
+    value: str
+    aside: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Headline:
+    """The verdict and the values to enter.
+
+    Parameters
+    ----------
+    is_met
+        Whether all requirements are met.
+    verdict, detail
+        In words.
+    values
+        What to enter.
+    """
+
+    is_met: bool
+    verdict: str
+    detail: str
+    values: tuple[BigValue, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """A column of a table.
+
+    Parameters
+    ----------
+    head
+        Its heading.
+    width
+        Share of the width; relative to the other columns.
+    is_number
+        Whether its cells are numbers (set flush right).
+    """
+
+    head: str
+    width: float = 1.0
+    is_number: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A table.
+
+    Parameters
+    ----------
+    caption
+        What it shows.
+    columns
+        Headings.
+    rows
+        Cells, as many as columns.
+    strong_rows
+        Indices of rows to stress.
+    """
+
+    caption: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[str, ...], ...]
+    strong_rows: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Preformatted:
+    """Text to be shown as it is, in fixed width.
+
+    Parameters
+    ----------
+    caption, text
+        What it is, and the text.
+    """
+
+    caption: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Form:
+    """Lines to be filled in by hand.
+
+    Parameters
+    ----------
+    fields
+        One label for each line.
+    """
+
+    fields: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Line:
+    """A curve.
+
+    Parameters
+    ----------
+    label
+        For the legend.
+    x, y
+        In the units of the axes, shape (n,).
+    style
+        Which line style and colour, counted from 0; the same curve has the same style in
+        every panel.
+    is_stepped
+        Whether the value holds until the next sample.
+    """
+
+    label: str
+    x: Array
+    y: Array
+    style: int
+    is_stepped: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Border:
+    """A horizontal line at a limit.
+
+    Parameters
+    ----------
+    label, y
+        What it is, and where, in the unit of the axis.
+    """
+
+    label: str
+    y: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Panel:
+    """Curves over one pair of axes.
+
+    Parameters
+    ----------
+    y_label
+        With the unit.
+    lines
+        Curves.
+    borders
+        Limits.
+    """
+
+    y_label: str
+    lines: tuple[Line, ...]
+    borders: tuple[Border, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LinePlot:
+    """Panels below each other with one common x axis.
+
+    Parameters
+    ----------
+    key
+        Identifier, unique in the document.
+    caption, alt
+        What it shows; the same in words for those who cannot see it.
+    x_label
+        With the unit.
+    x_is_log
+        Whether the x axis is logarithmic.
+    link
+        Plots with the same link zoom together in the page.
+    panels
+        From top to bottom.
+    """
+
+    key: str
+    caption: str
+    alt: str
+    x_label: str
+    x_is_log: bool
+    link: str
+    panels: tuple[Panel, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """A point of a point plot.
+
+    Parameters
+    ----------
+    label, x, y
+        Its name and place, in the units of the axes.
+    style
+        Which symbol, counted from 0.
+    """
+
+    label: str
+    x: float
+    y: float
+    style: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointPlot:
+    """Named points over two logarithmic axes.
+
+    Parameters
+    ----------
+    key, caption, alt
+        As in ``LinePlot``.
+    x_label, y_label
+        With units.
+    marks
+        The points.
+    border
+        The band.
+    """
+
+    key: str
+    caption: str
+    alt: str
+    x_label: str
+    y_label: str
+    marks: tuple[Mark, ...]
+    border: Border
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeatMap:
+    """A value over two axes.
+
+    Parameters
+    ----------
+    key, caption, alt
+        As in ``LinePlot``.
+    x_label, y_label, value_label
+        With units.
+    x, y
+        Shapes (n_x,) and (n_y,).
+    values
+        Shape (n_y, n_x); nan where there is no value.
+    missing_label
+        What nan means.
+    chosen
+        The chosen point.
+    """
+
+    key: str
+    caption: str
+    alt: str
+    x_label: str
+    y_label: str
+    value_label: str
+    x: Array
+    y: Array
+    values: Array
+    missing_label: str
+    chosen: Mark
+
+
+Plot = LinePlot | PointPlot | HeatMap
+Block = Paragraph | Bullets | Subheading | Headline | Table | Preformatted | Form | Plot
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Section:
+    """A part of the sheet.
+
+    Parameters
+    ----------
+    key
+        Identifier, unique in the document.
+    heading
+        Its heading.
+    blocks
+        What it shows, in order.
+    """
+
+    key: str
+    heading: str
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Document:
+    """A sheet, ready to be printed.
+
+    Parameters
+    ----------
+    language
+        Code, e.g. "en".
+    title, machine, axis
+        Whose sheet it is.
+    identity
+        Short line for each page: profile and its hash.
+    created
+        When the record was made (ISO 8601).
+    disclaimer
+        What the sheet is not.
+    contents_heading, skip_link, script_note, page_word
+        Words of the printers' own.
+    sections
+        In order.
+    """
+
+    language: str
+    title: str
+    machine: str
+    axis: str
+    identity: str
+    created: str
+    disclaimer: str
+    contents_heading: str
+    skip_link: str
+    script_note: str
+    page_word: str
+    sections: tuple[Section, ...]

@@ -1,0 +1,327 @@
+"""Optima, recommendation and response of each move over one time axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.record.schema import MoveEntry, OptimaEntry, OptimumEntry, Record, Series
+from mtcommission.sheet.format import Formatter, motion_unit
+from mtcommission.sheet.model import (
+    Block,
+    Border,
+    Column,
+    Line,
+    LinePlot,
+    Panel,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+)
+from mtcommission.sheet.verdict_part import band, move_title, reference_sentence
+
+Array = NDArray[np.float64]
+
+SETPOINT, TIME_OPTIMAL, CONSTRAINED, DAMPING_OPTIMAL, RESPONSE = 0, 1, 2, 3, 4
+"""Line styles, the same in every panel."""
+
+MOST_POINTS = 800
+"""Points of a curve; more are not seen on paper and swell the page."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Curve:
+    """A signal over time, still in SI.
+
+    Parameters
+    ----------
+    label, style
+        As in ``Line``.
+    series
+        Where it is found.
+    signal
+        Its name there.
+    factor
+        Factor on the stored values.
+    is_stepped
+        Whether the value holds until the next sample.
+    """
+
+    label: str
+    style: int
+    series: Series
+    signal: str
+    factor: float = 1.0
+    is_stepped: bool = False
+
+
+def motions(record: Record, f: Formatter) -> Section:
+    """Return plots and tables of each move."""
+    text = f.labels
+    delay = f.quantity(record["loop"]["reference_delay"], "s")
+    blocks: list[Block] = [Paragraph(text=text.motion_note.format(delay=delay), tone=Tone.NOTE)]
+    for number, (optima, move) in enumerate(
+        zip(record["optima"], record["moves"], strict=True), start=1
+    ):
+        title = move_title(move["move"], number, f)
+        blocks.append(Subheading(text=title))
+        blocks.append(Paragraph(text=reference_sentence(record, number, f)))
+        blocks.extend(_plots(record, optima, move, number, title, f))
+        blocks.append(_peaks(record, optima, move, title, f))
+        blocks.append(_amplitudes(move, title, f))
+        blocks.extend(_segments(move, title, f))
+        blocks.extend(Paragraph(text=remark, tone=Tone.NOTE) for remark in optima["remarks"])
+    return Section(key="motions", heading=text.motion_heading, blocks=tuple(blocks))
+
+
+def first_look(record: Record, f: Formatter) -> LinePlot:
+    """Return acceleration and deviation of the first move, for the first page."""
+    text, move = f.labels, record["moves"][0]
+    plans = _panels(record, record["optima"][0], move, f)
+    t_scale = f.scale(move["series"]["t"][-1], "s")
+    own = {text.setpoint, text.response}
+    panels = tuple(
+        _panel([c for c in curves if c.label in own], name, unit, t_scale.size, f, borders)
+        for name, unit, curves, borders in (plans[1], plans[-1])
+    )
+    response = move["response"]
+    return LinePlot(
+        key="first-look",
+        caption=text.first_look_caption.format(move=move_title(move["move"], 1, f)),
+        alt=text.first_look_alt.format(
+            peak=f.quantity(response["peak_deviation"], motion_unit("m", rotary=f.rotary)),
+            settling=f.settling(response["settling_time"]),
+        ),
+        x_label=f"{text.time} in {t_scale.unit}",
+        x_is_log=False,
+        link="move-1",
+        panels=panels,
+    )
+
+
+def named_optima(optima: OptimaEntry, f: Formatter) -> list[tuple[str, int, OptimumEntry]]:
+    """Return the optima that there are, with name and line style."""
+    text = f.labels
+    found = (
+        (text.time_optimal, TIME_OPTIMAL, optima["time"]),
+        (text.constrained, CONSTRAINED, optima["constrained"]),
+        (text.damping_optimal, DAMPING_OPTIMAL, optima["damping"]),
+    )
+    return [(name, style, item) for name, style, item in found if item is not None]
+
+
+def thin_out(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return a curve with fewer points but with every peak kept.
+
+    Parameters
+    ----------
+    x, y
+        Shape (n,).
+
+    Returns
+    -------
+    ndarray, ndarray
+        At most about ``MOST_POINTS`` points: of each bucket the first, least, largest and last.
+
+    Examples
+    --------
+    >>> x = np.arange(10000.0)
+    >>> y = np.where(x == 4321.0, 1.0, 0.0)
+    >>> len(thin_out(x, y)[0]) <= MOST_POINTS, thin_out(x, y)[1].max()
+    (True, np.float64(1.0))
+    """
+    if x.size <= MOST_POINTS:
+        return x, y
+    keep: set[int] = set()
+    for bucket in np.array_split(np.arange(x.size), MOST_POINTS // 4):
+        part = y[bucket]
+        keep.update(int(bucket[i]) for i in (0, int(part.argmin()), int(part.argmax()), -1))
+    chosen = np.array(sorted(keep))
+    return x[chosen], y[chosen]
+
+
+def _plots(
+    record: Record, optima: OptimaEntry, move: MoveEntry, number: int, title: str, f: Formatter
+) -> tuple[LinePlot, LinePlot]:
+    """Return two plots over the same time: what the drive does, and what the machine does."""
+    text, response = f.labels, move["response"]
+    end = max([move["series"]["t"][-1], *(item["t_f"] for *_, item in named_optima(optima, f))])
+    t_scale = f.scale(end, "s")
+    plans = [plan for plan in _panels(record, optima, move, f) if plan[2]]
+
+    def plot(key: str, caption: str, part: list[PanelPlan]) -> LinePlot:
+        panels = tuple(
+            _panel(curves, name, unit, t_scale.size, f, borders)
+            for name, unit, curves, borders in part
+        )
+        return LinePlot(
+            key=f"{key}-{number}",
+            caption=caption.format(move=title),
+            alt=text.motion_alt.format(
+                signals=", ".join(panel.y_label for panel in panels),
+                force=f.quantity(response["max_force"], record["plant"]["units"]["F"]),
+                peak=f.quantity(response["peak_deviation"], record["plant"]["units"]["tcp"]),
+                settling=f.settling(response["settling_time"]),
+            ),
+            x_label=f"{text.time} in {t_scale.unit}",
+            x_is_log=False,
+            link=f"move-{number}",
+            panels=panels,
+        )
+
+    return (
+        plot("drive", text.drive_caption, plans[:3]),
+        plot("vibration", text.vibration_caption, plans[3:]),
+    )
+
+
+PanelPlan = tuple[str, str, list[Curve], tuple[float, ...]]
+
+
+def _panels(record: Record, optima: OptimaEntry, move: MoveEntry, f: Formatter) -> list[PanelPlan]:
+    """Return name, unit, curves and limits of each panel, from top to bottom."""
+    text, plant = f.labels, record["plant"]
+    units, mass = plant["units"], plant["moving_mass"]
+    speed = rigid_velocity(plant["states"])
+    a_unit = motion_unit("m/s^2", rotary=f.rotary)
+
+    def curves(signal: str, *, factor: float = 1.0) -> list[Curve]:
+        found = [
+            Curve(
+                label=name,
+                style=style,
+                series=item["series"],
+                signal=signal,
+                factor=factor,
+                is_stepped=signal == "F_set",
+            )
+            for name, style, item in named_optima(optima, f)
+        ]
+        found.append(
+            Curve(
+                label=text.response,
+                style=RESPONSE,
+                series=move["series"],
+                signal=signal,
+                factor=factor,
+                is_stepped=signal == "F_set",
+            )
+        )
+        return [curve for curve in found if curve.signal in curve.series["signals"]]
+
+    def setpoint(signal: str) -> list[Curve]:
+        curve = Curve(label=text.setpoint, style=SETPOINT, series=move["series"], signal=signal)
+        return [curve] if signal in move["series"]["signals"] else []
+
+    force = optima["time"]["f_max"]
+    plans: list[PanelPlan] = [
+        (text.names["F_set"], units["F"], curves("F_set"), (force, -force)),
+        (text.acceleration, a_unit, setpoint("a_ref") + curves("F", factor=1.0 / mass), ()),
+        (text.velocity, units[speed], setpoint("v_ref") + curves(speed), ()),
+    ]
+    for rate in flexible_rates(plant["states"]):
+        bound = optima["constrained"]["limits"].get(rate) if optima["constrained"] else None
+        borders = () if bound is None else (bound, -bound)
+        plans.append((text.name(rate), units[rate], curves(rate), borders))
+    permitted = band(record)
+    deviation = [
+        Curve(label=text.response, style=RESPONSE, series=move["series"], signal="deviation")
+    ]
+    plans.append((text.name("tcp_vibration"), units["tcp"], curves("tcp_vibration"), ()))
+    limits = () if permitted is None else (permitted, -permitted)
+    plans.append((text.deviation, units["tcp"], deviation, limits))
+    return plans
+
+
+def rigid_velocity(states: list[str]) -> str:
+    """Return the state that is the rigid velocity of the axis."""
+    return "v_s" if "v_s" in states and "x_s" in states else "v"
+
+
+def flexible_rates(states: list[str]) -> list[str]:
+    """Return the states that are rates of flexible modes."""
+    speed = rigid_velocity(states)
+    return [state for state in states if state.startswith("v_") and state != speed]
+
+
+def _panel(
+    curves: list[Curve],
+    name: str,
+    unit: str,
+    t_size: float,
+    f: Formatter,
+    limits: tuple[float, ...],
+) -> Panel:
+    arrays = [np.array(curve.series["signals"][curve.signal]) * curve.factor for curve in curves]
+    scale = f.scale_for(arrays, unit)
+    lines = []
+    for curve, values in zip(curves, arrays, strict=True):
+        x, y = thin_out(np.array(curve.series["t"]) / t_size, values / scale.size)
+        lines.append(
+            Line(label=curve.label, x=x, y=y, style=curve.style, is_stepped=curve.is_stepped)
+        )
+    borders = tuple(Border(label=f.quantity(limit, unit), y=limit / scale.size) for limit in limits)
+    return Panel(y_label=f"{name} in {scale.unit}", lines=tuple(lines), borders=borders)
+
+
+def _peaks(record: Record, optima: OptimaEntry, move: MoveEntry, title: str, f: Formatter) -> Table:
+    text, units = f.labels, record["plant"]["units"]
+    named = named_optima(optima, f)
+    rows = tuple(
+        (
+            text.name(signal),
+            *(f.quantity(item["peaks"].get(signal), units[signal]) for *_, item in named),
+            f.quantity(peak, units[signal]),
+        )
+        for signal, peak in move["response"]["peaks"].items()
+    )
+    heads = [*(name for name, *_ in named), text.response]
+    return Table(
+        caption=text.peaks_caption.format(move=title),
+        columns=(
+            Column(head=text.signal, width=1.6),
+            *(Column(head=head, is_number=True) for head in heads),
+        ),
+        rows=rows,
+    )
+
+
+def _amplitudes(move: MoveEntry, title: str, f: Formatter) -> Table:
+    text = f.labels
+    length = motion_unit("m", rotary=f.rotary)
+    return Table(
+        caption=text.amplitudes_caption.format(move=title),
+        columns=(Column(head=text.mode), Column(head=text.amplitude, is_number=True)),
+        rows=tuple(
+            (name, f.quantity(value, length))
+            for name, value in move["response"]["mode_amplitudes"].items()
+        ),
+    )
+
+
+def _segments(move: MoveEntry, title: str, f: Formatter) -> tuple[Block, ...]:
+    text, setpoint = f.labels, move["setpoint"]
+    table = Table(
+        caption=text.setpoint_caption.format(move=title),
+        columns=(
+            Column(head=text.segment),
+            Column(head=text.duration, is_number=True),
+            Column(head=text.jerk, is_number=True),
+        ),
+        rows=tuple(
+            (
+                str(number),
+                f.quantity(segment["duration"], "s"),
+                f.quantity(segment["jerk"], motion_unit("m/s^3", rotary=f.rotary)),
+            )
+            for number, segment in enumerate(setpoint["segments"], start=1)
+        ),
+    )
+    if not setpoint["moving_average"]:
+        return (table,)
+    average = f.quantity(setpoint["moving_average"], "s")
+    return (table, Paragraph(text=text.moving_average.format(time=average), tone=Tone.NOTE))

@@ -1,0 +1,97 @@
+"""The sheet as PDF: A4, tagged, fonts embedded, the same bytes for the same record."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from datetime import UTC, datetime
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import typst
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.sheet.figures import draw_svg
+from mtcommission.sheet.model import Block, Document, HeatMap, LinePlot, PointPlot
+
+PLOTS = (LinePlot, PointPlot, HeatMap)
+
+TEMPLATE = Path(__file__).with_name("sheet.typ")
+
+MISSING_DATE = datetime(2000, 1, 1, tzinfo=UTC)
+"""Date of a PDF whose record states none that can be read."""
+
+
+def set_pdf(document: Document) -> bytes:
+    """Return a document as PDF/UA-1.
+
+    Parameters
+    ----------
+    document
+        From ``content.compose``.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    ComputationError
+        PRINTING_FAILED with the compiler's message.
+    """
+    plots = {
+        block.key: draw_svg(block).decode()
+        for section in document.sections
+        for block in section.blocks
+        if isinstance(block, PLOTS)
+    }
+    # matplotlib brings DejaVu Sans along; the fonts inside typst have no sans-serif.
+    fonts = Path(mpl.get_data_path()) / "fonts" / "ttf"
+    try:
+        pdf = typst.compile(
+            TEMPLATE,
+            font_paths=[fonts],
+            ignore_system_fonts=True,
+            sys_inputs={"document": _as_json(document), "plots": json.dumps(plots)},
+            format="pdf",
+            pdf_standards=["ua-1"],
+            timestamp=_timestamp(document.created),
+        )
+    except typst.TypstError as error:
+        raise ComputationError(Outcome.PRINTING_FAILED, str(error)) from error
+    return pdf
+
+
+def _timestamp(created: str) -> datetime:
+    try:
+        moment = datetime.fromisoformat(created)
+    except ValueError:
+        return MISSING_DATE
+    return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+
+
+def _as_json(document: Document) -> str:
+    """Return the document as data for the template; plots shrink to key, caption and alt."""
+    sections = [
+        {"heading": section.heading, "blocks": [_as_data(block) for block in section.blocks]}
+        for section in document.sections
+    ]
+    data = {
+        name: getattr(document, name)
+        for name in ("language", "title", "machine", "axis", "identity", "disclaimer", "page_word")
+    }
+    return json.dumps(data | {"sections": sections}, ensure_ascii=False)
+
+
+def _as_data(block: Block) -> dict[str, Any]:
+    if isinstance(block, PLOTS):
+        return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
+    values = asdict(
+        block,
+        dict_factory=lambda pairs: {
+            name: value.value if isinstance(value, Enum) else value for name, value in pairs
+        },
+    )
+    return {"type": type(block).__name__} | values

@@ -1,0 +1,182 @@
+"""The summary of a run in 80 columns; plain text when it is piped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console, ConsoleOptions, RenderResult
+from rich.table import Table
+from rich.text import Text
+
+from mtcommission.record.schema import Record
+from mtcommission.sheet.format import THIN_SPACE, Formatter
+from mtcommission.sheet.labels_en import Labels
+from mtcommission.sheet.verdict_part import (
+    acceleration,
+    jerk,
+    move_title,
+    reference_sentence,
+    residual_against_band,
+    slowest_move,
+)
+
+Array = NDArray[np.float64]
+
+ROWS, COLUMNS = 4, 72
+"""Characters of the small plot."""
+
+BRAILLE = 0x2800
+DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
+"""Bits of a braille character, four dots high and two wide (Unicode 15, block U+2800)."""
+
+ASCII_STEPS = " .:-=+*#"
+SUBSTITUTES = {
+    THIN_SPACE: " ",
+    "²": "^2",
+    "³": "^3",
+    "µ": "u",
+    "·": " ",
+    "°": " deg",
+    "″": " arcsec",
+    "−": "-",
+    "–": "-",
+    "≤": "<=",
+    "…": "...",
+    "τ": "tau",
+    "φ": "phi",
+}
+"""What a console gets instead of signs that it does not know."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Summary:
+    """What the terminal shows of a record; rich renders it.
+
+    Parameters
+    ----------
+    record
+        A whole commissioning.
+    labels
+        Texts of the language.
+    """
+
+    record: Record
+    labels: Labels
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """Yield title, verdict, values and the small plot."""
+        record, text = self.record, self.labels
+        f = Formatter(rotary=record["machine"]["motion"] == "rotary", labels=text)
+
+        def plain(words: str, style: str = "") -> Text:
+            # A Text is never read as markup, whatever the machine is called.
+            return Text(_speak(words, options.encoding), style=style)
+
+        is_met = record["assessment"]["met"]
+        machine = record["machine"]
+        yield plain(f"{machine['name']}, {text.axis} {machine['axis']}", "bold")
+        verdict = text.verdict_met if is_met else text.verdict_not_met
+        yield plain(verdict, "bold green" if is_met else "bold red")
+        if record["assessment"]["obstacle"]:
+            yield plain(text.obstacle.format(obstacle=record["assessment"]["obstacle"]))
+        table = Table.grid(padding=(0, 2))
+        for name, value in summary_rows(record, f):
+            table.add_row(plain(name), plain(value, "bold"))
+        yield table
+        yield plain(text.values_bound_by.format(bound=record["limits"]["recommended"]["bound_by"]))
+        yield plain(reference_sentence(record, slowest_move(record), f))
+        yield from (plain(line) for line in _small_plot(record, f, is_ascii=options.ascii_only))
+        yield plain(text.disclaimer, "dim")
+
+
+def summary_rows(record: Record, f: Formatter) -> list[tuple[str, str]]:
+    """Return the values of the summary, as the sheet prints them."""
+    text, limits = f.labels, record["limits"]["recommended"]
+    return [
+        (text.acceleration, acceleration(record, f)),
+        (text.jerk, jerk(record, f)),
+        (text.jerk_time, f.quantity(limits["jerk_time"], "s")),
+        (text.settling_time, f.settling(limits["settling_time"])),
+        (text.residual, residual_against_band(record, f)),
+    ]
+
+
+def draw_dots(y: Array) -> list[str]:
+    """Return a curve as rows of braille characters.
+
+    Parameters
+    ----------
+    y
+        Two values for each character, shape (2 columns,).
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> draw_dots(np.array([0.0, 0.0, 1.0, 1.0]))[-1]
+    '⣀⠀'
+    """
+    low, high = min(0.0, float(y.min())), max(0.0, float(y.max()))
+    height = 4 * ROWS - 1
+    level = np.rint((y - low) / ((high - low) or 1.0) * height).astype(int)
+    cells = np.zeros((ROWS, y.size // 2), dtype=int)
+    for k, dot in enumerate(level[: 2 * cells.shape[1]]):
+        from_top = height - dot
+        cells[from_top // 4, k // 2] |= DOTS[from_top % 4, k % 2]
+    return ["".join(chr(BRAILLE + int(cell)) for cell in row) for row in cells]
+
+
+def _small_plot(record: Record, f: Formatter, *, is_ascii: bool) -> list[str]:
+    """Return the acceleration setpoint of the slowest move over time, with its caption."""
+    number = slowest_move(record)
+    move = record["moves"][number - 1]
+    t, y = np.array(move["series"]["t"]), np.array(move["series"]["signals"]["a_ref"])
+    title = move_title(move["move"], number, f)
+    end = f.quantity(move["setpoint"]["duration"], "s")
+    caption = f.labels.sparkline.format(move=title, duration=end)
+    shown = t <= 1.02 * move["setpoint"]["duration"]
+    grid = np.linspace(0.0, float(t[shown][-1]), 2 * COLUMNS)
+    values = np.interp(grid, t, y)
+    if not is_ascii:
+        return [caption, *draw_dots(values)]
+    return [caption, *draw_ascii(values[::2])]
+
+
+def draw_ascii(y: Array) -> list[str]:
+    """Return a curve as one row of characters for each sign that it has.
+
+    Parameters
+    ----------
+    y
+        One value for each character, shape (columns,).
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> draw_ascii(np.array([0.0, 0.5, 1.0, 0.0, -1.0]))
+    ['+  =#  ', '-     #']
+    """
+    largest = float(np.max(np.abs(y))) or 1.0
+    rows = []
+    for sign, part in (("+", np.maximum(y, 0.0)), ("-", np.maximum(-y, 0.0))):
+        if np.any(part > 0.0):
+            steps = np.rint(part / largest * (len(ASCII_STEPS) - 1)).astype(int)
+            rows.append(f"{sign} " + "".join(ASCII_STEPS[step] for step in steps))
+    return rows
+
+
+def _speak(words: str, encoding: str) -> str:
+    """Return words in what the console can show."""
+    for sign, other in SUBSTITUTES.items():
+        try:
+            sign.encode(encoding)
+        except UnicodeEncodeError:
+            words = words.replace(sign, other)
+    return words.encode(encoding, "replace").decode(encoding)
