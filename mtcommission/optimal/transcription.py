@@ -96,6 +96,7 @@ def transcribe_time_optimal(
         t_f=t_guess,
         force_limit=force_limit,
         weights=None,
+        intervals=settings.intervals,
     )
     found = solve_grid(problem, settings)
     if found.t_f > 0.999 * LONGEST * t_guess:
@@ -172,6 +173,7 @@ def transcribe_damping_optimal(
         t_f=t_f,
         force_limit=force_limit,
         weights=weights,
+        intervals=settings.intervals,
     )
     found = solve_grid(problem, settings)
     control = _snap(found.control) * force_limit
@@ -219,6 +221,7 @@ def _grid_problem(
     t_f: float,
     force_limit: float,
     weights: tuple[Weight, ...] | None,
+    intervals: int,
 ) -> GridProblem:
     velocity_limit = move.max_velocity if isinstance(move, Positioning) else inf
     if isfinite(velocity_limit):
@@ -228,6 +231,7 @@ def _grid_problem(
     for weight in weights or ():
         c[plant.states.index(weight.state)] += weight.value
     target, fixed = terminal_target(plant, move)
+    start = _rigid_motion(plant, move, target=target / scales, intervals=intervals)
     return GridProblem(
         A=plant.A * scales / scales[:, None],
         B=plant.B * force_limit / scales,
@@ -237,7 +241,28 @@ def _grid_problem(
         free_time=weights is None,
         weights=c * (scales / force_limit) ** 2,
         rows=bounded_rows(plant, bounds, state_scale=scales),
+        start_states=start,
+        start_control=start[1:, plant.force],
     )
+
+
+def _rigid_motion(plant: Plant, move: Move, *, target: Array, intervals: int) -> Array:
+    """Return the scaled motion of the rigid mass in the guessed time, shape (N + 1, n).
+
+    A scaled unit of force moves it by a scaled unit of velocity in the guessed time, and
+    bends each mode by a scaled unit.
+    """
+    tau = np.linspace(0.0, 1.0, intervals + 1)
+    force = np.full(intervals + 1, target[plant.velocity])
+    if isinstance(move, Positioning):
+        force = 4.0 * target[plant.position] * np.where(tau < 0.5, 1.0, -1.0)
+    motion = np.zeros((intervals + 1, plant.order))
+    motion[:, plant.force] = force
+    for mode in plant.modes:
+        motion[:, mode.deflection] = np.sign(mode.scale) * force
+    motion[1:, plant.velocity] = np.cumsum(force[:-1]) / intervals
+    motion[1:, plant.position] = np.cumsum(motion[1:, plant.velocity]) / intervals
+    return motion
 
 
 def _snap(control: Array) -> Array:
