@@ -1,7 +1,8 @@
-"""A start for the dual ascent: the same problem on a coarse mesh, a small linear program.
+"""A start for the dual ascent: forces that are constant on cells, a small linear program.
 
-On nodes with weights w the dual is min_c Σ w |σ_c|; the horizon is moved until the minimum
-equals the span.
+With the exact moments of each cell the program is the original problem for fewer forces. Its
+multipliers are near those of the optimum; where that is not near enough, cells in which σ may
+change sign are divided, and no others.
 """
 
 from __future__ import annotations
@@ -11,70 +12,61 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.dual import MARGIN, DualPoint, evaluate_dual
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.switching import build_mesh, graded_nodes
+from mtcommission.optimal.switching import graded_nodes
 
 Array = NDArray[np.float64]
 
+RADIANS_PER_CELL = 0.4
+"""First cells against the fastest live pole (empirical)."""
 LEAST_CELLS = 48
 """Cells where the whole move is shorter than the fastest mode (empirical)."""
+PARTS = 4
+"""Cells into which one is divided."""
 INTERIOR_STEPS = 60
+INTERIOR_TOLERANCE = 1e-3
+"""Mean complementarity at which the first program is solved; a refinement squares the cells'
+share of it (empirical)."""
 CENTRING = 0.1
 BACK_OFF = 0.97
 """Usual settings of interior-point methods."""
 HORIZON_STEPS = 30
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Fineness:
-    """How near to the optimum a start is sought.
-
-    Parameters
-    ----------
-    radians
-        Cells of the coarse mesh against the fastest live pole [rad].
-    horizon_tolerance
-        Relative distance of minimum and span.
-    interior_tolerance
-        Mean complementarity of the linear program against its start.
-    """
-
-    radians: float
-    horizon_tolerance: float
-    interior_tolerance: float
-
-
-FINENESSES = (
-    Fineness(radians=0.4, horizon_tolerance=0.03, interior_tolerance=1e-3),
-    Fineness(radians=0.1, horizon_tolerance=1e-3, interior_tolerance=1e-5),
-    Fineness(radians=0.02, horizon_tolerance=1e-5, interior_tolerance=1e-7),
-)
-"""The first serves 98 % of random machines; near births of several arcs the others are needed
-(empirical)."""
+HORIZON_TOLERANCE = 0.05
+"""Error of the horizon against the shorter of horizon and fastest period (empirical)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CoarseMinimum:
-    """Minimum of Σ w |σ_c| at one horizon.
+class CellSolution:
+    """The best force that is constant on cells, at the horizon where it reaches the target.
 
     Parameters
     ----------
+    nodes
+        Ends of the cells, from 0 to the horizon, shape (n_cells + 1,) [s].
     multipliers
-        c, shape (size,).
+        c of the program, shape (size,).
     minimum
-        Σ w |σ_c| [s] or [s²].
+        Σ |∫_cell σ_c| [s] or [s²].
     end_value
         |σ_c| at the horizon, the slope of the minimum over the horizon.
+    level
+        Number of refinements.
     """
 
+    nodes: Array
     multipliers: Array
     minimum: float
     end_value: float
+    level: int
+
+    @property
+    def horizon(self) -> float:
+        """Last node [s]."""
+        return float(self.nodes[-1])
 
 
-def start_ascent(problem: MomentProblem, *, span: float, fineness: Fineness) -> DualPoint:
-    """Return a dual point near the optimum.
+def first_cells(problem: MomentProblem, *, span: float) -> CellSolution:
+    """Return the solution on the first, coarse cells.
 
     Parameters
     ----------
@@ -82,95 +74,123 @@ def start_ascent(problem: MomentProblem, *, span: float, fineness: Fineness) -> 
         The moment problem.
     span
         target / F_max [s] or [s²].
-    fineness
-        How near.
 
     Returns
     -------
-    DualPoint
+    CellSolution
     """
     horizon = _guess_horizon(problem, span)
+    return _fit_horizon(problem, _coarse_nodes(problem, horizon), span=span, level=0)
+
+
+def refine_cells(problem: MomentProblem, coarse: CellSolution, *, span: float) -> CellSolution:
+    """Return the solution after dividing the cells in which σ may change sign.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    coarse
+        The solution so far; its σ is off by about the curvature of σ over a cell.
+    span
+        target / F_max [s] or [s²].
+
+    Returns
+    -------
+    CellSolution
+    """
+    nodes, length = coarse.nodes, np.diff(coarse.nodes)
+    sigma = problem.target_values(nodes) - problem.values(nodes) @ coarse.multipliers
+    start = nodes[:-1, np.newaxis]
+    bend = np.exp(start * problem.rates.real) * (np.abs(problem.rates) * length[:, np.newaxis]) ** 2
+    doubt = bend @ problem.amplitudes(coarse.multipliers)
+    low = np.minimum(np.abs(sigma[:-1]), np.abs(sigma[1:]))
+    divided = (low <= doubt) | (sigma[:-1] * sigma[1:] <= 0.0)
+    parts = np.where(divided, PARTS, 1)
+    index = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    cells = np.repeat(nodes[:-1], parts) + index * np.repeat(length / parts, parts)
+    return _fit_horizon(problem, np.append(cells, nodes[-1]), span=span, level=coarse.level + 1)
+
+
+def _coarse_nodes(problem: MomentProblem, horizon: float) -> Array:
+    nodes = graded_nodes(problem, horizon, radians=RADIANS_PER_CELL)
+    return nodes if nodes.size > LEAST_CELLS else np.linspace(0.0, horizon, LEAST_CELLS + 1)
+
+
+def _fit_horizon(problem: MomentProblem, nodes: Array, *, span: float, level: int) -> CellSolution:
+    """Return the solution on the nodes, cut or continued until its minimum equals the span."""
+    fastest = 2.0 * np.pi / float(np.max(np.abs(problem.rates)))
     low, high = 0.0, np.inf
-    coarse = minimise_coarse(problem, horizon, fineness=fineness)
+    cells = _solve_cells(problem, nodes, level=level)
     for _ in range(HORIZON_STEPS):
-        ratio = span / coarse.minimum
-        if abs(ratio - 1.0) < fineness.horizon_tolerance:
+        horizon, ratio = cells.horizon, span / cells.minimum
+        error = abs(span - cells.minimum) / max(cells.end_value, cells.minimum / horizon)
+        if error <= HORIZON_TOLERANCE * PARTS**-level * min(horizon, fastest):
             break
         low, high = (horizon, high) if ratio > 1.0 else (low, horizon)
         # The minimum grows like a power of the horizon, with this exponent here.
-        exponent = max(horizon * coarse.end_value / coarse.minimum, 0.5)
-        horizon *= float(np.clip(ratio ** (1.0 / exponent), 0.3, 3.0))
-        if not low < horizon < high:
-            horizon = 0.5 * (low + high)
-        coarse = minimise_coarse(problem, horizon, fineness=fineness)
-    mesh = build_mesh(problem, MARGIN * horizon)
-    return evaluate_dual(mesh, coarse.multipliers, span=span)
+        exponent = max(horizon * cells.end_value / cells.minimum, 0.5)
+        wanted = horizon * float(np.clip(ratio ** (1.0 / exponent), 0.3, 3.0))
+        if not low < wanted < high:
+            wanted = 0.5 * (low + high)
+        cells = _solve_cells(problem, _resize(problem, cells.nodes, wanted), level=level)
+    return cells
+
+
+def _resize(problem: MomentProblem, nodes: Array, horizon: float) -> Array:
+    if nodes.size <= LEAST_CELLS + 1:
+        return _coarse_nodes(problem, horizon)
+    kept = nodes[nodes < horizon * (1.0 - 1e-9)]
+    if horizon <= nodes[-1]:
+        return np.append(kept, horizon)
+    fresh = _coarse_nodes(problem, horizon)
+    return np.append(kept, fresh[fresh > kept[-1] * (1.0 + 1e-9)])
 
 
 def _guess_horizon(problem: MomentProblem, span: float) -> float:
     """Return where the distance in the mean square equals that of the span."""
     least = 2.0 * np.sqrt(span) if problem.degree else span
     longest = least + 1.5 * float(np.sum(2.0 * np.pi / np.abs(problem.rates)))
-    horizons = np.geomspace(least, longest, 16)
     x = (np.arange(64) + 0.5) / 64
     best = least
-    for horizon in horizons:
-        tau = horizon * x
-        phi = problem.values(tau)
-        psi = problem.target_values(tau)
-        scale = np.abs(phi).max(axis=0) + 1e-300
-        orthonormal, _ = np.linalg.qr(phi / scale)
+    for horizon in np.geomspace(least, longest, 16):
+        phi, psi = problem.values(horizon * x), problem.target_values(horizon * x)
+        orthonormal, _ = np.linalg.qr(phi / (np.abs(phi).max(axis=0) + 1e-300))
         distance = psi - orthonormal @ (orthonormal.T @ psi)
+        # 0.9: mean magnitude against root mean square of a sine.
         if horizon * float(np.sqrt(np.mean(distance**2))) * 0.9 > span:
             break
         best = float(horizon)
     return best
 
 
-def minimise_coarse(problem: MomentProblem, horizon: float, *, fineness: Fineness) -> CoarseMinimum:
-    """Return the minimum of Σ w |σ_c| over the nodes of a coarse mesh.
-
-    The linear program max Σ w ψ u, |u| <= 1, Σ w φ u = 0 by an interior-point method; its
-    multipliers are c.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    horizon
-        [s].
-    fineness
-        Mesh and tolerance.
-
-    Returns
-    -------
-    CoarseMinimum
-
-    Source: Portnoy & Koenker 1997, the Frisch-Newton method for L1 regression.
-    """
-    nodes = graded_nodes(problem, horizon, radians=fineness.radians)
-    if nodes.size <= LEAST_CELLS:
-        nodes = np.linspace(0.0, horizon, LEAST_CELLS + 1)
-    middle, weight = 0.5 * (nodes[1:] + nodes[:-1]), np.diff(nodes)
-    phi, psi = problem.values(middle), problem.target_values(middle)
-    scale = weight @ np.abs(phi) + 1e-300
-    root = np.sqrt(weight)
+def _solve_cells(problem: MomentProblem, nodes: Array, *, level: int) -> CellSolution:
+    """Return the multipliers of max Σ ∫_cell ψ u, |u| <= 1, Σ u ∫_cell φ = 0."""
+    length = np.diff(nodes)
+    phi = np.diff(problem.integrals(nodes), axis=0) / length[:, np.newaxis]
+    psi = np.diff(problem.target_integrals(nodes)) / length
+    scale = length @ np.abs(phi) + 1e-300
+    root = np.sqrt(length)
     orthonormal, triangle = np.linalg.qr(phi / scale * root[:, np.newaxis])
-    c = _l1_fit(
-        orthonormal / root[:, np.newaxis], psi, weight, tolerance=fineness.interior_tolerance
-    )
+    tolerance = INTERIOR_TOLERANCE * float(PARTS) ** (-2 * level)
+    c = _l1_fit(orthonormal / root[:, np.newaxis], psi, length, tolerance=tolerance)
     multipliers = np.linalg.lstsq(triangle, c, rcond=None)[0] / scale
-    end = np.array([horizon])
+    end = nodes[-1:]
     end_value = (problem.target_values(end) - problem.values(end) @ multipliers)[0]
-    return CoarseMinimum(
+    return CellSolution(
+        nodes=nodes,
         multipliers=multipliers,
-        minimum=float(weight @ np.abs(psi - phi @ multipliers)),
+        minimum=float(length @ np.abs(psi - phi @ multipliers)),
         end_value=abs(float(end_value)),
+        level=level,
     )
 
 
 def _l1_fit(basis: Array, psi: Array, weight: Array, *, tolerance: float) -> Array:
-    """Return c that minimises Σ w |ψ - basis c|; basis orthonormal under the weights."""
+    """Return c that minimises Σ w |ψ - basis c|; basis orthonormal under the weights.
+
+    Source: Portnoy & Koenker 1997, the interior-point method for L1 regression.
+    """
     c = basis.T @ (weight * psi)
     u = np.zeros_like(psi)
     sigma = psi - basis @ c
@@ -181,7 +201,7 @@ def _l1_fit(basis: Array, psi: Array, weight: Array, *, tolerance: float) -> Arr
         gap = float(weight @ (above * room_above + below * room_below)) / float(weight.sum())
         if gap < tolerance * mean:
             break
-        centre = CENTRING * gap * 0.5
+        centre = 0.5 * CENTRING * gap
         stiffness = weight / (above / room_above + below / room_below)
         pull = sigma - centre / room_above + centre / room_below
         hessian = basis.T @ (basis * stiffness[:, np.newaxis])

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.dual import Ascent, DualPoint, ascend, evaluate_dual
-from mtcommission.optimal.dual_start import FINENESSES, start_ascent
+from mtcommission.optimal.dual import MARGIN, Ascent, DualPoint, ascend, evaluate_dual
+from mtcommission.optimal.dual_start import CellSolution, first_cells, refine_cells
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.switching import values_and_slopes
+from mtcommission.optimal.switching import build_mesh, values_and_slopes
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,9 @@ AGREEMENT = 1e-12
 SUFFICIENT = 1e-10
 """Distance that no finer start is tried for: rounding, not the start, is what is left."""
 ASCENT_STEPS = 6
-"""For each fineness of the start; mostly the first attempt succeeds."""
+"""From each start; mostly the first attempt succeeds."""
+REFINEMENTS = 8
+"""Starts; the last has cells of 1e-5 of the fastest period where σ is near zero."""
 TO_BOUNDARY = 0.9
 """Longest step, as a share of the one that closes an arc."""
 
@@ -181,8 +183,9 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
         is left to the certificate.
     """
     best, best_gap = None, inf
-    for fineness in FINENESSES:
-        ascent = Ascent(point=start_ascent(problem, span=span, fineness=fineness))
+    cells = first_cells(problem, span=span)
+    ascent = Ascent(point=_dual_start(problem, cells, span))
+    for _ in range(REFINEMENTS):
         for _ in range(ASCENT_STEPS):
             candidate = polish(ascent.point, span=span)
             if candidate.residual <= FEASIBLE:
@@ -196,6 +199,10 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
             ascent = ascend(ascent, span=span)
         if best is not None and best_gap <= SUFFICIENT:
             return best
+        cells = refine_cells(problem, cells, span=span)
+        fresh = _dual_start(problem, cells, span)
+        if fresh.bound > ascent.point.bound:
+            ascent = Ascent(point=fresh)
     if best is None:
         point = ascent.point
         detail = (
@@ -204,3 +211,8 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
         )
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     return best
+
+
+def _dual_start(problem: MomentProblem, cells: CellSolution, span: float) -> DualPoint:
+    mesh = build_mesh(problem, MARGIN * cells.horizon)
+    return evaluate_dual(mesh, cells.multipliers, span=span)

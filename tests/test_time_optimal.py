@@ -1,0 +1,290 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from math import cos, pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import linprog
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine import (
+    Drive,
+    FlexibleMode,
+    Machine,
+    Modal,
+    Move,
+    Positioning,
+    VelocityStep,
+)
+from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
+from mtcommission.optimal.polish import find_bang_bang
+from mtcommission.optimal.solution import TimeOptimum, sample_trajectory
+from mtcommission.optimal.time_optimal import solve_time_optimal
+from mtcommission.plant import Plant, build_plant
+from tests.machines import REQUIREMENTS, paper_machine, random_modal_machine
+from tests.references_optimal import (
+    PAPER_PEAK_V_PHI,
+    PAPER_SWITCHING_TIMES,
+    PAPER_T_F,
+    PAPER_TIME_TOLERANCE,
+    lag_only_step,
+)
+
+STEP = VelocityStep(velocity_step=0.1)
+PAPER = build_plant(paper_machine())
+
+
+def modal_plant(
+    *modes: tuple[float, float], force_lag: float = 2e-3, moving_mass: float = 100.0
+) -> Plant:
+    machine = Machine(
+        name="axis",
+        axis="X",
+        source="test",
+        mechanics=Modal(
+            moving_mass=moving_mass,
+            modes=tuple(
+                FlexibleMode(
+                    name=f"m{i}",
+                    natural_frequency=2 * pi * frequency,
+                    damping_ratio=damping,
+                    tcp_gain=0.01,
+                )
+                for i, (frequency, damping) in enumerate(modes)
+            ),
+        ),
+        drive=Drive(force_lag=force_lag, max_force=1e3),
+        moves=(STEP,),
+        requirements=REQUIREMENTS,
+    )
+    return build_plant(machine)
+
+
+def relative_error(plant: Plant, optimum: TimeOptimum) -> float:
+    return float(np.max(np.abs(optimum.terminal_error) / optimum.peaks[: plant.order]))
+
+
+def test_paper_eq_12_switching_times() -> None:
+    optimum = solve_time_optimal(PAPER, STEP, force_limit=2e3)
+    ours = np.array([*optimum.switching_times, optimum.t_f])
+    theirs = np.array([*PAPER_SWITCHING_TIMES, PAPER_T_F])
+    assert ours == pytest.approx(theirs, abs=PAPER_TIME_TOLERANCE)
+    assert [arc.control for arc in optimum.arcs] == ["+F_max", "-F_max"] * 3
+    assert optimum.certificate.relative_gap < 1e-12
+    assert relative_error(PAPER, optimum) < 1e-13
+
+
+def test_paper_sec_6_peak_of_v_phi() -> None:
+    optimum = solve_time_optimal(PAPER, STEP, force_limit=2e3)
+    peak = optimum.peaks[PAPER.signals.index("v_phi")]
+    assert peak == pytest.approx(PAPER_PEAK_V_PHI, rel=1e-3)
+
+
+def test_paper_claim_of_five_switches_fails_near_1_27_kn() -> None:
+    # The paper found 5 switches for all F_max > 0; from 1252.651 N two more are born.
+    counts = {
+        force: len(solve_time_optimal(PAPER, STEP, force_limit=force).switching_times)
+        for force in (1252.6, 1252.7, 1270.0, 1290.0, 1300.0, 4e3)
+    }
+    assert counts == {1252.6: 5, 1252.7: 7, 1270.0: 7, 1290.0: 7, 1300.0: 5, 4e3: 5}
+
+
+def test_arc_of_ten_nanoseconds_is_found_and_certified() -> None:
+    optimum = solve_time_optimal(PAPER, STEP, force_limit=1252.65091)
+    shortest = np.diff([0.0, *optimum.switching_times, optimum.t_f]).min()
+    assert 0.0 < shortest < 1e-8
+    assert optimum.certificate.relative_gap < 1e-12
+    assert relative_error(PAPER, optimum) < 1e-12
+
+
+@pytest.mark.parametrize("span", [1e-4, 3e-3, 0.05, 2.0])
+def test_rigid_axis_with_lag_has_the_closed_form(span: float) -> None:
+    T = 2.5e-3
+    problem = MomentProblem(rates=np.array([-1.0 / T], dtype=complex), degree=0, target=span)
+    control = find_bang_bang(problem, span=span)
+    t_f, switch = lag_only_step(span, T)
+    assert control.horizon == pytest.approx(t_f, rel=1e-13)
+    assert control.zeros == pytest.approx([switch], rel=1e-12)
+
+
+def test_rigid_positioning_with_stiff_mode_approaches_two_parabolas() -> None:
+    # 1 m, 10 m/s²: 2 sqrt(L m / F) = 0.6325 s; lag and mode add a few of their time constants.
+    plant = modal_plant((2000.0, 0.02), force_lag=1e-5)
+    optimum = solve_time_optimal(plant, Positioning(distance=1.0), force_limit=1e3)
+    rigid = 2.0 * np.sqrt(0.1)
+    assert rigid < optimum.t_f < rigid + 5e-4
+
+
+def test_very_short_move_switches_at_the_zeros_of_the_chebyshev_polynomial() -> None:
+    # For t_f -> 0 the moment functions become polynomials, whose L1 extremal sign pattern is that
+    # of the Chebyshev polynomial of the second kind (Korkin & Zolotarev 1873).
+    deviations = []
+    for force in (1e6, 1e8):
+        optimum = solve_time_optimal(PAPER, STEP, force_limit=force)
+        expected = [0.5 * (1.0 - cos(k * pi / 6)) for k in range(1, 6)]
+        found = np.array(optimum.switching_times) / optimum.t_f
+        deviations.append(float(np.max(np.abs(found - expected))))
+    assert deviations[0] < 0.05
+    assert deviations[1] < 0.6 * deviations[0]
+
+
+def test_integration_of_eq_1_reaches_the_target() -> None:
+    optimum = solve_time_optimal(PAPER, Positioning(distance=0.02), force_limit=2e3)
+    x = np.zeros(PAPER.order)
+    for arc in optimum.arcs:
+        force = float(arc.output[0])
+
+        def motion(_: float, x: np.ndarray, force: float = force) -> np.ndarray:
+            return np.asarray(PAPER.A @ x + PAPER.B * force)
+
+        x = solve_ivp(
+            motion, (arc.t_start, arc.t_end), x, method="DOP853", rtol=1e-12, atol=1e-16
+        ).y[:, -1]
+    target = np.zeros(PAPER.order)
+    target[PAPER.position] = 0.02
+    assert np.all(np.abs(x - target) < 1e-9 * optimum.peaks[: PAPER.order])
+
+
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_linear_program_on_a_grid_agrees(seed: int, move: Move) -> None:
+    plant = build_plant(random_modal_machine(seed, n_modes=2))
+    limit = 3.0 * plant.moving_mass
+    optimum = solve_time_optimal(plant, move, force_limit=limit)
+    reached = grid_target(plant, move, t_f=optimum.t_f, force_limit=limit)
+    # A force constant on cells is admissible, so it cannot do better, and nearly as well.
+    assert reached <= 1.0 + 1e-7
+    assert reached >= 1.0 - 1e-2
+    assert grid_target(plant, move, t_f=1.03 * optimum.t_f, force_limit=limit) > 1.0
+
+
+def grid_target(plant: Plant, move: Move, *, t_f: float, force_limit: float) -> float:
+    """Largest share of the target that a force constant on 400 cells reaches at rest."""
+    cells, n = 400, plant.order
+    joint = np.zeros((n + 1, n + 1))
+    joint[:n, :n], joint[:n, n] = plant.A, plant.B
+    transition = expm(joint * (t_f / cells))
+    columns = [transition[:n, n]]
+    for _ in range(cells - 1):
+        columns.append(transition[:n, :n] @ columns[-1])
+    reach = np.column_stack(columns[::-1]) * force_limit
+    if isinstance(move, VelocityStep):
+        goal, target = plant.velocity, move.velocity_step
+    else:
+        goal, target = plant.position, move.distance
+    free = {goal, plant.position}
+    rest = [i for i in range(n) if i not in free]
+    scaled = reach[rest] / np.abs(reach[rest]).max(axis=1, keepdims=True)
+    result = linprog(
+        -reach[goal] / target, A_eq=scaled, b_eq=np.zeros(len(rest)), bounds=(-1.0, 1.0)
+    )
+    return float(-result.fun)
+
+
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
+@pytest.mark.parametrize("n_modes", range(1, 9))
+@pytest.mark.parametrize("seed", range(4))
+def test_random_machines_are_certified(seed: int, n_modes: int, move: Move) -> None:
+    machine = random_modal_machine(seed, n_modes=n_modes)
+    plant = build_plant(machine)
+    force = machine.drive.max_force * 10.0 ** (seed - 1)
+    optimum = solve_time_optimal(plant, move, force_limit=force)
+    certificate = optimum.certificate
+    assert 0.0 <= certificate.relative_gap < 1e-9
+    assert certificate.switching_law_holds
+    assert relative_error(plant, optimum) < 1e-9
+    assert all(one.t_end == two.t_start for one, two in pairwise(optimum.arcs))
+    assert certificate.terminal_jacobian_rank in (
+        -1,
+        2 * n_modes + 2 + isinstance(move, Positioning),
+    )
+
+
+def test_slow_step_of_an_undamped_axis_needs_hundreds_of_switches() -> None:
+    plant = modal_plant((40.0, 0.0), (70.0, 0.0))
+    optimum = solve_time_optimal(plant, VelocityStep(velocity_step=1.0), force_limit=20.0)
+    assert len(optimum.switching_times) > 200
+    assert optimum.certificate.relative_gap < 1e-9
+    assert optimum.certificate.switching_law_holds
+    assert relative_error(plant, optimum) < 1e-9
+
+
+def test_nearly_equal_modes_are_certified() -> None:
+    plant = modal_plant((40.0, 0.02), (40.004, 0.02))
+    optimum = solve_time_optimal(plant, STEP, force_limit=500.0)
+    assert optimum.certificate.relative_gap < 1e-9
+    assert relative_error(plant, optimum) < 1e-9
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(
+    force=st.floats(min_value=200.0, max_value=2e4),
+    more=st.floats(min_value=1e-6, max_value=1.0),
+    move=st.sampled_from([STEP, Positioning(distance=0.01)]),
+)
+def test_more_force_never_needs_more_time(force: float, more: float, move: Move) -> None:
+    slow = solve_time_optimal(PAPER, move, force_limit=force)
+    fast = solve_time_optimal(PAPER, move, force_limit=force * (1.0 + more))
+    assert fast.t_f < slow.t_f
+
+
+def test_only_target_against_force_matters() -> None:
+    one = solve_time_optimal(PAPER, STEP, force_limit=2e3)
+    two = solve_time_optimal(PAPER, VelocityStep(velocity_step=0.3), force_limit=6e3)
+    assert two.t_f == pytest.approx(one.t_f, rel=1e-13)
+    assert two.peaks == pytest.approx(3.0 * one.peaks, rel=1e-11)
+
+
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.01)])
+def test_slower_axis_needs_proportionally_longer(move: Move) -> None:
+    # τ -> s τ with poles p / s: ∫ ψ grows by s for a step and by s² for positioning.
+    s = 3.0
+    fast = modal_plant((40.0, 0.03), (75.0, 0.01), force_lag=2e-3)
+    slow = modal_plant((40.0 / s, 0.03), (75.0 / s, 0.01), force_lag=2e-3 * s)
+    growth = s if isinstance(move, VelocityStep) else s**2
+    one = solve_time_optimal(fast, move, force_limit=900.0)
+    two = solve_time_optimal(slow, move, force_limit=900.0 / growth)
+    assert two.t_f == pytest.approx(s * one.t_f, rel=1e-12)
+
+
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
+def test_peaks_are_those_of_a_dense_sample(move: Move) -> None:
+    optimum = solve_time_optimal(PAPER, move, force_limit=2e3)
+    samples = sample_trajectory(PAPER, optimum.arcs, step=2e-5)
+    signals = np.column_stack([samples.states, samples.states @ PAPER.C.T])
+    sampled = np.abs(signals).max(axis=0)
+    assert np.all(sampled <= optimum.peaks * (1.0 + 1e-11))
+    assert np.all(sampled >= optimum.peaks * (1.0 - 2e-5))
+
+
+def test_moment_rows_give_the_moment_functions() -> None:
+    for move in (STEP, Positioning(distance=0.1)):
+        problem = moment_problem(PAPER, move)
+        rows = moment_rows(PAPER, problem)
+        for tau in (0.0, 1e-3, 2e-2):
+            expected = np.append(problem.values(np.array([tau]))[0], tau**problem.degree)
+            found = rows @ expm(PAPER.A * tau) @ PAPER.B
+            assert found == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("force", [0.0, -5.0, float("nan")])
+def test_no_force_is_a_named_outcome(force: float) -> None:
+    with pytest.raises(ComputationError) as caught:
+        solve_time_optimal(PAPER, STEP, force_limit=force)
+    assert caught.value.outcome is Outcome.NO_FORCE_LEFT
+
+
+def test_static_load_acts_through_the_force_left() -> None:
+    machine = paper_machine()
+    loaded = replace(machine, drive=replace(machine.drive, static_load=-500.0))
+    optimum = solve_time_optimal(build_plant(loaded), STEP, force_limit=loaded.drive.motion_force)
+    assert optimum.force_limit == 1500.0
+    assert optimum.t_f == pytest.approx(
+        solve_time_optimal(PAPER, STEP, force_limit=1500.0).t_f, rel=1e-13
+    )
