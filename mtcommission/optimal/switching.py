@@ -76,7 +76,7 @@ def graded_nodes(problem: MomentProblem, horizon: float, *, radians: float) -> A
     """
     magnitude = np.abs(problem.rates)
     with np.errstate(divide="ignore"):
-        life = np.minimum(DECAY / -problem.rates.real, horizon)
+        life = np.minimum(DECAY / np.abs(problem.rates.real), horizon)
     edges = [0.0, *sorted({float(end) for end in life if end < horizon}), horizon]
     pieces = []
     for start, end in pairwise(edges):
