@@ -1,0 +1,205 @@
+"""Command line: argv -> files, texts and exit codes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission import cli
+
+PROFILES = Path(__file__).parent.parent / "profiles"
+PAPER = PROFILES / "milling-manipulator.toml"
+
+Result = tuple[int, str, str]
+Run = Callable[..., Result]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run one command in this process; returns exit code, output and error output."""
+
+    def call(*arguments: str | Path) -> Result:
+        monkeypatch.setattr(sys, "argv", ["mtcommission", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stopped:
+            cli.main()
+        captured = capsys.readouterr()
+        assert "Traceback" not in captured.err + captured.out
+        return int(stopped.value.code or 0), captured.out, captured.err
+
+    return call
+
+
+def test_help_answers_without_the_heavy_libraries() -> None:
+    """Users would wait seconds for --help if a solver were imported on top."""
+    code = (
+        "import sys\nfrom mtcommission import cli\nsys.argv=['mtcommission','--help']\n"
+        "try:\n    cli.main()\nexcept SystemExit:\n    pass\n"
+        "heavy={'numpy','scipy','casadi','control','ruckig','matplotlib','pydantic','typst'}\n"
+        "sys.exit(', '.join(sorted(heavy & set(sys.modules))) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    for command in ("run", "check", "optimal", "limits", "simulate", "sheet"):
+        assert command in done.stdout
+
+
+def test_optimal_json_is_exact_when_somebody_else_integrates_it(run: Run) -> None:
+    """The printed arcs must end at 0.1 m/s and at rest to 1e-9 of each state's peak."""
+    from scipy.linalg import expm
+
+    code, out, _ = run("optimal", PAPER, "--kind", "time", "--json", "-")
+    assert code == 0
+    found = json.loads(out)
+    m_b, m_s, J, r = 450.0, 750.0, 40.0, 0.25
+    k_b, d_b, k, d, T = 4.441e7, 8500.0, 8.2e6, 1800.0, 2.5e-3
+    A = np.zeros((7, 7))
+    A[0, 3] = A[1, 4] = A[2, 5] = 1.0
+    A[3, [0, 3, 6]] = -k_b / m_b, -d_b / m_b, -1.0 / m_b
+    A[4, 6] = 1.0 / m_s
+    A[5, [2, 5, 6]] = -k / J, -d / J, r / J
+    A[6, 6] = -1.0 / T
+    joint = np.zeros((8, 8))
+    joint[:7, :7], joint[6, 7] = A, 1.0 / T
+    z = np.zeros(8)
+    for arc in found["arcs"]:
+        z[7] = {"+F_max": 2e3, "-F_max": -2e3}[arc["control"]]
+        z = expm(joint * (arc["t_end"] - arc["t_start"])) @ z
+    peaks = np.array([found["peaks"][s] for s in ("x_b", "x_s", "phi", "v_b", "v_s", "v_phi", "F")])
+    target = np.array([0.0, z[1], 0.0, 0.0, 0.1, 0.0, 0.0])
+    assert np.all(np.abs(z[:7] - target) <= 1e-9 * peaks)
+    # Eq. (12) of the paper, right to its own discretisation (up to 6.3e-5 s).
+    paper = [0.009337, 0.009668, 0.036552, 0.037653, 0.041942, 0.043505]
+    assert np.allclose([*found["switching_times"], found["t_f"]], paper, atol=6.5e-5)
+    assert found["certificate"]["switching_law_holds"]
+    assert 0.0 <= found["certificate"]["relative_gap"] < 1e-9
+    assert found["certificate"]["terminal_jacobian_rank"] == 6
+
+
+def test_damping_optimal_of_the_paper(run: Run, tmp_path: Path) -> None:
+    """Sec. 6 prints 0.008916 rad/s for max |v_phi| (there misprinted as phi)."""
+    csv = tmp_path / "motion.csv"
+    code, out, _ = run(
+        "optimal", PAPER, "--kind", "damping", "--t-f", "0.0522", "--json", "-", "--csv", csv
+    )
+    found = json.loads(out)
+    assert code == 0
+    assert found["peaks"]["v_phi"] == pytest.approx(0.008916, abs=5e-5)
+    table = np.genfromtxt(csv, delimiter=",", names=True)
+    assert np.max(np.abs(table["v_phi"])) == pytest.approx(found["peaks"]["v_phi"], rel=1e-4)
+    assert table["t"][-1] == 0.0522
+
+
+def test_too_short_final_time_is_refused_with_the_least_one(run: Run) -> None:
+    code, _, err = run("optimal", PAPER, "--kind", "damping", "--t-f", "40ms")
+    assert code == 3
+    assert "t_f,min = 43.52" in err
+
+
+def test_options_report_all_faults_at_once(run: Run) -> None:
+    code, _, err = run(
+        "optimal", PAPER, "--kind", "fast", "--limit", "v_phy=1", "--distance", "-2 mm"
+    )
+    assert code == 2
+    assert "--kind: got 'fast'" in err
+    assert "did you mean v_phi" in err
+    assert "--distance: got -2 mm" in err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--f-max", "0"], "must be > 0 N"),
+        (["--f-max", "2 mm"], "--f-max"),
+        (["--f-max", "nan"], "--f-max"),
+        (["--f-max", "lots"], "--f-max"),
+    ],
+)
+def test_bad_force_writes_nothing(run: Run, tmp_path: Path, options: list[str], words: str) -> None:
+    code, _, err = run("run", PAPER, "-o", tmp_path / "out", *options)
+    assert code == 2
+    assert words in err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"\x00\xff\x00", b"schema = 1\n[machine", b'schema = 1\nplanet = "mars"\n']
+)
+def test_bad_profile_writes_nothing(run: Run, tmp_path: Path, content: bytes) -> None:
+    profile = tmp_path / "bad.toml"
+    profile.write_bytes(content)
+    for command in (["run", profile, "-o", tmp_path / "out"], ["check", profile]):
+        code, out, err = run(*command)
+        assert code == 2
+        assert "bad.toml" in err
+        assert out == ""
+    assert not (tmp_path / "out").exists()
+
+
+def test_directory_and_missing_file_are_named(run: Run, tmp_path: Path) -> None:
+    assert run("check", tmp_path)[0] == 2
+    assert run("check", tmp_path / "none.toml")[0] == 2
+    code, _, err = run("sheet", tmp_path / "none.json", "-o", tmp_path)
+    assert code == 2
+    assert "not a record" in err
+
+
+def test_check_shows_modes_and_rigid_limits(run: Run) -> None:
+    code, out, _ = run("check", PAPER)
+    assert code == 0
+    assert "72.06" in out
+    assert "2.667" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_schema_is_json(run: Run) -> None:
+    code, out, _ = run("check", "--schema")
+    assert code == 0
+    assert "properties" in json.loads(out)
+
+
+def test_run_writes_everything_and_the_sheet_prints_again(run: Run, tmp_path: Path) -> None:
+    """A sheet printed from the record alone must equal the one of the run."""
+    first, second = tmp_path / "first", tmp_path / "second"
+    code, out, _ = run("run", PAPER, "-o", first)
+    assert code == 0
+    names = {"record.json", "sheet.html", "sheet.pdf", "setpoint.csv"}
+    assert {file.name for file in first.iterdir()} == names
+    assert max(map(len, out.split("written:")[0].splitlines())) <= 80
+    assert run("sheet", first / "record.json", "-o", second)[0] == 0
+    for name in ("sheet.html", "sheet.pdf"):
+        assert (first / name).read_bytes() == (second / name).read_bytes()
+
+
+def test_simulate_and_limits_agree_with_each_other(run: Run) -> None:
+    """The limits that are recommended must do in `simulate` what `limits` says."""
+    code, out, _ = run("limits", PAPER, "--json", "-")
+    assert code == 0
+    best = json.loads(out)["recommended"]
+    code, out, _ = run(
+        "simulate",
+        PAPER,
+        "--acceleration",
+        repr(best["acceleration"]),
+        "--jerk",
+        repr(best["jerk"]),
+        "--json",
+        "-",
+    )
+    found = json.loads(out)
+    assert code == 0
+    assert found["response"]["settling_time"] == pytest.approx(best["settling_time"], rel=1e-9)
+    assert found["assessment"]["met"]
+
+
+def test_simulate_says_when_requirements_are_missed(run: Run) -> None:
+    """Full force and no jerk limit saturate the drive and leave the band: exit code 1."""
+    code, out, _ = run("simulate", PAPER, "--acceleration", "2.66", "--jerk", "1e5 m/s^3")
+    assert code == 1
+    assert "saturated" in out
+    assert "NOT MET" in out

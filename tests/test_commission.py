@@ -1,0 +1,111 @@
+"""The whole chain on every shipped profile, and the record as an outsider would check it."""
+
+from __future__ import annotations
+
+import json
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission.commission import Commissioning, commission
+from mtcommission.profile import read_profile
+from mtcommission.record.build import build_record
+from mtcommission.record.files import dump_json, load_record
+from mtcommission.record.schema import Profile, Record
+
+PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
+
+
+@pytest.fixture(scope="module", params=PROFILES, ids=lambda path: path.stem)
+def found(request: pytest.FixtureRequest) -> Commissioning:
+    return commission(read_profile(request.param))
+
+
+@pytest.fixture(scope="module")
+def record(found: Commissioning) -> Record:
+    made = build_record(
+        found,
+        profile=Profile(name="p.toml", sha256="0" * 64, text=""),
+        created="2026-01-01T00:00:00+00:00",
+        warnings=[],
+    )
+    return json.loads(dump_json(made))  # type: ignore[no-any-return]
+
+
+def test_every_shipped_profile_meets_its_requirements(found: Commissioning) -> None:
+    """A shipped example that fails would teach users that a red verdict is normal."""
+    assert found.assessment.is_met, found.assessment.checks
+
+
+def test_optima_are_certified_and_faster_than_the_recommendation(found: Commissioning) -> None:
+    """Exact rest in the least time: no setpoint through a loop can be ahead of it by much."""
+    for optima, result in zip(found.optima, found.moves, strict=True):
+        assert optima.time.certificate.relative_gap < 1e-6
+        assert optima.time.t_f < result.responses[0].settling_time
+
+
+def test_record_simulated_again_by_an_outsider(record: Record) -> None:
+    """Closed-loop matrices and Ruckig's segments alone must give what the record claims."""
+    loop = record["loop"]["closed_loop"]
+    A, B, C, D = (np.array(loop[key]) for key in ("A", "B", "C", "D"))  # type: ignore[literal-required]
+    tau, dt, cycle = record["loop"]["reference_delay"], loop["dt"], record["loop"]["velocity_cycle"]
+    band = next(item for item in record["data"] if item["key"].endswith("tcp_deviation"))["value"]
+    assert isinstance(band, float)
+    tool = [i for i, name in enumerate(loop["outputs"]) if name.startswith("tcp[")]
+    force = [i for i, name in enumerate(loop["outputs"]) if name.startswith("force[")]
+    for entry in record["moves"]:
+        claimed, t_e = entry["response"], entry["setpoint"]["duration"]
+        segments = entry["setpoint"]["segments"]
+        count = ceil((t_e + tau + 1.5) / dt)
+        X, tcp, set_force = np.zeros(len(A)), [], []
+        for k in range(count):
+            r = _state_of(segments, k * dt)
+            Y = C @ X + D @ r
+            tcp.append(Y[tool])
+            set_force.append(Y[force])
+            X = A @ X + B @ r
+        position = np.concatenate(tcp)
+        t = np.arange(position.size) * cycle
+        reference = np.array([_state_of(segments, moment - tau)[0] for moment in t])
+        e = np.abs(position - reference)
+        residual = float(np.max(e[t >= t_e + tau - 1e-12]))
+        outside = np.flatnonzero(e > band)
+        settling = max(t_e + tau, t[outside[-1]] if outside.size else 0.0)
+        assert residual == pytest.approx(claimed["residual_deviation"], rel=1e-2)
+        assert settling == pytest.approx(claimed["settling_time"], rel=1e-2)
+        assert np.max(np.abs(set_force)) == pytest.approx(claimed["max_force"], rel=1e-2)
+
+
+def _state_of(segments: list, t: float) -> np.ndarray:  # type: ignore[type-arg]
+    """x, v, a, j of a jerk-limited motion, written without the package's code."""
+    x = v = a = j = 0.0
+    if t < 0.0:
+        return np.zeros(4)
+    for segment in segments:
+        j = segment["jerk"]
+        h = min(segment["duration"], t)
+        x += v * h + a * h**2 / 2 + j * h**3 / 6
+        v += a * h + j * h**2 / 2
+        a += j * h
+        t -= h
+        if t <= 1e-9 and h < segment["duration"] - 1e-9:
+            return np.array([x, v, a, j])
+    return np.array([x + v * t, v, 0.0, 0.0])
+
+
+def test_record_survives_its_file(record: Record, tmp_path: Path) -> None:
+    path = tmp_path / "record.json"
+    path.write_text(dump_json(record), "utf-8")
+    assert load_record(path) == record
+
+
+def test_recommendation_beats_every_rule_that_meets_the_requirements(record: Record) -> None:
+    """If a rule of thumb met all requirements and were faster, nobody should use the tool."""
+    best = record["limits"]["recommended"]["settling_time"]
+    assert best is not None
+    for rule in record["limits"]["rules"]:
+        if rule["meets_requirements"]:
+            assert rule["settling_time"] is not None
+            assert rule["settling_time"] >= 0.99 * best
