@@ -36,7 +36,7 @@ def certificates(record: Record, f: Formatter) -> Section:
             caption = text.certificate_caption.format(move=title, what=name)
             tables.append(_pairs(caption, text.quantity, _certificate_rows(optimum, f), f))
     settings = [
-        (text.name(key), value if isinstance(value, str) else f.number(value))
+        (_setting_name(key), value if isinstance(value, str) else f.number(value))
         for key, value in [*record["settings"].items(), *record["limits"]["search"].items()]
     ]
     return Section(
@@ -98,6 +98,7 @@ def entry_form(record: Record, f: Formatter) -> Section:
         ),
         rows=tuple((*row, *("" for _ in heads)) for row in rows),
         strong_rows=(0, 1, 2),
+        is_form=True,
     )
     return Section(
         key="entry",
@@ -109,6 +110,11 @@ def entry_form(record: Record, f: Formatter) -> Section:
             Paragraph(text=text.disclaimer, tone=Tone.NOTE),
         ),
     )
+
+
+def _setting_name(key: str) -> str:
+    """Return e.g. "tuning: sensitivity peak" for ``tuning.sensitivity_peak``."""
+    return key.replace(".", ": ").replace("_", " ")
 
 
 def _other_unit(value: float, per: str, f: Formatter) -> str:

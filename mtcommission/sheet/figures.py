@@ -20,7 +20,7 @@ WIDTH = 6.7
 LEFT, RIGHT, TOP, EDGE, BOTTOM, GAP = 0.55, 0.1, 0.35, 0.08, 0.4, 0.2
 """Room around and between axes [inch]; fixed, since an automatic layout takes half of the time."""
 
-PANEL, SQUARE = 0.8, 2.3
+PANEL, SQUARE = 0.8, 1.9
 """Heights of a panel and of a single pair of axes [inch]."""
 
 STYLE: Any = {
@@ -138,32 +138,27 @@ def _draw_line(axes: Axes, line: Line) -> Any:
 
 def _point_plot(plot: PointPlot) -> Figure:
     # The legend names every point, two in a row, below the axes.
-    legend = 0.16 * ((len(plot.marks) + 1) // 2) + 0.1
+    legend = 0.16 * (len(plot.marks) // 2 + 1) + 0.1
     height = EDGE + SQUARE + BOTTOM + legend
     figure = Figure(figsize=(WIDTH, height))
     axes = figure.add_axes(_frame(height, bottom=BOTTOM + legend, right=RIGHT))
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.axhline(plot.border.y, **BORDER)
-    axes.annotate(
-        plot.border.label,
-        (1.0, plot.border.y),
-        xycoords=("axes fraction", "data"),
-        xytext=(-3, 2),
-        textcoords="offset points",
-        horizontalalignment="right",
-    )
     for number, mark in enumerate(plot.marks):
         symbol, color, size = SYMBOLS[mark.style]
         name = f"{number} {mark.label}" if number else mark.label
         axes.scatter([mark.x], [mark.y], marker=symbol, color=color, s=size, label=name)
         if number:
             place = (mark.x, mark.y)
-            axes.annotate(str(number), place, xytext=(4, 3), textcoords="offset points")
+            # Up and down in turn, so that neighbours keep their numbers apart.
+            beside = (4, 3) if number % 2 else (4, -9)
+            axes.annotate(str(number), place, xytext=beside, textcoords="offset points")
+    axes.axhline(plot.border.y, label=plot.border.label, **BORDER)
     axes.set_xlabel(plot.x_label)
     axes.set_ylabel(plot.y_label)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 5.0, 7.0)))
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        subdivisions = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) if high < 30.0 * low else (1.0,)
+        axis.set_major_locator(LogLocator(subs=subdivisions))
         axis.set_major_formatter(FormatStrFormatter("%.4g"))
         axis.set_minor_formatter(NullFormatter())
     figure.legend(loc="lower left", ncols=2, fontsize=6.5, borderaxespad=0.2)

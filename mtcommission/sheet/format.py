@@ -29,16 +29,19 @@ class Scale:
         One such unit in SI.
     unit
         As printed.
+    least
+        Value in this unit from which it is used.
     """
 
     size: float
     unit: str
+    least: float = 1.0
 
 
 _LADDERS: dict[str, tuple[Scale, ...]] = {
-    "m": (Scale(1.0, "m"), Scale(1e-3, "mm"), Scale(1e-6, "µm"), Scale(1e-9, "nm")),
-    "m/s": (Scale(1.0, "m/s"), Scale(1e-3, "mm/s"), Scale(1e-6, "µm/s")),
-    "m/s^2": (Scale(1.0, "m/s²"), Scale(1e-3, "mm/s²")),
+    "m": (Scale(1.0, "m", 0.5), Scale(1e-3, "mm"), Scale(1e-6, "µm", 0.1), Scale(1e-9, "nm")),
+    "m/s": (Scale(1.0, "m/s", 0.01), Scale(1e-3, "mm/s", 0.1), Scale(1e-6, "µm/s")),
+    "m/s^2": (Scale(1.0, "m/s²", 0.01), Scale(1e-3, "mm/s²")),
     "m/s^3": (Scale(1.0, "m/s³"),),
     "s": (Scale(1.0, "s"), Scale(1e-3, "ms"), Scale(1e-6, "µs")),
     "N": (Scale(1e3, "kN"), Scale(1.0, "N"), Scale(1e-3, "mN")),
@@ -55,14 +58,11 @@ _LADDERS: dict[str, tuple[Scale, ...]] = {
 
 _DEGREE, _ARCSEC = pi / 180.0, pi / 180.0 / 3600.0
 _ROTARY_LADDERS: dict[str, tuple[Scale, ...]] = {
-    "rad": (Scale(_DEGREE, "°"), Scale(_ARCSEC, "″")),
-    "rad/s": (Scale(_DEGREE, "°/s"), Scale(_ARCSEC, "″/s")),
+    "rad": (Scale(_DEGREE, "°", 0.1), Scale(_ARCSEC, "″")),
+    "rad/s": (Scale(_DEGREE, "°/s", 0.1), Scale(_ARCSEC, "″/s")),
     "rad/s^2": (Scale(_DEGREE, "°/s²"),),
     "rad/s^3": (Scale(_DEGREE, "°/s³"),),
 }
-_FILLED = {"m": 0.5, "m/s": 0.01, "m/s^2": 0.01, "rad": 1.0, "s": 1.0}
-"""Value in the unit from which a unit of the ladder is used (else 1): 0.1 m/s stays m/s."""
-_ROTARY_FILLED = {"rad": 0.1, "rad/s": 0.1}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,10 +117,9 @@ class Formatter:
             return Scale(1.0, pretty_unit(unit))
         if magnitude == 0.0:
             return min(ladder, key=lambda step: abs(log10(step.size)))
-        filled = (_ROTARY_FILLED if self.rotary else _FILLED).get(unit, 1.0)
         for step in ladder:
             # Half a digit of tolerance, so that 0.99999 ms and 1.0 ms share a unit.
-            if magnitude / step.size >= filled * (1.0 - 0.5 * 10.0**-DIGITS):
+            if magnitude / step.size >= step.least * (1.0 - 0.5 * 10.0**-DIGITS):
                 return step
         return ladder[-1]
 

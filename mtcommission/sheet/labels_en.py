@@ -117,6 +117,8 @@ class Labels:
         "settled after {settling}."
     )
     checks_caption: str = "Requirements"
+    data_source: str = "Source of the machine data: {source}"
+    warning_count: str = "Warnings: {count}, see the section on certificates and assumptions."
     check: str = "Requirement"
     found: str = "Found"
     permitted: str = "Permitted"
@@ -176,6 +178,7 @@ class Labels:
         "{most}; the chosen point is at {acceleration} and {jerk_time}."
     )
     chosen: str = "chosen"
+    hatched: str = "{caption} (hatched: not settled)"
 
     # 4 motion
     motion_heading: str = "Optimum, recommendation and response"
@@ -197,7 +200,9 @@ class Labels:
     response: str = "loop response"
     deviation: str = "TCP deviation"
     peaks_caption: str = "{move}: largest magnitudes"
-    signal: str = "Signal"
+    signal_head: str = "Signal"
+    mode_deflection: str = "Deflection of mode {mode}"
+    mode_rate: str = "Rate of mode {mode}"
     amplitudes_caption: str = "{move}: amplitudes at the tool after the setpoint ends"
     amplitude: str = "Amplitude"
     setpoint_caption: str = "{move}: segments of the setpoint"
@@ -282,6 +287,20 @@ class Labels:
         "Verified at the machine (date, name, signature)",
         "Remarks",
     )
+
+    def signal(self, key: str) -> str:
+        """Return the name of a state or output.
+
+        Examples
+        --------
+        >>> Labels().signal("v_phi"), Labels().signal("q_column")
+        ('Tower rotation rate v_φ', 'Deflection of mode column')
+        """
+        if key in self.names:
+            return self.names[key]
+        kind, _, mode = key.partition("_")
+        form = {"q": self.mode_deflection, "v": self.mode_rate}.get(kind, "")
+        return form.format(mode=mode) if form and mode else self.name(key)
 
     def name(self, key: str) -> str:
         """Return the name of a signal or of a dotted profile key.

@@ -60,8 +60,8 @@ def rules(record: Record, f: Formatter) -> Section:
     table = Table(
         caption=text.rules_caption,
         columns=(
-            Column(head=text.rule, width=2.4),
-            Column(head=text.source, width=2.4),
+            Column(head=text.rule, width=2.2),
+            Column(head=text.source, width=2.3),
             *_number_columns(f),
         ),
         rows=tuple(
@@ -105,6 +105,9 @@ def landscape(record: Record, f: Formatter) -> Section:
         acceleration=acceleration(record, f),
         jerk_time=f.quantity(recommended["jerk_time"], "s"),
     )
+    caption = text.landscape_caption
+    if known.size < values.size:
+        caption = text.hatched.format(caption=caption)
     chosen = Mark(
         label=text.chosen,
         x=recommended["jerk_time"] / t_scale.size,
@@ -113,7 +116,7 @@ def landscape(record: Record, f: Formatter) -> Section:
     )
     heat_map = HeatMap(
         key="landscape",
-        caption=text.landscape_caption,
+        caption=caption,
         alt=alt,
         x_label=f"{text.jerk_time} in {t_scale.unit}",
         y_label=f"{text.acceleration} in {a_scale.unit}",
@@ -172,8 +175,12 @@ def _comparison(record: Record, f: Formatter) -> tuple[PointPlot, ...]:
 def _number_columns(f: Formatter) -> tuple[Column, ...]:
     text = f.labels
     heads = (text.acceleration, text.jerk, text.settling_time, text.residual, text.peak_deviation)
-    columns = tuple(Column(head=head, width=1.25, is_number=True) for head in heads)
-    return (*columns, Column(head=text.meets, width=1.4))
+    # Jerks without a limit to speak of have long numbers.
+    columns = tuple(
+        Column(head=head, width=1.75 if head == text.jerk else 1.25, is_number=True)
+        for head in heads
+    )
+    return (*columns, Column(head=text.meets, width=0.8))
 
 
 def _numbers(item: LimitsEntry | Alternative | RuleResult, f: Formatter) -> tuple[str, ...]:

@@ -137,12 +137,15 @@ class Table:
         Cells, as many as columns.
     strong_rows
         Indices of rows to stress.
+    is_form
+        Whether there are cells to fill in by hand, which need room.
     """
 
     caption: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     strong_rows: tuple[int, ...] = ()
+    is_form: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

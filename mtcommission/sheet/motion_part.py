@@ -70,10 +70,11 @@ def motions(record: Record, f: Formatter) -> Section:
         title = move_title(move["move"], number, f)
         blocks.append(Subheading(text=title))
         blocks.append(Paragraph(text=reference_sentence(record, number, f)))
-        blocks.extend(_plots(record, optima, move, number, title, f))
-        blocks.append(_peaks(record, optima, move, title, f))
-        blocks.append(_amplitudes(move, title, f))
-        blocks.extend(_segments(move, title, f))
+        short = text.move.format(number=number)
+        blocks.extend(_plots(record, optima, move, number, short, f))
+        blocks.append(_peaks(record, optima, move, short, f))
+        blocks.append(_amplitudes(move, short, f))
+        blocks.extend(_segments(move, short, f))
         blocks.extend(Paragraph(text=remark, tone=Tone.NOTE) for remark in optima["remarks"])
     return Section(key="motions", heading=text.motion_heading, blocks=tuple(blocks))
 
@@ -226,12 +227,12 @@ def _panels(record: Record, optima: OptimaEntry, move: MoveEntry, f: Formatter) 
     for rate in flexible_rates(plant["states"]):
         bound = optima["constrained"]["limits"].get(rate) if optima["constrained"] else None
         borders = () if bound is None else (bound, -bound)
-        plans.append((text.name(rate), units[rate], curves(rate), borders))
+        plans.append((text.signal(rate), units[rate], curves(rate), borders))
     permitted = band(record)
     deviation = [
         Curve(label=text.response, style=RESPONSE, series=move["series"], signal="deviation")
     ]
-    plans.append((text.name("tcp_vibration"), units["tcp"], curves("tcp_vibration"), ()))
+    plans.append((text.signal("tcp_vibration"), units["tcp"], curves("tcp_vibration"), ()))
     limits = () if permitted is None else (permitted, -permitted)
     plans.append((text.deviation, units["tcp"], deviation, limits))
     return plans
@@ -273,7 +274,7 @@ def _peaks(record: Record, optima: OptimaEntry, move: MoveEntry, title: str, f: 
     named = named_optima(optima, f)
     rows = tuple(
         (
-            text.name(signal),
+            text.signal(signal),
             *(f.quantity(item["peaks"].get(signal), units[signal]) for *_, item in named),
             f.quantity(peak, units[signal]),
         )
@@ -283,7 +284,7 @@ def _peaks(record: Record, optima: OptimaEntry, move: MoveEntry, title: str, f: 
     return Table(
         caption=text.peaks_caption.format(move=title),
         columns=(
-            Column(head=text.signal, width=1.6),
+            Column(head=text.signal_head, width=1.6),
             *(Column(head=head, is_number=True) for head in heads),
         ),
         rows=rows,

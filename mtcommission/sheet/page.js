@@ -189,12 +189,13 @@ function drawPoints(svg, plot, view, key) {
   const x = scale(...view.x, LEFT, WIDTH - RIGHT, true), y = scale(...view.y, bottom, TITLE, true);
   frame(svg, x, y, key);
   const title = add(svg, "text", {x: LEFT, y: TITLE - 6}, plot.y_label);
+  add(svg, "path", {class: "border", d: `M${x.to - 24 - 7.2 * plot.border.label.length} ${TITLE - 10}h-34`});
+  add(svg, "text", {x: x.to, y: TITLE - 6, "text-anchor": "end"}, plot.border.label);
   const inside = add(svg, "g", {"clip-path": `url(#${key})`});
   add(inside, "path", {class: "border", d: `M${x.from} ${y.at(plot.border.y)}H${x.to}`});
-  add(inside, "text", {x: x.to - 6, y: y.at(plot.border.y) - 5, "text-anchor": "end"}, plot.border.label);
   plot.marks.forEach((mark, i) => {
     drawMark(inside, mark, x.at(mark.x), y.at(mark.y));
-    if (i) add(inside, "text", {x: x.at(mark.x) + 8, y: y.at(mark.y) - 5}, i);
+    if (i) add(inside, "text", {x: x.at(mark.x) + 8, y: y.at(mark.y) + (i % 2 ? -5 : 14)}, i);
     const left = LEFT + (i % 2) * (WIDTH - LEFT) / 2, down = bottom + FOOT + 18 * Math.floor(i / 2) + 8;
     drawMark(svg, mark, left, down - 4);
     add(svg, "text", {x: left + 14, y: down}, i ? `${i} ${mark.label}` : mark.label);

@@ -43,7 +43,11 @@ def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:
         key="verdict",
         heading=text.verdict_heading,
         blocks=(
+            Paragraph(
+                text=text.data_source.format(source=record["machine"]["source"]), tone=Tone.NOTE
+            ),
             headline,
+            *_warning_count(record, f),
             _result(record, f),
             Paragraph(text=reference_sentence(record, slowest_move(record), f)),
             Paragraph(text=text.reference_note, tone=Tone.NOTE),
@@ -141,6 +145,13 @@ def residual_against_band(record: Record, f: Formatter) -> str:
     return text.of_band.format(
         value=f.quantity(residual, length), percent=f.percent(residual / permitted), band=shown
     )
+
+
+def _warning_count(record: Record, f: Formatter) -> tuple[Paragraph, ...]:
+    count = len(record["warnings"])
+    if not count:
+        return ()
+    return (Paragraph(text=f.labels.warning_count.format(count=count), tone=Tone.WARNING),)
 
 
 def _result(record: Record, f: Formatter) -> Table:
