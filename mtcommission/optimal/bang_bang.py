@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mtcommission.machine import Positioning
 from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
+from mtcommission.optimal.switching import graded_nodes
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -147,13 +148,14 @@ def signal_peaks(motion: BangBangMotion) -> Array:
 
     Source: cubic Hermite interpolation, refined where its control polygon allows a peak.
     """
-    fastest = float(np.max(np.abs(motion.problem.rates)))
     lengths = np.diff(motion.starts, append=motion.t_f)
-    counts = np.maximum(np.ceil(lengths * fastest / RADIANS_PER_CELL), 1.0).astype(np.intp)
-    arc = np.repeat(np.arange(counts.size), counts)
-    index = np.arange(arc.size) - np.repeat(np.cumsum(counts) - counts, counts)
-    step = (lengths / counts)[arc]
-    start = motion.starts[arc] + index * step
+    # A fast pole matters only for a while after each switch.
+    offsets = [
+        graded_nodes(motion.problem, float(length), radians=RADIANS_PER_CELL) for length in lengths
+    ]
+    arc = np.repeat(np.arange(lengths.size), [nodes.size - 1 for nodes in offsets])
+    step = np.concatenate([np.diff(nodes) for nodes in offsets])
+    start = motion.starts[arc] + np.concatenate([nodes[:-1] for nodes in offsets])
     rows = signal_rows(motion.plant)
     largest = np.zeros(rows.shape[0])
     for parts in (*REFINEMENTS, 1):
@@ -170,9 +172,9 @@ def signal_peaks(motion: BangBangMotion) -> Array:
         if parts == 1:
             break
         keep = _may_peak(step, *values, *rates, largest=largest)
-        offsets = np.tile(np.arange(parts), int(keep.sum()))
+        index = np.tile(np.arange(parts), int(keep.sum()))
         arc, step = np.repeat(arc[keep], parts), np.repeat(step[keep] / parts, parts)
-        start = np.repeat(start[keep], parts) + offsets * step
+        start = np.repeat(start[keep], parts) + index * step
     inside = hermite_peaks(step, *values, start_rate=rates[0], end_rate=rates[1])
     return np.maximum(inside, largest)
 

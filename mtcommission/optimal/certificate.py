@@ -19,6 +19,7 @@ from mtcommission.optimal.switching import (
     ROUNDOFF,
     Mesh,
     build_mesh,
+    graded_pieces,
     rounding_bound,
     values_and_slopes,
 )
@@ -26,7 +27,7 @@ from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 
-CHECK_RADIANS = 0.25
+CHECK_RADIANS = 0.1
 """Distance of the checks of the switching law against the fastest pole (empirical)."""
 SIGN_TOLERANCE = 1e-9
 """|λ_F| against its largest value below which a sign is not judged: there the control switches."""
@@ -95,7 +96,7 @@ def certify(plant: Plant, problem: MomentProblem, claim: Claim) -> Certificate:
     force_limit = abs(claim.first_force)
     bound = prove_bound(problem, claim.multipliers, span=problem.target / force_limit)
     zeros = claim.t_f - claim.switching_times
-    _, slopes, _ = values_and_slopes(problem, claim.multipliers, zeros)
+    at_switches, slopes, _ = values_and_slopes(problem, claim.multipliers, zeros)
     factor = _adjoint_factor(problem, claim)
     values = np.linalg.svd(terminal_jacobian(problem, zeros, claim.t_f), compute_uv=False)
     square = zeros.size == problem.size
@@ -104,7 +105,7 @@ def certify(plant: Plant, problem: MomentProblem, claim: Claim) -> Certificate:
         relative_gap=(claim.t_f - bound) / claim.t_f,
         adjoint_initial=adjoint(plant, problem, claim, tau=claim.t_f),
         switching_slopes=factor * slopes,
-        switching_law_holds=_law_holds(plant, problem, claim),
+        switching_law_holds=_law_holds(plant, problem, claim, factor * at_switches),
         terminal_jacobian_rank=int(np.sum(values > RANK_TOLERANCE * values[0])) if square else -1,
         terminal_jacobian_condition=float(values[0] / values[-1]) if square else nan,
     )
@@ -212,18 +213,22 @@ def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> A
     return np.asarray(by_row / np.linalg.norm(by_row, axis=0))
 
 
-def _law_holds(plant: Plant, problem: MomentProblem, claim: Claim) -> bool:
+def _law_holds(plant: Plant, problem: MomentProblem, claim: Claim, at_switches: Array) -> bool:
     """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on the plant's A."""
-    fastest = float(np.max(np.abs(problem.rates)))
-    count = int(np.ceil(claim.t_f * fastest / CHECK_RADIANS)) + 8
-    transition = expm(plant.A * (claim.t_f / count))
-    rows = adjoint(plant, problem, claim, tau=0.0)[np.newaxis]
-    while rows.shape[0] <= count:
-        rows = np.vstack([rows, rows @ transition])
-        transition = transition @ transition
-    lambda_force = rows[: count + 1, plant.force]
-    t = claim.t_f * (1.0 - np.arange(count + 1) / count)
-    arcs = np.searchsorted(claim.switching_times, t)
+    row = adjoint(plant, problem, claim, tau=0.0)
+    tau, lambda_force = [], []
+    for piece in graded_pieces(problem, claim.t_f, radians=CHECK_RADIANS):
+        rows, transition = row[np.newaxis], expm(plant.A * piece.step)
+        while rows.shape[0] <= piece.count:
+            rows = np.vstack([rows, rows @ transition])
+            transition = transition @ transition
+        row = rows[piece.count]
+        tau.append(piece.start + piece.step * np.arange(piece.count + 1))
+        lambda_force.append(rows[: piece.count + 1, plant.force])
+    values = np.concatenate(lambda_force)
+    arcs = np.searchsorted(claim.switching_times, claim.t_f - np.concatenate(tau))
     force = claim.first_force * (-1.0) ** arcs
-    judged = np.abs(lambda_force) > SIGN_TOLERANCE * np.max(np.abs(lambda_force))
-    return bool(np.all((force * lambda_force < 0.0)[judged]))
+    judged = np.abs(values) > SIGN_TOLERANCE * np.max(np.abs(values))
+    largest = np.max(np.abs(values)) / plant.force_lag
+    vanishes = np.all(np.abs(at_switches) <= SIGN_TOLERANCE * largest)
+    return bool(vanishes and np.all((force * values < 0.0)[judged]))

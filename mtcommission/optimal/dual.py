@@ -119,14 +119,13 @@ def _reach(
     problem: MomentProblem, multipliers: Array, start: float, end: float, missing: float
 ) -> float:
     """Return τ in [start, end] with ∫_start^τ |σ| = missing; σ keeps its sign there."""
-    low, high = start, end
-    base = _primitive(problem, multipliers, start)
-    tau = end
+    base, _ = problem.combination(multipliers, start)
+    low, high, tau = start, end, end
     for _ in range(100):
-        sigma = abs(float(_sigma(problem, multipliers, tau)))
-        excess = abs(_primitive(problem, multipliers, tau) - base) - missing
+        primitive, sigma = problem.combination(multipliers, tau)
+        excess = abs(primitive - base) - missing
         low, high = (low, tau) if excess > 0.0 else (tau, high)
-        newton = tau - excess / sigma if sigma > 0.0 else low
+        newton = tau - excess / abs(sigma) if sigma else low
         proposal = newton if low < newton < high else 0.5 * (low + high)
         if abs(proposal - tau) <= 2e-16 * tau:
             return proposal
@@ -134,19 +133,9 @@ def _reach(
     return tau
 
 
-def _primitive(problem: MomentProblem, multipliers: Array, tau: float) -> float:
-    at = np.array([tau])
-    return float((problem.target_integrals(at) - problem.integrals(at) @ multipliers)[0])
-
-
-def _sigma(problem: MomentProblem, multipliers: Array, tau: float) -> float:
-    at = np.array([tau])
-    return float((problem.target_values(at) - problem.values(at) @ multipliers)[0])
-
-
 def _dual_point(mesh: Mesh, multipliers: Array, zeros: Array, bound: float) -> DualPoint:
     problem = mesh.problem
-    end_value = _sigma(problem, multipliers, bound)
+    _, end_value = problem.combination(multipliers, bound)
     last_sign = 1.0 if end_value >= 0.0 else -1.0
     signs = last_sign * (-1.0) ** np.arange(zeros.size, -1, -1)
     integrals = problem.integrals(np.append(zeros, bound))

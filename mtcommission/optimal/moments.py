@@ -14,6 +14,7 @@ overflows, however long the move.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, expm1, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +73,25 @@ class MomentProblem:
     def integrals(self, tau: Array) -> Array:
         """Return ∫_0^τ φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
         return self._real(np.expm1(tau[:, np.newaxis] * self.rates) / self.rates, tau)
+
+    def combination(self, multipliers: Array, tau: float) -> tuple[float, float]:
+        """Return ∫_0^τ σ and σ at one τ, σ = ψ - Σ c_i φ_i; scalar, since it sits in root searches.
+
+        The real exponentials of ``values`` and ``integrals``, without the cost of short arrays.
+        """
+        constant = self.constant(multipliers)
+        value = (tau if self.degree else 1.0) - constant
+        primitive = (0.5 * tau * tau if self.degree else tau) - constant * tau
+        c = multipliers.tolist()
+        for i, p in enumerate(self.rates.tolist()):
+            real, imaginary = c[2 * i], (c[2 * i + 1] if p.imag else 0.0)
+            growth, turn = expm1(p.real * tau), p.imag * tau
+            half = sin(0.5 * turn)
+            less_one = complex(growth * cos(turn) - 2.0 * half * half, (growth + 1.0) * sin(turn))
+            integral = less_one / p
+            value -= real * (less_one.real + 1.0) + imaginary * less_one.imag
+            primitive -= real * integral.real + imaginary * integral.imag
+        return primitive, value
 
     def target_values(self, tau: Array) -> Array:
         """Return ψ(τ)."""

@@ -58,6 +58,25 @@ class Mesh:
         return float(self.nodes[-1])
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UniformPiece:
+    """Equal cells one after the other.
+
+    Parameters
+    ----------
+    start
+        First node [s].
+    step
+        Length of a cell [s].
+    count
+        Number of cells.
+    """
+
+    start: float
+    step: float
+    count: int
+
+
 def graded_nodes(problem: MomentProblem, horizon: float, *, radians: float) -> Array:
     """Return nodes on [0, horizon] whose spacing follows the fastest pole still alive.
 
@@ -74,6 +93,15 @@ def graded_nodes(problem: MomentProblem, horizon: float, *, radians: float) -> A
     -------
     ndarray, shape (n_nodes,)
     """
+    pieces = graded_pieces(problem, horizon, radians=radians)
+    nodes = [piece.start + piece.step * np.arange(piece.count) for piece in pieces]
+    return np.concatenate([*nodes, [horizon]])
+
+
+def graded_pieces(
+    problem: MomentProblem, horizon: float, *, radians: float
+) -> tuple[UniformPiece, ...]:
+    """Return the pieces of ``graded_nodes``, each with equal cells."""
     magnitude = np.abs(problem.rates)
     with np.errstate(divide="ignore"):
         life = np.minimum(DECAY / np.abs(problem.rates.real), horizon)
@@ -83,8 +111,8 @@ def graded_nodes(problem: MomentProblem, horizon: float, *, radians: float) -> A
         alive = magnitude[life > start]
         fastest = float(alive.max()) if alive.size else 0.0
         count = max(4, int(np.ceil((end - start) * fastest / radians)))
-        pieces.append(start + (end - start) / count * np.arange(count))
-    return np.concatenate([*pieces, [horizon]])
+        pieces.append(UniformPiece(start=start, step=(end - start) / count, count=count))
+    return tuple(pieces)
 
 
 def build_mesh(problem: MomentProblem, horizon: float) -> Mesh:
