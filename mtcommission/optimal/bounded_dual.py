@@ -1,0 +1,378 @@
+"""Multipliers of the bounded problem, and the bound on t_f that they prove.
+
+Let the remaining time be τ = t_f - t. Choose any row Λ for the terminal state and any signed
+measure μ_k for each bound; with the impulse response g of the state,
+
+    σ(τ) = Λ g(τ) - Σ_k ∫ c_k g(τ - τ') dμ_k(τ')
+
+every admissible motion that reaches the target x_f at t_f obeys
+
+    Λ x_f = ∫ σ F_set dτ + Σ_k ∫ c_k x dμ_k <= F ∫ |σ| dτ + Σ_k |μ_k|.
+
+Whatever Λ and μ are: where the right side is smaller, t_f is too short. The best choice makes
+both sides equal; then σ switches the force and μ lives where a bound is touched: atoms at touch
+points and ends of boundary arcs, a density along the arcs, where σ = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from mtcommission.optimal.bounded_problem import (
+    BoundedProblem,
+    impulse_response,
+    step_response,
+    transition,
+)
+
+Array = NDArray[np.float64]
+
+CELLS_PER_RADIAN = 4
+"""First cells of the integral of |σ|; cells that may hide a zero are halved."""
+
+HALVINGS = 14
+BISECTIONS = 36
+"""A zero off by δ costs σ' δ² of the integral: far below rounding."""
+
+ROUNDING = 1e-13
+"""Allowance for rounding, relative to the sum of the magnitudes of all terms: some hundred
+operations of 1.1e-16 each."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Atom:
+    """A point mass of the measure of one bound.
+
+    Parameters
+    ----------
+    remaining
+        Where, as remaining time [s].
+    limit
+        Index of the bound.
+    weight
+        Signed mass; positive where c x = +1 is held.
+    """
+
+    remaining: float
+    limit: int
+    weight: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Core:
+    """An interval on which a bound is held and σ = 0.
+
+    Parameters
+    ----------
+    start, end
+        Remaining times, start > end [s].
+    limit
+        Index of the bound.
+    side
+        +1 or -1.
+    """
+
+    start: float
+    end: float
+    limit: int
+    side: int
+
+    def holds(self, remaining: float) -> bool:
+        """Return whether a remaining time lies inside."""
+        return self.end < remaining < self.start
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Measure:
+    """A dual point.
+
+    Parameters
+    ----------
+    t_f
+        Horizon [s].
+    terminal
+        Λ, shape (n,).
+    atoms
+        Point masses.
+    cores
+        Intervals where the measure has the density that keeps σ = 0.
+    """
+
+    t_f: float
+    terminal: Array
+    atoms: tuple[Atom, ...]
+    cores: tuple[Core, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stretch:
+    """A piece of the adjoint without jumps.
+
+    Parameters
+    ----------
+    start, end
+        Remaining times, start > end [s].
+    adjoint
+        Λ at its end, shape (n,).
+    limit
+        Index of the bound held on it; -1 off the cores.
+    """
+
+    start: float
+    end: float
+    adjoint: Array
+    limit: int
+
+    @property
+    def length(self) -> float:
+        """Duration [s]."""
+        return self.start - self.end
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Integral:
+    """An upper bound of an integral of |σ|.
+
+    Parameters
+    ----------
+    value
+        The integral [s/kg and the like: the unit of Λ g times s].
+    allowance
+        Included for zeros that could not be excluded.
+    zeros
+        Remaining times where σ changes sign, ascending, shape (n_zeros,) [s].
+    """
+
+    value: float
+    allowance: float
+    zeros: Array
+
+
+def stretches(problem: BoundedProblem, measure: Measure) -> tuple[Stretch, ...]:
+    """Return the adjoint, stretch by stretch in order of time.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    measure
+        Dual point; atoms inside a core are not allowed, at its ends they are.
+
+    Returns
+    -------
+    tuple of Stretch
+
+    Source: docs/optimal-control-bounds.md, section 3.
+    """
+    done: list[Stretch] = []
+    end, adjoint = 0.0, measure.terminal
+    for stop, core, jump in _events(problem, measure):
+        if stop > end:
+            limit = -1 if core is None else core.limit
+            done.append(Stretch(start=stop, end=end, adjoint=adjoint, limit=limit))
+            adjoint = adjoint_before(problem, done[-1])
+            end = stop
+        adjoint = adjoint - jump
+    return tuple(reversed(done))
+
+
+def _events(problem: BoundedProblem, measure: Measure) -> list[tuple[float, Core | None, Array]]:
+    """Return (end of a stretch, core that covers it, jump there), by remaining time."""
+    still = np.zeros(problem.plant.order)
+    events: list[tuple[float, int, Core | None, Array]] = [(measure.t_f, 2, None, still)]
+    for core in measure.cores:
+        events += [(core.end, 1, None, still), (core.start, -1, core, still)]
+    for atom in measure.atoms:
+        # At the late end of a core the atom acts before the core, at its early end after it.
+        jump = atom.weight * problem.limits[atom.limit].row
+        events.append((atom.remaining, 0, None, jump))
+    ordered = sorted(events, key=lambda event: (event[0], event[1]))
+    return [(stop, core, jump) for stop, _, core, jump in ordered]
+
+
+def adjoint_before(problem: BoundedProblem, stretch: Stretch) -> Array:
+    """Return Λ at the start of a stretch, shape (n,)."""
+    if stretch.limit < 0:
+        flow: Array = transition(problem.plant, np.array(stretch.length))
+    else:
+        flow = expm(problem.limits[stretch.limit].adjoint_flow * stretch.length)
+    return np.asarray(stretch.adjoint @ flow)
+
+
+def dual_value(
+    problem: BoundedProblem, parts: tuple[Stretch, ...], atoms: tuple[Atom, ...]
+) -> Integral:
+    """Return an upper bound of F ∫|σ| + Σ|μ|, with the zeros of σ off the cores.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    parts
+        Stretches of the adjoint.
+    atoms
+        Point masses.
+
+    Returns
+    -------
+    Integral
+
+    Source: weak duality; zeros isolated by the largest possible |σ''| in each cell.
+    """
+    shares = [_share(problem, part) for part in parts]
+    value = sum(share.value for share in shares) + sum(abs(atom.weight) for atom in atoms)
+    return Integral(
+        value=value + ROUNDING * (value + problem.force_limit * _envelope(problem, parts)),
+        allowance=sum(share.allowance for share in shares),
+        zeros=np.sort(np.concatenate([share.zeros for share in shares])),
+    )
+
+
+def _share(problem: BoundedProblem, part: Stretch) -> Integral:
+    if part.limit >= 0:
+        return _density(problem, part)
+    found, F = _bang(problem, part), problem.force_limit
+    return Integral(value=F * found.value, allowance=F * found.allowance, zeros=found.zeros)
+
+
+def _envelope(problem: BoundedProblem, parts: tuple[Stretch, ...]) -> float:
+    """Return ∫ of the summed magnitudes of the terms of σ, for the rounding."""
+    ends = np.array([part.adjoint for part in parts])
+    return float(sum(_terms(problem, ends).sum(axis=1) * [part.length for part in parts]))
+
+
+def _terms(problem: BoundedProblem, adjoint: Array) -> Array:
+    """Return the largest magnitude of each exponential in σ; shape (..., n_modes + 2)."""
+    plant = problem.plant
+    lag, m = -1.0 / plant.force_lag, plant.moving_mass
+    rigid = np.abs(adjoint[..., plant.velocity]) / m
+    rigid = rigid + np.abs(adjoint[..., plant.position]) * plant.force_lag / m
+    force = np.abs(adjoint[..., plant.force]) * -lag + 2.0 * rigid
+    columns = []
+    for mode in plant.modes:
+        p = mode.pole
+        to_pole = 2.0 * mode.scale * -lag / ((p - p.conjugate()) * (p - lag))
+        to_lag = mode.scale / (lag**2 - 2.0 * p.real * lag + abs(p) ** 2)
+        d, v = adjoint[..., mode.deflection], adjoint[..., mode.rate]
+        columns.append(np.abs(to_pole * (d + p * v)))
+        force = force + np.abs(lag * to_lag * (d + lag * v))
+    return np.stack([*columns, force, rigid], axis=-1)
+
+
+def _bang(problem: BoundedProblem, part: Stretch) -> Integral:
+    """Return ∫|σ| over a stretch off the cores, from exact primitives between its zeros."""
+    plant, adjoint = problem.plant, part.adjoint
+    rates = np.array([abs(mode.pole) for mode in plant.modes] + [1.0 / plant.force_lag, 0.0])
+    bend = float(_terms(problem, adjoint) @ rates**2)
+    count = int(np.ceil(part.length * problem.rate * CELLS_PER_RADIAN)) + 1
+    edges = np.linspace(0.0, part.length, count + 1)
+    for _ in range(HALVINGS):
+        unsure = _may_hide_zeros(problem, adjoint, edges, bend)
+        if not unsure.any():
+            break
+        middles = 0.5 * (edges[:-1] + edges[1:])[unsure]
+        edges = np.sort(np.concatenate([edges, middles]))
+    unsure = _may_hide_zeros(problem, adjoint, edges, bend)
+    widths = np.diff(edges)[unsure]
+    allowance = float(np.sum(bend * widths**3) / 4.0)
+    zeros = _sign_changes(problem, adjoint, edges)
+    primitive = step_response(plant, np.concatenate([[0.0], zeros, [part.length]])) @ adjoint
+    value = float(np.abs(np.diff(primitive)).sum())
+    return Integral(value=value + allowance, allowance=allowance, zeros=part.end + zeros)
+
+
+def _sigma(problem: BoundedProblem, adjoint: Array, tau: Array) -> Array:
+    return np.asarray(impulse_response(problem.plant, tau) @ adjoint)
+
+
+def _may_hide_zeros(
+    problem: BoundedProblem, adjoint: Array, edges: Array, bend: float
+) -> NDArray[np.bool_]:
+    """Return which cells may hold zeros that the signs at their ends do not show."""
+    response = impulse_response(problem.plant, edges)
+    sigma, slope = response @ adjoint, response @ (adjoint @ problem.plant.A)
+    widths = np.diff(edges)
+    left, right = sigma[:-1], sigma[1:]
+    monotone = np.maximum(np.abs(slope[:-1]), np.abs(slope[1:])) >= bend * widths
+    # Between its ends σ deviates from the chord by at most bend widths² / 8.
+    clear = np.minimum(np.abs(left), np.abs(right)) >= bend * widths**2 / 8.0
+    return np.asarray(~monotone & ~(clear & (left * right > 0.0)))
+
+
+def _sign_changes(problem: BoundedProblem, adjoint: Array, edges: Array) -> Array:
+    sigma = _sigma(problem, adjoint, edges)
+    where = np.nonzero(np.sign(sigma[:-1]) * np.sign(sigma[1:]) < 0.0)[0]
+    low, high, sign = edges[where], edges[where + 1], np.sign(sigma[where])
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        same = np.sign(_sigma(problem, adjoint, middle)) == sign
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return np.asarray(0.5 * (low + high))
+
+
+def _density(problem: BoundedProblem, part: Stretch) -> Integral:
+    """Return |μ| of a core plus F ∫|σ| on it, which is a polynomial of degree r - 1."""
+    limit = problem.limits[part.limit]
+    left_over = sum(
+        abs(float(part.adjoint @ limit.force_chain[:, j]))
+        * problem.rate**j
+        * part.length ** (j + 1)
+        / factorial(j + 1)
+        for j in range(limit.order)
+    )
+    n = problem.plant.order
+    joint = np.zeros((n + 1, n + 1))
+    joint[:n, :n], joint[:n, n] = limit.adjoint_flow, limit.density_column
+    count = int(np.ceil(part.length * problem.rate * CELLS_PER_RADIAN)) + 1
+    flow = expm(joint * (part.length / count))
+    row, primitive = np.append(part.adjoint, 0.0), [0.0]
+    density = [float(part.adjoint @ limit.density_column)]
+    for _ in range(count):
+        row = row @ flow
+        primitive.append(float(row[n]))
+        density.append(float(row[:n] @ limit.density_column))
+    changes = np.abs(np.diff(np.sign(density))) == 2.0
+    # Where the density changes sign, its swing bounds what the difference of primitives hides.
+    swing = np.abs(np.diff(density))[changes].sum() * part.length / count
+    value = float(np.abs(np.diff(primitive)).sum() + 2.0 * swing)
+    return Integral(
+        value=value + problem.force_limit * left_over,
+        allowance=problem.force_limit * left_over + 2.0 * float(swing),
+        zeros=np.empty(0),
+    )
+
+
+def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
+    """Return a time before which no admissible control reaches the target.
+
+    The measure is cut off at the start until the dual value falls below Λ x_f; since waiting
+    at rest is always possible, every shorter time is excluded as well.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    measure
+        Any dual point.
+
+    Returns
+    -------
+    float
+        [s]; 0 if the measure proves nothing within its first stretch.
+    """
+    first, *rest = stretches(problem, measure)
+    claim = float(measure.terminal @ problem.target)
+    claim -= ROUNDING * float(np.abs(measure.terminal) @ np.abs(problem.target))
+    claim -= dual_value(problem, tuple(rest), measure.atoms).value if rest else 0.0
+    cut, step = 0.0, 1e-12 * measure.t_f
+    while first.limit < 0 and cut < first.length:
+        left = replace(first, start=first.start - cut)
+        if dual_value(problem, (left,), ()).value < claim:
+            return measure.t_f - cut
+        cut, step = cut + step, 2.0 * step
+    return 0.0

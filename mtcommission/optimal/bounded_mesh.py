@@ -1,0 +1,330 @@
+"""The bounded problem on an adapted mesh: a linear program close to the exact solution.
+
+Off the cores the force is constant in each cell; in a core it is the boundary control, so the
+bound holds there exactly. The program is solved in two forms:
+
+- kept: the core is entered on the bound with all its derivatives, a restriction of the problem;
+- relaxed: the state jumps onto and off the bound by any impulses of the force, a relaxation,
+  whose multipliers are a measure with a density on the core (``bounded_dual.Measure``).
+
+Their values enclose the optimum on the mesh.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.optimize import linprog
+
+from mtcommission.optimal.bounded_dual import Atom, Core, Measure
+from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+
+Array = NDArray[np.float64]
+
+FEASIBILITY = 1e-10
+"""Tolerance of the simplex method: its smallest."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contact:
+    """A point where a bound is imposed.
+
+    Parameters
+    ----------
+    remaining
+        Remaining time [s].
+    limit
+        Index of the bound.
+    side
+        +1 or -1.
+    weight
+        Multiplier, >= 0.
+    """
+
+    remaining: float
+    limit: int
+    side: int
+    weight: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Layout:
+    """Cells, cores and points of a program.
+
+    Parameters
+    ----------
+    t_f
+        [s].
+    mesh
+        Remaining times between cells, ascending, shape (n_points,) [s].
+    cores
+        In order of time.
+    contacts
+        Where bounds are imposed off the cores.
+    margin
+        Relative distance kept from the bounds.
+    """
+
+    t_f: float
+    mesh: Array
+    cores: tuple[Core, ...]
+    contacts: tuple[Contact, ...]
+    margin: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Segment:
+    """A cell or a core, with the states at its ends as affine functions of the unknowns.
+
+    Parameters
+    ----------
+    start, end
+        Remaining times [s].
+    limit
+        Index of the bound held; -1 in a cell.
+    column
+        Unknown that is the cell's force; -1 in a core.
+    first, last
+        Shapes (n, n_unknowns + 1); the last column is the constant.
+    """
+
+    start: float
+    end: float
+    limit: int
+    column: int
+    first: Array
+    last: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MeshOptimum:
+    """Solution of one program.
+
+    Parameters
+    ----------
+    layout
+        What was solved.
+    segments
+        In order of time.
+    unknowns
+        Relative force in each cell, then jumps, shape (n_unknowns,).
+    reach
+        α, the reached multiple of the target.
+    slope
+        dα/dt_f [1/s].
+    measure
+        The multipliers.
+    contacts
+        Contacts with their multipliers.
+    """
+
+    layout: Layout
+    segments: tuple[Segment, ...]
+    unknowns: Array
+    reach: float
+    slope: float
+    measure: Measure
+    contacts: tuple[Contact, ...]
+
+    def state(self, ends: Array) -> Array:
+        """Return a state from its affine map of shape (n, n_unknowns + 1)."""
+        return np.asarray(ends[:, :-1] @ self.unknowns + ends[:, -1])
+
+
+def off_cores(contacts: tuple[Contact, ...], cores: tuple[Core, ...]) -> tuple[Contact, ...]:
+    """Return the contacts that do not lie inside a core."""
+    return tuple(at for at in contacts if not any(core.holds(at.remaining) for core in cores))
+
+
+def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> MeshOptimum | None:
+    """Return the best control on a mesh, or None if the cores cannot be held.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    layout
+        Mesh, cores and contacts.
+    relaxed
+        Which of the two forms.
+
+    Returns
+    -------
+    MeshOptimum or None
+    """
+    if relaxed:
+        # An atom inside a core would end it: the relaxation leaves such a bound out.
+        layout = replace(layout, contacts=off_cores(layout.contacts, layout.cores))
+    segments = _segments(problem, layout, relaxed=relaxed)
+    size = segments[-1].last.shape[1] - 1
+    rows, rooms = _bound_rows(problem, layout, segments)
+    if not relaxed:
+        feedback_rows, feedback_rooms = _feedback_rows(problem, segments)
+        rows, rooms = np.vstack([rows, feedback_rows]), np.append(rooms, feedback_rooms)
+    equal, right = _terminal_rows(problem, segments)
+    if not relaxed:
+        held, levels = _entry_rows(problem, layout, segments)
+        equal, right = np.vstack([equal, held]), np.append(right, levels)
+    cells = sum(segment.limit < 0 for segment in segments)
+    result = linprog(
+        np.append(np.zeros(size), -1.0),
+        A_ub=np.column_stack([rows, np.zeros(rooms.size)]),
+        b_ub=rooms,
+        A_eq=equal,
+        b_eq=right,
+        bounds=[(-1.0, 1.0)] * cells + [(None, None)] * (size - cells) + [(0.0, None)],
+        method="highs",
+        options={
+            "primal_feasibility_tolerance": FEASIBILITY,
+            "dual_feasibility_tolerance": FEASIBILITY,
+        },
+    )
+    if result.status != 0 or result.x is None:
+        return None
+    weights = -result.ineqlin.marginals[: len(layout.contacts)]
+    terminal = np.zeros(problem.plant.order)
+    scale = _terminal_scale(problem, segments)
+    terminal[problem.fixed] = result.eqlin.marginals[: scale.size] * scale
+    contacts = tuple(
+        Contact(remaining=at.remaining, limit=at.limit, side=at.side, weight=float(max(w, 0.0)))
+        for at, w in zip(layout.contacts, weights, strict=True)
+    )
+    atoms = tuple(
+        Atom(remaining=at.remaining, limit=at.limit, weight=at.side * at.weight)
+        for at in contacts
+        if at.weight > 0.0
+    )
+    first = segments[0]
+    marginal = result.lower.marginals[0] + result.upper.marginals[0]
+    return MeshOptimum(
+        layout=layout,
+        segments=segments,
+        unknowns=result.x[:-1],
+        reach=float(result.x[-1]),
+        slope=abs(float(marginal)) / (first.start - first.end),
+        measure=Measure(t_f=layout.t_f, terminal=terminal, atoms=atoms, cores=layout.cores),
+        contacts=contacts,
+    )
+
+
+def _segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tuple[Segment, ...]:
+    plant, cores = problem.plant, layout.cores
+    ends = [end for core in cores for end in (core.start, core.end)]
+    points = np.unique(np.concatenate([[0.0, layout.t_f], layout.mesh, ends]))[::-1]
+    spans = [
+        (start, end, next((core for core in cores if core.holds(0.5 * (start + end))), None))
+        for start, end in pairwise(points.tolist())
+    ]
+    cells = sum(core is None for *_, core in spans)
+    jumps = sum(problem.limits[core.limit].order for core in cores) if relaxed else 0
+    lengths = np.array([start - end for start, end, _ in spans])
+    flows = transition(plant, lengths)
+    pushes = step_response(plant, lengths) * problem.force_limit
+    state, column, jump = np.zeros((plant.order, cells + jumps + 1)), 0, cells
+    segments: list[Segment] = []
+    for i, (start, end, core) in enumerate(spans):
+        first = state
+        if core is None:
+            state = flows[i] @ state
+            state[:, column] += pushes[i]
+        else:
+            limit = problem.limits[core.limit]
+            if relaxed:
+                state = _projected(problem, layout, core, state)
+            state = expm(limit.boundary_flow * lengths[i]) @ state
+            if relaxed:
+                state[:, jump : jump + limit.order] += limit.force_chain
+                jump += limit.order
+        segments.append(
+            Segment(
+                start=start,
+                end=end,
+                limit=-1 if core is None else core.limit,
+                column=column if core is None else -1,
+                first=first,
+                last=state,
+            )
+        )
+        column += core is None
+    return tuple(segments)
+
+
+def _levels(layout: Layout, core: Core, order: int) -> Array:
+    levels = np.zeros(order)
+    levels[0] = core.side * (1.0 - layout.margin)
+    return levels
+
+
+def _projected(problem: BoundedProblem, layout: Layout, core: Core, state: Array) -> Array:
+    """Return the state moved onto the bound by impulses of the force."""
+    limit = problem.limits[core.limit]
+    push = limit.force_chain @ np.linalg.inv(limit.output_chain @ limit.force_chain)
+    moved = state - push @ (limit.output_chain @ state)
+    moved[:, -1] += push @ _levels(layout, core, limit.order)
+    return np.asarray(moved)
+
+
+def _bound_rows(
+    problem: BoundedProblem, layout: Layout, segments: tuple[Segment, ...]
+) -> tuple[Array, Array]:
+    starts = -np.array([segment.start for segment in segments])
+    rows = np.zeros((len(layout.contacts), segments[-1].last.shape[1]))
+    for i, contact in enumerate(layout.contacts):
+        index = max(int(np.searchsorted(starts, -contact.remaining, side="right")) - 1, 0)
+        segment, row = segments[index], problem.limits[contact.limit].row
+        if contact.remaining == segment.start and index > 0:
+            rows[i] = row @ segments[index - 1].last
+            continue
+        since = np.array(segment.start - contact.remaining)
+        if segment.limit >= 0:
+            flow = expm(problem.limits[segment.limit].boundary_flow * since)
+            rows[i] = row @ flow @ segment.first
+            continue
+        rows[i] = row @ transition(problem.plant, since) @ segment.first
+        push = step_response(problem.plant, since) @ row
+        rows[i, segment.column] += push * problem.force_limit
+    sides = np.array([contact.side for contact in layout.contacts], dtype=np.float64)
+    rows *= sides[:, np.newaxis]
+    return rows[:, :-1], 1.0 - layout.margin - rows[:, -1]
+
+
+def _feedback_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:
+    """Return the rows that keep the boundary control within the force limit at its ends."""
+    rows = [np.empty((0, segments[-1].last.shape[1]))]
+    for segment in segments:
+        if segment.limit >= 0:
+            gain = problem.limits[segment.limit].feedback / problem.force_limit
+            ends = np.array([gain @ segment.first, gain @ segment.last])
+            rows += [ends, -ends]
+    stacked = np.vstack(rows)
+    return stacked[:, :-1], 1.0 - stacked[:, -1]
+
+
+def _terminal_scale(problem: BoundedProblem, segments: tuple[Segment, ...]) -> Array:
+    sizes = np.abs(segments[-1].last[problem.fixed]).sum(axis=1)
+    return np.asarray(1.0 / np.maximum(sizes, np.abs(problem.target[problem.fixed])))
+
+
+def _terminal_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:
+    final, scale = segments[-1].last[problem.fixed], _terminal_scale(problem, segments)
+    rows = np.column_stack([final[:, :-1], -problem.target[problem.fixed]])
+    return rows * scale[:, np.newaxis], -final[:, -1] * scale
+
+
+def _entry_rows(
+    problem: BoundedProblem, layout: Layout, segments: tuple[Segment, ...]
+) -> tuple[Array, Array]:
+    rows, levels = [np.empty((0, segments[-1].last.shape[1]))], [np.empty(0)]
+    for segment in segments:
+        if segment.limit >= 0:
+            limit = problem.limits[segment.limit]
+            core = next(core for core in layout.cores if core.start == segment.start)
+            rows.append(limit.output_chain @ segment.first)
+            levels.append(_levels(layout, core, limit.order))
+    stacked = np.vstack(rows)
+    right = np.concatenate(levels) - stacked[:, -1]
+    return np.column_stack([stacked[:, :-1], np.zeros(right.size)]), right

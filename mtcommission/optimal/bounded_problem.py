@@ -1,0 +1,307 @@
+"""The time-optimal problem under bounds, in the form that its solver needs.
+
+Each bound is a row c with |c x(t)| <= 1. Its order r is the number of differentiations after
+which the force appears, c A^(r-1) B ≠ 0; on a boundary arc c x = ±1 the force is then the
+feedback F_set = K x with K = -c A^r / (c A^(r-1) B).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.machine import Move, VelocityStep
+from mtcommission.optimal.solution import Bound
+from mtcommission.plant import Plant
+
+Array = NDArray[np.float64]
+
+ORDER_TOLERANCE = 1e-10
+"""Share of its own terms below which c A^j B counts as zero (rounding of the sum)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Limit:
+    """One bound with what follows from its order.
+
+    Parameters
+    ----------
+    bound
+        As the user gave it.
+    row
+        c divided by the bound's value, shape (n,).
+    gain
+        c (A/rate)^(r-1) B [1/(N s)].
+    output_chain
+        Rows c (A/rate)^j, j < r; shape (r, n).
+    force_chain
+        Columns (A/rate)^j B, j < r; shape (n, r).
+    feedback
+        K, shape (n,) [N per unit of state].
+    boundary_flow
+        A + B K: the motion on a boundary arc, shape (n, n).
+    adjoint_flow
+        A - A^r B c / (c A^(r-1) B): the adjoint on a boundary arc, shape (n, n).
+    density_column
+        A^r B / (c A^(r-1) B): λ times it is the density of the multiplier, shape (n,).
+    """
+
+    bound: Bound
+    row: Array
+    gain: float
+    output_chain: Array
+    force_chain: Array
+    feedback: Array
+    boundary_flow: Array
+    adjoint_flow: Array
+    density_column: Array
+
+    @property
+    def order(self) -> int:
+        """Number of differentiations after which the force appears."""
+        return len(self.output_chain)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BoundedProblem:
+    """Reach a target state from rest within a force limit and bounds.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    force_limit
+        F [N].
+    limits
+        The bounds.
+    fixed
+        Indices of the states fixed at the end.
+    target
+        State at the end, shape (n,); 0 where free.
+    state_scale
+        Typical size of each state, shape (n,).
+    rate
+        Fastest rate of the plant [1/s].
+    """
+
+    plant: Plant
+    force_limit: float
+    limits: tuple[Limit, ...]
+    fixed: NDArray[np.intp]
+    target: Array
+    state_scale: Array
+    rate: float
+
+    @property
+    def rows(self) -> Array:
+        """The rows c of all limits, shape (n_limits, n)."""
+        return np.array([limit.row for limit in self.limits])
+
+
+def bounded_problem(
+    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...], horizon: float
+) -> BoundedProblem:
+    """Return the problem with everything that follows from the orders of its bounds.
+
+    Parameters
+    ----------
+    plant
+        Any plant.
+    move
+        Velocity step or positioning move.
+    force_limit
+        F [N].
+    bounds
+        At least one, values > 0.
+    horizon
+        Rough duration of the move, for the scale of the states [s].
+
+    Returns
+    -------
+    BoundedProblem
+
+    Source: order of a state constraint after Hartl, Sethi & Vickson (1995), sec. 2.
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant import build_plant
+    >>> machine = paper_machine()
+    >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
+    ...     bounds=(Bound(name="v_phi", value=0.005), Bound(name="phi", value=5e-5)), horizon=0.05)
+    >>> [limit.order for limit in problem.limits]
+    [2, 3]
+    """
+    rate = max(1.0 / plant.force_lag, *(mode.natural_frequency for mode in plant.modes))
+    target = np.zeros(plant.order)
+    fixed = np.arange(plant.order)
+    if isinstance(move, VelocityStep):
+        target[plant.velocity] = move.velocity_step
+        fixed = np.delete(fixed, plant.position)
+    else:
+        target[plant.position] = move.distance
+    steps = step_response(plant, np.linspace(0.0, horizon, 200))
+    travel = np.abs(np.diff(steps, axis=0)).sum(axis=0) * force_limit
+    return BoundedProblem(
+        plant=plant,
+        force_limit=force_limit,
+        limits=tuple(_limit(plant, bound, rate) for bound in bounds),
+        fixed=fixed,
+        target=target,
+        state_scale=np.maximum(travel, np.abs(target)),
+        rate=rate,
+    )
+
+
+def _limit(plant: Plant, bound: Bound, rate: float) -> Limit:
+    A, B = plant.A / rate, plant.B
+    row = plant.row(bound.name) / bound.value
+    outputs, forces = [row], [B]
+    while abs(outputs[-1] @ B) <= ORDER_TOLERANCE * (np.abs(outputs[-1]) @ np.abs(B)):
+        outputs.append(outputs[-1] @ A)
+        forces.append(A @ forces[-1])
+    gain = float(outputs[-1] @ B)
+    feedback = -rate * (outputs[-1] @ A) / gain
+    density_column = rate * (A @ forces[-1]) / gain
+    return Limit(
+        bound=bound,
+        row=row,
+        gain=gain,
+        output_chain=np.array(outputs),
+        force_chain=np.column_stack(forces),
+        feedback=feedback,
+        boundary_flow=plant.A + np.outer(B, feedback),
+        adjoint_flow=plant.A - np.outer(density_column, row),
+        density_column=density_column,
+    )
+
+
+def step_response(plant: Plant, tau: Array) -> Array:
+    """Return the states a time τ after a unit step of the set force from rest; 0 for τ <= 0.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    tau
+        Times since the step, any shape [s].
+
+    Returns
+    -------
+    ndarray, shape (*tau.shape, n)
+
+    Source: partial fractions of the transfer functions; without the matrix exponential a grid
+    of responses costs one vectorised expression.
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant import build_plant
+    >>> plant = build_plant(paper_machine())
+    >>> [round(float(f), 6) for f in step_response(plant, np.array([-1.0, 2.5e-3]))[:, plant.force]]
+    [0.0, 0.632121]
+    """
+    T, lag = plant.force_lag, -1.0 / plant.force_lag
+    after = np.maximum(np.asarray(tau, dtype=np.float64), 0.0)
+    rise = -np.expm1(lag * after)
+    out = np.zeros((*after.shape, plant.order))
+    out[..., plant.force] = rise
+    out[..., plant.velocity] = (after - T * rise) / plant.moving_mass
+    out[..., plant.position] = (after**2 / 2 - T * after + T**2 * rise) / plant.moving_mass
+    for mode in plant.modes:
+        omega, p = mode.natural_frequency, mode.pole
+        at_lag = -1.0 / (lag**2 + 2.0 * mode.damping_ratio * omega * lag + omega**2)
+        at_pole = 1.0 / ((p - p.conjugate()) * (T * p + 1.0) * p)
+        fall, turn = at_lag * (1.0 - rise), 2.0 * at_pole * np.exp(p * after)
+        started = np.asarray(after > 0.0)
+        out[..., mode.deflection] = mode.scale * (omega**-2.0 + fall + turn.real) * started
+        out[..., mode.rate] = mode.scale * (lag * fall + (p * turn).real) * started
+    return out
+
+
+def impulse_response(plant: Plant, tau: Array) -> Array:
+    """Return expm(A τ) B in closed form.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    tau
+        Times >= 0, any shape [s].
+
+    Returns
+    -------
+    ndarray, shape (*tau.shape, n)
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant import build_plant
+    >>> plant = build_plant(paper_machine())
+    >>> tau = np.array(1e-3)
+    >>> bool(np.allclose(impulse_response(plant, tau), transition(plant, tau) @ plant.B))
+    True
+    """
+    T, lag = plant.force_lag, -1.0 / plant.force_lag
+    fall = np.exp(lag * np.asarray(tau, dtype=np.float64))
+    rise = -np.expm1(lag * tau)
+    out = np.empty((*fall.shape, plant.order))
+    out[..., plant.force] = fall / T
+    out[..., plant.velocity] = rise / plant.moving_mass
+    out[..., plant.position] = (tau - T * rise) / plant.moving_mass
+    for mode in plant.modes:
+        omega, p = mode.natural_frequency, mode.pole
+        at_lag = 1.0 / (lag**2 + 2.0 * mode.damping_ratio * omega * lag + omega**2)
+        turn = 2.0 / ((p - p.conjugate()) * (p - lag)) * np.exp(p * tau)
+        scale = mode.scale / T
+        out[..., mode.deflection] = scale * (at_lag * fall + turn.real)
+        out[..., mode.rate] = scale * (lag * at_lag * fall + (p * turn).real)
+    return out
+
+
+def transition(plant: Plant, tau: Array) -> Array:
+    """Return expm(A τ) in closed form.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    tau
+        Times >= 0, any shape [s].
+
+    Returns
+    -------
+    ndarray, shape (*tau.shape, n, n)
+
+    Examples
+    --------
+    >>> from scipy.linalg import expm
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant import build_plant
+    >>> plant = build_plant(paper_machine())
+    >>> bool(np.allclose(transition(plant, np.array(1e-3)), expm(plant.A * 1e-3), atol=1e-12))
+    True
+    """
+    tau = np.asarray(tau, dtype=np.float64)
+    T, lag, force = plant.force_lag, -1.0 / plant.force_lag, plant.force
+    fall, rise = np.exp(lag * tau), -np.expm1(lag * tau)
+    out = np.zeros((*tau.shape, plant.order, plant.order))
+    out[..., plant.position, plant.position] = out[..., plant.velocity, plant.velocity] = 1.0
+    out[..., plant.position, plant.velocity] = tau
+    out[..., force, force] = fall
+    out[..., plant.velocity, force] = T * rise / plant.moving_mass
+    out[..., plant.position, force] = (T * tau - T**2 * rise) / plant.moving_mass
+    for mode in plant.modes:
+        omega, zeta, p = mode.natural_frequency, mode.damping_ratio, mode.pole
+        d, v = mode.deflection, mode.rate
+        decay, wave = np.exp(p.real * tau), p.imag * tau
+        c, s = decay * np.cos(wave), decay * np.sin(wave) / p.imag
+        out[..., d, d], out[..., d, v] = c + zeta * omega * s, s
+        out[..., v, d], out[..., v, v] = -(omega**2) * s, c - zeta * omega * s
+        at_lag = 1.0 / (lag**2 + 2.0 * zeta * omega * lag + omega**2)
+        turn = 2.0 / ((p - p.conjugate()) * (p - lag)) * np.exp(p * tau)
+        out[..., d, force] = mode.scale * (at_lag * fall + turn.real)
+        out[..., v, force] = mode.scale * (lag * at_lag * fall + (p * turn).real)
+    return out
