@@ -203,7 +203,7 @@ def test_no_sign_change_is_missed(seed: int) -> None:
     tau = np.linspace(0.0, 0.3, 300_001)
     sigma = problem.target_values(tau) - problem.values(tau) @ c
     changes = np.flatnonzero(sigma[1:] * sigma[:-1] < 0.0)
-    zeros = isolate_zeros(mesh, c)
+    zeros = isolate_zeros(mesh, c).tau
     assert zeros.size == changes.size
     assert np.all((zeros >= tau[changes]) & (zeros <= tau[changes + 1]))
 
@@ -214,7 +214,7 @@ def test_pair_of_zeros_between_mesh_nodes_is_found(depth: float) -> None:
     omega, offset = 300.0, 0.0123
     problem = MomentProblem(rates=np.array([1j * omega, -1e5]), degree=0, target=1.0)
     c = (1.0 + depth) * np.array([np.cos(omega * offset), np.sin(omega * offset), 0.0])
-    zeros = isolate_zeros(build_mesh(problem, 0.1), c)
+    zeros = isolate_zeros(build_mesh(problem, 0.1), c).tau
     half_width = np.arccos(1.0 / (1.0 + depth)) / omega
     centres = offset + 2.0 * np.pi / omega * np.arange(5)
     centres = centres[centres < 0.1]

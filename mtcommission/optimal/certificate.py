@@ -17,10 +17,8 @@ from mtcommission.optimal.moments import MomentProblem, moment_rows
 from mtcommission.optimal.solution import Certificate
 from mtcommission.optimal.switching import (
     ROUNDOFF,
-    Mesh,
     build_mesh,
     graded_pieces,
-    rounding_bound,
     values_and_slopes,
 )
 from mtcommission.plant import Plant
@@ -133,21 +131,39 @@ def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float) -> f
     least = 2.0 * float(np.sqrt(span)) if problem.degree else span
     point = evaluate_dual(build_mesh(problem, MARGIN * least), multipliers, span=span)
     ends = np.append(point.zeros, point.bound)
-    allowance = _rounding_allowance(point.mesh, multipliers, ends) + 8.0 * ROUNDOFF * span
+    allowance = rounding_allowance(problem, multipliers, ends) + point.doubt + 4 * ROUNDOFF * span
     safe = evaluate_dual(point.mesh, multipliers, span=max(span - allowance, 0.0))
     return safe.bound * (1.0 - 4.0 * ROUNDOFF)
 
 
-def _rounding_allowance(mesh: Mesh, multipliers: Array, ends: Array) -> float:
-    """Return a bound of the rounding error of ∫|σ|, from σ and from its primitive."""
-    problem = mesh.problem
-    magnitude = np.abs(problem.rates)
-    missed = float(np.diff(mesh.nodes) @ rounding_bound(mesh, multipliers))
+def rounding_allowance(problem: MomentProblem, multipliers: Array, ends: Array) -> float:
+    """Return a bound of the rounding error of ∫|σ| between the given ends.
+
+    Each end enters twice with the primitive of σ. In units of half ``ROUNDOFF``: |p| τ for the
+    product p τ, as far as e^{pτ} is still there; 6 for e^{pτ} - 1 and its division by p; one for
+    each term of the sum.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    multipliers
+        c, shape (size,).
+    ends
+        Zeros of σ and the end of the interval, shape (k + 1,) [s].
+
+    Returns
+    -------
+    float
+        [s] or [s²].
+    """
     tau = ends[:, np.newaxis]
-    modal = (8.0 + 2.0 * magnitude * tau) * np.minimum(tau, 2.0 / magnitude)
+    magnitude = np.abs(problem.rates)
+    decay = np.exp(problem.rates.real * tau)
+    modal = (6.0 + problem.size) * np.minimum(tau, (1.0 + decay) / magnitude) + tau * decay
     polynomial = abs(problem.constant(multipliers)) * ends + problem.target_integrals(ends)
-    per_end = modal @ problem.amplitudes(multipliers) + 8.0 * polynomial
-    return missed + 2.0 * ROUNDOFF * float(per_end.sum())
+    per_end = modal @ problem.amplitudes(multipliers) + (2.0 + problem.size) * polynomial
+    return ROUNDOFF * float(per_end.sum())
 
 
 def adjoint(plant: Plant, problem: MomentProblem, claim: Claim, *, tau: float) -> Array:

@@ -57,6 +57,8 @@ class DualPoint:
         Size of ∫_0^{T'} |φ|, shape (size,), for scaling.
     end_value
         |σ(T')|.
+    doubt
+        Part of ∫|σ| that rounding hides, at most.
     """
 
     mesh: Mesh
@@ -67,6 +69,7 @@ class DualPoint:
     moments: Array
     norms: Array
     end_value: float
+    doubt: float
 
     @property
     def residual(self) -> float:
@@ -97,7 +100,8 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
     """
     problem = mesh.problem
     for _ in range(40):
-        zeros = isolate_zeros(mesh, multipliers)
+        isolated = isolate_zeros(mesh, multipliers)
+        zeros = isolated.tau
         ends = np.append(zeros, mesh.horizon)
         primitive = problem.target_integrals(ends) - problem.integrals(ends) @ multipliers
         pieces = np.abs(np.diff(primitive, prepend=0.0))
@@ -112,7 +116,7 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
     start = float(zeros[k - 1]) if k else 0.0
     missing = span - (float(reached[k - 1]) if k else 0.0)
     bound = _reach(problem, multipliers, start, float(ends[k]), missing)
-    return _dual_point(mesh, multipliers, zeros[:k], bound)
+    return _dual_point(mesh, multipliers, zeros[:k], bound, isolated.doubt)
 
 
 def _reach(
@@ -133,7 +137,9 @@ def _reach(
     return tau
 
 
-def _dual_point(mesh: Mesh, multipliers: Array, zeros: Array, bound: float) -> DualPoint:
+def _dual_point(
+    mesh: Mesh, multipliers: Array, zeros: Array, bound: float, doubt: float
+) -> DualPoint:
     problem = mesh.problem
     _, end_value = problem.combination(multipliers, bound)
     last_sign = 1.0 if end_value >= 0.0 else -1.0
@@ -150,6 +156,7 @@ def _dual_point(mesh: Mesh, multipliers: Array, zeros: Array, bound: float) -> D
         moments=signs @ np.diff(integrals, axis=0, prepend=0.0),
         norms=cells @ np.abs(mesh.values[:-1][inside]),
         end_value=abs(end_value),
+        doubt=doubt,
     )
 
 

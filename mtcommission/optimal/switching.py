@@ -164,8 +164,25 @@ def values_and_slopes(
     return sigma, problem.degree - slope @ multipliers, phi
 
 
-def isolate_zeros(mesh: Mesh, multipliers: Array) -> Array:
-    """Return all sign changes of σ on [0, horizon] in ascending order.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Zeros:
+    """All sign changes of a switching function.
+
+    Parameters
+    ----------
+    tau
+        Ascending, shape (n_zeros,) [s].
+    doubt
+        ∫|σ| over the places where |σ| stays below its rounding error, so that pairs of zeros
+        there may have been left out, at most [s] or [s²].
+    """
+
+    tau: Array
+    doubt: float
+
+
+def isolate_zeros(mesh: Mesh, multipliers: Array) -> Zeros:
+    """Return all sign changes of σ on [0, horizon].
 
     Parameters
     ----------
@@ -176,26 +193,27 @@ def isolate_zeros(mesh: Mesh, multipliers: Array) -> Array:
 
     Returns
     -------
-    ndarray, shape (n_zeros,)
-        Remaining times [s]. Pairs of zeros between which |σ| stays below its rounding error
-        may be left out.
+    Zeros
 
     Source: Bernstein form of the cubic Hermite interpolant with remainder |σ⁗| h⁴/384 (its
     slope: √3 |σ⁗| h³/216); docs/optimal-control.md, section 3.
     """
     cells = _first_cells(mesh, multipliers)
-    found = []
+    found, doubt = [], 0.0
     for _ in range(MAX_HALVINGS):
         cells = cells[:, _may_vanish(cells)]
         if not cells.shape[1]:
             break
-        settled = _is_monotone(cells) | _is_noise(cells)
+        monotone = _is_monotone(cells)
+        noise = _is_noise(cells) & ~monotone
+        settled = monotone | noise
+        doubt += float(4.0 * cells[1, noise] @ cells[7, noise])
         found.append(cells[:, settled & ((cells[2] > 0.0) != (cells[3] > 0.0))])
         cells = _halve(mesh.problem, multipliers, cells[:, ~settled])
     if not found:
-        return np.empty(0)
+        return Zeros(tau=np.empty(0), doubt=doubt)
     brackets = np.concatenate(found, axis=1)
-    return np.sort(_refine(mesh.problem, multipliers, brackets))
+    return Zeros(tau=np.sort(_refine(mesh.problem, multipliers, brackets)), doubt=doubt)
 
 
 def _first_cells(mesh: Mesh, multipliers: Array) -> Array:
