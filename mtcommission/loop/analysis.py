@@ -13,6 +13,8 @@ from math import inf, pi
 import control
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.optimize import linear_sum_assignment
 
 from mtcommission.loop.controller import Controller
 from mtcommission.loop.sampled import LiftedLoop, discretise, discretise_filter
@@ -38,11 +40,15 @@ class FrequencyResponse:
         L, loop cut at F_set, shape (n,).
     closed_velocity_loop
         Velocity setpoint to encoder velocity, position loop open, shape (n,).
+    compliance
+        Tool displacement per disturbance force on the line of the drive force, all loops
+        closed, shape (n,) [m/N].
     """
 
     frequency_hz: Array
     open_loop: ComplexArray
     closed_velocity_loop: ComplexArray
+    compliance: ComplexArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -62,6 +68,10 @@ class LoopAnalysis:
         max |1/(1 + L)| [-].
     bandwidth_hz
         -3 dB of the closed velocity loop [Hz].
+    dynamic_stiffness, weakest_frequency_hz
+        Least disturbance force per tool displacement over all frequencies [N/m], and where [Hz].
+    mode_damping
+        Damping ratio of the closed-loop pole nearest to each plant mode, shape (n_modes,).
     """
 
     is_stable: bool
@@ -70,6 +80,9 @@ class LoopAnalysis:
     phase_margin_deg: float
     sensitivity_peak: float
     bandwidth_hz: float
+    dynamic_stiffness: float
+    weakest_frequency_hz: float
+    mode_damping: Array
 
 
 def frequency_response(plant: Plant, controller: Controller) -> FrequencyResponse:
@@ -89,37 +102,75 @@ def frequency_response(plant: Plant, controller: Controller) -> FrequencyRespons
     omega = _grid(plant, controller)
     z = np.exp(1j * omega * T_v)
     A, B = discretise(plant, T_v)
-    states = _resolvent(A, B.astype(np.complex128)[None, :].repeat(z.size, 0), z)
-    encoder = states @ plant.row("encoder")
-    rate = states @ (plant.row("encoder") @ plant.A)
     pi_law = controller.velocity_gain * (1.0 + T_v / controller.integral_time / (z - 1.0))
     held = z**-N * (1.0 - z**-N) / (1.0 - 1.0 / z) / N
-    feedback = np.zeros_like(z)
-    observer = controller.observer
-    if observer.states:
-        measured = states @ np.array([plant.row(sensor) for sensor in controller.sensors]).T
-        drive = observer.B + measured @ observer.L.T
-        estimate = _resolvent(observer.A - observer.L @ observer.C, drive, z)
-        feedback = estimate @ controller.state_gains[list(observer.states)]
     path = 1.0 / z
     for item in controller.force_filters:
         stage = discretise_filter(item, controller)
         drive = np.tile(stage.B.astype(np.complex128), (z.size, 1))
         path = path * (_resolvent(stage.A, drive, z) @ stage.C + stage.D)
-    inner = path * (pi_law * rate + feedback)
-    outer = path * pi_law * controller.position_gain * held * encoder
+    own = controller.observer.B
+
+    def feedback(states: ComplexArray, known: Array) -> ComplexArray:
+        """Force asked for by velocity loop and state feedback, sign reversed."""
+        estimate = _estimate(plant, controller, states, known, z)
+        rate = states @ (plant.row("encoder") @ plant.A)
+        return np.asarray(path * (pi_law * rate + estimate))
+
+    def position_feedback(states: ComplexArray) -> ComplexArray:
+        gain = path * pi_law * controller.position_gain * held
+        return np.asarray(gain * (states @ plant.row("encoder")))
+
+    moved = _resolvent(A, np.tile(B.astype(np.complex128), (z.size, 1)), z)
+    inner = feedback(moved, own)
+    open_loop = inner + position_feedback(moved)
+    # A disturbance on the line of the drive force enters like the force state itself; the
+    # observer does not know it.
+    entry = _held_disturbance(plant, T_v).astype(np.complex128)
+    disturbed = _resolvent(A, np.tile(entry, (z.size, 1)), z)
+    reaction = feedback(disturbed, np.zeros_like(own)) + position_feedback(disturbed)
+    tool = plant.row("tcp")
     return FrequencyResponse(
         frequency_hz=omega / (2 * pi),
-        open_loop=inner + outer,
-        closed_velocity_loop=path * pi_law * rate / (1.0 + inner),
+        open_loop=open_loop,
+        closed_velocity_loop=path
+        * pi_law
+        * (moved @ (plant.row("encoder") @ plant.A))
+        / (1.0 + inner),
+        compliance=disturbed @ tool - (moved @ tool) * reaction / (1.0 + open_loop),
     )
 
 
-def analyse_loop(response: FrequencyResponse, lifted: LiftedLoop) -> LoopAnalysis:
+def _estimate(
+    plant: Plant, controller: Controller, states: ComplexArray, known: Array, z: ComplexArray
+) -> ComplexArray:
+    """K x̂ of the observer over frequency, for given plant states and known input column."""
+    observer = controller.observer
+    if not observer.states:
+        return np.zeros_like(z)
+    measured = states @ np.array([plant.row(sensor) for sensor in controller.sensors]).T
+    drive = known + measured @ observer.L.T
+    estimate = _resolvent(observer.A - observer.L @ observer.C, drive, z)
+    return np.asarray(estimate @ controller.state_gains[list(observer.states)])
+
+
+def _held_disturbance(plant: Plant, step: float) -> Array:
+    """What a disturbance force held over one step adds to the states, shape (n,)."""
+    n = plant.order
+    joint = np.zeros((n + 1, n + 1))
+    joint[:n, :n] = plant.A
+    joint[:n, n] = plant.A[:, plant.force]
+    joint[plant.force, n] = 0.0
+    return np.asarray(expm(joint * step)[:n, n])
+
+
+def analyse_loop(plant: Plant, response: FrequencyResponse, lifted: LiftedLoop) -> LoopAnalysis:
     """Return poles, margins and bandwidth.
 
     Parameters
     ----------
+    plant
+        Its plant.
     response
         From ``frequency_response``.
     lifted
@@ -138,14 +189,34 @@ def analyse_loop(response: FrequencyResponse, lifted: LiftedLoop) -> LoopAnalysi
     alive = z[np.abs(z) > DEAD_TIME_RADIUS]
     closed = np.abs(response.closed_velocity_loop)
     below = np.flatnonzero(closed < 1.0 / np.sqrt(2.0))
+    poles = np.log(alive.astype(np.complex128)) / lifted.dt
+    weakest = int(np.argmax(np.abs(response.compliance)))
     return LoopAnalysis(
         is_stable=bool(np.max(np.abs(z)) < 1.0),
-        poles=np.log(alive) / lifted.dt,
+        poles=poles,
         gain_margin_db=_gain_margin_db(response.open_loop),
         phase_margin_deg=_phase_margin_deg(response.open_loop),
         sensitivity_peak=float(np.max(1.0 / np.abs(1.0 + response.open_loop))),
         bandwidth_hz=float(response.frequency_hz[below[0]]) if below.size else inf,
+        dynamic_stiffness=1.0 / float(np.abs(response.compliance[weakest])),
+        weakest_frequency_hz=float(response.frequency_hz[weakest]),
+        mode_damping=_mode_damping(plant, poles, lifted.dt),
     )
+
+
+def _mode_damping(plant: Plant, poles: ComplexArray, dt: float) -> Array:
+    """Damping ratio of the closed-loop pole that each plant mode turns into.
+
+    Poles are matched to modes one to one, nearest first, in the z plane: sampling at the
+    position cycle folds frequencies above 1/(2 T_p), so each mode keeps its own turn.
+    """
+    modes = np.array([mode.pole for mode in plant.modes])
+    distance = np.abs(np.exp(poles[None, :] * dt) - np.exp(modes[:, None] * dt))
+    _, chosen = linear_sum_assignment(distance)
+    nearest = poles[chosen]
+    turns = np.round((modes.imag - nearest.imag) * dt / (2 * pi))
+    unfolded = nearest + 2j * pi * turns / dt
+    return np.asarray(-unfolded.real / np.abs(unfolded))
 
 
 DEAD_TIME_RADIUS = 1e-3

@@ -86,14 +86,14 @@ class Controller:
         return self.cycles * self.velocity_cycle
 
 
-def no_observer() -> Observer:
-    """Return the observer of a loop without state feedback: no states."""
+def no_observer(*, n_sensors: int) -> Observer:
+    """Return the observer of a loop without state feedback: no states, whatever is measured."""
     return Observer(
         states=(),
         A=np.zeros((0, 0)),
         B=np.zeros(0),
-        C=np.zeros((1, 0)),
-        L=np.zeros((0, 1)),
+        C=np.zeros((n_sensors, 0)),
+        L=np.zeros((0, n_sensors)),
     )
 
 

@@ -272,7 +272,9 @@ def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:
 def _rms_force(t: Array, force: Array, setpoint: Setpoint, static_load: float) -> float:
     """RMS over [0, t_e + dwell]; the motion may go either way against the static load."""
     window = setpoint.duration + setpoint.move.dwell
-    inside = t <= window
-    square = float(np.trapezoid(force[inside] ** 2, t[inside])) / window
-    mean = float(np.trapezoid(force[inside], t[inside])) / window
+    # The window ends between two samples; after the last one the force has decayed.
+    end = np.interp(window, t, force, right=0.0)
+    times, inside = np.append(t[t < window], window), np.append(force[t < window], end)
+    square = float(np.trapezoid(inside**2, times)) / window
+    mean = float(np.trapezoid(inside, times)) / window
     return sqrt(square + static_load**2 + 2.0 * abs(static_load * mean))

@@ -233,7 +233,10 @@ def discretise_filter(item: ForceFilter, controller: Controller) -> Stage:
     """Return a set-force filter at the velocity cycle (bilinear transform)."""
     numerator, denominator = filter_polynomials(item)
     A, B, C, D, _ = cont2discrete(
-        tf2ss(numerator, denominator), controller.velocity_cycle, method="bilinear"
+        # Leading zeros would make scipy warn of bad conditioning.
+        tf2ss(np.trim_zeros(numerator, "f"), denominator),
+        controller.velocity_cycle,
+        method="bilinear",
     )
     return Stage(A=A, B=B[:, 0], C=C[0], D=float(D[0, 0]))
 

@@ -320,9 +320,11 @@ def find_extremes(
         )
         np.maximum(largest, np.abs(C_s @ X + D_s @ r), out=largest)
         times = k * lifted.dt + step * np.arange(rows)
-        force = np.where(times[:, None] <= window, C_f @ X + D_f @ r, 0.0)
-        first += force.sum(axis=0) * step
-        second += (force**2).sum(axis=0) * step
+        # Each sample stands for the cycle about it; the window cuts the last one.
+        share = np.clip((window - times[:, None]) / step + 0.5, 0.0, 1.0) * step
+        force = C_f @ X + D_f @ r
+        first += (share * force).sum(axis=0)
+        second += (share * force**2).sum(axis=0)
         X = lifted.A @ X + lifted.B @ r
     return Extremes(
         peaks=largest.reshape(rows, len(signals), -1).max(axis=0).T,

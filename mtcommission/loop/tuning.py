@@ -7,19 +7,18 @@ Rules
 - Delay of the force path T_σ = T + 1.5 T_v + filters; Kp = f m / (2 T_σ) (symmetrical optimum),
   with f <= 1 lowered until the margins hold in every corner.
 - ω_v = Kp/m; Tn = 4/ω_v (Yaskawa: Tn >= 4/ω_v); Kv = ω_v/4 (speed loop damping 1).
-- State feedback: LQR on the dominant mode that the sensors see, with the weight that gives the
-  wanted damping; a stationary Kalman observer supplies the states.
+- State feedback: LQR around the closed cascade, whose cost is the rate of the dominant mode that
+  the sensors see; its weight is the one that damps that mode best with the margins kept. A
+  stationary Kalman observer supplies the states.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf
 
 import control
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.analysis import (
@@ -63,8 +62,9 @@ class TuningSettings:
         1.2 ... 2.0.
     reserve_deg
         Phase that the cascade alone keeps above that, for the state feedback to spend (empirical).
-    mode_damping
-        Wanted damping ratios of the dominant mode, tried in order.
+    mode_weights
+        Weights of the dominant mode's squared rate against the squared force, both in units of
+        what F_max does to the mode; the best one with margins is taken.
     reduction
         Factor from one try of Kp to the next.
     force_noise, position_noise
@@ -76,7 +76,7 @@ class TuningSettings:
     phase_margin_deg: float = 30.0
     reserve_deg: float = 5.0
     sensitivity_peak: float = 2.0
-    mode_damping: tuple[float, ...] = (0.2, 0.15, 0.1)
+    mode_weights: tuple[float, ...] = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
     reduction: float = 0.92
     force_noise: float = 0.05
     position_noise: float = 1e-7
@@ -221,7 +221,7 @@ def _cascade(machine: Machine, fraction: float) -> Controller:
         force_filters=given.force_filters,
         sensors=sensors,
         state_gains=np.zeros(plant.order),
-        observer=no_observer(),
+        observer=no_observer(n_sensors=len(sensors)),
     )
 
 
@@ -239,7 +239,7 @@ def _close(machine: Machine, controller: Controller, *, remarks: tuple[str, ...]
         loops=loops,
         lifted=lifted,
         responses=responses,
-        analyses=tuple(map(analyse_loop, responses, lifted)),
+        analyses=tuple(map(analyse_loop, plants, responses, lifted)),
         remarks=remarks,
     )
 
@@ -305,31 +305,40 @@ def _cascade_remarks(machine: Machine, fraction: float, controller: Controller) 
 def _with_active_damping(
     machine: Machine, cascade: TunedLoop, settings: TuningSettings
 ) -> TunedLoop:
-    """Add state feedback of the dominant visible mode with the largest damping that has margins."""
-    plant = build_plant(machine)
-    mode = _dominant_mode(plant, cascade.controller.sensors)
-    unseen = [m.name for m in plant.modes if not _is_seen(m, cascade.controller.sensors)]
+    """Add the state feedback that damps the dominant visible mode best and keeps the margins."""
+    plant, sensors = build_plant(machine), cascade.controller.sensors
+    unseen = [mode.name for mode in plant.modes if not _is_seen(mode, sensors)]
     blind = (
-        f" The sensors do not see mode {', '.join(unseen)}; it cannot be damped." if unseen else ""
+        f" The sensors do not see mode {', '.join(unseen)}: no feedback can damp it."
+        if unseen
+        else ""
     )
+    mode = _dominant_mode(plant, sensors)
     if mode is None:
-        return replace(cascade, remarks=(*cascade.remarks, f"No state feedback:{blind}"))
+        return replace(cascade, remarks=(*cascade.remarks, f"No state feedback.{blind}"))
     observer = _design_observer(machine, plant, cascade.controller, settings)
-    for damping in settings.mode_damping:
-        if damping <= mode.damping_ratio:
-            continue
-        gains = _mode_gains(plant, mode, damping)
+    index = plant.modes.index(mode)
+    before = float(cascade.nominal.mode_damping[index])
+    best, reached = cascade, before
+    for weight in settings.mode_weights:
+        gains = _mode_gains(machine, plant, cascade.controller, mode, weight, observer.states)
         controller = replace(cascade.controller, state_gains=gains, observer=observer)
+        tuned = _close(machine, controller, remarks=cascade.remarks)
+        damping = float(tuned.nominal.mode_damping[index])
+        if damping > reached and _has_margins(tuned, settings):
+            best, reached = tuned, damping
+    if best is cascade:
         remark = (
-            f"State feedback (LQR, Kalman observer on {' and '.join(controller.sensors)}) raises "
-            f"the design damping of mode {mode.name} from {mode.damping_ratio:.3g} to "
-            f"{damping:.3g}.{blind}"
+            f"No state feedback: none damps mode {mode.name} better than the cascade alone "
+            f"(damping ratio {before:.3g}) with the margins kept.{blind}"
         )
-        tuned = _close(machine, controller, remarks=(*cascade.remarks, remark))
-        if _has_margins(tuned, settings):
-            return tuned
-    remark = f"No state feedback: none of the wanted dampings keeps the margins.{blind}"
-    return replace(cascade, remarks=(*cascade.remarks, remark))
+    else:
+        remark = (
+            f"State feedback (LQR around the cascade, Kalman observer on {' and '.join(sensors)}): "
+            f"damping ratio of mode {mode.name} {mode.damping_ratio:.3g} without control, "
+            f"{before:.3g} with the cascade, {reached:.3g} with state feedback.{blind}"
+        )
+    return replace(best, remarks=(*cascade.remarks, remark))
 
 
 def _with_given_gains(machine: Machine, cascade: TunedLoop, settings: TuningSettings) -> TunedLoop:
@@ -357,28 +366,42 @@ def _dominant_mode(plant: Plant, sensors: tuple[str, ...]) -> PlantMode | None:
     return max(seen, key=lambda mode: abs(mode.tcp_gain) / mode.natural_frequency**2)
 
 
-def _mode_gains(plant: Plant, mode: PlantMode, damping: float) -> Array:
-    """LQR gains on (deflection, rate, force) that give the mode a damping ratio.
+def _mode_gains(
+    machine: Machine,
+    plant: Plant,
+    controller: Controller,
+    mode: PlantMode,
+    weight: float,
+    observed: tuple[int, ...],
+) -> Array:
+    """LQR gains on the observed plant states, shape (n_plant,).
 
-    The cost is the squared rate; its weight is found so that the slower closed-loop pole pair
-    has the wanted damping.
+    The design model is the plant under its continuous cascade, with the integrator as last
+    state; it is stable, so the Riccati equation has a stabilising solution. The gain on the
+    integrator is left out: the cost does not weigh it.
     """
-    zeta, omega, T = mode.damping_ratio, mode.natural_frequency, plant.force_lag
-    # Time in 1/ω, force such that q'' = -q - 2ζq' + f: all numbers near 1.
-    A = np.array([[0.0, 1.0, 0.0], [-1.0, -2.0 * zeta, 1.0], [0.0, 0.0, -1.0 / (omega * T)]])
-    B = np.array([[0.0], [0.0], [1.0 / (omega * T)]])
-
-    def design(log_weight: float) -> tuple[Array, float]:
-        K, _, poles = control.lqr(A, B, np.diag([0.0, 10.0**log_weight, 0.0]), np.eye(1))
-        pair = [pole for pole in poles if abs(pole.imag) > 1e-9]
-        return K[0], min((-pole.real / abs(pole) for pole in pair), default=inf)
-
-    weight = brentq(lambda w: min(design(w)[1], 1.0) - damping, -8.0, 8.0, xtol=1e-6)
-    K = design(weight)[0]
-    gains = np.zeros(plant.order)
-    gains[mode.deflection] = K[0] * omega**2 / mode.scale
-    gains[mode.rate] = K[1] * omega / mode.scale
-    gains[plant.force] = K[2]
+    n, Kp = plant.order, controller.velocity_gain
+    encoder = plant.row("encoder")
+    A = np.zeros((n + 1, n + 1))
+    A[:n, :n] = plant.A
+    A[n, :n] = -(encoder @ plant.A + controller.position_gain * encoder) / controller.integral_time
+    law = Kp * np.concatenate([encoder @ plant.A + controller.position_gain * encoder, [-1.0]])
+    B = np.append(plant.B, 0.0)[:, None]
+    # States in units of what F_max does at the mode's frequency: all numbers near 1.
+    force, omega = machine.drive.max_force, mode.natural_frequency
+    scale = np.full(n + 1, force / (plant.moving_mass * omega**2))
+    scale[[plant.velocity, n]] *= omega
+    scale[plant.force] = force
+    for item in plant.modes:
+        scale[item.deflection] = abs(item.scale) * force / omega**2
+        scale[item.rate] = abs(item.scale) * force / omega
+    A = (A - B * law) * scale / scale[:, None] / omega
+    Q = np.zeros((n + 1, n + 1))
+    Q[mode.rate, mode.rate] = weight
+    K, _, _ = control.lqr(A, B * force / scale[:, None] / omega, Q, np.eye(1))
+    gains = np.zeros(n)
+    seen = list(observed)
+    gains[seen] = (K[0] * force / scale)[seen]
     return gains
 
 

@@ -1,0 +1,373 @@
+"""The feedback loop once more, written from its description alone.
+
+Shares no code with the package: the machine's and the controller's numbers are read, all else
+is done here in another way. The plant is solved in closed form between velocity cycles, in
+one complex number per mode; the controller is scalar code, cycle by cycle; the setpoint is a
+sum of cubics.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from cmath import exp
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BPoly
+from scipy.optimize import brentq
+
+from mtcommission.loop.controller import Controller
+from mtcommission.machine import (
+    FilterKind,
+    ForceFilter,
+    Machine,
+    Manipulator,
+    Move,
+    VelocityStep,
+)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class Vibration:
+    """One mode: w = q' - conj(p) q, so that w' = p w + F, q = Im w / Im p."""
+
+    pole: complex
+    tool: float
+    encoder: float
+    scale: float
+    w: complex = 0.0
+
+    @property
+    def q(self) -> float:
+        return self.w.imag / self.pole.imag
+
+    @property
+    def rate(self) -> float:
+        return self.w.real + self.pole.real * self.q
+
+    def place(self, q: float, rate: float) -> None:
+        self.w = complex(rate - self.pole.real * q, self.pole.imag * q)
+
+
+@dataclass(slots=True)
+class Axis:
+    """Rigid mass, force lag and modes, advanced exactly under a constant set force."""
+
+    names: tuple[str, ...]
+    mass: float
+    lag: float
+    modes: list[Vibration]
+    slots: list[tuple[int, int]]
+    rigid: tuple[int, int]
+    x: float = 0.0
+    v: float = 0.0
+    F: float = 0.0
+
+    def advance(self, u: float, h: float) -> None:
+        T, excess = self.lag, self.F - u
+        fade = exp(-h / T).real
+        self.x += self.v * h + (u * h * h / 2 + excess * T * (h - T * (1 - fade))) / self.mass
+        self.v += (u * h + excess * T * (1 - fade)) / self.mass
+        for mode in self.modes:
+            p, turn = mode.pole, exp(mode.pole * h)
+            mode.w = turn * mode.w + u * (turn - 1) / p + excess * (turn - fade) / (p + 1 / T)
+        self.F = u + excess * fade
+
+    def state(self) -> Array:
+        state = np.zeros(len(self.names))
+        state[list(self.rigid)] = self.x, self.v
+        for mode, (place, rate) in zip(self.modes, self.slots, strict=True):
+            state[place], state[rate] = mode.scale * mode.q, mode.scale * mode.rate
+        state[-1] = self.F
+        return state
+
+    def put(self, state: Array) -> None:
+        self.x, self.v = (float(state[i]) for i in self.rigid)
+        for mode, (place, rate) in zip(self.modes, self.slots, strict=True):
+            mode.place(float(state[place]) / mode.scale, float(state[rate]) / mode.scale)
+        self.F = float(state[-1])
+
+    @property
+    def encoder(self) -> float:
+        return self.x + sum(mode.encoder * mode.q for mode in self.modes)
+
+    @property
+    def encoder_rate(self) -> float:
+        return self.v + sum(mode.encoder * mode.rate for mode in self.modes)
+
+    @property
+    def tool(self) -> float:
+        return self.x + sum(mode.tool * mode.q for mode in self.modes)
+
+
+def axis_of(machine: Machine) -> Axis:
+    """The machine at rest."""
+    parts, lag = machine.mechanics, machine.drive.force_lag
+    if isinstance(parts, Manipulator):
+        base = _pole(parts.base_mass, parts.base_damping, parts.base_stiffness)
+        tower = _pole(parts.rotary_inertia, parts.rotary_damping, parts.rotary_stiffness)
+        lever = parts.lever_arm / parts.rotary_inertia
+        return Axis(
+            names=("x_b", "x_s", "phi", "v_b", "v_s", "v_phi", "F"),
+            mass=parts.slider_mass,
+            lag=lag,
+            modes=[
+                Vibration(base, 1 / parts.base_mass, 1 / parts.base_mass, -1 / parts.base_mass),
+                Vibration(tower, parts.tcp_height * lever, 0.0, lever),
+            ],
+            slots=[(0, 3), (2, 5)],
+            rigid=(1, 4),
+        )
+    names = ["x", "v"]
+    modes = []
+    for mode in parts.modes:
+        names += [f"q_{mode.name}", f"v_{mode.name}"]
+        omega, zeta = mode.natural_frequency, mode.damping_ratio
+        pole = _pole(1.0, 2 * zeta * omega, omega**2)
+        modes.append(Vibration(pole, mode.tcp_gain, mode.measured_gain, 1.0))
+    return Axis(
+        names=(*names, "F"),
+        mass=parts.moving_mass,
+        lag=lag,
+        modes=modes,
+        slots=[(2 * i + 2, 2 * i + 3) for i in range(len(modes))],
+        rigid=(0, 1),
+    )
+
+
+def _pole(mass: float, damping: float, stiffness: float) -> complex:
+    return complex(-damping, sqrt(4 * mass * stiffness - damping**2)) / (2 * mass)
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """Cubics switched on one after another; perhaps behind a sliding mean."""
+
+    knots: tuple[float, ...]
+    jerks: tuple[float, ...]
+    mean: float = 0.0
+
+    @property
+    def end(self) -> float:
+        return self.knots[-1] + self.mean
+
+    def at(self, t: float) -> Array:
+        """x, v, a, j."""
+        if t < -1e-9:
+            return np.zeros(4)
+        if t > self.end - 1e-9:
+            last = self._values(self.end)
+            return np.array([last[0] + last[1] * (t - self.end), last[1], 0.0, 0.0])
+        return self._values(t)
+
+    def _values(self, t: float) -> Array:
+        if not self.mean:
+            return self._powers(t)[1:]
+        whole = (self._powers(t) - self._powers(t - self.mean)) / self.mean
+        return whole[:4]
+
+    def _powers(self, t: float) -> Array:
+        """Integral of x, then x, v, a, j without a mean."""
+        total = np.zeros(5)
+        for knot, jerk in zip(self.knots, self.jerks, strict=True):
+            s = t - knot
+            if s >= -1e-9:
+                total += jerk * np.array([s**4 / 24, s**3 / 6, s**2 / 2, s, 1.0])
+        return total
+
+
+def profile_of(move: Move, a: float, j: float, *, mean: float = 0.0) -> Profile:
+    """The seven-segment profile (four for a velocity step)."""
+    if isinstance(move, VelocityStep):
+        rise = _rise(move.velocity_step, a, j)
+        return Profile(knots=rise, jerks=(j, -j, -j, j), mean=mean)
+
+    def shortest(v: float) -> float:
+        return v * _rise(v, a, j)[-1]  # up and down again
+
+    top = move.max_velocity
+    if top == float("inf") or shortest(top) > move.distance:
+        high = 1.0
+        while shortest(high) < move.distance:
+            high *= 2.0
+        top = float(brentq(lambda v: shortest(v) - move.distance, 1e-12, high, xtol=1e-15))
+    rise = _rise(top, a, j)
+    down = max(move.distance / top, rise[-1])
+    return Profile(
+        knots=(*rise, *(down + t for t in rise)), jerks=(j, -j, -j, j, -j, j, j, -j), mean=mean
+    )
+
+
+def _rise(v: float, a: float, j: float) -> tuple[float, float, float, float]:
+    if v * j > a * a:
+        return 0.0, a / j, v / a, v / a + a / j
+    half = sqrt(v / j)
+    return 0.0, half, half, 2 * half
+
+
+class Biquad:
+    """One set-force filter by the bilinear transform, direct form II."""
+
+    def __init__(self, item: ForceFilter, cycle: float) -> None:
+        w, d, c = item.natural_frequency, item.damping, 2 / cycle
+        if item.kind is FilterKind.LOW_PASS:
+            top, bottom = (0.0, 0.0, w * w), (1.0, 2 * d * w, w * w)
+        else:
+            top, bottom = (1.0, 2 * d * w, w * w), (1.0, 2 * w, w * w)
+        lead = bottom[0] * c * c + bottom[1] * c + bottom[2]
+        self.b, self.a = (
+            [
+                (s2 * c * c + s1 * c + s0) / lead,
+                2 * (s0 - s2 * c * c) / lead,
+                (s2 * c * c - s1 * c + s0) / lead,
+            ]
+            for s2, s1, s0 in (top, bottom)
+        )
+        self.one = self.two = 0.0
+
+    def pass_on(self, u: float) -> float:
+        now = u - self.a[1] * self.one - self.a[2] * self.two
+        y = self.b[0] * now + self.b[1] * self.one + self.b[2] * self.two
+        self.one, self.two = now, self.one
+        return y
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Signals at every velocity cycle."""
+
+    t: Array
+    tool: Array
+    encoder: Array
+    force: Array
+    states: Array
+    reference: Array
+
+
+def run(
+    machine: Machine,
+    gains: Controller,
+    profile: Profile,
+    *,
+    nominal: Machine,
+    samples: int,
+    force_limit: float = float("inf"),
+) -> Run:
+    """The machine under the cascade; ``nominal`` is what the controller believes it to be."""
+    axis, h, T_p = axis_of(machine), gains.velocity_cycle, gains.position_cycle
+    tau = gains.reference_delay
+    estimate, advance = _observer(gains, nominal)
+    K = gains.state_gains
+    biquads = [Biquad(item, h) for item in gains.force_filters]
+    integral = acting = 0.0
+    handed = waiting = (0.0, 0.0)
+    out = []
+    for i in range(samples):
+        if i % gains.cycles == 0:
+            now = i * h
+            handed = waiting
+            late = delayed(profile, now - max(tau - 1.5 * T_p, 0.0), T_p)
+            error = delayed(profile, now - tau, T_p)[0] - axis.encoder
+            v_set = gains.position_gain * error + gains.velocity_feedforward * late[1]
+            _, _, a, j = profile.at(now)
+            m = gains.feedforward_mass
+            f_set = m * (gains.acceleration_feedforward * a)
+            f_set += m * gains.force_lag * gains.jerk_feedforward * j
+            f_set += float(K @ _wanted(nominal, m, late))
+            waiting = (v_set, f_set)
+        out.append((axis.tool, axis.encoder, acting, *axis.state()))
+        miss = handed[0] - axis.encoder_rate
+        wanted = gains.velocity_gain * (miss + integral) + handed[1] - float(K @ estimate)
+        for biquad in biquads:
+            wanted = biquad.pass_on(wanted)
+        granted = min(max(wanted, -force_limit), force_limit)
+        if granted == wanted:
+            integral += h / gains.integral_time * miss
+        measured = np.array([axis.tool if s == "tcp" else axis.encoder for s in gains.sensors])
+        estimate = advance(estimate, acting, measured)
+        axis.advance(acting, h)
+        acting = granted
+    table = np.array(out)
+    t = np.arange(samples) * h
+    reference = np.array([profile.at(s - tau)[0] for s in t])
+    return Run(t, table[:, 0], table[:, 1], table[:, 2], table[:, 3:], reference)
+
+
+def delayed(profile: Profile, t: float, cycle: float) -> Array:
+    """The setpoint between samples of the position cycle, as the control interpolates it."""
+    place = t / cycle
+    nearest = round(place)
+    if abs(place - nearest) < 1e-9:
+        return profile.at(nearest * cycle)
+    before = int(np.floor(place))
+    left, right = profile.at(before * cycle), profile.at((before + 1) * cycle)
+    quintic = BPoly.from_derivatives([0.0, cycle], [left[:3], right[:3]])
+    s = t - before * cycle
+    mixed = left + (right - left) * (s / cycle)
+    return np.array([quintic(s), quintic(s, nu=1), mixed[2], mixed[3]])
+
+
+def _wanted(nominal: Machine, mass: float, setpoint: Array) -> Array:
+    """Rigid motion along the setpoint, every mode at its static deflection under m a."""
+    axis = axis_of(nominal)
+    state = np.zeros(len(axis.names))
+    state[list(axis.rigid)] = setpoint[:2]
+    for mode, (place, rate) in zip(axis.modes, axis.slots, strict=True):
+        static = mode.scale * mass / abs(mode.pole) ** 2
+        state[place], state[rate] = static * setpoint[2], static * setpoint[3]
+    state[-1] = mass * setpoint[2]
+    return state
+
+
+def _observer(gains: Controller, nominal: Machine):  # type: ignore[no-untyped-def]
+    """Estimate at rest and its advance by one velocity cycle: predict, correct by L."""
+    axis, seen, L = axis_of(nominal), list(gains.observer.states), gains.observer.L
+
+    def advance(estimate: Array, force: float, measured: Array) -> Array:
+        if not seen:
+            return estimate
+        axis.put(estimate)
+        expected = np.array([axis.tool if s == "tcp" else axis.encoder for s in gains.sensors])
+        axis.advance(force, gains.velocity_cycle)
+        following = np.zeros(len(axis.names))
+        following[seen] = axis.state()[seen] + L @ (measured - expected)
+        return following
+
+    return np.zeros(len(axis.names)), advance
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """The definitions, applied to a run."""
+
+    settling_time: float
+    residual: float
+    peak: float
+    rms_force: float
+
+
+def judge(run: Run, profile: Profile, *, tau: float, band: float, dwell: float) -> Judgement:
+    """Settling time, residual and peak deviation, RMS of the motor force."""
+    begin = profile.end + tau
+    e = np.abs(run.tool - run.reference)
+    after = bisect_left(run.t.tolist(), begin - 1e-12)
+    settling = begin
+    for i in range(len(e) - 1, 0, -1):
+        if e[i - 1] > band >= e[i]:
+            h = run.t[i] - run.t[i - 1]
+            crossing = float(run.t[i - 1] + h * (e[i - 1] - band) / (e[i - 1] - e[i]))
+            settling = max(begin, crossing)
+            break
+    window = profile.end + dwell
+    F = np.interp(np.linspace(0, window, 20001), run.t, run.states[:, -1], right=0.0)
+    rms = sqrt(np.trapezoid(F**2, dx=window / 20000) / window)
+    return Judgement(settling, float(np.max(e[after:])), float(np.max(e)), rms)
+
+
+def quiet_copy(machine: Machine, **changes: object) -> Machine:
+    """A machine with some fields of its control block changed."""
+    return replace(machine, control=replace(machine.control, **changes))  # type: ignore[arg-type]
