@@ -18,12 +18,11 @@ from mtcommission.optimal.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.hamiltonian import terminal_target
 from mtcommission.optimal.peaks import hermite_peaks
 from mtcommission.optimal.solution import (
-    Certificate,
     DampingOptimum,
     TimeOptimum,
-    constant_arc,
     sample_trajectory,
 )
+from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.optimal.weights import balanced_weights
 from mtcommission.plant import Plant, build_plant
 from tests.machines import paper_machine, random_modal_machine
@@ -40,7 +39,6 @@ PAPER_WEIGHTS = tuple(  # Christiansen, Maurer & Zirn, eq. (17)
         ("v_phi", 2.8505e10),
     ]
 )
-PAPER_SWITCHES = (0.0, 0.009337, 0.009668, 0.036552, 0.037653, 0.041942, 0.043505)  # eq. (12)
 T_F_MIN = 0.0435202  # bracketed by the two tests that use it
 
 
@@ -316,39 +314,16 @@ def test_unknown_state_in_a_weight() -> None:
 
 
 def paper_time_optimum() -> TimeOptimum:
-    plant = build_plant(paper_machine())
-    arcs = tuple(
-        constant_arc(start, end, control="-F_max" if i % 2 else "+F_max", force=2e3 * (-1) ** i)
-        for i, (start, end) in enumerate(pairwise(PAPER_SWITCHES))
-    )
-    unproved = Certificate(
-        t_f_lower_bound=np.nan,
-        relative_gap=np.nan,
-        adjoint_initial=np.zeros(plant.order),
-        switching_slopes=np.zeros(5),
-        switching_law_holds=False,
-        terminal_jacobian_rank=-1,
-        terminal_jacobian_condition=np.nan,
-    )
-    return TimeOptimum(
-        move=STEP,
-        force_limit=2e3,
-        bounds=(),
-        method="exact",
-        t_f=PAPER_SWITCHES[-1],
-        arcs=arcs,
-        touch_points=(),
-        terminal_error=np.zeros(plant.order),
-        peaks=np.zeros(plant.order + 3),
-        certificate=unproved,
-    )
+    return solve_time_optimal(build_plant(paper_machine()), STEP, force_limit=2e3)
 
 
-def test_balance_along_the_papers_time_optimum_gives_its_weights() -> None:
+def test_balance_along_the_time_optimum_gives_the_papers_weights() -> None:
+    # (17) is 1.3 % lower throughout; the common factor is what a grid of some hundred
+    # intervals takes from the integral of F_set² where it blurs the switches
     weights = balanced_weights(build_plant(paper_machine()), paper_time_optimum())
     assert [weight.state for weight in weights] == ["x_b", "phi", "v_b", "v_phi"]
     ratios = [ours.value / paper.value for ours, paper in zip(weights, PAPER_WEIGHTS, strict=True)]
-    assert ratios == pytest.approx([1.0129, 1.0142, 1.0188, 1.0261], abs=1e-4)
+    assert ratios == pytest.approx([1.0127, 1.0132, 1.0138, 1.0168], abs=1e-4)
 
 
 def test_balance_means_equal_terms_along_the_reference() -> None:

@@ -260,7 +260,7 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
     if floor > 1.0 + FORCE_MARGIN:
         raise ComputationError(
             Outcome.FINAL_TIME_TOO_SHORT,
-            f"t_f = {problem.t_f:.6g} s takes more than {floor * F:.6g} N, there are {F:.6g} N",
+            f"t_f = {problem.t_f:.6g} s takes more than {floor * F:.9g} N, there are {F:.6g} N",
         )
     raise ComputationError(
         Outcome.NO_CONVERGENCE,

@@ -1,0 +1,95 @@
+"""Time per damping-optimal solve, warm, beside the same problem by IPOPT: one core.
+
+OMP_NUM_THREADS=1 python -m benchmarks.damping_optimal
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+from mtcommission.machine import VelocityStep, Weight
+from mtcommission.optimal.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.discretisation import TranscriptionSettings
+from mtcommission.optimal.solution import DampingOptimum
+from mtcommission.optimal.transcription import transcribe_damping_optimal
+from mtcommission.plant import Plant, build_plant
+from tests.machines import paper_machine, random_modal_machine
+
+STEP = VelocityStep(velocity_step=0.1)
+PAPER_WEIGHTS = tuple(  # Christiansen, Maurer & Zirn, eq. (17)
+    Weight(state=state, value=value)
+    for state, value in [
+        ("x_b", 1.8858e15),
+        ("phi", 1.0961e15),
+        ("v_b", 8.6070e10),
+        ("v_phi", 2.8505e10),
+    ]
+)
+
+
+def time_of(call: Callable[[], DampingOptimum], *, repeats: int) -> tuple[float, DampingOptimum]:
+    result, times = call(), []
+    for _ in range(repeats):
+        start = perf_counter()
+        result = call()
+        times.append(perf_counter() - start)
+    return median(times), result
+
+
+def paper_cases(plant: Plant) -> None:
+    print("paper's machine, 2 kN: t_f [s], exact [ms], IPOPT N=1000 [ms], ratio, cost ratio - 1")
+    for t_f in (0.043525, 0.044, 0.0522, 0.07, 0.435):
+        ours, exact = time_of(
+            lambda t=t_f: solve_damping_optimal(
+                plant, STEP, force_limit=2e3, t_f=t, weights=PAPER_WEIGHTS
+            ),
+            repeats=15,
+        )
+        peer, grid = time_of(
+            lambda t=t_f: transcribe_damping_optimal(
+                plant,
+                STEP,
+                force_limit=2e3,
+                t_f=t,
+                weights=PAPER_WEIGHTS,
+                bounds=(),
+                settings=TranscriptionSettings(intervals=1000),
+            ),
+            repeats=1,
+        )
+        error = grid.cost / exact.cost - 1.0
+        print(f"{t_f:9.6f} {1e3 * ours:7.1f} {1e3 * peer:8.0f} {peer / ours:6.0f} {error:10.1e}")
+
+
+def random_cases() -> None:
+    print("random machines, force at 93 % of what the free optimum wants: modes, median [ms]")
+    for n_modes in (1, 2, 4, 6, 8):
+        times = []
+        for seed in range(8):
+            machine = random_modal_machine(seed, n_modes=n_modes)
+            plant, move = build_plant(machine), machine.moves[0]
+            t_f = 4.0 * pi / min(mode.natural_frequency for mode in plant.modes)
+            weights = tuple(
+                Weight(state=plant.states[mode.deflection], value=mode.natural_frequency**4)
+                for mode in plant.modes
+            )
+            free = solve_damping_optimal(plant, move, force_limit=1e12, t_f=t_f, weights=weights)
+            wanted = max(abs(float(arc.output @ arc.initial)) for arc in free.arcs)
+            taken, _ = time_of(
+                lambda p=plant, m=move, F=0.93 * wanted, t=t_f, w=weights: solve_damping_optimal(
+                    p, m, force_limit=F, t_f=t, weights=w
+                ),
+                repeats=3,
+            )
+            times.append(taken)
+        print(f"{n_modes:3d} {1e3 * float(np.median(times)):7.1f}")
+
+
+if __name__ == "__main__":
+    paper_cases(build_plant(paper_machine()))
+    random_cases()
