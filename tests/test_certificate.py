@@ -11,13 +11,8 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from mtcommission.machine import Move, Positioning, VelocityStep
-from mtcommission.optimal.certificate import (
-    Claim,
-    adjoint,
-    certify,
-    prove_bound,
-    terminal_jacobian,
-)
+from mtcommission.optimal.bound import prove_bound
+from mtcommission.optimal.certificate import Claim, adjoint, certify, terminal_jacobian
 from mtcommission.optimal.moments import MomentProblem, moment_problem
 from mtcommission.optimal.polish import BangBang, find_bang_bang
 from mtcommission.optimal.solution import constant_arc, propagate, sample_trajectory

@@ -212,8 +212,8 @@ def isolate_zeros(mesh: Mesh, multipliers: Array) -> Zeros:
         cells = _halve(mesh.problem, multipliers, cells[:, ~settled])
     if not found:
         return Zeros(tau=np.empty(0), doubt=doubt)
-    brackets = np.concatenate(found, axis=1)
-    return Zeros(tau=np.sort(_refine(mesh.problem, multipliers, brackets)), doubt=doubt)
+    tau = np.sort(_refine(mesh.problem, multipliers, np.concatenate(found, axis=1)))
+    return Zeros(tau=tau[tau > 0.0], doubt=doubt)
 
 
 def _first_cells(mesh: Mesh, multipliers: Array) -> Array:

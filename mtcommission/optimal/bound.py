@@ -1,0 +1,130 @@
+"""The time that given multipliers prove to be needed, safe against rounding.
+
+Where modes nearly coincide, or hardly turn during the move, the multipliers are large against σ
+and ∫|σ| loses digits. It is summed in the machine's extended precision (64 bits on x86; elsewhere
+perhaps only double), so that the allowance for rounding stays far below the accuracy wanted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.dual import MARGIN, evaluate_dual
+from mtcommission.optimal.moments import MomentProblem
+from mtcommission.optimal.switching import ROUNDOFF, build_mesh
+
+Array = NDArray[np.float64]
+Extended = NDArray[np.longdouble]
+
+EXTENDED_ROUNDOFF = float(np.finfo(np.longdouble).eps)
+LOWERINGS = 50
+"""Attempts to lower the bound below the span; two or three are usual."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SwitchingIntegral:
+    """∫_0^T |σ| with what rounding may have taken from it.
+
+    Parameters
+    ----------
+    value
+        The integral, in extended precision [s] or [s²].
+    allowance
+        Bound of its error.
+    end_value
+        |σ(T)|.
+    """
+
+    value: np.longdouble
+    allowance: float
+    end_value: float
+
+
+def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float) -> float:
+    """Return a time before which no admissible force reaches the target, whatever c is.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    multipliers
+        c, shape (size,); any values give a valid bound.
+    span
+        target / F_max [s] or [s²].
+
+    Returns
+    -------
+    float
+        T with ∫_0^T |σ_c| + (rounding allowance) <= span [s].
+
+    Source: docs/optimal-control.md, section 2.
+    """
+    least = 2.0 * float(np.sqrt(span)) if problem.degree else span
+    point = evaluate_dual(build_mesh(problem, MARGIN * least), multipliers, span=span)
+    doubt = point.doubt + 2.0 * ROUNDOFF * span
+    bound = point.bound
+    for attempt in range(LOWERINGS):
+        inside = point.zeros[point.zeros < bound]
+        integral = integrate_switching(problem, multipliers, np.append(inside, bound))
+        excess = float(integral.value - span) + integral.allowance + doubt
+        if excess <= 0.0:
+            return bound * (1.0 - 4.0 * ROUNDOFF)
+        step = excess / max(integral.end_value, ROUNDOFF * integral.allowance)
+        bound -= min((1.0 + attempt) * step + ROUNDOFF * bound, 0.5 * bound)
+    return 0.0
+
+
+def integrate_switching(
+    problem: MomentProblem, multipliers: Array, ends: Array
+) -> SwitchingIntegral:
+    """Return ∫|σ| from 0 over the zeros to the last end.
+
+    The allowance counts, in units of half the roundoff, |p| τ for the product p τ as far as e^{pτ}
+    is still there, 6 for e^{pτ} - 1 and its division by p, and one for each term of a sum; and,
+    since a zero that is off by δ hides |σ'| δ², σ²/|σ'| at each of them.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    multipliers
+        c, shape (size,).
+    ends
+        Zeros of σ and the end of the interval, ascending, shape (k + 1,) [s].
+
+    Returns
+    -------
+    SwitchingIntegral
+    """
+    tau = ends.astype(np.longdouble)[:, np.newaxis]
+    rates = problem.rates.astype(np.clongdouble)
+    less_one = np.expm1(tau * rates)
+    weights = _complex_multipliers(problem, multipliers)
+    constant = np.longdouble(problem.constant(multipliers))
+    t = tau[:, 0]
+    power = 0.5 * t * t if problem.degree else t
+    primitive = power - constant * t - ((less_one / rates) @ weights).real
+    value = (t if problem.degree else 1.0) - constant - ((less_one + 1.0) @ weights).real
+    slope = problem.degree - (((less_one + 1.0) * rates) @ weights).real
+    # A slope below |σ|/τ says that the zero is known to its own size only: then it hides τ |σ|.
+    least = np.maximum(np.abs(value[:-1]) / t[:-1], np.finfo(np.float64).tiny)
+    hidden = value[:-1] ** 2 / np.maximum(np.abs(slope[:-1]), least)
+    decay = np.abs(less_one + 1.0)
+    magnitude = np.abs(rates)
+    modal = (6.0 + problem.size) * np.minimum(tau, (1.0 + decay) / magnitude) + tau * decay
+    terms = modal @ np.abs(weights) + (2.0 + problem.size) * (abs(constant) * t + power)
+    return SwitchingIntegral(
+        value=np.abs(np.diff(primitive, prepend=np.longdouble(0.0))).sum(),
+        allowance=EXTENDED_ROUNDOFF * float(terms.sum()) + 2.0 * float(hidden.sum()),
+        end_value=abs(float(value[-1])),
+    )
+
+
+def _complex_multipliers(problem: MomentProblem, multipliers: Array) -> NDArray[np.clongdouble]:
+    """Return C with Σ c_i φ_i = Re Σ C e^{pτ} (without the constant)."""
+    modal = 2 * problem.rates.size - 2
+    pairs = multipliers[0:modal:2] - 1j * multipliers[1:modal:2]
+    return np.append(pairs, multipliers[modal]).astype(np.clongdouble)
