@@ -253,14 +253,15 @@ def simulate(
     csv_file: CsvOption = "",
 ) -> None:
     """Run one setpoint through the loop and judge it."""
-    from mtcommission.commission import Settings as ChainSettings
-    from mtcommission.commission import require_force, run_moves, settle_on_loop
     from mtcommission.files import response_csv, write_text
+    from mtcommission.loop_choice import Settings, settle_on_loop
+    from mtcommission.optima import require_force
     from mtcommission.options import read_limits
     from mtcommission.plant import build_plant
     from mtcommission.record.build import simulation_part
     from mtcommission.record.files import dump_json
     from mtcommission.terminal import describe_simulation, show
+    from mtcommission.trials import run_moves
 
     machine = _read(profile, f_max)
     chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
@@ -268,7 +269,7 @@ def simulate(
     plant = build_plant(machine)
     with _progress() as progress:
         progress("feedback loop")
-        tuned = settle_on_loop(machine, plant, ChainSettings())
+        tuned = settle_on_loop(machine, plant, Settings()).tuned
         progress("response")
         moves = run_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)

@@ -11,11 +11,11 @@ from tempfile import NamedTemporaryFile
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.commission import MoveResult
 from mtcommission.errors import Fault, InputError
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_trajectory
 from mtcommission.plant import Plant
 from mtcommission.setpoint import Setpoint, sample_setpoint
+from mtcommission.trials import MoveResult
 
 Array = NDArray[np.float64]
 

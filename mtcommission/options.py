@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from math import isfinite
 
-from mtcommission.commission import (
+from mtcommission.errors import Fault, InputError
+from mtcommission.limits import MotionLimits
+from mtcommission.machine import Machine, Motion, Move, Positioning, VelocityStep
+from mtcommission.optima import (
     DAMPING_TIME_FACTOR,
     find_damping_optimum,
     find_time_optimum,
     require_force,
 )
-from mtcommission.errors import Fault, InputError
-from mtcommission.limits import MotionLimits
-from mtcommission.machine import Machine, Motion, Move, Positioning, VelocityStep
 from mtcommission.optimal.discretisation import Scheme, TranscriptionSettings
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
 from mtcommission.optimal.transcription import (

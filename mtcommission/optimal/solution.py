@@ -315,3 +315,42 @@ class DampingOptimum:
     law_residual: float
     terminal_error: Array
     peaks: Array
+
+
+def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: float) -> Array:
+    """Return the states at 0, step, 2 step, ... up to a time after the last arc.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    arcs
+        In order, without gaps, starting at t = 0 from rest.
+    step
+        Distance of samples [s].
+    until
+        Last instant wanted [s]; after the last arc the set force is 0.
+
+    Returns
+    -------
+    ndarray, shape (n_samples, n)
+        Exact at every sample, wherever the switches lie between them.
+    """
+    count = int(np.floor(until / step + 1e-9)) + 1
+    states = np.zeros((count, plant.order))
+    last = arcs[-1].t_end
+    rest = constant_arc(last, max(until, last) + step, control="interior", force=0.0)
+    x = np.zeros(plant.order)
+    for arc in (*arcs, rest):
+        joint = _joint_system(plant, arc)
+        begin = np.concatenate([x, arc.initial])
+        first = int(np.ceil(arc.t_start / step - 1e-9))
+        stop = min(int(np.ceil(arc.t_end / step - 1e-9)), count)
+        if first < stop:
+            z = expm(joint * max(first * step - arc.t_start, 0.0)) @ begin
+            transition = expm(joint * step)
+            for i in range(first, stop):
+                states[i] = z[: plant.order]
+                z = transition @ z
+        x = (expm(joint * (arc.t_end - arc.t_start)) @ begin)[: plant.order]
+    return states

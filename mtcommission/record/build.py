@@ -11,10 +11,15 @@ from numpy.typing import NDArray
 
 from mtcommission import __version__
 from mtcommission.assess import Assessment, assess
-from mtcommission.commission import Commissioning, MoveResult, Optima
+from mtcommission.commission import (
+    Commissioning,
+    MoveComparison,
+)
 from mtcommission.loop.response import LoopResponse
 from mtcommission.loop.tuning import TunedLoop
+from mtcommission.loop_choice import LoopVariant
 from mtcommission.machine import Corner, Machine, Manipulator
+from mtcommission.optima import Optima
 from mtcommission.plant import Plant, kalman_rank
 from mtcommission.record.data import describe_move, list_assumptions, list_data
 from mtcommission.record.optima import finite_or_none, optimum_entry, series_entry
@@ -24,12 +29,17 @@ from mtcommission.record.schema import (
     AssessmentPart,
     Check,
     ClosedLoop,
+    ComparedEntry,
+    ComparisonEntry,
+    ContinuousEntry,
+    FedForwardEntry,
     Landscape,
     LimitsEntry,
     LimitsPart,
     LoopPart,
     ModeEntry,
     MoveEntry,
+    ObserverEntry,
     OptimaEntry,
     PlantEntry,
     Profile,
@@ -42,9 +52,11 @@ from mtcommission.record.schema import (
     SetpointEntry,
     SimulationPart,
     Tool,
+    VariantEntry,
 )
 from mtcommission.rules import dominant_mode
 from mtcommission.setpoint import sample_setpoint
+from mtcommission.trials import MoveResult
 
 Array = NDArray[np.float64]
 
@@ -97,6 +109,7 @@ def build_record(
         limits=limits_part(commissioning),
         loop=_loop_part(commissioning),
         moves=[move_entry(plant, commissioning.tuned, result) for result in commissioning.moves],
+        comparisons=[_comparison_entry(plant, item) for item in commissioning.comparisons],
         assessment=assessment_part(commissioning.assessment),
     )
 
@@ -308,7 +321,14 @@ def _loop_part(commissioning: Commissioning) -> LoopPart:
         position_cycle=controller.position_cycle,
         velocity_cycle=controller.velocity_cycle,
         sensors=list(controller.sensors),
-        observed_states=[plant.states[i] for i in controller.observer.states],
+        observer=ObserverEntry(
+            states=[plant.states[i] for i in controller.observer.states],
+            sensors=list(controller.sensors),
+            A=controller.observer.A.tolist(),
+            B=controller.observer.B.tolist(),
+            C=controller.observer.C.tolist(),
+            L=controller.observer.L.tolist(),
+        ),
         closed_loop=ClosedLoop(
             A=lifted.A.tolist(),
             B=lifted.B.tolist(),
@@ -324,6 +344,10 @@ def _loop_part(commissioning: Commissioning) -> LoopPart:
         phase_margin_deg=finite_or_none(nominal.phase_margin_deg),
         sensitivity_peak=nominal.sensitivity_peak,
         bandwidth_hz=finite_or_none(nominal.bandwidth_hz),
+        dynamic_stiffness=nominal.dynamic_stiffness,
+        weakest_frequency_hz=nominal.weakest_frequency_hz,
+        mode_damping=_by_mode(plant, nominal.mode_damping),
+        variants=[_variant_entry(plant, variant) for variant in commissioning.loop.variants],
         worst_corner={
             "gain_margin_db": finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
             "phase_margin_deg": finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
@@ -339,6 +363,64 @@ def _loop_part(commissioning: Commissioning) -> LoopPart:
             },
         ),
         remarks=list(tuned.remarks),
+    )
+
+
+def _by_mode(plant: Plant, values: Array) -> dict[str, float]:
+    return {mode.name: float(value) for mode, value in zip(plant.modes, values, strict=True)}
+
+
+def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
+    nominal, trial = variant.tuned.nominal, variant.trial
+    force = next(check for check in trial.assessment.checks if check.name == "set force")
+    return VariantEntry(
+        name=variant.name,
+        used=variant.is_used,
+        mode_damping=_by_mode(plant, nominal.mode_damping),
+        gain_margin_db=finite_or_none(nominal.gain_margin_db),
+        phase_margin_deg=finite_or_none(nominal.phase_margin_deg),
+        sensitivity_peak=nominal.sensitivity_peak,
+        bandwidth_hz=finite_or_none(nominal.bandwidth_hz),
+        dynamic_stiffness=nominal.dynamic_stiffness,
+        weakest_frequency_hz=nominal.weakest_frequency_hz,
+        settling_time=finite_or_none(trial.settling_time),
+        residual_deviation=finite_or_none(trial.residual_deviation),
+        max_force=force.value,
+    )
+
+
+def _comparison_entry(plant: Plant, comparison: MoveComparison) -> ComparisonEntry:
+    return ComparisonEntry(
+        controls=[
+            ComparedEntry(
+                name=control.name,
+                transfer_time=finite_or_none(control.transfer_time),
+                overshoot=control.overshoot,
+                peaks=dict(zip(plant.signals, control.peaks.tolist(), strict=True)),
+                max_force=control.max_force,
+                heat=control.heat,
+                work=control.work,
+            )
+            for control in comparison.controls
+        ],
+        fed_forward=[
+            FedForwardEntry(
+                control=name,
+                payload=found.corner.payload,
+                frequency_factor=found.corner.frequency_factor,
+                damping_factor=found.corner.damping_factor,
+                settling_time=finite_or_none(found.settling_time),
+                residual_deviation=found.residual_deviation,
+                peak_deviation=found.peak_deviation,
+                saturated_share=found.saturated_share,
+            )
+            for name, rows in comparison.fed_forward
+            for found in rows
+        ],
+        continuous=ContinuousEntry(
+            settling_time=finite_or_none(comparison.continuous.settling_time),
+            residual_deviation=comparison.continuous.residual_deviation,
+        ),
     )
 
 

@@ -185,6 +185,34 @@ class ClosedLoop(TypedDict):
     outputs: list[str]
 
 
+class ObserverEntry(TypedDict):
+    """The predicting observer at the velocity cycle: x̂⁺ = A x̂ + B F_set + L (y - C x̂)."""
+
+    states: list[str]
+    sensors: list[str]
+    A: list[list[float]]
+    B: list[float]
+    C: list[list[float]]
+    L: list[list[float]]
+
+
+class VariantEntry(TypedDict):
+    """The loop without or with state feedback, each with its own best limits."""
+
+    name: str
+    used: bool
+    mode_damping: dict[str, float]
+    gain_margin_db: float | None
+    phase_margin_deg: float | None
+    sensitivity_peak: float
+    bandwidth_hz: float | None
+    dynamic_stiffness: float
+    weakest_frequency_hz: float
+    settling_time: float | None
+    residual_deviation: float | None
+    max_force: float
+
+
 class LoopPart(TypedDict):
     """The controller and how good its loop is; margins with the loop cut at F_set."""
 
@@ -197,13 +225,17 @@ class LoopPart(TypedDict):
     position_cycle: float
     velocity_cycle: float
     sensors: list[str]
-    observed_states: list[str]
+    observer: ObserverEntry
     closed_loop: ClosedLoop
     poles: list[list[float]]
     gain_margin_db: float | None
     phase_margin_deg: float | None
     sensitivity_peak: float
     bandwidth_hz: float | None
+    dynamic_stiffness: float
+    weakest_frequency_hz: float
+    mode_damping: dict[str, float]
+    variants: list[VariantEntry]
     worst_corner: dict[str, float | None]
     bode: Series
     remarks: list[str]
@@ -248,6 +280,46 @@ class MoveEntry(TypedDict):
     response: ResponseEntry
     corners: list[ResponseEntry]
     series: Series
+
+
+class ComparedEntry(TypedDict):
+    """One way of doing a move, in the loop or by an optimal control on the plant."""
+
+    name: str
+    transfer_time: float | None
+    overshoot: float
+    peaks: dict[str, float]
+    max_force: float
+    heat: float
+    work: float
+
+
+class FedForwardEntry(TypedDict):
+    """An optimal control fed forward while the loop corrects, on one machine."""
+
+    control: str
+    payload: float
+    frequency_factor: float
+    damping_factor: float
+    settling_time: float | None
+    residual_deviation: float
+    peak_deviation: float
+    saturated_share: float
+
+
+class ContinuousEntry(TypedDict):
+    """The recommended setpoint through the continuous approximation of the loop."""
+
+    settling_time: float | None
+    residual_deviation: float
+
+
+class ComparisonEntry(TypedDict):
+    """One move in the loop and by its optima."""
+
+    controls: list[ComparedEntry]
+    fed_forward: list[FedForwardEntry]
+    continuous: ContinuousEntry
 
 
 class Check(TypedDict):
@@ -296,4 +368,5 @@ class Record(TypedDict):
     limits: LimitsPart
     loop: LoopPart
     moves: list[MoveEntry]
+    comparisons: list[ComparisonEntry]
     assessment: AssessmentPart

@@ -35,8 +35,8 @@ def loop(record: Record, f: Formatter) -> Section:
     """Return gains, margins, frequency response and poles."""
     text, part = f.labels, record["loop"]
     sentences = [text.sensors.format(names=", ".join(part["sensors"]))]
-    if part["observed_states"]:
-        sentences.append(text.observed.format(names=", ".join(part["observed_states"])))
+    if part["observer"]["states"]:
+        sentences.append(text.observed.format(names=", ".join(part["observer"]["states"])))
     if not part["state_feedback"]:
         sentences.append(text.no_state_feedback)
     gains = Table(

@@ -1,0 +1,169 @@
+"""The physical optima of a move on the nominal machine, and the limits closest to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.limits import MotionLimits, condense
+from mtcommission.machine import Machine, Move, Positioning
+from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.solution import (
+    Bound,
+    DampingOptimum,
+    TimeOptimum,
+    sample_trajectory,
+)
+from mtcommission.optimal.time_optimal import solve_time_optimal
+from mtcommission.optimal.weights import balanced_weights
+from mtcommission.plant import Plant
+
+DAMPING_TIME_FACTOR = 1.2
+"""Default t_f of the damping-optimal control over t_f,min where no peaks are bounded
+(the project's definition)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Optima:
+    """The physical optima of one move on the nominal machine.
+
+    Parameters
+    ----------
+    move
+        Which move.
+    time
+        Time-optimal, exact rest; under max_velocity where the move has one.
+    constrained
+        The same under the profile's peaks; None where there are none.
+    damping
+        Damping-optimal; None where its final time is too short (see ``remarks``).
+    remarks
+        What was left out, and why.
+    """
+
+    move: Move
+    time: TimeOptimum
+    constrained: TimeOptimum | None
+    damping: DampingOptimum | None
+    remarks: tuple[str, ...]
+
+
+def require_force(machine: Machine) -> None:
+    """Raise NO_FORCE_LEFT if the static load takes all of the force.
+
+    Parameters
+    ----------
+    machine
+        Any machine.
+    """
+    drive = machine.drive
+    if drive.motion_force <= 0.0:
+        detail = f"static_load {drive.static_load:.6g} N of max_force {drive.max_force:.6g} N"
+        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
+
+
+def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
+    """Return the physical optima of one move.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    move
+        Velocity step or positioning.
+
+    Returns
+    -------
+    Optima
+    """
+    force = machine.drive.motion_force
+    time = find_time_optimum(plant, move, force_limit=force, bounds=())
+    constrained, remarks = None, []
+    bounds = tuple(Bound(name=p.name, value=p.bound) for p in machine.requirements.peaks)
+    if bounds:
+        try:
+            constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
+        except ComputationError as error:
+            remarks.append(f"Optimum under the bounds on peaks: {error}.")
+    wanted = machine.damping_optimal
+    t_f = wanted.t_f or (constrained.t_f if constrained else DAMPING_TIME_FACTOR * time.t_f)
+    damping = None
+    try:
+        damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
+    except ComputationError as error:
+        remarks.append(f"Damping-optimal control: {error}.")
+    return Optima(
+        move=move,
+        time=time,
+        constrained=constrained,
+        damping=damping,
+        remarks=tuple(remarks),
+    )
+
+
+def find_time_optimum(
+    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
+) -> TimeOptimum:
+    """Return the time-optimal control, bounded or free, whichever the move and bounds ask for."""
+    limited = isinstance(move, Positioning) and isfinite(move.max_velocity)
+    if bounds or limited:
+        return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
+    return solve_time_optimal(plant, move, force_limit=force_limit)
+
+
+def find_damping_optimum(
+    machine: Machine, plant: Plant, move: Move, *, t_f: float, least: float
+) -> DampingOptimum:
+    """Return the damping-optimal control with the profile's weights, or balanced ones.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    move
+        Velocity step or positioning.
+    t_f
+        Final time [s].
+    least
+        t_f,min of the same move [s].
+
+    Returns
+    -------
+    DampingOptimum
+
+    Raises
+    ------
+    ComputationError
+        FINAL_TIME_TOO_SHORT if t_f < least, with t_f,min in the message.
+    """
+    if t_f < least:
+        detail = f"t_f = {1e3 * t_f:.6g} ms, but t_f,min = {1e3 * least:.6g} ms"
+        raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
+    force = machine.drive.motion_force
+    weights = machine.damping_optimal.weights
+    if not weights:
+        reference = solve_time_optimal(plant, move, force_limit=force)
+        weights = balanced_weights(plant, reference)
+    return solve_damping_optimal(plant, move, force_limit=force, t_f=t_f, weights=weights)
+
+
+def condense_optima(plant: Plant, optima: Sequence[Optima]) -> tuple[tuple[str, MotionLimits], ...]:
+    """Return the jerk-limited profile closest to each optimum, with its name."""
+    found = []
+    for number, item in enumerate(optima, start=1):
+        place = f", move {number}" if len(optima) > 1 else ""
+        solutions = {
+            "time-optimal": item.time,
+            "constrained": item.constrained,
+            "damping-optimal": item.damping,
+        }
+        for name, solution in solutions.items():
+            if solution is None:
+                continue
+            motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / 500)
+            limits = condense(item.move, motion, velocity=plant.velocity)
+            found.append((f"closest to the {name} control{place}", limits))
+    return tuple(found)

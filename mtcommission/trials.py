@@ -1,0 +1,109 @@
+"""Limits through the loop: every move in every corner, judged like a recommendation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mtcommission.assess import Assessment, assess
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.response import LoopResponse, simulate
+from mtcommission.loop.tuning import TunedLoop
+from mtcommission.machine import Machine
+from mtcommission.plant import Plant
+from mtcommission.setpoint import Setpoint, plan_setpoint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoveResult:
+    """One move with some limits, in every corner.
+
+    Parameters
+    ----------
+    setpoint
+        What the control sends.
+    responses
+        One for each corner, the nominal machine first.
+    """
+
+    setpoint: Setpoint
+    responses: tuple[LoopResponse, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """Named limits through the same loop, corners and judgement as the recommendation.
+
+    Parameters
+    ----------
+    name, source
+        What they are and who says so.
+    limits
+        Acceleration and jerk.
+    settling_time, residual_deviation, peak_deviation
+        Worst over moves and corners [s, m, m].
+    assessment
+        Verdict on every requirement.
+    """
+
+    name: str
+    source: str
+    limits: MotionLimits
+    settling_time: float
+    residual_deviation: float
+    peak_deviation: float
+    assessment: Assessment
+
+
+def run_moves(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple[MoveResult, ...]:
+    """Return every move with these limits, simulated in every corner.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its band and drive count.
+    tuned
+        The loop in every corner.
+    limits
+        Acceleration and jerk.
+
+    Returns
+    -------
+    tuple of MoveResult
+    """
+    results = []
+    for move in machine.moves:
+        setpoint = plan_setpoint(move, limits, moving_average=machine.control.moving_average_time)
+        responses = tuple(
+            simulate(
+                loop,
+                lifted,
+                setpoint,
+                drive=machine.drive,
+                band=machine.requirements.tcp_deviation,
+            )
+            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+        )
+        results.append(MoveResult(setpoint=setpoint, responses=responses))
+    return tuple(results)
+
+
+def judge(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    name: str,
+    source: str,
+    limits: MotionLimits,
+) -> Trial:
+    """Return what some limits do in the same loop, corners and judgement as all others."""
+    rows = [result.responses for result in run_moves(machine, tuned, limits)]
+    everywhere = [response for row in rows for response in row]
+    return Trial(
+        name=name,
+        source=source,
+        limits=limits,
+        settling_time=max(response.settling_time for response in everywhere),
+        residual_deviation=max(response.residual_deviation for response in everywhere),
+        peak_deviation=max(response.peak_deviation for response in everywhere),
+        assessment=assess(machine, plant, tuned.corners, rows),
+    )
