@@ -119,7 +119,7 @@ def _run(
                 controller.position_gain * (position[i] - loop.plant.row("encoder") @ X[:n]),
             )
         tool[i] = loop.plant.row("tcp") @ X[:n]
-        X[loop.held], X[loop.held + 1] = correction + rate[i], force + target[i]
+        X[loop.held : loop.held + 3] = correction, rate[i], force + target[i]
         demand = float(loop.demand @ X)
         acting = min(max(demand, -limit), limit)
         increment = float(loop.integration @ X) if acting == demand else 0.0

@@ -319,6 +319,8 @@ class Control:
         Kp [N s/m].
     integral_time
         Tn [s].
+    reference_model_time
+        Time constant of the reference model in the integral branch [s]; 0 = none.
     velocity_feedforward, acceleration_feedforward, jerk_feedforward
         Weights [-].
     feedforward_mass
@@ -344,6 +346,7 @@ class Control:
     position_gain: float | None = None
     velocity_gain: float | None = None
     integral_time: float | None = None
+    reference_model_time: float = 0.0
     velocity_feedforward: float = 1.0
     acceleration_feedforward: float = 1.0
     jerk_feedforward: float = 0.0

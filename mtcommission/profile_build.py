@@ -144,6 +144,7 @@ def _build_control(control: ControlTable) -> Control:
         position_gain=control.position_gain,
         velocity_gain=control.velocity_gain,
         integral_time=control.integral_time,
+        reference_model_time=control.reference_model_time,
         velocity_feedforward=control.velocity_feedforward,
         acceleration_feedforward=control.acceleration_feedforward,
         jerk_feedforward=control.jerk_feedforward,

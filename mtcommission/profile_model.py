@@ -356,6 +356,9 @@ class ControlTable(Table):
     position_gain: Annotated[float | None, GAIN_Q] = _option("Kv.", '"60 1/s"')
     velocity_gain: Annotated[float | None, VELOCITY_GAIN_Q] = _option("Kp.", '"200 kN s/m"')
     integral_time: Annotated[float | None, TIME_Q] = _option("Tn.", '"20 ms"')
+    reference_model_time: Annotated[float, DELAY_Q] = _option(
+        "Time constant of the reference model in the integral branch; 0 = none.", '"5 ms"', 0.0
+    )
     velocity_feedforward: Annotated[float, FEEDFORWARD_Q] = _option("Weight.", "1.0", 1.0)
     acceleration_feedforward: Annotated[float, FEEDFORWARD_Q] = _option(
         "Weight, times feedforward_mass.", "1.0", 1.0

@@ -8,7 +8,7 @@ out (they lie above 1/(2 T_p) and are attenuated by the hold and the plant).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, pi
+from math import exp, inf, pi
 
 import control
 import numpy as np
@@ -103,6 +103,11 @@ def frequency_response(plant: Plant, controller: Controller) -> FrequencyRespons
     z = np.exp(1j * omega * T_v)
     A, B = discretise(plant, T_v)
     pi_law = controller.velocity_gain * (1.0 + T_v / controller.integral_time / (z - 1.0))
+    # The position controller's demand reaches the integral branch through the reference model.
+    model = _reference_model(controller, z)
+    position_law = controller.velocity_gain * (
+        1.0 + T_v / controller.integral_time / (z - 1.0) * model
+    )
     held = z**-N * (1.0 - z**-N) / (1.0 - 1.0 / z) / N
     path = 1.0 / z
     for item in controller.force_filters:
@@ -118,7 +123,7 @@ def frequency_response(plant: Plant, controller: Controller) -> FrequencyRespons
         return np.asarray(path * (pi_law * rate + estimate))
 
     def position_feedback(states: ComplexArray) -> ComplexArray:
-        gain = path * pi_law * controller.position_gain * held
+        gain = path * position_law * controller.position_gain * held
         return np.asarray(gain * (states @ plant.row("encoder")))
 
     moved = _resolvent(A, np.tile(B.astype(np.complex128), (z.size, 1)), z)
@@ -134,11 +139,19 @@ def frequency_response(plant: Plant, controller: Controller) -> FrequencyRespons
         frequency_hz=omega / (2 * pi),
         open_loop=open_loop,
         closed_velocity_loop=path
-        * pi_law
+        * position_law
         * (moved @ (plant.row("encoder") @ plant.A))
         / (1.0 + inner),
         compliance=disturbed @ tool - (moved @ tool) * reaction / (1.0 + open_loop),
     )
+
+
+def _reference_model(controller: Controller, z: ComplexArray) -> ComplexArray:
+    """First-order lag at the velocity cycle through which the integral sees its setpoint."""
+    if not controller.reference_model_time:
+        return np.ones_like(z)
+    share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
+    return np.asarray(share / (z - 1.0 + share))
 
 
 def _estimate(

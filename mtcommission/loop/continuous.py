@@ -97,15 +97,7 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
         ),
         _delay(held, "v_asked", "v_held"),
         _delay(arrival, "v_ref", "v_late"),
-        control.ss(
-            0.0,
-            [[1.0, controller.velocity_feedforward, -1.0]],
-            [[controller.velocity_gain / controller.integral_time]],
-            controller.velocity_gain * np.array([[1.0, controller.velocity_feedforward, -1.0]]),
-            name="velocity",
-            inputs=["v_held", "v_late", "rate"],
-            outputs=["f_velocity"],
-        ),
+        _velocity_controller(controller),
         control.ss([], [], [], [force], name="ahead", inputs=list(INPUTS), outputs=["f_ahead"]),
         _delay(held, "f_ahead", "f_held"),
         control.ss([], [], [], [state], name="target", inputs=list(INPUTS), outputs=["f_target"]),
@@ -161,6 +153,32 @@ def simulate_continuous(
         deviation=deviation,
         settling_time=max(end, last),
         residual_deviation=float(np.max(size[t >= end - 0.5 * STEP])),
+    )
+
+
+def _velocity_controller(controller: Controller) -> control.StateSpace:
+    """PI law; with a reference model the lagged correction is a second state."""
+    Kp, Tn, T_r = (
+        controller.velocity_gain,
+        controller.integral_time,
+        controller.reference_model_time,
+    )
+    correction = np.array([1.0, 0.0, 0.0])
+    error = np.array([1.0, controller.velocity_feedforward, -1.0])
+    if T_r:
+        A = np.array([[0.0, 1.0], [0.0, -1.0 / T_r]])
+        B = np.vstack([error - correction, correction / T_r])
+        C = np.array([[Kp / Tn, 0.0]])
+    else:
+        A, B, C = np.zeros((1, 1)), error[None, :], np.array([[Kp / Tn]])
+    return control.ss(
+        A,
+        B,
+        C,
+        Kp * error[None, :],
+        name="velocity",
+        inputs=["v_held", "v_late", "rate"],
+        outputs=["f_velocity"],
     )
 
 

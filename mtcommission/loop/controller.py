@@ -44,6 +44,9 @@ class Controller:
     ----------
     position_gain, velocity_gain, integral_time
         Kv [1/s], Kp [N s/m], Tn [s].
+    reference_model_time
+        Time constant of the first-order reference model through which the integral branch sees
+        the position controller's output [s]; 0 = none.
     velocity_feedforward, acceleration_feedforward, jerk_feedforward
         Weights [-]; the jerk part is feedforward_mass x force_lag x j_ref.
     feedforward_mass, force_lag
@@ -67,6 +70,7 @@ class Controller:
     position_gain: float
     velocity_gain: float
     integral_time: float
+    reference_model_time: float
     velocity_feedforward: float
     acceleration_feedforward: float
     jerk_feedforward: float

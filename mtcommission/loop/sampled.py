@@ -17,7 +17,7 @@ of the linear loop), so the two cannot differ.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, inf
+from math import ceil, exp, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +36,9 @@ from mtcommission.plant import Plant
 Array = NDArray[np.float64]
 
 INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
+
+HELD = ("held_correction", "held_velocity", "held_force")
+"""What the position cycle hands down: position controller output, velocity and force ahead."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,8 +68,7 @@ class SampledLoop:
     observation
         Outputs at a velocity cycle, shape (n_outputs, n).
     handed_down
-        Velocity setpoint and feed-forward force computed at the position cycle, over (state,
-        references), shape (2, n + 4).
+        What the position cycle computes (``HELD``), over (state, references), shape (3, n + 4).
     states
         Names of the loop's states.
     outputs
@@ -90,8 +92,8 @@ class SampledLoop:
 
     @property
     def held(self) -> int:
-        """Index of the held velocity setpoint; the held force and kept samples follow it."""
-        return self.states.index("held_velocity")
+        """Index of the first of ``HELD``; the kept setpoint samples follow them."""
+        return self.states.index("held_correction")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -141,9 +143,10 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     filters = tuple(discretise_filter(item, controller) for item in controller.force_filters)
     names = [f"plant.{name}" for name in plant.states]
     names += ["integrator", "pending_force"]
+    names += ["reference_model"] if controller.reference_model_time else []
     names += [f"filter[{i}].{k}" for i, stage in enumerate(filters) for k in range(len(stage.B))]
     names += [f"observer.{model.states[i]}" for i in controller.observer.states]
-    names += ["held_velocity", "held_force"]
+    names += list(HELD)
     names += [f"{name}[-{k}]" for k in range(1, delays + 1) for name in INPUTS]
     step, demand, integration = _velocity_cycle(plant, controller, filters, size=len(names))
     unit = np.eye(len(names))
@@ -176,13 +179,15 @@ def _velocity_cycle(
     observer, n = controller.observer, plant.order
     unit = np.eye(size)
     P, z, pending, rest = unit[:n], unit[n], unit[n + 1], n + 2
+    if controller.reference_model_time:
+        modelled, rest = rest, rest + 1
     step = unit.copy()
     A, B = discretise(plant, controller.velocity_cycle)
     step[:n] = A @ P + np.outer(B, pending)
 
     first_observer = rest + sum(len(stage.B) for stage in filters)
     seen = slice(first_observer, first_observer + len(observer.states))
-    estimate, held = unit[seen], unit[seen.stop : seen.stop + 2]
+    estimate, held = unit[seen], unit[seen.stop : seen.stop + len(HELD)]
     measured = np.array([plant.row(sensor) for sensor in controller.sensors]) @ P
     step[seen] = (
         observer.A @ estimate
@@ -190,31 +195,43 @@ def _velocity_cycle(
         + observer.L @ (measured - observer.C @ estimate)
     )
 
-    error = held[0] - plant.row("encoder") @ plant.A @ P
+    error = held[0] + held[1] - plant.row("encoder") @ plant.A @ P
+    integrated = error
+    if controller.reference_model_time:
+        # Only the correction passes the model: the velocity ahead already arrives in time.
+        share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
+        step[modelled] += share * (held[0] - unit[modelled])
+        integrated = error + unit[modelled] - held[0]
     gains = controller.state_gains[list(observer.states)]
-    demand = controller.velocity_gain * (error + z) + held[1] - gains @ estimate
+    demand = controller.velocity_gain * (error + z) + held[2] - gains @ estimate
     for stage in filters:
         own = slice(rest, rest + len(stage.B))
         step[own] = stage.A @ unit[own] + np.outer(stage.B, demand)
         demand = stage.C @ unit[own] + stage.D * demand
         rest = own.stop
-    return step, demand, controller.velocity_cycle / controller.integral_time * error
+    return step, demand, controller.velocity_cycle / controller.integral_time * integrated
 
 
 def _position_cycle(
     plant: Plant, controller: Controller, model: Plant, *, arrival: float, delays: int, size: int
 ) -> Array:
-    """Velocity setpoint and feed-forward force, as rows over (state, references)."""
+    """Correction, velocity and force handed down, as rows over (state, references)."""
     T_p, m = controller.position_cycle, controller.feedforward_mass
     delayed = delay_weights(arrival, cycle=T_p, delays=delays)
     position = delay_weights(controller.reference_delay, cycle=T_p, delays=delays)[0]
-    velocity = controller.position_gain * position + controller.velocity_feedforward * delayed[1]
     force = controller.state_gains @ reference_state(model, controller) @ delayed
     force[2] += controller.acceleration_feedforward * m
     force[3] += controller.jerk_feedforward * m * controller.force_lag
-    rows = np.zeros((2, size + 4))
-    rows[:, size:] = velocity[:4], force[:4]
-    rows[:, size - 4 * delays : size] = velocity[4:], force[4:]
+    ahead = np.vstack(
+        [
+            controller.position_gain * position,
+            controller.velocity_feedforward * delayed[1],
+            force,
+        ]
+    )
+    rows = np.zeros((len(HELD), size + 4))
+    rows[:, size:] = ahead[:, :4]
+    rows[:, size - 4 * delays : size] = ahead[:, 4:]
     rows[0, : plant.order] = -controller.position_gain * plant.row("encoder")
     return rows
 
@@ -330,7 +347,7 @@ def advance_cycle(
         X = loop.step @ X
         X[z] += increment
         X[z + 1] = force
-    kept = np.vstack([references, X[held + 2 :]])[: len(X) - held - 2]
+    kept = np.vstack([references, X[held + len(HELD) :]])[: len(X) - held - len(HELD)]
     return np.vstack([X[:held], handed_down, kept]), outputs
 
 

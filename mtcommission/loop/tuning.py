@@ -210,6 +210,7 @@ def _cascade(machine: Machine, fraction: float) -> Controller:
         position_gain=Kv,
         velocity_gain=Kp,
         integral_time=Tn,
+        reference_model_time=given.reference_model_time,
         velocity_feedforward=given.velocity_feedforward,
         acceleration_feedforward=given.acceleration_feedforward,
         jerk_feedforward=given.jerk_feedforward,
