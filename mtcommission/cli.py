@@ -304,6 +304,72 @@ def sheet(
     _finish(loaded)
 
 
+@app.command()
+def export(
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="record.json of a run.")],
+    control: Annotated[
+        str, typer.Option("--control", metavar="NAME", help="E.g. sinumerik; ? lists all.")
+    ],
+    output: Annotated[
+        str, typer.Option("-o", "--output", metavar="FILE", help="- for the screen.")
+    ] = "-",
+    as_csv: Annotated[
+        bool, typer.Option("--csv", help="Parameter list to tick off instead.")
+    ] = False,
+) -> None:
+    """Write the limits in a control's own names, units and syntax: text, to be verified."""
+    from mtcommission.export import control_keys, export_record, parameter_list
+    from mtcommission.files import write_text
+    from mtcommission.record.files import load_record
+
+    if control.strip() == "?":
+        sys.stdout.write("\n".join(control_keys()) + "\n")
+        return
+    found = export_record(load_record(record), control=control)
+    write_text(output, parameter_list(found) if as_csv else found.text)
+    raise typer.Exit(0 if found.meets_requirements else 1)
+
+
+profiles_app = typer.Typer(help="The example machines that come with the program.")
+app.add_typer(profiles_app, name="profiles", no_args_is_help=True)
+
+
+@profiles_app.command("list")
+def list_profiles() -> None:
+    """List the example machines with the source of their numbers."""
+    from mtcommission.shipped import describe_shipped, read_shipped, shipped_names
+
+    sys.stdout.write("".join(describe_shipped(read_shipped(name)) for name in shipped_names()))
+
+
+@profiles_app.command("show")
+def show_profile(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
+) -> None:
+    """Print an example machine."""
+    from mtcommission.shipped import read_shipped
+
+    sys.stdout.write(read_shipped(name).text)
+
+
+@profiles_app.command("copy")
+def copy_profile(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
+    file: Annotated[str, typer.Argument(metavar="[FILE]", help="Default: NAME.toml here.")] = "",
+) -> None:
+    """Copy an example machine to start from; never overwrites a file."""
+    from mtcommission.files import write_text
+    from mtcommission.shipped import read_shipped
+
+    found = read_shipped(name)
+    target = file or f"{found.name}.toml"
+    if target != "-" and Path(target).exists():
+        raise InputError([Fault(where=target, message="exists already; give another name")])
+    write_text(target, found.text)
+    if target != "-":
+        sys.stdout.write(f"written: {target}\n")
+
+
 def _read(profile: Path, f_max: str) -> Machine:
     from mtcommission.options import with_force
     from mtcommission.profile import read_profile

@@ -1,0 +1,212 @@
+"""What an export is made of: parameters in a control's own words, and how they are laid out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from mtcommission.export.rounding import Coding, Typed
+from mtcommission.export.subject import Subject
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One parameter to be typed in.
+
+    Parameters
+    ----------
+    name
+        As the control spells it.
+    value, unit
+        Number and the control's unit.
+    meaning
+        What it limits, in a few words.
+    section
+        Where it stands in a structured file, parts separated by "/".
+    is_verified
+        Whether name and unit were read in a maker's text or source file.
+    """
+
+    name: str
+    value: str
+    unit: str
+    meaning: str
+    section: str = ""
+    is_verified: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """Parameters that belong together.
+
+    Parameters
+    ----------
+    title
+        "" for the recommendation itself, else what the alternative is.
+    entries
+        In the order of entry.
+    notes
+        Sentences about them.
+    """
+
+    title: str
+    entries: tuple[Entry, ...]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Control:
+    """A control and how it takes limits.
+
+    Parameters
+    ----------
+    key
+        For ``--control``.
+    title
+        Maker and products.
+    coding
+        How limits are stored.
+    describe
+        The parameters for typed limits.
+    layout
+        The parameters in the control's syntax, as lines.
+    comment
+        A line of text as a comment of that syntax.
+    position_gain
+        Unit of the position gain that is exported with the limits [1/s]; 0 for none.
+    alternatives
+        Further blocks, e.g. with the control's jerk filter.
+    notes
+        Sentences for the header: what the control itself adds, and what to mind.
+    """
+
+    key: str
+    title: str
+    coding: Callable[[Subject], Coding]
+    describe: Callable[[Subject, Typed], tuple[Entry, ...]]
+    layout: Callable[[Sequence[Entry]], list[str]]
+    comment: Callable[[str], str]
+    position_gain: float = 0.0
+    alternatives: Callable[[Subject, Typed], tuple[Block, ...]] = lambda _subject, _typed: ()
+    notes: Callable[[Subject], tuple[str, ...]] = lambda _subject: ()
+
+
+BLANK = "__________"
+"""Room for the old value, to be filled in by hand."""
+
+UNVERIFIED = "check against the list manual of your software version"
+
+
+def remark(entry: Entry) -> str:
+    """Return unit, room for the old value and meaning of a parameter, for a comment."""
+    doubt = "" if entry.is_verified else f" (?) {UNVERIFIED}"
+    unit = f"[{entry.unit}] " if entry.unit else ""
+    return f"{unit}old: {BLANK}  {entry.meaning}{doubt}"
+
+
+def line_layout(pattern: str, comment: Callable[[str], str], entries: Sequence[Entry]) -> list[str]:
+    """Return one line for each parameter, with its remark behind it.
+
+    Parameters
+    ----------
+    pattern
+        With fields ``name`` and ``value``.
+    comment
+        A text as a comment.
+    entries
+        The parameters.
+
+    Returns
+    -------
+    list of str
+    """
+    heads = [pattern.format(name=entry.name, value=entry.value) for entry in entries]
+    width = max(map(len, heads))
+    return [
+        f"{head:<{width}}  {comment(remark(entry))}"
+        for head, entry in zip(heads, entries, strict=True)
+    ]
+
+
+def table_layout(entries: Sequence[Entry]) -> list[str]:
+    """Return a table for entry by hand: parameter, new value, unit, old value, meaning."""
+    head = Entry(name="Parameter", value="new value", unit="unit", meaning="meaning")
+    names, values, units = (
+        max(len(getattr(entry, field)) for entry in (head, *entries))
+        for field in ("name", "value", "unit")
+    )
+    lines = []
+    for entry in (head, *entries):
+        old = "old value" if entry is head else BLANK
+        doubt = "" if entry.is_verified else f" (?) {UNVERIFIED}"
+        lines.append(
+            f"{entry.name:<{names}} | {entry.value:>{values}} | {entry.unit:<{units}} | "
+            f"{old:<{len(BLANK)}} | {entry.meaning}{doubt}"
+        )
+    lines.insert(1, "-" * max(map(len, lines)))
+    return lines
+
+
+def ini_layout(mark: str, entries: Sequence[Entry]) -> list[str]:
+    """Return sections with one parameter per line; remarks stand on lines of their own.
+
+    Parameters
+    ----------
+    mark
+        Between name and value, with its blanks.
+    entries
+        The parameters; their section is the header in brackets.
+
+    Returns
+    -------
+    list of str
+    """
+    lines: list[str] = []
+    for section in dict.fromkeys(entry.section for entry in entries):
+        lines.append(f"[{section}]")
+        for entry in entries:
+            if entry.section == section:
+                lines += [hash_comment(remark(entry)), f"{entry.name}{mark}{entry.value}"]
+        lines.append("")
+    return lines[:-1]
+
+
+def yaml_layout(entries: Sequence[Entry]) -> list[str]:
+    """Return nested mappings, one level for each part of the section."""
+    lines: list[str] = []
+    open_parts: list[str] = []
+    for entry in entries:
+        parts = entry.section.split("/")
+        shared = 0
+        while shared < min(len(parts), len(open_parts)) and parts[shared] == open_parts[shared]:
+            shared += 1
+        lines += [f"{'  ' * i}{part}:" for i, part in enumerate(parts) if i >= shared]
+        open_parts = parts
+        indent = "  " * len(parts)
+        lines.append(f"{indent}{entry.name}: {entry.value}  {hash_comment(remark(entry))}")
+    return lines
+
+
+def semicolon_comment(text: str) -> str:
+    """Return a comment of G-code and machine data files."""
+    return f"; {text}".rstrip()
+
+
+def hash_comment(text: str) -> str:
+    """Return a comment of INI, YAML and table files."""
+    return f"# {text}".rstrip()
+
+
+def bracket_comment(text: str) -> str:
+    """Return a comment of ISG lists: everything behind an opening parenthesis."""
+    return f"( {text}".rstrip()
+
+
+def structured_text_comment(text: str) -> str:
+    """Return a comment of IEC 61131-3 Structured Text."""
+    return f"(* {text.replace('*)', '* )')} *)"
+
+
+def unverified(entry: Entry) -> Entry:
+    """Return the parameter marked as not verified."""
+    return replace(entry, is_verified=False)

@@ -1,0 +1,309 @@
+"""Open controls and firmware: LinuxCNC, grblHAL, FluidNC, Klipper, Marlin, ROS 2."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.export.control import (
+    Control,
+    Entry,
+    hash_comment,
+    ini_layout,
+    line_layout,
+    semicolon_comment,
+    unverified,
+    yaml_layout,
+)
+from mtcommission.export.numeric import DEGREE, MILLI
+from mtcommission.export.plc import identifier
+from mtcommission.export.rounding import Coding, JerkForm, Typed
+from mtcommission.export.shaping import Shaper
+from mtcommission.export.subject import Subject
+
+LETTERS = "XYZABCUVW"
+"""Axis letters in the order in which these controls number them."""
+
+FREQUENCY_DIGITS, DAMPING_DIGITS = 2, 3
+"""Decimals of a shaper's frequency [Hz] and damping ratio; Klipper and Marlin print as many."""
+
+LEAST_DAMPING = 0.01
+"""Smallest damping ratio that Marlin accepts."""
+
+
+def _letter(subject: Subject, allowed: str, control: str) -> str:
+    """The axis letter, or an error that says which letters the control has."""
+    letter = subject.axis[:1].upper()
+    if letter not in tuple(allowed):
+        message = (
+            f"{control} names its axes {', '.join(allowed)}; this record is of axis "
+            f'"{subject.axis}": begin machine.axis with one of these letters, or use '
+            "--control generic"
+        )
+        raise InputError([Fault(where="--control", message=message)])
+    return letter
+
+
+def _require_linear(subject: Subject, control: str) -> None:
+    if subject.is_rotary:
+        message = f"{control} limits linear axes only, this one is rotary; use --control generic"
+        raise InputError([Fault(where="--control", message=message)])
+
+
+def _unit(subject: Subject) -> tuple[str, float]:
+    return ("deg", DEGREE) if subject.is_rotary else ("mm", MILLI)
+
+
+def _jerk_coding(subject: Subject) -> Coding:
+    size = _unit(subject)[1]
+    return Coding(acceleration_unit=size, jerk_unit=size)
+
+
+def _plain_coding(subject: Subject) -> Coding:
+    return Coding(acceleration_unit=_unit(subject)[1], jerk_form=JerkForm.NONE)
+
+
+def _shaped_coding(subject: Subject, *, control: str) -> Coding:
+    _require_linear(subject, control)
+    mode = subject.mode
+    shapers = tuple(
+        Shaper(
+            order=order,
+            frequency_hz=round(mode.frequency_hz, FREQUENCY_DIGITS),
+            damping_ratio=max(LEAST_DAMPING, round(mode.damping_ratio, DAMPING_DIGITS)),
+        )
+        for order in (1, 2)
+    )
+    return Coding(acceleration_unit=MILLI, jerk_form=JerkForm.NONE, shapers=shapers)
+
+
+def _linuxcnc_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    letter = _letter(subject, LETTERS, "LinuxCNC")
+    unit = _unit(subject)[0]
+    joint = f"JOINT_{LETTERS.index(letter)}"
+    limits = tuple(
+        Entry(name=name, value=value, unit=power, meaning=meaning, section=section)
+        for section in (joint, f"AXIS_{letter}")
+        for name, value, power, meaning in (
+            ("MAX_ACCELERATION", typed.acceleration, f"{unit}/s^2", "acceleration"),
+            ("MAX_JERK", typed.jerk, f"{unit}/s^3", "jerk; 0 would switch the limit off"),
+        )
+    )
+    planner = Entry(
+        name="PLANNER_TYPE", value="1", unit="", meaning="jerk-limited planner", section="TRAJ"
+    )
+    if subject.is_rotary:
+        return (planner, *limits)
+    path = Entry(
+        name="MAX_LINEAR_JERK",
+        value=typed.jerk,
+        unit="mm/s^3",
+        meaning="path jerk: the least of all linear axes",
+        section="TRAJ",
+    )
+    return (planner, path, *limits)
+
+
+def _linuxcnc_notes(subject: Subject) -> tuple[str, ...]:
+    return (
+        "For LinuxCNC 2.10 and newer; machine units are taken to be mm and degrees.",
+        "Joint numbers assume trivial kinematics: X Y Z A B C U V W are joints 0 to 8.",
+        "MAX_LINEAR_JERK below 1 silently falls back to trapezoids. Home with PLANNER_TYPE = 0.",
+    )
+
+
+def _grblhal_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    index = LETTERS.index(_letter(subject, LETTERS[:6], "grblHAL"))
+    unit = _unit(subject)[0]
+    return (
+        Entry(
+            name=f"${120 + index}",
+            value=typed.acceleration,
+            unit=f"{unit}/s^2",
+            meaning="acceleration",
+        ),
+        Entry(name=f"${800 + index}", value=typed.jerk, unit=f"{unit}/s^3", meaning="jerk"),
+    )
+
+
+def _grblhal_notes(_subject: Subject) -> tuple[str, ...]:
+    return (
+        "The jerk settings exist only in builds with ENABLE_JERK_ACCELERATION.",
+        "$11 (junction deviation) sets how fast corners are taken and is not part of this.",
+    )
+
+
+def _settings_layout(entries: Sequence[Entry]) -> list[str]:
+    return line_layout("{name}={value}", semicolon_comment, entries)
+
+
+def _fluidnc_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    letter = _letter(subject, LETTERS[:6], "FluidNC").lower()
+    entry = Entry(
+        name="acceleration_mm_per_sec2",
+        value=typed.acceleration,
+        unit=f"{_unit(subject)[0]}/s^2",
+        meaning="acceleration",
+        section=f"axes/{letter}",
+    )
+    return (entry,)
+
+
+def _fluidnc_notes(_subject: Subject) -> tuple[str, ...]:
+    return ("FluidNC has released no jerk limit, so the acceleration had to make up for it.",)
+
+
+def _klipper_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    letter = _letter(subject, "XYZ", "Klipper").lower()
+    entries = [
+        Entry(
+            name="max_accel",
+            value=typed.acceleration,
+            unit="mm/s^2",
+            meaning="of the tool head, so of its slowest axis",
+            section="printer",
+        )
+    ]
+    if typed.shaper:
+        rows = (
+            (f"shaper_type_{letter}", typed.shaper.name, "", "input shaper"),
+            (
+                f"shaper_freq_{letter}",
+                f"{typed.shaper.frequency_hz:.{FREQUENCY_DIGITS}f}",
+                "Hz",
+                f"mode {subject.mode.name}",
+            ),
+            (
+                f"damping_ratio_{letter}",
+                f"{typed.shaper.damping_ratio:.{DAMPING_DIGITS}f}",
+                "-",
+                f"of mode {subject.mode.name}",
+            ),
+        )
+        shaped = tuple(
+            Entry(name=name, value=value, unit=unit, meaning=meaning, section="input_shaper")
+            for name, value, unit, meaning in rows
+        )
+        entries += map(unverified, shaped) if letter == "z" else shaped
+    return tuple(entries)
+
+
+def _klipper_notes(subject: Subject) -> tuple[str, ...]:
+    return (
+        "Klipper has no jerk limit; its square_corner_velocity is a velocity step, no jerk.",
+        f"The shaper quiets mode {subject.mode.name}; it makes each move longer by its own length.",
+    )
+
+
+def _marlin_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    letter = _letter(subject, "XYZ", "Marlin")
+    entries = [
+        Entry(
+            name=f"M201 {letter}", value=typed.acceleration, unit="mm/s^2", meaning="acceleration"
+        )
+    ]
+    if typed.shaper:
+        number = typed.shaper.order
+        frequency = f"{typed.shaper.frequency_hz:.{FREQUENCY_DIGITS}f}"
+        damping = f"{typed.shaper.damping_ratio:.{DAMPING_DIGITS}f}"
+        entries.append(Entry(name="M493 S", value="1", unit="", meaning="fixed-time motion on"))
+        entries.append(
+            unverified(
+                Entry(
+                    name=f"M493 {letter} C",
+                    value=f"{number} A{frequency} I{damping}",
+                    unit="-, Hz, -",
+                    meaning=f"{typed.shaper.name.upper()} shaper on mode {subject.mode.name}; "
+                    "letters changed between versions",
+                )
+            )
+        )
+    return tuple(entries)
+
+
+def _marlin_notes(_subject: Subject) -> tuple[str, ...]:
+    return (
+        'What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.',
+        "M493 needs a build with FT_MOTION; M500 keeps the values.",
+    )
+
+
+def _gcode_layout(entries: Sequence[Entry]) -> list[str]:
+    return line_layout("{name}{value}", semicolon_comment, entries)
+
+
+def _ros_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    length = "rad" if subject.is_rotary else "m"
+    section = f"joint_limits/{identifier(subject)}"
+    rows = (
+        ("has_acceleration_limits", "true", "", ""),
+        ("max_acceleration", typed.acceleration, f"{length}/s^2", "acceleration"),
+        ("has_jerk_limits", "true", "", ""),
+        ("max_jerk", typed.jerk, f"{length}/s^3", "jerk"),
+    )
+    return tuple(
+        Entry(name=name, value=value, unit=unit, meaning=meaning, section=section)
+        for name, value, unit, meaning in rows
+    )
+
+
+def _si_coding(_subject: Subject) -> Coding:
+    return Coding(acceleration_unit=1.0)
+
+
+OPEN_CONTROLS = (
+    Control(
+        key="linuxcnc",
+        title="LinuxCNC 2.10 and newer",
+        coding=_jerk_coding,
+        describe=_linuxcnc_entries,
+        layout=partial(ini_layout, " = "),
+        comment=hash_comment,
+        notes=_linuxcnc_notes,
+    ),
+    Control(
+        key="klipper",
+        title="Klipper",
+        coding=partial(_shaped_coding, control="Klipper"),
+        describe=_klipper_entries,
+        layout=partial(ini_layout, ": "),
+        comment=hash_comment,
+        notes=_klipper_notes,
+    ),
+    Control(
+        key="grblhal",
+        title="grblHAL",
+        coding=_jerk_coding,
+        describe=_grblhal_entries,
+        layout=_settings_layout,
+        comment=semicolon_comment,
+        notes=_grblhal_notes,
+    ),
+    Control(
+        key="fluidnc",
+        title="FluidNC",
+        coding=_plain_coding,
+        describe=_fluidnc_entries,
+        layout=yaml_layout,
+        comment=hash_comment,
+        notes=_fluidnc_notes,
+    ),
+    Control(
+        key="marlin",
+        title="Marlin",
+        coding=partial(_shaped_coding, control="Marlin"),
+        describe=_marlin_entries,
+        layout=_gcode_layout,
+        comment=semicolon_comment,
+        notes=_marlin_notes,
+    ),
+    Control(
+        key="ros2",
+        title="ROS 2 / MoveIt",
+        coding=_si_coding,
+        describe=_ros_entries,
+        layout=yaml_layout,
+        comment=hash_comment,
+    ),
+)

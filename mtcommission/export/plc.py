@@ -1,0 +1,171 @@
+"""PLC motion controls: TwinCAT NC and PLCopen function blocks; and the neutral list."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mtcommission.export.control import (
+    Control,
+    Entry,
+    hash_comment,
+    remark,
+    structured_text_comment,
+    table_layout,
+)
+from mtcommission.export.numeric import DEGREE, MILLI
+from mtcommission.export.rounding import Coding, Typed, round_down, round_up, type_number
+from mtcommission.export.subject import Subject
+
+INLINE = "NC program"
+"""Section of what stands in the part program instead of the PLC."""
+
+
+def identifier(subject: Subject) -> str:
+    """Return the axis name as part of an identifier."""
+    kept = "".join(
+        letter if letter.isascii() and letter.isalnum() else "_" for letter in subject.axis
+    )
+    return kept if kept[:1].isalpha() else f"Axis_{kept}"
+
+
+def _small_unit(subject: Subject) -> tuple[str, float]:
+    return ("deg", DEGREE) if subject.is_rotary else ("mm", MILLI)
+
+
+def _small_coding(subject: Subject) -> Coding:
+    size = _small_unit(subject)[1]
+    return Coding(acceleration_unit=size, jerk_unit=size)
+
+
+def _constants(subject: Subject, typed: Typed, *, length: str) -> tuple[Entry, ...]:
+    axis = identifier(subject)
+    rows = (
+        ("Acceleration", typed.acceleration, f"{length}/s^2", "acceleration"),
+        ("Deceleration", typed.acceleration, f"{length}/s^2", "deceleration"),
+        ("Jerk", typed.jerk, f"{length}/s^3", "jerk"),
+    )
+    return tuple(
+        Entry(name=f"c{axis}_{name}", value=value, unit=unit, meaning=meaning)
+        for name, value, unit, meaning in rows
+    )
+
+
+def _twincat_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    length = _small_unit(subject)[0]
+    path = Entry(
+        name="#set paramPathDynamics",
+        value=f"{typed.acceleration};{typed.acceleration};{typed.jerk}",
+        unit=f"{length}/s^2, {length}/s^3",
+        meaning="path acceleration, deceleration, jerk (NCI)",
+        section=INLINE,
+    )
+    return (*_constants(subject, typed, length=length), path)
+
+
+def _plcopen_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    return _constants(subject, typed, length=_small_unit(subject)[0])
+
+
+def _structured_text(entries: Sequence[Entry]) -> list[str]:
+    constants = [entry for entry in entries if entry.section != INLINE]
+    heads = [f"    {entry.name} : LREAL := {_real(entry.value)};" for entry in constants]
+    width = max(map(len, heads))
+    lines = ["VAR_GLOBAL CONSTANT"]
+    lines += [
+        f"{head:<{width}}  {structured_text_comment(remark(entry))}"
+        for head, entry in zip(heads, constants, strict=True)
+    ]
+    lines.append("END_VAR")
+    for entry in entries:
+        if entry.section == INLINE:
+            lines += [
+                "",
+                structured_text_comment(f"For the NC program, not for the PLC: {remark(entry)}"),
+                structured_text_comment(f"{entry.name}({entry.value})#"),
+            ]
+    return lines
+
+
+def _real(text: str) -> str:
+    """A literal of type LREAL has a decimal point."""
+    return text if "." in text else f"{text}.0"
+
+
+def _twincat_notes(subject: Subject) -> tuple[str, ...]:
+    return (
+        "MC_MoveAbsolute of TF5200 takes the jerk in mm/s^3, the TwinCAT 2 CNC took m/s^3: look "
+        "at the block that you call.",
+        "The setpoint generator needs no jerk filter beside these limits.",
+    )
+
+
+def _plcopen_notes(subject: Subject) -> tuple[str, ...]:
+    length = "degree" if subject.is_rotary else "mm"
+    return (
+        f"The unit u of the axis is taken to be 1 {length}: check the axis's scaling, and multiply "
+        "all three values if it differs.",
+        "A jerk of 0 does not mean none: it selects the default of the axis.",
+    )
+
+
+def _si_coding(_subject: Subject) -> Coding:
+    return Coding(acceleration_unit=1.0)
+
+
+def _generic_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+    length, force = ("rad", "N m") if subject.is_rotary else ("m", "N")
+    loop = subject.record["loop"]
+    rows = (
+        ("acceleration", typed.acceleration, f"{length}/s^2", "limit"),
+        ("jerk", typed.jerk, f"{length}/s^3", "limit"),
+        (
+            "jerk time",
+            type_number(round_up(typed.limits.jerk_time / 1e-6)),
+            "us",
+            "acceleration / jerk, rounded up",
+        ),
+        ("Kv", type_number(round_down(loop["Kv"])), "1/s", "position gain of this loop"),
+        ("Kp", type_number(round_down(loop["Kp"])), f"{force} s/{length}", "velocity gain"),
+        ("Tn", type_number(round_up(loop["Tn"] / 1e-6)), "us", "integral time, rounded up"),
+        (
+            "reference delay",
+            type_number(round_up(loop["reference_delay"] / 1e-6)),
+            "us",
+            "delay of the reference path",
+        ),
+    )
+    return tuple(
+        Entry(name=name, value=value, unit=unit, meaning=meaning)
+        for name, value, unit, meaning in rows
+    )
+
+
+PLC_CONTROLS = (
+    Control(
+        key="twincat",
+        title="Beckhoff TwinCAT NC / NCI",
+        coding=_small_coding,
+        describe=_twincat_entries,
+        layout=_structured_text,
+        comment=structured_text_comment,
+        notes=_twincat_notes,
+    ),
+    Control(
+        key="plcopen",
+        title="PLCopen motion blocks, CODESYS",
+        coding=_small_coding,
+        describe=_plcopen_entries,
+        layout=_structured_text,
+        comment=structured_text_comment,
+        notes=_plcopen_notes,
+    ),
+    Control(
+        key="generic",
+        title="any control: SI values in neutral words",
+        coding=_si_coding,
+        describe=_generic_entries,
+        layout=table_layout,
+        comment=hash_comment,
+        position_gain=1.0,
+    ),
+)

@@ -1,0 +1,269 @@
+"""Limits -> the numbers that a control takes, rounded to the safe side and judged again.
+
+Rounding both limits down is safe for force and peaks, but it moves the ends of the ramps, and
+with them the residual vibration. So the pair that is typed in is simulated as it will be
+read back, and if the nearest one misses a requirement, others below it are tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+from enum import Enum
+from itertools import product
+from math import inf
+
+from mtcommission.export.shaping import Shaper, shape_setpoint
+from mtcommission.export.subject import Subject, Verdict, judge_setpoints, plan_moves
+from mtcommission.limits import MotionLimits
+from mtcommission.rules import NO_JERK_LIMIT
+
+DIGITS = 4
+"""Significant digits of what is typed in: a tenth of the digits by which valleys differ."""
+
+SAME = Decimal("1e-9")
+"""A number this close to a round one (relative) is that one: 1.68/1e-3 must stay 1680."""
+
+STEPS = (0, 1, 2, 4, 8, 16, 32, 64)
+"""How many last digits below the recommendation are tried."""
+
+CYCLES = range(9)
+"""How many whole steps above the recommended jerk time are tried."""
+
+WIDE = tuple(0.9**i for i in range(36))
+"""Shares of the recommended acceleration where there is no jerk limit to go with it."""
+
+SLOWER = 0.01
+"""The nearest pair is taken without a search if it settles at most this much later."""
+
+LEAST_SHARE = 0.02
+"""Of the recommendation; less is not the same machine any more."""
+
+
+class AccelerationForm(Enum):
+    """How a control stores the acceleration."""
+
+    VALUE = "value"
+    RISE_TIME = "time from standstill to rapid traverse"
+
+
+class JerkForm(Enum):
+    """How a control stores the jerk."""
+
+    VALUE = "value"
+    TIME = "time of one acceleration ramp"
+    NONE = "not at all"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coding:
+    """How a control stores a pair of limits.
+
+    Parameters
+    ----------
+    acceleration_form, jerk_form
+        As a value or as a time.
+    acceleration_unit, jerk_unit
+        One unit of the typed number in SI [m/s², m/s³ or s].
+    time_step
+        Whole steps of a jerk time, in its unit.
+    rapid
+        Velocity that a rise time belongs to [m/s].
+    shapers
+        Input shapers of the control, tried in order; empty for none.
+    """
+
+    acceleration_unit: float
+    jerk_unit: float = 1.0
+    acceleration_form: AccelerationForm = AccelerationForm.VALUE
+    jerk_form: JerkForm = JerkForm.VALUE
+    time_step: int = 1
+    rapid: float = inf
+    shapers: tuple[Shaper, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Typed:
+    """A pair of limits as it is typed in, and what it does.
+
+    Parameters
+    ----------
+    acceleration, jerk
+        In the control's own units; jerk "" where the control has none.
+    limits
+        What the control makes of them [SI].
+    shaper
+        Input shaper in the control; None without one.
+    verdict
+        Of the simulation with exactly these numbers.
+    """
+
+    acceleration: str
+    jerk: str
+    limits: MotionLimits
+    shaper: Shaper | None
+    verdict: Verdict
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Pair:
+    """Numbers to be typed, not judged yet."""
+
+    acceleration: str
+    jerk: str
+    limits: MotionLimits
+    shaper: Shaper | None = None
+
+
+def round_down(value: float, *, digits: int = DIGITS, steps: int = 0) -> Decimal:
+    """Return the number with few significant digits at or below a value.
+
+    Parameters
+    ----------
+    value
+        > 0.
+    digits
+        Significant digits.
+    steps
+        Last digits to go further down.
+
+    Returns
+    -------
+    Decimal
+
+    Examples
+    --------
+    >>> round_down(1.68 / 1e-3), round_down(47.0888), round_down(47.0888, steps=2)
+    (Decimal('1680'), Decimal('47.08'), Decimal('47.06'))
+    """
+    exact = Decimal(value) * (1 + SAME)
+    quantum = Decimal(1).scaleb(exact.adjusted() - digits + 1)
+    return (exact / quantum).to_integral_value(ROUND_FLOOR) * quantum - steps * quantum
+
+
+def round_up(value: float, *, step: int = 1) -> int:
+    """Return the whole multiple of a step at or above a value.
+
+    Examples
+    --------
+    >>> round_up(47.0874, step=2), round_up(48.0000000001, step=2)
+    (48, 48)
+    """
+    exact = Decimal(value) * (1 - SAME)
+    return int((exact / step).to_integral_value(ROUND_CEILING)) * step
+
+
+def type_number(number: Decimal | int) -> str:
+    """Return a number as it is typed: no exponent, no zeros behind the point.
+
+    Examples
+    --------
+    >>> type_number(Decimal("1.680E+3")), type_number(Decimal("47.0800"))
+    ('1680', '47.08')
+    """
+    text = format(Decimal(number), "f")
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def type_limits(subject: Subject, coding: Coding) -> Typed:
+    """Return the numbers to type in: the fastest safe pair that meets all requirements.
+
+    Parameters
+    ----------
+    subject
+        The axis with its recommendation.
+    coding
+        How the control stores limits.
+
+    Returns
+    -------
+    Typed
+        Where no pair meets the requirements, the nearest one; its verdict says so.
+    """
+    pairs = _pairs(subject, coding)
+    nearest = _judge(subject, next(pairs))
+    recommended = subject.record["limits"]["recommended"]["settling_time"]
+    met = subject.record["assessment"]["met"]
+    near_enough = recommended is not None and (
+        nearest.verdict.settling_time <= (1.0 + SLOWER) * recommended
+    )
+    if not met or (near_enough and nearest.verdict.assessment.is_met):
+        return nearest
+    good = [
+        typed
+        for typed in (nearest, *(_judge(subject, pair) for pair in pairs))
+        if typed.verdict.assessment.is_met
+    ]
+    return min(good, key=lambda typed: typed.verdict.settling_time, default=nearest)
+
+
+def _judge(subject: Subject, pair: _Pair) -> Typed:
+    average = subject.machine.control.moving_average_time
+    setpoints = plan_moves(subject, pair.limits, moving_average=average)
+    if pair.shaper:
+        setpoints = tuple(shape_setpoint(setpoint, pair.shaper) for setpoint in setpoints)
+    return Typed(
+        acceleration=pair.acceleration,
+        jerk=pair.jerk,
+        limits=pair.limits,
+        shaper=pair.shaper,
+        verdict=judge_setpoints(subject, setpoints),
+    )
+
+
+def _pairs(subject: Subject, coding: Coding) -> Iterator[_Pair]:
+    """The pairs on the safe side, the nearest first; every one read back from its numbers."""
+    match coding.jerk_form:
+        case JerkForm.NONE:
+            return _without_jerk(subject, coding)
+        case JerkForm.TIME:
+            return _with_jerk_time(subject, coding)
+        case JerkForm.VALUE:
+            return _with_jerk(subject, coding)
+
+
+def _with_jerk(subject: Subject, coding: Coding) -> Iterator[_Pair]:
+    wanted = subject.limits.jerk / coding.jerk_unit
+    jerks = [round_down(wanted, steps=n) for n in STEPS]
+    for (text, a), jerk in product(_accelerations(subject, coding, STEPS), jerks):
+        limits = MotionLimits(acceleration=a, jerk=float(jerk) * coding.jerk_unit)
+        yield _Pair(acceleration=text, jerk=type_number(jerk), limits=limits)
+
+
+def _with_jerk_time(subject: Subject, coding: Coding) -> Iterator[_Pair]:
+    shortest = round_up(subject.limits.jerk_time / coding.jerk_unit, step=coding.time_step)
+    times = [shortest + n * coding.time_step for n in CYCLES]
+    for time, (text, a) in product(times, _accelerations(subject, coding, STEPS)):
+        limits = MotionLimits(acceleration=a, jerk=a / (time * coding.jerk_unit))
+        yield _Pair(acceleration=text, jerk=type_number(time), limits=limits)
+
+
+def _without_jerk(subject: Subject, coding: Coding) -> Iterator[_Pair]:
+    for share, shaper in product(WIDE, coding.shapers or (None,)):
+        number = round_down(share * subject.limits.acceleration / coding.acceleration_unit)
+        a = float(number) * coding.acceleration_unit
+        limits = MotionLimits(acceleration=a, jerk=a / NO_JERK_LIMIT)
+        yield _Pair(acceleration=type_number(number), jerk="", limits=limits, shaper=shaper)
+
+
+def _accelerations(
+    subject: Subject, coding: Coding, steps: tuple[int, ...]
+) -> list[tuple[str, float]]:
+    """What may be typed for the acceleration, with what it means [m/s²]."""
+    unit, a = coding.acceleration_unit, subject.limits.acceleration
+    read_back: Callable[[Decimal], float]
+    if coding.acceleration_form is AccelerationForm.RISE_TIME:
+        shortest = round_up(coding.rapid / a / unit)
+        numbers = [Decimal(shortest + n) for n in steps]
+
+        def read_back(number: Decimal) -> float:
+            return coding.rapid / (float(number) * unit)
+    else:
+        numbers = [round_down(a / unit, steps=n) for n in steps]
+
+        def read_back(number: Decimal) -> float:
+            return float(number) * unit
+
+    kept = [number for number in numbers if read_back(number) >= LEAST_SHARE * a]
+    return [(type_number(number), read_back(number)) for number in kept]

@@ -1,0 +1,217 @@
+"""Record -> Subject: what an export needs to know, and the loop to judge it in.
+
+The record holds the profile's text and every gain that was chosen, so the loop is built again
+as it was, in every corner, without tuning or optimising anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+
+import numpy as np
+
+from mtcommission.assess import Assessment, assess
+from mtcommission.errors import Fault, InputError
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.response import simulate
+from mtcommission.loop.tuning import TunedLoop, tune_loop
+from mtcommission.machine import Machine, Motion, StateFeedback, StateGain
+from mtcommission.plant import Plant, PlantMode, build_plant
+from mtcommission.profile import parse_profile
+from mtcommission.record.schema import Record
+from mtcommission.rules import dominant_mode, peak_velocity
+from mtcommission.setpoint import Setpoint, plan_setpoint
+
+REBUILT = 1e-6
+"""Largest difference between the record's loop and the one built again, relative to the largest
+entry: rounding between versions of the linear algebra, not a change of the machine."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Subject:
+    """An axis with its recommended limits, ready to be written for a control.
+
+    Parameters
+    ----------
+    record
+        Where everything comes from.
+    machine, plant, tuned
+        Built again from the record.
+    limits
+        The recommendation.
+    """
+
+    record: Record
+    machine: Machine
+    plant: Plant
+    tuned: TunedLoop
+    limits: MotionLimits
+
+    @property
+    def is_rotary(self) -> bool:
+        """Whether the axis turns."""
+        return self.machine.motion is Motion.ROTARY
+
+    @property
+    def axis(self) -> str:
+        """Name of the axis as the profile gives it."""
+        return self.machine.axis.strip()
+
+    @property
+    def mode(self) -> PlantMode:
+        """The mode that a setpoint excites most."""
+        return dominant_mode(self.plant)
+
+    @property
+    def fastest(self) -> float:
+        """Largest velocity of the profile's moves [m/s]."""
+        return max(peak_velocity(move, self.limits.acceleration) for move in self.machine.moves)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """What limits do in every corner.
+
+    Parameters
+    ----------
+    settling_time, residual_deviation
+        Worst over moves and corners [s, m]; inf where not settled.
+    assessment
+        Every requirement.
+    """
+
+    settling_time: float
+    residual_deviation: float
+    assessment: Assessment
+
+
+def build_subject(record: Record) -> Subject:
+    """Return the axis of a record with its loop built again.
+
+    Parameters
+    ----------
+    record
+        Of a run.
+
+    Returns
+    -------
+    Subject
+
+    Raises
+    ------
+    InputError
+        If the record does not belong to its own profile text.
+    """
+    machine = _as_recorded(record)
+    recommended = record["limits"]["recommended"]
+    subject = Subject(
+        record=record,
+        machine=machine,
+        plant=build_plant(machine),
+        tuned=tune_loop(machine),
+        limits=MotionLimits(acceleration=recommended["acceleration"], jerk=recommended["jerk"]),
+    )
+    _require_same_loop(subject)
+    return subject
+
+
+def with_position_gain(subject: Subject, gain: float) -> Subject:
+    """Return the subject with another position gain Kv [1/s] in its loop."""
+    control = replace(subject.machine.control, position_gain=gain)
+    machine = replace(subject.machine, control=control)
+    return replace(subject, machine=machine, tuned=tune_loop(machine))
+
+
+def plan_moves(
+    subject: Subject, limits: MotionLimits, *, moving_average: float
+) -> tuple[Setpoint, ...]:
+    """Return the setpoint of every move.
+
+    Parameters
+    ----------
+    subject
+        The axis.
+    limits
+        Acceleration and jerk.
+    moving_average
+        Length of the control's moving-average setpoint filter [s]; 0 = none.
+
+    Returns
+    -------
+    tuple of Setpoint
+    """
+    return tuple(
+        plan_setpoint(move, limits, moving_average=moving_average) for move in subject.machine.moves
+    )
+
+
+def judge_setpoints(subject: Subject, setpoints: Sequence[Setpoint]) -> Verdict:
+    """Return what setpoints do in every corner.
+
+    Parameters
+    ----------
+    subject
+        The axis.
+    setpoints
+        One for each move.
+
+    Returns
+    -------
+    Verdict
+    """
+    machine, tuned = subject.machine, subject.tuned
+    rows = [
+        [
+            simulate(
+                loop,
+                lifted,
+                setpoint,
+                drive=machine.drive,
+                band=machine.requirements.tcp_deviation,
+            )
+            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+        ]
+        for setpoint in setpoints
+    ]
+    everywhere = [response for row in rows for response in row]
+    return Verdict(
+        settling_time=max(response.settling_time for response in everywhere),
+        residual_deviation=max(response.residual_deviation for response in everywhere),
+        assessment=assess(machine, subject.plant, tuned.corners, rows),
+    )
+
+
+def _as_recorded(record: Record) -> Machine:
+    """The profile's machine with the record's force limit and gains in place of tuning."""
+    machine = parse_profile(record["profile"]["text"], where=record["profile"]["name"])
+    force = next(row["value"] for row in record["data"] if row["key"] == "drive.max_force")
+    loop, gains = record["loop"], record["loop"]["state_feedback"]
+    control = replace(
+        machine.control,
+        position_gain=loop["Kv"],
+        velocity_gain=loop["Kp"],
+        integral_time=loop["Tn"],
+        reference_delay=loop["reference_delay"],
+        feedforward_mass=loop["feedforward"]["mass"],
+        state_feedback=StateFeedback.GIVEN if gains else StateFeedback.OFF,
+        state_gains=tuple(StateGain(state=state, value=gain) for state, gain in gains.items()),
+    )
+    drive = replace(machine.drive, max_force=float(force))
+    return replace(machine, drive=drive, control=control)
+
+
+def _require_same_loop(subject: Subject) -> None:
+    recorded = np.array(subject.record["loop"]["closed_loop"]["A"])
+    rebuilt = subject.tuned.lifted[0].A
+    same = recorded.shape == rebuilt.shape and np.allclose(
+        recorded, rebuilt, rtol=0.0, atol=REBUILT * float(np.max(np.abs(rebuilt)))
+    )
+    recommended = subject.record["limits"]["recommended"]
+    if not (same and isfinite(recommended["acceleration"]) and recommended["jerk"] > 0.0):
+        message = (
+            "the loop in this record is not the one that its profile and gains give; "
+            "run the profile again with this version"
+        )
+        raise InputError([Fault(where="record", key="loop", message=message)])

@@ -1,0 +1,226 @@
+"""Record -> Export: the verb, the header that every export carries, and the parameter list."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from io import StringIO
+from math import isfinite
+from textwrap import wrap
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.export.control import UNVERIFIED, Block, Control
+from mtcommission.export.numeric import NUMERIC_CONTROLS
+from mtcommission.export.open_source import OPEN_CONTROLS
+from mtcommission.export.plc import PLC_CONTROLS
+from mtcommission.export.rounding import Typed, round_down, type_limits
+from mtcommission.export.subject import Subject, build_subject, with_position_gain
+from mtcommission.limits import MotionLimits
+from mtcommission.record.schema import Record
+
+CONTROLS: Mapping[str, Control] = {
+    control.key: control for control in (*NUMERIC_CONTROLS, *PLC_CONTROLS, *OPEN_CONTROLS)
+}
+
+WIDTH = 96
+"""Columns of the header's sentences."""
+
+COLUMNS = (
+    "section", "parameter", "unit", "old_value", "new_value", "entered", "verified", "meaning",
+    "name_and_unit",
+)  # fmt: skip
+"""Of the parameter list; three of them are left empty for the engineer."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Export:
+    """Limits in a control's own words.
+
+    Parameters
+    ----------
+    control
+        Which control.
+    header
+        Sentences that stand above the parameters.
+    blocks
+        The recommendation first, then alternatives.
+    limits
+        What the control makes of the typed numbers [SI].
+    meets_requirements
+        Whether exactly these numbers meet all requirements in every corner.
+    text
+        The file.
+    """
+
+    control: str
+    header: tuple[str, ...]
+    blocks: tuple[Block, ...]
+    limits: MotionLimits
+    meets_requirements: bool
+    text: str
+
+
+def control_keys() -> tuple[str, ...]:
+    """Return the names that ``--control`` takes.
+
+    Examples
+    --------
+    >>> control_keys()[:3]
+    ('sinumerik', 'heidenhain', 'fanuc')
+    """
+    return tuple(CONTROLS)
+
+
+def export_record(record: Record, *, control: str) -> Export:
+    """Return the recommended limits of a record for a control.
+
+    Parameters
+    ----------
+    record
+        Of a run.
+    control
+        One of ``control_keys()``.
+
+    Returns
+    -------
+    Export
+
+    Raises
+    ------
+    InputError
+        If there is no such control, it cannot take this axis, or the record does not belong to
+        its own profile.
+    """
+    target = _find(control)
+    subject = build_subject(record)
+    if target.position_gain:
+        typed_gain = round_down(record["loop"]["Kv"] / target.position_gain)
+        subject = with_position_gain(subject, float(typed_gain) * target.position_gain)
+    typed = type_limits(subject, target.coding(subject))
+    blocks = (
+        Block(title="", entries=target.describe(subject, typed)),
+        *target.alternatives(subject, typed),
+    )
+    header = _header(subject, target, typed)
+    return Export(
+        control=target.key,
+        header=header,
+        blocks=blocks,
+        limits=typed.limits,
+        meets_requirements=typed.verdict.assessment.is_met,
+        text=_write(target, header, blocks),
+    )
+
+
+def parameter_list(export: Export) -> str:
+    """Return an export as CSV with room for old value, entered and verified.
+
+    Parameters
+    ----------
+    export
+        From ``export_record``.
+
+    Returns
+    -------
+    str
+        Header lines begin with ``#``; then one row for each parameter.
+    """
+    stream = StringIO()
+    for sentence in export.header:
+        stream.write(f"# {sentence}\n")
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for block in export.blocks:
+        for entry in block.entries:
+            section = " / ".join(part for part in (block.title, entry.section) if part)
+            doubt = "read in the maker's text" if entry.is_verified else f"(?) {UNVERIFIED}"
+            writer.writerow(
+                (section, entry.name, entry.unit, "", entry.value, "", "", entry.meaning, doubt)
+            )
+    return stream.getvalue()
+
+
+def _find(name: str) -> Control:
+    key = name.strip().lower()
+    if key in CONTROLS:
+        return CONTROLS[key]
+    close = get_close_matches(key, CONTROLS, n=1)
+    hint = f"; did you mean {close[0]}?" if close else "."
+    message = f"no control {name!r}{hint} There are: {', '.join(CONTROLS)}"
+    raise InputError([Fault(where="--control", message=message)])
+
+
+def _header(subject: Subject, control: Control, typed: Typed) -> tuple[str, ...]:
+    record = subject.record
+    profile = record["profile"]
+    sentences = [
+        f"{record['machine']['name']}, axis {record['machine']['axis']}: limits for "
+        f"{control.title}",
+        f"Computed {record['created']} by {record['tool']['name']} {record['tool']['version']} "
+        f"from {profile['name']}",
+        f"Profile SHA-256 {profile['sha256']}",
+        "VERIFY BEFORE USE. Calculated, not measured: not an acceptance test (ISO 230). Enter by "
+        "hand, note the old values, try at reduced override.",
+        _verdict(subject, control, typed),
+        "Each limit is rounded to the safe side. Units stand beside the values.",
+        *control.notes(subject),
+    ]
+    average = subject.machine.control.moving_average_time
+    if average > 0.0:
+        sentences.append(
+            f"These limits go with a moving-average setpoint filter of {1e3 * average:.4g} ms in "
+            "the control (the profile's setpoint_filter); without it they are not valid."
+        )
+    sentences.append(f"(?) means: name or unit not verified, {UNVERIFIED}.")
+    return tuple(_one_line(sentence) for sentence in sentences)
+
+
+def _verdict(subject: Subject, control: Control, typed: Typed) -> str:
+    length = "rad" if subject.is_rotary else "m"
+    verdict, recommended = typed.verdict, subject.record["limits"]["recommended"]
+    count = len(subject.tuned.corners)
+    place = "the nominal machine" if count == 1 else f"{count} corners"
+    settling = _milliseconds(verdict.settling_time)
+    gain = " and this Kv" if control.position_gain else ""
+    judged = (
+        f"Simulated with exactly these limits{gain} in {place}: settling time {settling}, residual "
+        f"deviation {verdict.residual_deviation:.4g} {length} (recommended limits: "
+        f"{_milliseconds(recommended['settling_time'])})"
+    )
+    if verdict.assessment.is_met:
+        return f"{judged}; all requirements met."
+    missed = "; ".join(
+        f"{check.name} {check.value:.4g} {check.unit} > {check.limit:.4g} {check.unit}"
+        for check in verdict.assessment.checks
+        if not check.is_met
+    )
+    return f"{judged}; REQUIREMENTS NOT MET: {missed}."
+
+
+def _milliseconds(value: float | None) -> str:
+    return "not settled" if value is None or not isfinite(value) else f"{1e3 * value:.4g} ms"
+
+
+def _one_line(text: str) -> str:
+    """User's texts stay in their comment: no line break gets through."""
+    return " ".join(text.split())
+
+
+def _write(control: Control, header: tuple[str, ...], blocks: tuple[Block, ...]) -> str:
+    lines = [control.comment(line) for sentence in header for line in wrap(sentence, WIDTH)]
+    for block in blocks:
+        lines.append("")
+        if not block.title:
+            lines += control.layout(block.entries)
+            continue
+        inside = [
+            block.title.upper(),
+            *(line for note in block.notes for line in wrap(note, WIDTH)),
+        ]
+        lines += [control.comment(line) for line in inside]
+        if block.entries:
+            # An alternative must not act by accident when the file is read in as it stands.
+            lines += [control.comment(line) for line in control.layout(block.entries)]
+    return "\n".join(lines) + "\n"
