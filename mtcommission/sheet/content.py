@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.record.schema import Record
+from mtcommission.sheet.comparison_part import comparisons
 from mtcommission.sheet.evidence_part import certificates, entry_form, versions
 from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_en import Labels
@@ -53,6 +54,7 @@ def compose(record: Record, labels: Labels) -> Document:
             rules(record, f),
             landscape(record, f),
             motions(record, f),
+            comparisons(record, f),
             loop(record, f),
             corner_tables(record, f),
             certificates(record, f),

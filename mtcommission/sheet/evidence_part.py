@@ -105,10 +105,10 @@ def entry_form(record: Record, f: Formatter) -> Section:
         heading=text.entry_heading,
         blocks=(
             table,
-            Paragraph(text=text.entry_note, tone=Tone.NOTE),
+            Paragraph(text=f"{text.entry_note} {text.disclaimer}", tone=Tone.NOTE),
             Form(fields=text.signature_fields),
-            Paragraph(text=text.disclaimer, tone=Tone.NOTE),
         ),
+        starts_page=True,
     )
 
 

@@ -20,12 +20,17 @@ WIDTH = 6.7
 LEFT, RIGHT, TOP, EDGE, BOTTOM, GAP = 0.55, 0.1, 0.35, 0.08, 0.4, 0.2
 """Room around and between axes [inch]; fixed, since an automatic layout takes half of the time."""
 
+LONG_NAME = 60
+"""Characters of a name that takes a line of the legend to itself."""
+
 PANEL, SQUARE = 0.8, 1.9
 """Heights of a panel and of a single pair of axes [inch]."""
 
 STYLE: Any = {
     "font.family": "DejaVu Sans",
     "font.size": 7.0,
+    # A machine may be called "$x$".
+    "text.parse_math": False,
     "svg.fonttype": "none",
     "svg.hashsalt": "mtcommission",
     "axes.grid": True,
@@ -119,6 +124,7 @@ def _line_plot(plot: LinePlot) -> Figure:
         axes.set_title(panel.y_label, loc="left", fontsize=7.0, pad=3.0)
         if plot.x_is_log:
             axes.set_xscale("log")
+            axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
         axes.margins(x=0.01)
     grid[-1].set_xlabel(plot.x_label)
     figure.legend(
@@ -137,8 +143,9 @@ def _draw_line(axes: Axes, line: Line) -> Any:
 
 
 def _point_plot(plot: PointPlot) -> Figure:
-    # The legend names every point, two in a row, below the axes.
-    legend = 0.16 * (len(plot.marks) // 2 + 1) + 0.1
+    # The legend names every point below the axes.
+    columns = 2 if max(len(mark.label) for mark in plot.marks) < LONG_NAME else 1
+    legend = 0.16 * -(-(len(plot.marks) + 1) // columns) + 0.1
     height = EDGE + SQUARE + BOTTOM + legend
     figure = Figure(figsize=(WIDTH, height))
     axes = figure.add_axes(_frame(height, bottom=BOTTOM + legend, right=RIGHT))
@@ -161,7 +168,7 @@ def _point_plot(plot: PointPlot) -> Figure:
         axis.set_major_locator(LogLocator(subs=subdivisions))
         axis.set_major_formatter(FormatStrFormatter("%.4g"))
         axis.set_minor_formatter(NullFormatter())
-    figure.legend(loc="lower left", ncols=2, fontsize=6.5, borderaxespad=0.2)
+    figure.legend(loc="lower left", ncols=columns, fontsize=6.5, borderaxespad=0.2)
     return figure
 
 

@@ -204,7 +204,14 @@ def motion_unit(unit: str, *, rotary: bool) -> str:
     >>> motion_unit("m/s^2", rotary=True), motion_unit("kg", rotary=True)
     ('rad/s^2', 'kg m^2')
     """
-    swap = {"m": "rad", "N": "N m", "kg": "kg m^2", "N s/m": "N m s/rad", "1/kg": "1/(kg m^2)"}
+    swap = {
+        "m": "rad",
+        "N": "N m",
+        "kg": "kg m^2",
+        "N s/m": "N m s/rad",
+        "N/m": "N m/rad",
+        "1/kg": "1/(kg m^2)",
+    }
     if not rotary:
         return unit
     return swap.get(unit, re.sub(r"^m/", "rad/", unit))

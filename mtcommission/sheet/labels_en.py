@@ -210,6 +210,29 @@ class Labels:
     segment: str = "Segment"
     moving_average: str = "Moving-average filter of the control: {time}."
 
+    comparison_heading: str = "Comparison with the optimal controls"
+    comparison_note: str = (
+        "Nominal machine. In the loop, the transfer time is the settling time; an optimal control "
+        "ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position "
+        "(positioning), relative to the target. Heat is the integral of the squared motor force."
+    )
+    controls_caption: str = "{move}: ways of doing the move"
+    control: str = "Control"
+    transfer_time: str = "Transfer time"
+    overshoot: str = "Overshoot"
+    peak_of: str = "Peak of {name}"
+    heat: str = "Heat"
+    work: str = "Work"
+    fed_forward_caption: str = (
+        "{move}: the optimal control itself fed forward, on the machine and on one that is "
+        "a little different"
+    )
+    saturated_share: str = "Time without force left"
+    continuous_check: str = (
+        "Cross-check: the same setpoint through a continuous approximation of the loop settles "
+        "after {settling} (sampled loop: {sampled}), residual deviation {residual}."
+    )
+
     # 5 loop
     loop_heading: str = "Control loop"
     gains_caption: str = "Gains"
@@ -229,6 +252,11 @@ class Labels:
     observed: str = "Observed states: {names}."
     position_cycle: str = "Position cycle"
     velocity_cycle: str = "Velocity cycle"
+    variants_caption: str = "The loop with and without state feedback, each with its best limits"
+    variant_used: str = "{name} (used)"
+    damping_of: str = "Damping of mode {mode}"
+    dynamic_stiffness: str = "Least dynamic stiffness at the tool"
+    stiffness_at: str = "{stiffness} at {frequency}"
     bode_caption: str = "Frequency response: open loop (cut at the set force), closed velocity loop"
     bode_alt: str = (
         "Magnitude and phase over frequency. Gain margin {gain}, phase margin {phase}, "

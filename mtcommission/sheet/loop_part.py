@@ -7,7 +7,7 @@ from math import hypot, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.record.schema import MoveEntry, Record
+from mtcommission.record.schema import LoopPart, MoveEntry, Record, VariantEntry
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import (
     Block,
@@ -54,6 +54,7 @@ def loop(record: Record, f: Formatter) -> Section:
             gains,
             Paragraph(text=" ".join(sentences), tone=Tone.NOTE),
             _margins(record, f),
+            *_variants(record, f),
             _bode(record, f),
             _poles(record, f),
             *remarks,
@@ -123,6 +124,11 @@ def _margins(record: Record, f: Formatter) -> Table:
             f.quantity(part["bandwidth_hz"], "Hz"),
             f.quantity(worst.get("bandwidth_hz"), "Hz"),
         ),
+        (text.dynamic_stiffness, _stiffness(part, f), "–"),
+        *(
+            (text.damping_of.format(mode=mode), f.percent(damping), "–")
+            for mode, damping in part["mode_damping"].items()
+        ),
     )
     return Table(
         caption=text.margins_caption,
@@ -132,6 +138,52 @@ def _margins(record: Record, f: Formatter) -> Table:
             Column(head=text.worst_corner, is_number=True),
         ),
         rows=rows,
+    )
+
+
+def _variants(record: Record, f: Formatter) -> tuple[Table, ...]:
+    """Return the loops that were compared side by side; nothing if there was no choice."""
+    text, variants = f.labels, record["loop"]["variants"]
+    if len(variants) < 2:
+        return ()
+    length = motion_unit("m", rotary=f.rotary)
+    force = record["plant"]["units"]["F"]
+    rows = [
+        (text.gain_margin, *(f.decibel(item["gain_margin_db"]) for item in variants)),
+        (text.phase_margin, *(f.degree(item["phase_margin_deg"]) for item in variants)),
+        (text.sensitivity_peak, *(f.number(i["sensitivity_peak"], digits=3) for i in variants)),
+        (text.bandwidth, *(f.quantity(item["bandwidth_hz"], "Hz") for item in variants)),
+        (text.dynamic_stiffness, *(_stiffness(item, f) for item in variants)),
+    ]
+    for mode in record["plant"]["modes"]:
+        name = mode["name"]
+        dampings = (f.percent(item["mode_damping"][name]) for item in variants)
+        rows.append((text.damping_of.format(mode=name), *dampings))
+    rows += [
+        (text.settling_time, *(f.settling(item["settling_time"]) for item in variants)),
+        (text.residual, *(f.quantity(item["residual_deviation"], length) for item in variants)),
+        (text.max_force, *(f.quantity(item["max_force"], force) for item in variants)),
+    ]
+    heads = (
+        text.variant_used.format(name=item["name"]) if item["used"] else item["name"]
+        for item in variants
+    )
+    return (
+        Table(
+            caption=text.variants_caption,
+            columns=(
+                Column(head=text.quantity, width=1.6),
+                *(Column(head=head, is_number=True) for head in heads),
+            ),
+            rows=tuple(rows),
+        ),
+    )
+
+
+def _stiffness(part: LoopPart | VariantEntry, f: Formatter) -> str:
+    return f.labels.stiffness_at.format(
+        stiffness=f.quantity(part["dynamic_stiffness"], motion_unit("N/m", rotary=f.rotary)),
+        frequency=f.quantity(part["weakest_frequency_hz"], "Hz"),
     )
 
 

@@ -353,11 +353,14 @@ class Section:
         Its heading.
     blocks
         What it shows, in order.
+    starts_page
+        Whether it begins a new page in print.
     """
 
     key: str
     heading: str
     blocks: tuple[Block, ...]
+    starts_page: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -184,7 +184,8 @@ function drawMark(parent, mark, px, py) {
 }
 
 function drawPoints(svg, plot, view, key) {
-  const rows = Math.ceil(plot.marks.length / 2), bottom = TITLE + SQUARE;
+  const columns = plot.marks.some(mark => mark.label.length > 55) ? 1 : 2;
+  const rows = Math.ceil(plot.marks.length / columns), bottom = TITLE + SQUARE;
   svg.setAttribute("viewBox", `0 0 ${WIDTH} ${bottom + FOOT + 18 * rows + 8}`);
   const x = scale(...view.x, LEFT, WIDTH - RIGHT, true), y = scale(...view.y, bottom, TITLE, true);
   frame(svg, x, y, key);
@@ -196,7 +197,7 @@ function drawPoints(svg, plot, view, key) {
   plot.marks.forEach((mark, i) => {
     drawMark(inside, mark, x.at(mark.x), y.at(mark.y));
     if (i) add(inside, "text", {x: x.at(mark.x) + 8, y: y.at(mark.y) + (i % 2 ? -5 : 14)}, i);
-    const left = LEFT + (i % 2) * (WIDTH - LEFT) / 2, down = bottom + FOOT + 18 * Math.floor(i / 2) + 8;
+    const left = LEFT + (i % columns) * (WIDTH - LEFT) / 2, down = bottom + FOOT + 18 * Math.floor(i / columns) + 8;
     drawMark(svg, mark, left, down - 4);
     add(svg, "text", {x: left + 14, y: down}, i ? `${i} ${mark.label}` : mark.label);
   });

@@ -75,7 +75,11 @@ def _timestamp(created: str) -> datetime:
 def _as_json(document: Document) -> str:
     """Return the document as data for the template; plots shrink to key, caption and alt."""
     sections = [
-        {"heading": section.heading, "blocks": [_as_data(block) for block in section.blocks]}
+        {
+            "heading": section.heading,
+            "starts_page": section.starts_page,
+            "blocks": [_as_data(block) for block in section.blocks],
+        }
         for section in document.sections
     ]
     data = {

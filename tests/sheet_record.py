@@ -1,0 +1,409 @@
+"""A small record with made-up numbers, all different, so that a misplaced one is noticed."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from math import exp, pi, sin
+from typing import Any
+
+from mtcommission.record.schema import Record
+
+HOSTILE = '<script>alert("1")</script> #set text(red) [bold]x[/bold] $x_1$ \\u{41} &amp; ÄÖÜß µ'
+"""Markup of every printer at once, 80 characters or so, with umlauts."""
+
+STATES = ["x_b", "x_s", "phi", "v_b", "v_s", "v_phi", "F"]
+OUTPUTS = ["tcp", "encoder", "tcp_vibration"]
+UNITS = {
+    "x_b": "m",
+    "x_s": "m",
+    "phi": "rad",
+    "v_b": "m/s",
+    "v_s": "m/s",
+    "v_phi": "rad/s",
+    "F": "N",
+    "tcp": "m",
+    "encoder": "m",
+    "tcp_vibration": "m",
+}
+REFERENCES = ["x_ref_delayed", "v_ref", "a_ref", "j_ref", "deviation"]
+
+
+def example_record() -> Record:
+    """One move, one corner, all requirements met."""
+    return {
+        "schema": 1,
+        "tool": {"name": "mtcommission", "version": "0.1.0", "libraries": {"numpy": "2.3.4"}},
+        "created": "2026-03-04T05:06:07+00:00",
+        "profile": {"name": "mill.toml", "sha256": "0123456789abcdef" * 4, "text": "schema = 1\n"},
+        "machine": {
+            "name": "Milling machine",
+            "axis": "X",
+            "motion": "linear",
+            "source": "Table 1",
+            "kind": "manipulator",
+        },
+        "data": [
+            _datum("plant.base_mass", 451.0, "kg"),
+            _datum("plant.base_stiffness", 44.41e6, "N/m"),
+            _datum("drive.max_force", 2010.0, "N"),
+            _datum("moves[1].velocity_step", 0.102, "m/s"),
+            _datum("requirements.tcp_deviation", 5.1e-6, "m"),
+            _datum("requirements.frequency_spread", 0.052, "-"),
+            _datum("requirements.peaks.v_phi", 0.0053, "SI"),
+        ],
+        "settings": {"tuning.gain_margin_db": 6.1, "tuning.mode_damping": "0.2, 0.1"},
+        "assumptions": ["The force loop is a first-order lag."],
+        "warnings": ["The encoder does not see mode rotation."],
+        "plant": {
+            "states": STATES,
+            "units": UNITS,
+            "A": [[0.0]],
+            "B": [0.0],
+            "outputs": {},
+            "modes": [
+                {
+                    "name": "base",
+                    "frequency_hz": 50.03,
+                    "damping_ratio": 0.0301,
+                    "tcp_gain": 0.0022,
+                    "measured_gain": 0.0023,
+                }
+            ],
+            "controllability_rank": 7,
+            "moving_mass": 751.0,
+        },
+        "optima": [_optima({"velocity_step": 0.102})],
+        "limits": _limits(),
+        "loop": _loop(),
+        "moves": [_move({"velocity_step": 0.102})],
+        "comparisons": [_comparison()],
+        "assessment": {
+            "met": True,
+            "checks": [
+                {
+                    "name": "residual deviation",
+                    "value": 4.582e-6,
+                    "limit": 5.1e-6,
+                    "unit": "m",
+                    "met": True,
+                    "where": "move 1, nominal",
+                }
+            ],
+            "obstacle": "",
+        },
+    }
+
+
+def unsettled_record() -> Record:
+    """Nothing settles, nothing is met, and every null is null."""
+    record = example_record()
+    limits = record["limits"]
+    for item in (limits["recommended"], *limits["alternatives"], *limits["rules"]):
+        item["settling_time"] = item["residual_deviation"] = None
+    shape = limits["landscape"]
+    shape["settling_time"] = [[None for _ in row] for row in shape["settling_time"]]
+    loop = record["loop"]
+    loop["gain_margin_db"] = loop["phase_margin_deg"] = loop["bandwidth_hz"] = None
+    loop["worst_corner"] = dict.fromkeys(loop["worst_corner"])
+    for move in record["moves"]:
+        for response in (move["response"], *move["corners"]):
+            response["settling_time"] = response["residual_deviation"] = None
+            response["saturated"] = True
+    record["optima"][0]["damping"] = None
+    for item in (*record["loop"]["variants"], record["comparisons"][0]["continuous"]):
+        item["settling_time"] = None
+    for comparison in record["comparisons"][0]["controls"]:
+        comparison["transfer_time"] = None
+    record["assessment"] = {
+        "met": False,
+        "checks": [
+            {
+                "name": "settling time",
+                "value": None,
+                "limit": 0.2,
+                "unit": "s",
+                "met": False,
+                "where": "move 1",
+            }
+        ],
+        "obstacle": "settling time",
+    }
+    return record
+
+
+def five_moves_record() -> Record:
+    """Five moves with bounded optima, and hostile names everywhere."""
+    record = example_record()
+    moves = [
+        {"velocity_step": 0.102},
+        {"distance": 0.0203, "max_velocity": 0.504},
+        {"distance": 0.105},
+        {"velocity_step": 0.0506},
+        {"distance": 0.00107, "dwell": 0.2},
+    ]
+    record["moves"] = [_move(move) for move in moves]
+    record["optima"] = [_optima(move) for move in moves]
+    record["comparisons"] = [_comparison() for _ in moves]
+    for item in record["optima"]:
+        item["constrained"] = deepcopy(item["time"])
+        item["constrained"]["limits"] = {"v_phi": 0.0053}
+    for place in (record["machine"], record["profile"], record["plant"]["modes"][0]):
+        place["name"] = HOSTILE
+    for item in (record["loop"], *record["loop"]["variants"]):
+        item["mode_damping"] = {HOSTILE: 0.2075}
+    record["profile"]["text"] = HOSTILE
+    record["machine"]["axis"] = HOSTILE
+    record["warnings"] = record["assumptions"] = record["loop"]["remarks"] = [HOSTILE]
+    for item in (*record["limits"]["alternatives"], *record["limits"]["rules"]):
+        item["name"] = HOSTILE
+    record["limits"]["recommended"]["bound_by"] = HOSTILE
+    record["data"][0]["source"] = HOSTILE
+    return record
+
+
+def rotary_record() -> Record:
+    """A rotary table with one mode."""
+    record = example_record()
+    record["machine"]["motion"] = "rotary"
+    record["machine"]["kind"] = "modal"
+    states = ["x", "v", "q_disc", "v_disc", "F"]
+    units = {"x": "rad", "v": "rad/s", "q_disc": "N m s^2", "v_disc": "N m s", "F": "N m"}
+    record["plant"]["states"] = states
+    record["plant"]["units"] = units | dict.fromkeys(OUTPUTS, "rad")
+    names = dict(zip(STATES, ["q_disc", "x", "", "v_disc", "v", "", "F"], strict=True))
+    for series in (record["moves"][0]["series"], record["optima"][0]["time"]["series"]):
+        series["signals"] = {
+            names.get(name, name): values
+            for name, values in series["signals"].items()
+            if names.get(name, name)
+        }
+    record["optima"][0]["damping"] = None
+    for peaks in (record["moves"][0]["response"]["peaks"], record["optima"][0]["time"]["peaks"]):
+        for name in STATES:
+            value = peaks.pop(name)
+            if names[name]:
+                peaks[names[name]] = value
+    record["data"] = [
+        _datum("plant.modes.disc.damping_ratio", 0.0207, "-"),
+        _datum("requirements.tcp_deviation", 2.5e-5, "rad"),
+    ]
+    return record
+
+
+def _datum(key: str, value: float, unit: str) -> Any:
+    return {"key": key, "value": value, "unit": unit, "source": "Table 1"}
+
+
+def _series(end: float, extra: list[str]) -> Any:
+    """Decaying vibrations, one frequency for each signal."""
+    t = [end * i / 400 for i in range(401)]
+    size = {"F_set": 1803.0, "F": 1702.0, "a_ref": 2.41, "v_ref": 0.102, "v_s": 0.1021}
+    return {
+        "t": t,
+        "signals": {
+            name: [size.get(name, 1e-5) * exp(-9 * s) * sin(2 * pi * (3 + k) * s / end) for s in t]
+            for k, name in enumerate(["F_set", *STATES, *OUTPUTS, *extra])
+        },
+    }
+
+
+def _optimum(move: dict[str, float], t_f: float) -> Any:
+    return {
+        "kind": "time",
+        "method": "exact",
+        "f_max": 2010.0,
+        "move": move,
+        "limits": {},
+        "t_f": t_f,
+        "arcs": [{"t_start": 0.0, "t_end": t_f, "control": "+F_max"}],
+        "switching_times": [0.00934, 0.0367],
+        "touch_points": [],
+        "peaks": {name: 0.00123 * (k + 1) for k, name in enumerate([*STATES, *OUTPUTS])},
+        "terminal_error": dict.fromkeys(STATES, 1e-12),
+        "cost": None,
+        "cost_terms": {},
+        "weights": {},
+        "certificate": {
+            "t_f_lower_bound": 0.0434,
+            "relative_gap": 2.5e-11,
+            "adjoint_initial": {"x_b": -11.88},
+            "switching_slopes": [0.0082, -0.0083],
+            "switching_law_holds": True,
+            "terminal_jacobian_rank": 6,
+            "terminal_jacobian_condition": None,
+        },
+        "series": _series(t_f, []),
+    }
+
+
+def _optima(move: dict[str, float]) -> Any:
+    damping = _optimum(move, 0.0522) | {
+        "kind": "damping",
+        "cost": 448828.4,
+        "weights": {"x_b": 1.8858e15},
+        "certificate": {"law_residual": 6.04e-14},
+    }
+    return {
+        "move": move,
+        "time": _optimum(move, 0.0435),
+        "constrained": None,
+        "damping": damping,
+        "remarks": ["t_f of the damping-optimal control is the profile's."],
+    }
+
+
+def _trial(name: str, scale: float) -> Any:
+    return {
+        "name": name,
+        "source": "a handbook",
+        "acceleration": 2.41 * scale,
+        "jerk": 41.2 * scale,
+        "settling_time": 0.1056 * scale,
+        "residual_deviation": 4.582e-6 * scale,
+        "peak_deviation": 9.47e-6 * scale,
+        "meets_requirements": scale < 1.1,
+    }
+
+
+def _limits() -> Any:
+    best = _trial("", 1.0)
+    return {
+        "recommended": {
+            "acceleration": best["acceleration"],
+            "jerk": best["jerk"],
+            "jerk_time": 0.0585,
+            "bound_by": "residual deviation",
+            "settling_time": best["settling_time"],
+            "residual_deviation": best["residual_deviation"],
+            "peak_deviation": best["peak_deviation"],
+        },
+        "alternatives": [_trial("gentler", 0.8)],
+        "rules": [_trial("j = a f", 1.3), _trial("j = 10 a", 1.7)],
+        "rule": {
+            "text": "One ramp lasts one period.",
+            "formula": "j = a f / k",
+            "valid_for": "ζ ≤ 0.05 and Δv ≥ a/f",
+        },
+        "landscape": {
+            "acceleration": [1.0, 2.0, 3.0],
+            "jerk_time": [0.02, 0.04, 0.06, 0.08],
+            "settling_time": [[0.3, 0.2, 0.15, 0.25], [0.2, 0.12, 0.11, 0.2], [None] * 4],
+        },
+        "search": {"evaluations": 12.0},
+    }
+
+
+def _loop() -> Any:
+    f = [0.1 * 10 ** (k / 20) for k in range(81)]
+    return {
+        "Kv": 42.79,
+        "Kp": 128400.0,
+        "Tn": 0.02337,
+        "reference_delay": 0.005625,
+        "state_feedback": {"v_b": 1236.4},
+        "feedforward": {"velocity": 1.0, "acceleration": 1.0, "jerk": 0.0, "mass": 752.0},
+        "position_cycle": 0.002,
+        "velocity_cycle": 0.000125,
+        "sensors": ["encoder"],
+        "observer": {"states": ["x_b", "v_b"]},
+        "closed_loop": {},
+        "poles": [[-22.5, 452.2], [-22.5, -452.2], [-31.78, 0.0]],
+        "gain_margin_db": 13.52,
+        "phase_margin_deg": 31.84,
+        "sensitivity_peak": 1.921,
+        "bandwidth_hz": 23.96,
+        "dynamic_stiffness": 6.724e6,
+        "weakest_frequency_hz": 14.87,
+        "mode_damping": {"base": 0.2075},
+        "variants": [
+            _variant("without state feedback", 1.0, used=False),
+            _variant("with state feedback", 1.1, used=True),
+        ],
+        "worst_corner": {
+            "gain_margin_db": 12.31,
+            "phase_margin_deg": 30.12,
+            "sensitivity_peak": 1.985,
+            "bandwidth_hz": 21.7,
+        },
+        "bode": {
+            "t": f,
+            "signals": {
+                "open_loop_db": [60 - 20 * k / 20 for k in range(81)],
+                "open_loop_deg": [92.0 + k for k in range(81)],
+                "closed_velocity_db": [-k / 4 for k in range(81)],
+            },
+        },
+        "remarks": ["Tn by Yaskawa's lower bound."],
+    }
+
+
+def _variant(name: str, scale: float, *, used: bool) -> Any:
+    return {
+        "name": name,
+        "used": used,
+        "mode_damping": {"base": 0.2075 * scale},
+        "gain_margin_db": 13.52 * scale,
+        "phase_margin_deg": 31.84 * scale,
+        "sensitivity_peak": 1.921 * scale,
+        "bandwidth_hz": 23.96 * scale,
+        "dynamic_stiffness": 6.724e6 * scale,
+        "weakest_frequency_hz": 14.87 * scale,
+        "settling_time": 0.1056 * scale,
+        "residual_deviation": 4.582e-6 * scale,
+        "max_force": 1730.0 * scale,
+    }
+
+
+def _comparison() -> Any:
+    control = {
+        "name": "trapezoidal acceleration, in the loop",
+        "transfer_time": 0.1051,
+        "overshoot": 0.0213,
+        "peaks": {name: 0.00345 * (k + 1) for k, name in enumerate([*STATES, *OUTPUTS])},
+        "max_force": 1801.0,
+        "heat": 79717.0,
+        "work": 3.912,
+    }
+    fed = {
+        "control": "time-optimal",
+        "payload": 0.0,
+        "frequency_factor": 0.951,
+        "damping_factor": 1.0,
+        "settling_time": 0.0727,
+        "residual_deviation": 4.69e-5,
+        "peak_deviation": 4.71e-5,
+        "saturated_share": 0.471,
+    }
+    continuous = {"settling_time": 0.1042, "residual_deviation": 4.55e-6}
+    return {"controls": [control], "fed_forward": [fed], "continuous": continuous}
+
+
+def _response() -> Any:
+    return {
+        "payload": 0.0,
+        "frequency_factor": 1.0,
+        "damping_factor": 1.0,
+        "settling_time": 0.1049,
+        "residual_deviation": 4.581e-6,
+        "peak_deviation": 9.46e-6,
+        "mode_amplitudes": {"base": 1.67e-6},
+        "peaks": {name: 0.00234 * (k + 1) for k, name in enumerate([*STATES, *OUTPUTS])},
+        "max_force": 1803.0,
+        "rms_force": 886.3,
+        "saturated": False,
+    }
+
+
+def _move(move: dict[str, float]) -> Any:
+    worse = _response() | {"frequency_factor": 0.948, "settling_time": 0.1056}
+    return {
+        "move": move,
+        "setpoint": {
+            "duration": 0.0999,
+            "moving_average": 0.0,
+            "segments": [{"duration": 0.0585, "jerk": 41.2}, {"duration": 0.0414, "jerk": -41.2}],
+        },
+        "response": _response(),
+        "corners": [_response(), worse],
+        "series": _series(0.25, REFERENCES),
+    }

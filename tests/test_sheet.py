@@ -1,0 +1,525 @@
+"""The sheet: the same numbers everywhere, nothing escapes, nothing is cut."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from base64 import b64encode
+from dataclasses import fields, replace
+from hashlib import sha256
+from html.parser import HTMLParser
+from io import BytesIO, StringIO, TextIOWrapper
+from math import pi
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pypdfium2
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.ft2font import FT2Font
+from rich.console import Console
+
+from mtcommission.errors import ComputationError, InputError, Outcome
+from mtcommission.sheet import print_html, print_pdf, summarise
+from mtcommission.sheet.content import compose
+from mtcommission.sheet.format import THIN_SPACE, Formatter, motion_unit
+from mtcommission.sheet.labels_en import ENGLISH, Labels
+from mtcommission.sheet.model import Form, HeatMap, LinePlot, PointPlot, Table
+from mtcommission.sheet.motion_part import MOST_POINTS, thin_out
+from mtcommission.sheet.pdf import set_pdf
+from mtcommission.sheet.terminal import summary_rows
+from mtcommission.units import read_unit
+
+from .sheet_record import (
+    HOSTILE,
+    example_record,
+    five_moves_record,
+    rotary_record,
+    unsettled_record,
+)
+
+RECORDS = {
+    "example": example_record,
+    "unsettled": unsettled_record,
+    "five moves": five_moves_record,
+    "rotary": rotary_record,
+}
+LINEAR = Formatter(rotary=False, labels=ENGLISH)
+ROTARY = Formatter(rotary=True, labels=ENGLISH)
+SI_UNITS = ["m", "m/s", "m/s^2", "m/s^3", "s", "N", "N m", "N/m", "N s/m", "N m/rad", "Hz", "rad"]
+SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
+
+
+class Page(HTMLParser):
+    """What a browser would see: text, elements and their attributes."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.texts: list[str] = []
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str | None]] = []
+        self.raw: dict[str, list[str]] = {"script": [], "style": []}
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += attrs
+
+    def handle_data(self, data):
+        if self.tags and self.tags[-1] in self.raw and data.strip():
+            self.raw[self.tags[-1]].append(data)
+        else:
+            self.texts.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.texts).split())
+
+
+@pytest.fixture(scope="module")
+def pages() -> dict[str, str]:
+    return {name: print_html(make()) for name, make in RECORDS.items()}
+
+
+@pytest.fixture(scope="module")
+def pdfs() -> dict[str, bytes]:
+    return {name: print_pdf(make()) for name, make in RECORDS.items()}
+
+
+def pdf_pages(pdf: bytes) -> list[str]:
+    document = pypdfium2.PdfDocument(pdf)
+    return [page.get_textpage().get_text_bounded() for page in document]
+
+
+def squeeze(text: str) -> str:
+    """Without any white space: where a line breaks is the printer's affair."""
+    return re.sub(r"[\s​]", "", text)
+
+
+def plots(document):
+    kinds = (LinePlot, PointPlot, HeatMap)
+    return [b for section in document.sections for b in section.blocks if isinstance(b, kinds)]
+
+
+def tables(document):
+    return [b for section in document.sections for b in section.blocks if isinstance(b, Table)]
+
+
+# numbers
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown"),
+    [
+        (0.0435, "s", "43.5_ms"),
+        (125e-6, "s", "125_µs"),
+        (1.05, "s", "1.05_s"),
+        (4.582e-6, "m", "4.582_µm"),
+        (0.25, "m", "250_mm"),
+        (2.5e-4, "m", "250_µm"),
+        (44.41e6, "N/m", "44.41_N/µm"),
+        (2000.0, "N", "2_kN"),
+        (-1999.9, "N", "−2_kN"),
+        (999.96, "N", "1_kN"),
+        (2.667e6, "m/s^3", "2.667×10⁶_m/s³"),
+        (123456.0, "m/s^3", "123456_m/s³"),
+        (750.0, "kg", "750_kg"),
+        (0.0, "s", "0_s"),
+        (40.0, "kg m^2", "40_kg·m²"),
+        (0.0022, "1/(kg)", "0.0022_1/kg"),
+        (1.0, "", "1"),
+    ],
+)
+def test_a_quantity_gets_its_engineering_unit(value, unit, shown):
+    assert LINEAR.quantity(value, unit) == shown.replace("_", THIN_SPACE)
+
+
+@given(
+    value=st.floats(min_value=1e-9, max_value=1e9),
+    sign=st.sampled_from([1.0, -1.0]),
+    unit=st.sampled_from(SI_UNITS),
+    rotary=st.booleans(),
+)
+def test_a_printed_quantity_read_back_is_the_number(value, sign, unit, rotary):
+    """The profile reader's units are the second opinion on every factor printed."""
+    f = ROTARY if rotary else LINEAR
+    text = f.quantity(sign * value, unit).replace("″", " arcsec").replace("°", " deg")
+    number, unit_text = re.match(r"(\S+?)[\s ]([^\d].*)", text.replace("×10", "e")).groups()
+    meaning = read_unit(unit_text)[0]
+    assert float(number.translate(SUPERSCRIPTS)) * meaning.si_value == pytest.approx(
+        sign * value, rel=5.1e-4
+    )
+
+
+def test_a_rotary_axis_is_told_in_degrees():
+    assert ROTARY.quantity(pi / 2, motion_unit("m", rotary=True)) == "90°"
+    assert ROTARY.quantity(pi, motion_unit("m/s^3", rotary=True)) == "180°/s³"
+    assert ROTARY.quantity(2.5e-5, "rad") == "5.157″"
+    assert LINEAR.quantity(2.5e-5, "rad") == f"25{THIN_SPACE}µrad"
+
+
+def test_a_language_sets_its_decimal_mark():
+    comma = Formatter(rotary=False, labels=Labels(decimal_mark=","))
+    assert comma.quantity(0.0435, "s") == f"43,5{THIN_SPACE}ms"
+
+
+@given(st.integers(min_value=1, max_value=5000), st.integers(min_value=0, max_value=2**32 - 1))
+def test_thinning_keeps_both_ends_and_every_extreme(count, seed):
+    y = np.random.default_rng(seed).normal(size=count)
+    x = np.arange(float(count))
+    kept_x, kept_y = thin_out(x, y)
+    assert kept_x.size <= MOST_POINTS
+    assert (kept_x[0], kept_x[-1]) == (x[0], x[-1])
+    assert (kept_y.min(), kept_y.max()) == (y.min(), y.max())
+    assert np.all(np.diff(kept_x) > 0.0)
+
+
+# content
+
+
+def test_the_sections_say_what_they_said_before(snapshot):
+    document = compose(example_record(), ENGLISH)
+    for section in document.sections:
+        lines = [f"{type(block).__name__}: {block_text(block)}" for block in section.blocks]
+        assert "\n".join(lines).replace(THIN_SPACE, "_") == snapshot(name=section.key)
+
+
+def block_text(block) -> str:
+    if isinstance(block, Table):
+        heads = " | ".join(column.head for column in block.columns)
+        return "\n  ".join([block.caption, heads, *(" | ".join(row) for row in block.rows)])
+    if isinstance(block, LinePlot):
+        panels = [
+            f"{panel.y_label}: {', '.join(line.label for line in panel.lines)}"
+            for panel in block.panels
+        ]
+        return "\n  ".join([block.caption, block.alt, block.x_label, *panels])
+    if isinstance(block, PointPlot):
+        marks = [f"{m.label}: {m.x:.4g}, {m.y:.4g}" for m in block.marks]
+        return "\n  ".join([block.caption, block.alt, block.x_label, block.y_label, *marks])
+    if isinstance(block, HeatMap):
+        chosen = f"{block.chosen.x:.4g}, {block.chosen.y:.4g}"
+        return "\n  ".join([block.caption, block.alt, block.x_label, block.y_label, chosen])
+    if isinstance(block, Form):
+        return "; ".join(block.fields)
+    names = [field.name for field in fields(block)]
+    return "; ".join(str(getattr(block, name)) for name in names)
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_every_row_has_a_cell_for_each_column(name):
+    found = tables(compose(RECORDS[name](), ENGLISH))
+    assert found
+    for table in found:
+        assert all(len(row) == len(table.columns) for row in table.rows), table.caption
+
+
+def test_the_plots_show_the_numbers_of_the_record():
+    record = example_record()
+    found = {plot.key: plot for plot in plots(compose(record, ENGLISH))}
+    series = record["moves"][0]["series"]
+    force = found["drive-1"].panels[0]
+    assert force.y_label == "Set force F_set in kN"
+    response = force.lines[-1]
+    np.testing.assert_allclose(response.x, np.array(series["t"]) * 1e3)
+    np.testing.assert_allclose(response.y, np.array(series["signals"]["F_set"]) / 1e3)
+    assert [border.y for border in force.borders] == [2.01, -2.01]
+    acceleration = found["drive-1"].panels[1].lines
+    np.testing.assert_allclose(acceleration[0].y, series["signals"]["a_ref"])
+    np.testing.assert_allclose(
+        acceleration[-1].y, np.array(series["signals"]["F"]) / record["plant"]["moving_mass"]
+    )
+    landscape = found["landscape"]
+    assert landscape.values[1, 2] == pytest.approx(110.0)
+    assert np.isnan(landscape.values[2]).all()
+    assert (landscape.chosen.x, landscape.chosen.y) == (pytest.approx(58.5), 2.41)
+    # 92 degrees are 268 degrees of lag: a loop does not lead at low frequencies
+    assert found["bode"].panels[1].lines[0].y[0] == pytest.approx(-268.0)
+
+
+def test_plots_of_a_move_share_one_time_axis():
+    document = compose(five_moves_record(), ENGLISH)
+    for number in range(1, 6):
+        group = [plot for plot in plots(document) if getattr(plot, "link", "") == f"move-{number}"]
+        assert len({plot.x_label for plot in group}) == 1
+        assert len(group) == (3 if number == 1 else 2)
+
+
+def test_what_did_not_settle_is_said_and_never_a_number():
+    record = unsettled_record()
+    document = compose(record, ENGLISH)
+    verdict = document.sections[0].blocks
+    headline = next(block for block in verdict if hasattr(block, "is_met"))
+    assert not headline.is_met
+    assert headline.verdict == "Requirements NOT met"
+    assert "settling time" in headline.detail
+    result = next(table for table in tables(document) if "Result" in table.caption)
+    assert result.rows[0] == ("Settling time", "not settled")
+    assert "not settled; permitted 5.1" in result.rows[1][1]
+    assert not [plot for plot in plots(document) if plot.key == "comparison"]
+    everything = json.dumps([table.rows for table in tables(document)])
+    assert "None" not in everything
+    assert "nan" not in everything
+
+
+def test_faster_than_the_reference_is_explained():
+    record = example_record()
+    record["moves"][0]["response"]["settling_time"] = 0.0400
+    text = Page(print_html(record)).text
+    assert "8.05 % less, since it is judged by the band" in text.replace(THIN_SPACE, " ")
+
+
+def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
+    document = compose(example_record(), ENGLISH)
+    cells = {row[0]: row[1] for table in tables(document) for row in table.rows}
+    assert cells["Tower rotation rate v_φ, largest magnitude"] == f"5.3{THIN_SPACE}mrad/s"
+    assert cells["State feedback from v_b"] == f"1236{THIN_SPACE}N/(m/s)"
+    assert cells["Frequency spread"] == f"5.2{THIN_SPACE}%"
+
+
+# the four media
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_terminal_record_page_and_pdf_agree(name, pages, pdfs):
+    record = RECORDS[name]()
+    f = ROTARY if name == "rotary" else LINEAR
+    rows = dict(summary_rows(record, f))
+    limits = record["limits"]["recommended"]
+    if name != "rotary":
+        number = rows["Acceleration"].split(THIN_SPACE)[0]
+        assert float(number) == pytest.approx(limits["acceleration"], rel=5e-4)
+    else:
+        assert float(rows["Acceleration"].removesuffix("°/s²")) == pytest.approx(
+            limits["acceleration"] * 180 / pi, rel=5e-4
+        )
+    page, pdf = squeeze(Page(pages[name]).text), squeeze(" ".join(pdf_pages(pdfs[name])))
+    terminal = squeeze(render(record))
+    for value in rows.values():
+        for medium in (page, pdf, terminal):
+            assert squeeze(value) in medium
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_every_cell_of_every_table_is_in_page_and_pdf(name, pages, pdfs):
+    page, pdf = squeeze(Page(pages[name]).text), squeeze(" ".join(pdf_pages(pdfs[name])))
+    document = compose(RECORDS[name](), ENGLISH)
+    for section in document.sections:
+        assert squeeze(section.heading) in page
+        assert squeeze(section.heading) in pdf
+    for table in tables(document):
+        for cell in (cell for row in table.rows for cell in row):
+            assert squeeze(cell) in page
+            assert squeeze(cell) in pdf
+
+
+# page
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_the_page_needs_nothing_from_outside(name, pages):
+    page = Page(pages[name])
+    addresses = [value or "" for key, value in page.attributes if key in ("src", "href", "action")]
+    assert addresses
+    assert all(address.startswith("#") for address in addresses)
+    links = re.findall(r"https?://[^\s\"'`]+", pages[name])
+    assert set(links) == {"http://www.w3.org/2000/svg"}
+    assert not [key for key, _ in page.attributes if key.startswith("on") or key == "style"]
+    assert len(pages[name].encode()) < 2e6
+
+
+def test_the_policy_admits_this_script_and_style_and_no_other(pages):
+    page = Page(pages["five moves"])
+    policy = next(value for key, value in page.attributes if key == "content" and "src" in value)
+    data, script = page.raw["script"]
+    (style,) = page.raw["style"]
+    for name, text in (("script-src", script), ("style-src", style)):
+        digest = b64encode(sha256(text.encode()).digest()).decode()
+        assert f"{name} 'sha256-{digest}'" in policy
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+    assert json.loads(data)["plots"]
+
+
+def test_hostile_text_stays_text_in_the_page(pages):
+    page = Page(pages["five moves"])
+    assert page.tags.count("script") == 2
+    assert "b" not in page.tags
+    assert HOSTILE in page.text
+    assert "<script>alert" not in pages["five moves"]
+    marks = json.loads(page.raw["script"][0])["plots"]["comparison"]["marks"]
+    assert HOSTILE in [mark["label"] for mark in marks]
+
+
+def test_the_page_names_each_part_once_and_describes_each_plot(pages):
+    page = Page(pages["five moves"])
+    identifiers = [value for key, value in page.attributes if key == "id"]
+    assert len(identifiers) == len(set(identifiers))
+    drawn = [value for key, value in page.attributes if key == "data-plot"]
+    told = [value for key, value in page.attributes if key == "data-alt"]
+    data = json.loads(page.raw["script"][0])["plots"]
+    assert sorted(drawn) == sorted(data)
+    assert all(len(alt or "") > 40 for alt in told)
+    assert len(told) == len(drawn)
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs the browser chromium")
+def test_a_browser_draws_every_plot(pages, tmp_path: Path):
+    file = tmp_path / "sheet.html"
+    file.write_text(pages["example"], encoding="utf-8")
+    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
+    finished = subprocess.run(
+        [*command, f"--user-data-dir={tmp_path / 'user'}", file.as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    drawn = Page(finished.stdout)
+    expected = [value for key, value in drawn.attributes if key == "data-plot"]
+    assert drawn.tags.count("svg") == len(expected) > 0
+    assert drawn.tags.count("path") > 100
+    assert "Settling time in ms" in drawn.text
+
+
+# PDF
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_every_pdf_page_carries_machine_hash_and_number(name, pdfs):
+    record, texts = RECORDS[name](), pdf_pages(pdfs[name])
+    assert 6 <= len(texts) <= 30
+    for number, text in enumerate(texts, start=1):
+        flat = squeeze(text)
+        assert squeeze(f"page {number} / {len(texts)}") in flat
+        assert record["profile"]["sha256"][:12] in flat
+        assert squeeze(record["machine"]["name"]) in flat
+        assert len(flat) > 250, "an almost empty page"
+
+
+def test_the_verdict_has_the_first_page_to_itself(pdfs):
+    first = pdf_pages(pdfs["example"])[0]
+    assert "All requirements met" in first
+    assert ENGLISH.checks_caption in first
+    assert ENGLISH.machine_heading not in first
+
+
+def test_nothing_is_printed_outside_the_margins(pdfs):
+    for pdf in pdfs.values():
+        for page in pypdfium2.PdfDocument(pdf):
+            width, height = page.get_size()
+            assert (round(width), round(height)) == (595, 842)
+            image = np.asarray(page.render(scale=1).to_pil().convert("L"))
+            inside = np.full(image.shape, False)
+            inside[20:-20, 45:-45] = True
+            assert np.all(image[~inside] > 200)
+
+
+def test_fonts_are_embedded_and_headings_are_bookmarks(pdfs):
+    document = pypdfium2.PdfDocument(pdfs["example"])
+    titles = [mark.get_title() for mark in document.get_toc()]
+    for section in compose(example_record(), ENGLISH).sections:
+        assert section.heading in titles
+    fonts = set()
+    for page in document:
+        for item in page.get_objects(filter=[pypdfium2.raw.FPDF_PAGEOBJ_TEXT]):
+            font = pypdfium2.raw.FPDFTextObj_GetFont(item)
+            fonts.add(bool(pypdfium2.raw.FPDFFont_GetIsEmbedded(font)))
+    assert fonts == {True}
+
+
+def test_the_font_has_every_character_that_the_sheet_uses():
+    folder = Path(mpl.get_data_path()) / "fonts" / "ttf"
+    known = [
+        set(FT2Font(str(folder / f"DejaVuSans{kind}.ttf")).get_charmap()) for kind in ("", "-Bold")
+    ]
+    for make in RECORDS.values():
+        document = compose(make(), ENGLISH)
+        used = "".join(block_text(block) for s in document.sections for block in s.blocks)
+        used += "".join(plot.y_label for plot in plots(document) if hasattr(plot, "y_label"))
+        for characters in known:
+            assert not {c for c in used if ord(c) not in characters and c != "\n"}
+
+
+def test_hostile_text_stays_text_in_the_pdf(pdfs):
+    texts = squeeze(" ".join(pdf_pages(pdfs["five moves"])))
+    assert squeeze(HOSTILE) in texts
+
+
+def test_the_same_record_gives_the_same_bytes(pages, pdfs):
+    record = example_record()
+    assert print_pdf(record) == pdfs["example"]
+    assert print_html(record) == pages["example"]
+    record["created"] = "2026-03-04T05:06:08+00:00"
+    assert print_pdf(record) != pdfs["example"]
+
+
+def test_a_date_that_nobody_can_read_does_not_stop_the_print():
+    record = example_record()
+    record["created"] = "yesterday"
+    document = compose(record, ENGLISH)
+    versions = [section for section in document.sections if section.key == "versions"]
+    assert "yesterday" in " ".join(pdf_pages(set_pdf(replace(document, sections=tuple(versions)))))
+
+
+def test_a_refusal_of_the_typesetter_is_a_named_outcome(monkeypatch, tmp_path):
+    broken = tmp_path / "broken.typ"
+    broken.write_text("#panic()")
+    monkeypatch.setattr("mtcommission.sheet.pdf.TEMPLATE", broken)
+    document = replace(compose(example_record(), ENGLISH), sections=())
+    with pytest.raises(ComputationError) as caught:
+        set_pdf(document)
+    assert caught.value.outcome is Outcome.PRINTING_FAILED
+
+
+# terminal
+
+
+def render(record, *, encoding: str = "utf-8") -> str:
+    stream = TextIOWrapper(BytesIO(), encoding=encoding, errors="strict")
+    Console(file=stream, width=80).print(summarise(record))
+    stream.flush()
+    return stream.buffer.getvalue().decode(encoding)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252", "ascii"])
+@pytest.mark.parametrize("name", RECORDS)
+def test_the_summary_fits_and_is_plain_when_piped(name, encoding):
+    text = render(RECORDS[name](), encoding=encoding)
+    assert max(len(line.rstrip()) for line in text.splitlines()) <= 80
+    assert "\x1b" not in text
+    assert "Acceleration" in text
+
+
+def test_the_summary_shows_the_setpoint_as_dots_or_signs():
+    dots = re.findall("[⠁-⣿]", render(example_record()))
+    assert len(dots) > 60
+    plain = render(example_record(), encoding="cp1252")
+    assert "µm" in plain
+    assert "m/s²" in plain
+    assert not re.search("[⠀-⣿]|\\?", plain)
+    assert "#" in plain
+
+
+def test_hostile_names_are_no_markup_in_the_terminal():
+    stream = StringIO()
+    Console(file=stream, width=80, force_terminal=True).print(summarise(five_moves_record()))
+    shown = re.sub(r"\x1b\[[0-9;]*m", "", stream.getvalue())
+    assert squeeze(HOSTILE) in squeeze(shown)
+
+
+# languages
+
+
+def test_an_unknown_language_names_those_that_there_are():
+    with pytest.raises(InputError, match='got "xx", must be one of: en'):
+        print_html(example_record(), language="xx")
+
+
+def test_no_label_is_empty():
+    for field in fields(ENGLISH):
+        assert getattr(ENGLISH, field.name), field.name
