@@ -6,13 +6,14 @@ machine -> plant -> optima -> starting limits -> tuned loop -> chosen limits
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from mtcommission.assess import Assessment
 from mtcommission.choose import Choice, choose_limits
 from mtcommission.comparison import ComparedControl, compare_controls
 from mtcommission.feedforward import FedForward, feed_forward
+from mtcommission.limits import MotionLimits
 from mtcommission.loop.continuous import ContinuousResponse, simulate_continuous
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.loop_choice import LoopChoice, Settings, settle_on_loop
@@ -23,6 +24,26 @@ from mtcommission.rules import apply_rules
 from mtcommission.trials import MoveResult, Trial, judge, run_moves
 
 Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ModeLimits:
+    """Limits for one machining mode, from a band of its own.
+
+    Parameters
+    ----------
+    name
+        ``"surface"``, ``"accuracy"`` or ``"speed"``.
+    band
+        Allowed residual deviation [m].
+    choice, trial
+        The search with this band, and its result judged with it.
+    """
+
+    name: str
+    band: float
+    choice: Choice
+    trial: Trial
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,6 +91,8 @@ class Commissioning:
         The makers' and textbooks' rules.
     comparisons
         One for each move.
+    modes
+        Limits for the three machining modes.
     """
 
     machine: Machine
@@ -83,6 +106,7 @@ class Commissioning:
     alternatives: tuple[Trial, ...]
     rules: tuple[Trial, ...]
     comparisons: tuple[MoveComparison, ...]
+    modes: tuple[ModeLimits, ...]
 
     @property
     def tuned(self) -> TunedLoop:
@@ -141,6 +165,8 @@ def commission(
         judge(machine, plant, tuned, rule.name, rule.source, rule.limits)
         for rule in apply_rules(machine, plant)
     )
+    progress("machining modes")
+    modes = limits_by_mode(machine, plant, tuned, choice, start_limits, settings)
     progress("comparison with the optima")
     comparisons = tuple(
         compare(machine, plant, tuned, item, result)
@@ -158,7 +184,47 @@ def commission(
         alternatives=alternatives,
         rules=rules,
         comparisons=comparisons,
+        modes=modes,
     )
+
+
+def limits_by_mode(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    choice: Choice,
+    starts: Sequence[MotionLimits],
+    settings: Settings,
+) -> tuple[ModeLimits, ...]:
+    """Return limits for the machining modes surface, accuracy and speed.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    choice
+        The recommendation; reused where a mode has the same band.
+    starts
+        Limits to refine from.
+    settings
+        Of the search.
+
+    Returns
+    -------
+    tuple of ModeLimits
+    """
+    found = []
+    bands = machine.requirements.modes
+    for name in ("surface", "accuracy", "speed"):
+        band: float = getattr(bands, name)
+        needs = replace(machine.requirements, tcp_deviation=band)
+        other = replace(machine, requirements=needs)
+        chosen = choice
+        if band != machine.requirements.tcp_deviation:
+            chosen = choose_limits(other, plant, tuned, starts=starts, settings=settings.search)
+        trial = judge(other, plant, tuned, name, "machining mode", chosen.limits)
+        found.append(ModeLimits(name=name, band=band, choice=chosen, trial=trial))
+    return tuple(found)
 
 
 def compare(

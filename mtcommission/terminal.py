@@ -15,7 +15,15 @@ from rich.text import Text
 from mtcommission.machine import Machine, Motion, Positioning
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum
 from mtcommission.plant import Plant, kalman_rank
-from mtcommission.record.schema import AssessmentPart, LimitsPart, SimulationPart
+from mtcommission.record.schema import (
+    Alternative,
+    AssessmentPart,
+    LimitsEntry,
+    LimitsPart,
+    ModeLimitsEntry,
+    RuleResult,
+    SimulationPart,
+)
 from mtcommission.rules import peak_velocity
 from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_en import Labels
@@ -141,10 +149,13 @@ def describe_limits(machine: Machine, part: LimitsPart) -> Group:
     printed, length = _formatter(machine), _length(machine)
     best = part["recommended"]
     table = _table("Limits", "a", "j", "Settling", "Residual", "Met")
-    entries = [
-        ("recommended", best, None),
-        *((e["name"], e, e["meets_requirements"]) for e in [*part["alternatives"], *part["rules"]]),
-    ]
+    entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool | None]]
+    entries = [("recommended", best, None)]
+    for mode in part["modes"]:
+        name = f"{mode['name']} ({printed.quantity(mode['band'], length)})"
+        entries.append((name, mode, mode["meets_requirements"]))
+    for other in (*part["alternatives"], *part["rules"]):
+        entries.append((other["name"], other, other["meets_requirements"]))
     for name, entry, met in entries:
         table.add_row(
             escape(name),

@@ -38,6 +38,7 @@ from mtcommission.record.schema import (
     LimitsPart,
     LoopPart,
     ModeEntry,
+    ModeLimitsEntry,
     MoveEntry,
     ObserverEntry,
     OptimaEntry,
@@ -127,6 +128,20 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
             residual_deviation=finite_or_none(best.residual_deviation),
             peak_deviation=best.peak_deviation,
         ),
+        modes=[
+            ModeLimitsEntry(
+                name=mode.name,
+                band=mode.band,
+                acceleration=mode.trial.limits.acceleration,
+                jerk=mode.trial.limits.jerk,
+                jerk_time=mode.trial.limits.jerk_time,
+                bound_by=mode.choice.bound_by,
+                settling_time=finite_or_none(mode.trial.settling_time),
+                residual_deviation=finite_or_none(mode.trial.residual_deviation),
+                meets_requirements=mode.trial.assessment.is_met,
+            )
+            for mode in commissioning.modes
+        ],
         alternatives=[
             Alternative(
                 name=trial.name,

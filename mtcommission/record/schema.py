@@ -161,10 +161,25 @@ class Landscape(TypedDict):
     settling_time: list[list[float | None]]
 
 
+class ModeLimitsEntry(TypedDict):
+    """Limits for one machining mode, from a band of its own."""
+
+    name: str
+    band: float
+    acceleration: float
+    jerk: float
+    jerk_time: float
+    bound_by: str
+    settling_time: float | None
+    residual_deviation: float | None
+    meets_requirements: bool
+
+
 class LimitsPart(TypedDict):
     """All about the limits."""
 
     recommended: LimitsEntry
+    modes: list[ModeLimitsEntry]
     alternatives: list[Alternative]
     rules: list[RuleResult]
     rule: RuleText
