@@ -108,7 +108,7 @@ def entry_form(record: Record, f: Formatter) -> Section:
             Paragraph(text=f"{text.entry_note} {text.disclaimer}", tone=Tone.NOTE),
             Form(fields=text.signature_fields),
         ),
-        starts_page=True,
+        is_together=True,
     )
 
 

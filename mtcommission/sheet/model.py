@@ -353,14 +353,14 @@ class Section:
         Its heading.
     blocks
         What it shows, in order.
-    starts_page
-        Whether it begins a new page in print.
+    is_together
+        Whether print keeps it on one page.
     """
 
     key: str
     heading: str
     blocks: tuple[Block, ...]
-    starts_page: bool = False
+    is_together: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -77,7 +77,7 @@ def _as_json(document: Document) -> str:
     sections = [
         {
             "heading": section.heading,
-            "starts_page": section.starts_page,
+            "is_together": section.is_together,
             "blocks": [_as_data(block) for block in section.blocks],
         }
         for section in document.sections
