@@ -78,7 +78,7 @@ def transcribed(plant: Plant, move: VelocityStep, *, force_limit: float, cells: 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeat", type=int, default=50)
-    parser.add_argument("--peer-cells", type=int, default=1000)
+    parser.add_argument("--peer-cells", type=int, default=200)
     arguments = parser.parse_args()
     cases = {"2 modes (paper)": paper_machine()} | {
         f"{n} modes": random_modal_machine(3, n_modes=n) for n in (2, 6, 8)

@@ -44,6 +44,8 @@ class BangBangMotion:
         F_set on each arc, shape (n_arcs,) [N].
     problem
         Moment functions with ψ = τ, so that every state follows from the moments.
+    states_of_moments
+        Matrix that takes all moments up to a time to the states then, shape (n, n).
     gathered
         ∫_0^start φ(start - s) F_set ds at each start: modal part, shape (n_arcs, n_rates).
     impulse, double
@@ -55,6 +57,7 @@ class BangBangMotion:
     t_f: float
     forces: Array
     problem: MomentProblem
+    states_of_moments: Array
     gathered: NDArray[np.complex128]
     impulse: Array
     double: Array
@@ -99,6 +102,7 @@ def bang_bang_motion(
         t_f=t_f,
         forces=np.asarray(forces),
         problem=problem,
+        states_of_moments=np.asarray(np.linalg.inv(moment_rows(plant, problem))),
         gathered=gathered,
         impulse=impulse,
         double=np.append(0.0, np.cumsum(steps)),
@@ -130,8 +134,7 @@ def states_at(motion: BangBangMotion, t: Array, arc: Index) -> Array:
     double = motion.double[arc] + since * motion.impulse[arc] + 0.5 * since**2 * force
     columns = modal.view(np.float64)[:, : 2 * motion.problem.rates.size - 1]
     moments = np.column_stack([columns, impulse, double])
-    rows = moment_rows(motion.plant, motion.problem)
-    return np.asarray(moments @ np.linalg.inv(rows).T)
+    return np.asarray(moments @ motion.states_of_moments.T)
 
 
 def signal_peaks(motion: BangBangMotion) -> Array:

@@ -15,7 +15,7 @@ from scipy.linalg import expm
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.moments import MomentProblem, moment_rows
 from mtcommission.optimal.solution import Certificate
-from mtcommission.optimal.switching import graded_pieces, values_and_slopes
+from mtcommission.optimal.switching import ROUNDOFF, graded_pieces, values_and_slopes
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -24,6 +24,9 @@ CHECK_RADIANS = 0.1
 """Distance of the checks of the switching law against the fastest pole (empirical)."""
 SIGN_TOLERANCE = 1e-9
 """|λ_F| against its largest value below which a sign is not judged: there the control switches."""
+SIGN_ROUNDING = 1e3 * ROUNDOFF
+"""The same against the sum of the magnitudes that λ_F is composed of: rounding of the matrix
+exponential and its powers (empirical)."""
 RANK_TOLERANCE = 1e-12
 """Singular value against the largest below which the terminal Jacobian counts as singular."""
 
@@ -185,7 +188,9 @@ def _law_holds(plant: Plant, problem: MomentProblem, claim: Claim, at_switches: 
     values = np.concatenate(lambda_force)
     arcs = np.searchsorted(claim.switching_times, claim.t_f - np.concatenate(tau))
     force = claim.first_force * (-1.0) ** arcs
-    judged = np.abs(values) > SIGN_TOLERANCE * np.max(np.abs(values))
-    largest = np.max(np.abs(values)) / plant.force_lag
-    vanishes = np.all(np.abs(at_switches) <= SIGN_TOLERANCE * largest)
+    composed = np.sum(problem.amplitudes(claim.multipliers)) + claim.t_f**problem.degree
+    composed *= _adjoint_factor(problem, claim) * plant.force_lag
+    zero = SIGN_TOLERANCE * np.max(np.abs(values)) + SIGN_ROUNDING * composed
+    judged = np.abs(values) > zero
+    vanishes = np.all(np.abs(at_switches) * plant.force_lag <= zero)
     return bool(vanishes and np.all((force * values < 0.0)[judged]))

@@ -77,6 +77,31 @@ class DualPoint:
         return float(np.max(np.abs(self.moments) / self.norms))
 
 
+def sign_jumps(count: int, *, first_sign: float) -> Array:
+    """Return the weights w with ∫ sign f = Σ w_k P(end_k), P the primitive of f from 0.
+
+    Parameters
+    ----------
+    count
+        Number of zeros at which the sign changes.
+    first_sign
+        Sign before the first zero.
+
+    Returns
+    -------
+    ndarray, shape (count + 1,)
+        For the zeros and the end of the interval.
+
+    Examples
+    --------
+    >>> sign_jumps(2, first_sign=1.0)
+    array([ 2., -2.,  1.])
+    """
+    jumps = 2.0 * first_sign * (-1.0) ** np.arange(count + 1)
+    jumps[-1] *= 0.5
+    return np.asarray(jumps)
+
+
 def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
     """Return T'(c) with what a Newton step needs.
 
@@ -104,8 +129,7 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
         zeros = isolated.tau
         ends = np.append(zeros, mesh.horizon)
         primitive = problem.target_integrals(ends) - problem.integrals(ends) @ multipliers
-        pieces = np.abs(np.diff(primitive, prepend=0.0))
-        reached = np.cumsum(pieces)
+        reached = np.cumsum(np.abs(primitive - np.append(0.0, primitive[:-1])))
         if reached[-1] >= span:
             break
         mesh = build_mesh(problem, 2.0 * mesh.horizon)
@@ -142,8 +166,7 @@ def _dual_point(
 ) -> DualPoint:
     problem = mesh.problem
     _, end_value = problem.combination(multipliers, bound)
-    last_sign = 1.0 if end_value >= 0.0 else -1.0
-    signs = last_sign * (-1.0) ** np.arange(zeros.size, -1, -1)
+    first_sign = (1.0 if end_value >= 0.0 else -1.0) * (-1.0) ** zeros.size
     integrals = problem.integrals(np.append(zeros, bound))
     inside = mesh.nodes[:-1] < bound
     cells = np.diff(mesh.nodes)[inside]
@@ -152,8 +175,8 @@ def _dual_point(
         multipliers=multipliers,
         bound=bound,
         zeros=zeros,
-        first_sign=float(signs[0]),
-        moments=signs @ np.diff(integrals, axis=0, prepend=0.0),
+        first_sign=first_sign,
+        moments=sign_jumps(zeros.size, first_sign=first_sign) @ integrals,
         norms=cells @ np.abs(mesh.values[:-1][inside]),
         end_value=abs(end_value),
         doubt=doubt,

@@ -31,7 +31,7 @@ CENTRING = 0.1
 BACK_OFF = 0.97
 """Usual settings of interior-point methods."""
 HORIZON_STEPS = 30
-HORIZON_TOLERANCE = 0.05
+HORIZON_TOLERANCE = 0.2
 """Error of the horizon against the shorter of horizon and fastest period (empirical)."""
 
 
@@ -152,16 +152,18 @@ def _guess_horizon(problem: MomentProblem, span: float) -> float:
     least = 2.0 * np.sqrt(span) if problem.degree else span
     longest = least + 1.5 * float(np.sum(2.0 * np.pi / np.abs(problem.rates)))
     x = (np.arange(64) + 0.5) / 64
-    best = least
-    for horizon in np.geomspace(least, longest, 16):
+    horizons = np.geomspace(least, longest, 17)
+    low, high = 0, 16
+    while high - low > 1:
+        middle = (low + high) // 2
+        horizon = float(horizons[middle])
         phi, psi = problem.values(horizon * x), problem.target_values(horizon * x)
         orthonormal, _ = np.linalg.qr(phi / (np.abs(phi).max(axis=0) + 1e-300))
         distance = psi - orthonormal @ (orthonormal.T @ psi)
         # 0.9: mean magnitude against root mean square of a sine.
-        if horizon * float(np.sqrt(np.mean(distance**2))) * 0.9 > span:
-            break
-        best = float(horizon)
-    return best
+        reached = horizon * float(np.sqrt(np.mean(distance**2))) * 0.9
+        low, high = (low, middle) if reached > span else (middle, high)
+    return float(horizons[low])
 
 
 def _solve_cells(problem: MomentProblem, nodes: Array, *, level: int) -> CellSolution:
@@ -192,32 +194,37 @@ def _l1_fit(basis: Array, psi: Array, weight: Array, *, tolerance: float) -> Arr
     Source: Portnoy & Koenker 1997, the interior-point method for L1 regression.
     """
     c = basis.T @ (weight * psi)
-    u = np.zeros_like(psi)
     sigma = psi - basis @ c
-    mean = float(weight @ np.abs(sigma)) / float(weight.sum()) + 1e-300
-    above, below = np.maximum(sigma, 0.0) + mean, np.maximum(-sigma, 0.0) + mean
+    total = float(weight.sum())
+    mean = float(weight @ np.abs(sigma)) / total + 1e-300
+    # Two rows each: what is left to u = 1 and u = -1, and the parts of σ above and below 0.
+    side = np.array([[1.0], [-1.0]])
+    room = np.ones((2, psi.size))
+    part = np.maximum(side * sigma, 0.0) + mean
+    u = np.zeros_like(psi)
     for _ in range(INTERIOR_STEPS):
-        room_above, room_below = 1.0 - u, 1.0 + u
-        gap = float(weight @ (above * room_above + below * room_below)) / float(weight.sum())
+        gap = float((part * room).sum(axis=0) @ weight) / total
         if gap < tolerance * mean:
             break
-        centre = 0.5 * CENTRING * gap
-        stiffness = weight / (above / room_above + below / room_below)
-        pull = sigma - centre / room_above + centre / room_below
+        ratio = part / room
+        barrier = 0.5 * CENTRING * gap / room
+        stiffness = weight / (ratio[0] + ratio[1])
+        pull = sigma - barrier[0] + barrier[1]
         hessian = basis.T @ (basis * stiffness[:, np.newaxis])
         step = np.linalg.solve(hessian, basis.T @ (weight * u + stiffness * pull))
-        change = -basis @ step
-        du = stiffness / weight * (pull + change)
-        d_above = (centre + above * du) / room_above - above
-        d_below = (centre - below * du) / room_below - below
-        primal = _longest(np.concatenate([-du / room_above, du / room_below]))
-        dual = _longest(np.concatenate([d_above / above, d_below / below]))
-        u = u + primal * du
-        c, sigma = c + dual * step, sigma + dual * change
-        above, below = above + dual * d_above, below + dual * d_below
+        change = basis @ step
+        du = stiffness / weight * (pull - change)
+        d_room = -side * du
+        d_part = barrier - ratio * d_room - part
+        primal, dual = _longest(d_room / room), _longest(d_part / part)
+        u += primal * du
+        room += primal * d_room
+        c += dual * step
+        sigma -= dual * change
+        part += dual * d_part
     return np.asarray(c)
 
 
 def _longest(relative: Array) -> float:
     """Return the step that keeps 1 + step * relative positive."""
-    return min(1.0, BACK_OFF / max(float(-relative.min()), 1e-300))
+    return min(1.0, BACK_OFF / max(-float(relative.min()), 1e-300))

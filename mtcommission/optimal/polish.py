@@ -13,7 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.dual import MARGIN, Ascent, DualPoint, ascend, evaluate_dual
+from mtcommission.optimal.dual import (
+    MARGIN,
+    Ascent,
+    DualPoint,
+    ascend,
+    evaluate_dual,
+    sign_jumps,
+)
 from mtcommission.optimal.dual_start import CellSolution, first_cells, refine_cells
 from mtcommission.optimal.moments import MomentProblem
 from mtcommission.optimal.switching import build_mesh, values_and_slopes
@@ -32,6 +39,8 @@ SUFFICIENT = 1e-10
 """Distance that no finer start is tried for: rounding, not the start, is what is left."""
 ASCENT_STEPS = 6
 """From each start; mostly the first attempt succeeds."""
+EXCHANGES = 4
+"""Changes of structure in a row; one is usual next to the birth of an arc."""
 REFINEMENTS = 8
 """Starts; the last has cells of 1e-5 of the fastest period where σ is near zero."""
 TO_BOUNDARY = 0.9
@@ -52,6 +61,8 @@ class BangBang:
         Sign of the force before the first zero, i.e. at the end of the move.
     multipliers
         c, shape (size,).
+    defect
+        Moments of the signs and the missing target, shape (size + 1,).
     residual
         Largest violated moment against ∫|φ|, and of the target against itself.
     """
@@ -60,12 +71,8 @@ class BangBang:
     horizon: float
     first_sign: float
     multipliers: Array
+    defect: Array
     residual: float
-
-
-def signs_between(count: int, first_sign: float) -> Array:
-    """Return the signs of the force on the arcs between ``count`` zeros, shape (count + 1,)."""
-    return np.asarray(first_sign * (-1.0) ** np.arange(count + 1))
 
 
 def moment_defect(
@@ -73,11 +80,9 @@ def moment_defect(
 ) -> Array:
     """Return the moments of the signs and the missing target, shape (size + 1,)."""
     ends = np.append(zeros, horizon)
-    primitive = np.column_stack([problem.integrals(ends), problem.target_integrals(ends)])
-    signs = signs_between(zeros.size, first_sign)
-    defect = signs @ np.diff(primitive, axis=0, prepend=0.0)
-    defect[-1] -= span
-    return np.asarray(defect)
+    jumps = sign_jumps(zeros.size, first_sign=first_sign)
+    reached = jumps @ problem.target_integrals(ends) - span
+    return np.append(jumps @ problem.integrals(ends), reached)
 
 
 def polish(point: DualPoint, *, span: float) -> BangBang:
@@ -104,6 +109,7 @@ def polish(point: DualPoint, *, span: float) -> BangBang:
         horizon=point.bound,
         first_sign=point.first_sign,
         multipliers=point.multipliers,
+        defect=np.append(point.moments, 0.0),
         residual=point.residual,
     )
     last = False
@@ -121,16 +127,12 @@ def _step(problem: MomentProblem, current: BangBang, *, scale: Array, span: floa
     sigma, slopes, phi = values_and_slopes(problem, current.multipliers, zeros)
     ends = np.append(zeros, current.horizon)
     functions = np.column_stack([problem.values(ends), problem.target_values(ends)])
-    signs = signs_between(k, current.first_sign)
-    jumps = np.append(2.0 * signs[:-1], signs[-1])
-    defect = moment_defect(
-        problem, zeros, current.horizon, first_sign=current.first_sign, span=span
-    )
+    jumps = sign_jumps(k, first_sign=current.first_sign)
     matrix = np.zeros((k + n + 1, k + n + 1))
     matrix[np.arange(k), np.arange(k)] = slopes
     matrix[:k, k + 1 :] = -phi / scale[:-1]
     matrix[k:, : k + 1] = (functions * jumps[:, np.newaxis] / scale).T
-    right = -np.concatenate([sigma, defect / scale])
+    right = -np.concatenate([sigma, current.defect / scale])
     step = _solve(matrix, right)
     share = _share(ends, step[: k + 1])
     zeros = zeros + share * step[:k]
@@ -141,6 +143,7 @@ def _step(problem: MomentProblem, current: BangBang, *, scale: Array, span: floa
         horizon=horizon,
         first_sign=current.first_sign,
         multipliers=current.multipliers + share * step[k + 1 :] / scale[:-1],
+        defect=left,
         residual=float(np.max(np.abs(left / scale))),
     )
 
@@ -154,9 +157,9 @@ def _solve(matrix: Array, right: Array) -> Array:
 
 
 def _share(ends: Array, step: Array) -> float:
-    lengths = np.diff(ends, prepend=0.0)
-    closing = -np.diff(step, prepend=0.0)
-    return min(1.0, TO_BOUNDARY / max(float(np.max(closing / lengths)), 1e-300))
+    lengths = ends - np.append(0.0, ends[:-1])
+    closing = np.append(0.0, step[:-1]) - step
+    return min(1.0, TO_BOUNDARY / max(float((closing / lengths).max()), 1e-300))
 
 
 def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
@@ -182,34 +185,64 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
         NO_CONVERGENCE if no attempt is feasible to ``FEASIBLE``; how far the bound stays behind
         is left to the certificate.
     """
-    best, best_gap = None, inf
     cells = first_cells(problem, span=span)
     ascent = Ascent(point=_dual_start(problem, cells, span))
+    attempts = []
     for _ in range(REFINEMENTS):
         for _ in range(ASCENT_STEPS):
-            candidate = polish(ascent.point, span=span)
-            if candidate.residual <= FEASIBLE:
-                proof = evaluate_dual(ascent.point.mesh, candidate.multipliers, span=span)
-                gap = abs(candidate.horizon - proof.bound) / candidate.horizon
-                best, best_gap = (candidate, gap) if gap < best_gap else (best, best_gap)
-            if best is not None and best_gap <= AGREEMENT:
-                return best
-            if ascent.stalled:
+            attempts.append(_exchange(ascent.point, span))
+            if attempts[-1].gap <= AGREEMENT or ascent.stalled:
                 break
             ascent = ascend(ascent, span=span)
-        if best is not None and best_gap <= SUFFICIENT:
-            return best
+        best = min(attempts, key=lambda attempt: attempt.gap)
+        if best.gap <= SUFFICIENT:
+            return best.control
         cells = refine_cells(problem, cells, span=span)
         fresh = _dual_start(problem, cells, span)
         if fresh.bound > ascent.point.bound:
             ascent = Ascent(point=fresh)
-    if best is None:
-        point = ascent.point
-        detail = (
-            f"bound {point.bound:.9g} s for span {span:.6g}, {point.zeros.size} switches, "
-            f"largest relative moment {point.residual:.2g}"
-        )
-        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    if best.gap < inf:
+        return best.control
+    point = ascent.point
+    detail = (
+        f"bound {point.bound:.9g} s for span {span:.6g}, {point.zeros.size} switches, "
+        f"largest relative moment {point.residual:.2g}"
+    )
+    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Attempt:
+    """A polished control and how far its time is from the time that its multipliers prove.
+
+    Parameters
+    ----------
+    control
+        The control.
+    gap
+        Relative distance; inf for a control that is not feasible.
+    """
+
+    control: BangBang
+    gap: float
+
+
+def _exchange(point: DualPoint, span: float) -> Attempt:
+    """Polish; where the multipliers then show other zeros than the control has, do so with those.
+
+    Next to the birth of an arc this is what adds or drops the two zeros.
+    """
+    best = Attempt(control=polish(point, span=span), gap=inf)
+    control = best.control
+    for _ in range(EXCHANGES):
+        if control.residual > FEASIBLE:
+            break
+        proof = evaluate_dual(point.mesh, control.multipliers, span=span)
+        gap = abs(control.horizon - proof.bound) / control.horizon
+        best = Attempt(control=control, gap=gap) if gap < best.gap else best
+        if gap <= AGREEMENT or proof.zeros.size == control.zeros.size:
+            break
+        control = polish(proof, span=span)
     return best
 
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 DECAY = 41.0
 """e^-41 is below the unit roundoff: a mode is gone after DECAY times its time constant."""
-RADIANS_PER_CELL = 1.0
+RADIANS_PER_CELL = 0.5
 """First mesh against the fastest live pole (empirical: fastest search; accuracy does not depend
 on it)."""
 MAX_HALVINGS = 60
