@@ -26,6 +26,7 @@ from rich.console import Console
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
+from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.format import THIN_SPACE, Formatter, motion_unit
 from mtcommission.sheet.labels_en import ENGLISH, Labels
 from mtcommission.sheet.model import Form, HeatMap, LinePlot, PointPlot, Table
@@ -264,6 +265,13 @@ def test_what_did_not_settle_is_said_and_never_a_number():
     everything = json.dumps([table.rows for table in tables(document)])
     assert "None" not in everything
     assert "nan" not in everything
+
+
+def test_a_map_without_any_value_still_spans_its_axes():
+    document = compose(unsettled_record(), ENGLISH)
+    svg = draw_svg(next(plot for plot in plots(document) if plot.key == "landscape")).decode()
+    numbers = {float(label) for label in re.findall(r"<text[^>]*>([0-9.]+)</text>", svg)}
+    assert {20.0, 80.0, 1.0, 3.0} <= numbers
 
 
 def test_faster_than_the_reference_is_explained():

@@ -179,7 +179,10 @@ def _heat_map(plot: HeatMap) -> Figure:
     # White is the best value of the map, so what did not settle is hatched.
     axes.patch.set(hatch="////", edgecolor="#888888", linewidth=0.0)
     values = np.ma.masked_invalid(plot.values)
-    if values.count():
+    if not values.count():
+        axes.set_xlim(plot.x.min(), plot.x.max())
+        axes.set_ylim(plot.y.min(), plot.y.max())
+    else:
         low, high = float(values.min()), float(values.max())
         mesh = axes.pcolormesh(
             plot.x,
