@@ -216,6 +216,13 @@ def test_slow_step_of_an_undamped_axis_needs_hundreds_of_switches() -> None:
     assert relative_error(plant, optimum) < 1e-9
 
 
+def test_undetermined_multipliers_of_a_bad_start_do_no_harm() -> None:
+    # The first attempts have fewer zeros than conditions, and Newton's multipliers overflow.
+    plant = build_plant(random_modal_machine(170153, n_modes=2))
+    optimum = solve_time_optimal(plant, Positioning(distance=1.35e-4), force_limit=14381.3)
+    assert optimum.certificate.relative_gap < 1e-9
+
+
 def test_nearly_equal_modes_are_certified() -> None:
     plant = modal_plant((40.0, 0.02), (40.004, 0.02))
     optimum = solve_time_optimal(plant, STEP, force_limit=500.0)

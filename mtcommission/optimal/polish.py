@@ -39,6 +39,8 @@ SUFFICIENT = 1e-10
 """Distance that no finer start is tried for: rounding, not the start, is what is left."""
 ASCENT_STEPS = 6
 """From each start; mostly the first attempt succeeds."""
+LARGEST_MULTIPLIER = 1e14
+"""|c| ∫|φ| against ∫|σ| beyond which σ is nothing but rounding."""
 EXCHANGES = 4
 """Changes of structure in a row; one is usual next to the birth of an arc."""
 REFINEMENTS = 8
@@ -138,13 +140,15 @@ def _step(problem: MomentProblem, current: BangBang, *, scale: Array, span: floa
     zeros = zeros + share * step[:k]
     horizon = current.horizon + share * float(step[k])
     left = moment_defect(problem, zeros, horizon, first_sign=current.first_sign, span=span)
+    scaled = current.multipliers * scale[:-1] / span + share * step[k + 1 :] / span
+    usable = bool(np.all(np.abs(scaled) < LARGEST_MULTIPLIER))
     return BangBang(
         zeros=zeros,
         horizon=horizon,
         first_sign=current.first_sign,
         multipliers=current.multipliers + share * step[k + 1 :] / scale[:-1],
         defect=left,
-        residual=float(np.max(np.abs(left / scale))),
+        residual=float(np.max(np.abs(left / scale))) if usable else inf,
     )
 
 
