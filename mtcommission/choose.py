@@ -82,8 +82,11 @@ class Choice:
         Whether all requirements hold by the search's own judgement.
     acceleration, jerk_time
         Axes of the landscape, shapes (n,), (n,).
-    settling_time
-        Worst over moves and corners, shape (n, n) [s]; inf where not settled in the horizon.
+    settling_time, residual_deviation
+        Worst over moves and corners, shape (n, n) [s, m]; inf where not settled in the horizon.
+    usage
+        Share of the force limit (and of bounded peaks and RMS force) that is used, worst case,
+        interpolated from a coarse grid, shape (n, n) [-].
     evaluations
         Limits judged in every corner.
     """
@@ -94,6 +97,8 @@ class Choice:
     acceleration: Array
     jerk_time: Array
     settling_time: Array
+    residual_deviation: Array
+    usage: Array
     evaluations: int
 
 
@@ -185,6 +190,8 @@ def choose_limits(
         acceleration=a_axis,
         jerk_time=t_axis,
         settling_time=grid.settling.reshape(settings.grid, settings.grid),
+        residual_deviation=grid.residual.reshape(settings.grid, settings.grid),
+        usage=grid.usage.reshape(settings.grid, settings.grid),
         evaluations=len(pool.settling),
     )
 

@@ -80,6 +80,34 @@ def find_key_lines(text: str) -> KeyLines:
     return KeyLines(lines=lines)
 
 
+def find_comments(text: str) -> dict[KeyPath, str]:
+    r"""Return the comment behind each key, without its mark.
+
+    Parameters
+    ----------
+    text
+        Valid TOML.
+
+    Returns
+    -------
+    dict
+        Keys with a comment on their own line only.
+
+    Examples
+    --------
+    >>> find_comments('[drive]\nforce_lag = "1 ms"  # illustrative\n')
+    {('drive', 'force_lag'): 'illustrative'}
+    """
+    comments: dict[int, str] = {}
+    line = 1
+    for match in _PIECE.finditer(text):
+        if match[0].startswith("#"):
+            comments[line] = match[0].lstrip("# ").strip()
+        line += match[0].count("\n")
+    lines = find_key_lines(text).lines
+    return {path: comments[place] for path, place in lines.items() if place in comments}
+
+
 def _statements(text: str) -> list[tuple[int, str]]:
     """Return the first line and the text up to "=" of each table header and key."""
     statements: list[tuple[int, str]] = []

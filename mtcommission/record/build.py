@@ -101,7 +101,7 @@ def build_record(
             "source": machine.source,
             "kind": "manipulator" if isinstance(machine.mechanics, Manipulator) else "modal",
         },
-        data=list_data(machine),
+        data=list_data(machine, plant, profile["text"]),
         settings=_settings_entry(commissioning),
         assumptions=list_assumptions(machine),
         warnings=list(warnings),
@@ -171,9 +171,9 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
         landscape=Landscape(
             acceleration=choice.acceleration.tolist(),
             jerk_time=choice.jerk_time.tolist(),
-            settling_time=[
-                [finite_or_none(value) for value in row] for row in choice.settling_time
-            ],
+            settling_time=_plotted(choice.settling_time),
+            residual_deviation=_plotted(choice.residual_deviation),
+            usage=_plotted(choice.usage),
         ),
         search={"evaluations": choice.evaluations},
     )
@@ -373,12 +373,23 @@ def _loop_part(commissioning: Commissioning) -> LoopPart:
             t=bode.frequency_hz.tolist(),
             signals={
                 "open_loop_db": (20 * np.log10(np.abs(bode.open_loop))).tolist(),
-                "open_loop_deg": np.degrees(np.unwrap(np.angle(bode.open_loop))).tolist(),
+                "open_loop_deg": _phase_deg(bode.open_loop).tolist(),
                 "closed_velocity_db": (20 * np.log10(np.abs(bode.closed_velocity_loop))).tolist(),
             },
         ),
         remarks=list(tuned.remarks),
     )
+
+
+def _phase_deg(response: NDArray[np.complex128]) -> Array:
+    """Unwrapped phase that starts in (-360, 0], as drive engineers draw it [degrees]."""
+    phase = np.degrees(np.unwrap(np.angle(response)))
+    return np.asarray(phase - 360.0 * np.ceil(phase[0] / 360.0))
+
+
+def _plotted(grid: Array) -> list[list[float | None]]:
+    """A grid for plots only: five digits."""
+    return [[finite_or_none(float(f"{value:.5g}")) for value in row] for row in grid]
 
 
 def _by_mode(plant: Plant, values: Array) -> dict[str, float]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import isfinite, pi
 
-from mtcommission.machine import Machine, Manipulator, Motion, Move, VelocityStep
+from mtcommission.machine import Machine, Manipulator, Modal, Motion, Move, VelocityStep
+from mtcommission.plant import Plant
+from mtcommission.profile_lines import find_comments
 from mtcommission.record.schema import Quantity
 
 
@@ -52,8 +54,22 @@ def list_assumptions(machine: Machine) -> list[str]:
     return found
 
 
-def list_data(machine: Machine) -> list[Quantity]:
-    """Return every machine datum with its key, SI unit and source."""
+def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantity]:
+    """Return every machine datum with its key, SI unit and source.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    profile_text
+        The profile; a comment behind a value may mark it as illustrative.
+
+    Returns
+    -------
+    list of Quantity
+        Data of plant and drive have the machine's source, moves and requirements the profile
+        itself, unless a comment behind the value says "illustrative".
+    """
     length, force, mass = (
         ("m", "N", "kg") if machine.motion is Motion.LINEAR else ("rad", "N m", "kg m^2")
     )
@@ -101,9 +117,33 @@ def list_data(machine: Machine) -> list[Quantity]:
         ("requirements.payload (least)", needs.payload[0], mass),
         ("requirements.payload (largest)", needs.payload[1], mass),
     ]
-    rows += [(f"requirements.peaks.{peak.name}", peak.bound, "SI") for peak in needs.peaks]
+    units = dict(zip(plant.signals, plant.signal_units, strict=True))
+    rows += [(f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks]
+    illustrative = _illustrative_keys(machine, profile_text)
     return [
-        Quantity(key=key, value=value, unit=unit, source=machine.source)
+        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, illustrative))
         for key, value, unit in rows
         if not isinstance(value, float) or isfinite(value)
     ]
+
+
+def _illustrative_keys(machine: Machine, profile_text: str) -> set[str]:
+    """Keys, spelt as in the list of data, whose comment in the profile says illustrative."""
+    found = set()
+    for path, comment in find_comments(profile_text).items():
+        if "illustrative" not in comment.lower():
+            continue
+        match path:
+            case ("moves", int(index), key):
+                found.add(f"moves[{index + 1}].{key}")
+            case ("plant", "modes", int(index), key) if isinstance(machine.mechanics, Modal):
+                found.add(f"plant.modes.{machine.mechanics.modes[index].name}.{key}")
+            case _:
+                found.add(".".join(map(str, path)))
+    return found
+
+
+def _source(machine: Machine, key: str, illustrative: set[str]) -> str:
+    if key.partition(" (")[0] in illustrative:
+        return "illustrative"
+    return machine.source if key.startswith(("plant.", "drive.")) else "stated in the profile"

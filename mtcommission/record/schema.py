@@ -154,11 +154,16 @@ class RuleText(TypedDict):
 
 
 class Landscape(TypedDict):
-    """Worst settling time over (a, j): ``settling_time[i][k]`` at acceleration i, jerk time k."""
+    """Worst case over (a, t_j): ``settling_time[i][k]`` at acceleration i, jerk time k.
+
+    ``usage`` is the share of the force limit (and of bounded peaks and RMS force) that is used.
+    """
 
     acceleration: list[float]
     jerk_time: list[float]
     settling_time: list[list[float | None]]
+    residual_deviation: list[list[float | None]]
+    usage: list[list[float | None]]
 
 
 class ModeLimitsEntry(TypedDict):
