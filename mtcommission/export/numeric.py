@@ -26,9 +26,10 @@ from mtcommission.export.rounding import (
     JerkForm,
     Typed,
     round_down,
+    type_limits,
     type_number,
 )
-from mtcommission.export.subject import Subject, judge_setpoints, plan_moves
+from mtcommission.export.subject import Subject, for_mode, judge_setpoints, plan_moves
 from mtcommission.limits import MotionLimits
 from mtcommission.rules import NO_JERK_LIMIT
 
@@ -37,7 +38,16 @@ DEGREE, TURN = pi / 180.0, 2.0 * pi
 GAIN_PER_MINUTE = 1000.0 / 60.0
 """(m/min)/mm = 1000/min in 1/s."""
 
-DYNAMIC_MODES = ("DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH")
+DYNAMIC_MODES = (
+    ("DYNNORM", ""),
+    ("DYNPOS", ""),
+    ("DYNROUGH", "speed"),
+    ("DYNSEMIFIN", "accuracy"),
+    ("DYNFINISH", "surface"),
+)
+"""SINUMERIK's dynamic modes in the order of their index, and the machining mode of each; ""
+takes the recommendation."""
+
 LONGEST_MOVING_AVERAGE = 16
 """Position cycles; the range of SINUMERIK's jerk filter mode 2."""
 
@@ -52,6 +62,20 @@ def position_gain(subject: Subject, unit: float) -> str:
     return type_number(round_down(subject.record["loop"]["Kv"] / unit))
 
 
+def _typed_by_mode(subject: Subject, coding: Coding) -> dict[str, tuple[Typed, str]]:
+    """The limits of each machining mode as typed, and how its own band judges them."""
+    length = "urad" if subject.is_rotary else "um"
+    found = {}
+    for mode in subject.record["limits"]["modes"]:
+        typed = type_limits(for_mode(subject, mode), coding)
+        met = "met" if typed.verdict.assessment.is_met else "requirements NOT MET"
+        found[mode["name"]] = (
+            typed,
+            f"{mode['name']}, band {1e6 * mode['band']:.4g} {length}, {met}",
+        )
+    return found
+
+
 def _sinumerik_coding(subject: Subject) -> Coding:
     unit = TURN if subject.is_rotary else 1.0
     return Coding(acceleration_unit=unit, jerk_unit=unit)
@@ -62,25 +86,27 @@ def _sinumerik_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
     gain = position_gain(subject, GAIN_PER_MINUTE)
     loop = subject.record["loop"]
     gain_unit = "N m s/rad" if subject.is_rotary else "N s/m"
+    by_mode = _typed_by_mode(subject, _sinumerik_coding(subject))
+    rows = [(mode, *by_mode.get(name, (typed, "recommended"))) for mode, name in DYNAMIC_MODES]
     accelerations = tuple(
         Entry(
             name=f"N32300 $MA_MAX_AX_ACCEL[{i}]",
-            value=typed.acceleration,
+            value=chosen.acceleration,
             unit=f"{length}/s^2",
-            meaning=mode,
+            meaning=f"{mode}: {about}",
         )
-        for i, mode in enumerate(DYNAMIC_MODES)
+        for i, (mode, chosen, about) in enumerate(rows)
     )
     jerks = tuple(
         unverified(
             Entry(
                 name=f"N32431 $MA_MAX_AX_JERK[{i}]",
-                value=typed.jerk,
+                value=chosen.jerk,
                 unit=f"{length}/s^3",
                 meaning=f"{mode}; unit",
             )
         )
-        for i, mode in enumerate(DYNAMIC_MODES)
+        for i, (mode, chosen, _) in enumerate(rows)
     )
     gain_entry = Entry(
         name="N32200 $MA_POSCTRL_GAIN[0]", value=gain, unit="1000/min", meaning="Kv of this loop"
@@ -152,8 +178,8 @@ def _jerk_filter(subject: Subject, typed: Typed) -> tuple[Block, ...]:
 
 def _sinumerik_notes(subject: Subject) -> tuple[str, ...]:
     return (
-        "All five dynamic modes get the same limits: they were judged with one band. Traverse in "
-        "G0 may use MD32434/MD32435 (factors), JOG uses MD32420/MD32430.",
+        "DYNNORM and DYNPOS get the recommendation, the others the limits of a machining mode, "
+        "judged with its own band. G0 may use MD32434/MD32435 (factors), JOG uses MD32420/MD32430.",
         "The path jerk MD20600 must stay above the axis values, or it limits instead.",
         "If a jerk filter is already on (MD32400 = 1), its time adds to the ramp: switch it off, "
         "or use the alternative below.",
@@ -190,6 +216,19 @@ def _heidenhain_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
     )
     # The manual states m/s^2 for linear axes; degrees for rotary ones are inferred.
     return tuple(map(unverified, entries[:3])) + entries[3:] if subject.is_rotary else entries
+
+
+def _heidenhain_modes(subject: Subject, _typed: Typed) -> tuple[Block, ...]:
+    """The same parameters for each machining mode; HEIDENHAIN's own names for the three."""
+    found = _typed_by_mode(subject, _heidenhain_coding(subject))
+    return tuple(
+        Block(
+            title=f"Machining mode {name}",
+            entries=_heidenhain_entries(subject, typed)[:3],
+            notes=(f"Judged with a band of its own: {about}.",),
+        )
+        for name, (typed, about) in found.items()
+    )
 
 
 def _heidenhain_notes(subject: Subject) -> tuple[str, ...]:
@@ -313,6 +352,7 @@ NUMERIC_CONTROLS = (
         layout=table_layout,
         comment=hash_comment,
         position_gain=1.0,
+        alternatives=_heidenhain_modes,
         notes=_heidenhain_notes,
     ),
     Control(

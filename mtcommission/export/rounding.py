@@ -7,14 +7,14 @@ read back, and if the nearest one misses a requirement, others below it are trie
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from enum import Enum
 from itertools import product
 from math import inf
 
-from mtcommission.export.shaping import Shaper, shape_setpoint
+from mtcommission.export.shaping import Shaper, shape_setpoint, shaper_impulses
 from mtcommission.export.subject import Subject, Verdict, judge_setpoints, plan_moves
 from mtcommission.limits import MotionLimits
 from mtcommission.rules import NO_JERK_LIMIT
@@ -31,14 +31,12 @@ STEPS = (0, 1, 2, 4, 8, 16, 32, 64)
 CYCLES = range(9)
 """How many whole steps above the recommended jerk time are tried."""
 
+SHARES = tuple(0.98**i for i in range(30))
+"""Shares of the recommended acceleration where the jerk time comes in whole cycles: the other
+limit must then find the valley."""
+
 WIDE = tuple(0.9**i for i in range(36))
-"""Shares of the recommended acceleration where there is no jerk limit to go with it."""
-
-SLOWER = 0.01
-"""The nearest pair is taken without a search if it settles at most this much later."""
-
-LEAST_SHARE = 0.02
-"""Of the recommendation; less is not the same machine any more."""
+"""The same where there is no jerk limit at all."""
 
 
 class AccelerationForm(Enum):
@@ -167,7 +165,7 @@ def type_number(number: Decimal | int) -> str:
 
 
 def type_limits(subject: Subject, coding: Coding) -> Typed:
-    """Return the numbers to type in: the fastest safe pair that meets all requirements.
+    """Return the numbers to type in: the nearest safe pair that meets all requirements.
 
     Parameters
     ----------
@@ -181,21 +179,20 @@ def type_limits(subject: Subject, coding: Coding) -> Typed:
     Typed
         Where no pair meets the requirements, the nearest one; its verdict says so.
     """
-    pairs = _pairs(subject, coding)
-    nearest = _judge(subject, next(pairs))
-    recommended = subject.record["limits"]["recommended"]["settling_time"]
-    met = subject.record["assessment"]["met"]
-    near_enough = recommended is not None and (
-        nearest.verdict.settling_time <= (1.0 + SLOWER) * recommended
-    )
-    if not met or (near_enough and nearest.verdict.assessment.is_met):
-        return nearest
-    good = [
-        typed
-        for typed in (nearest, *(_judge(subject, pair) for pair in pairs))
-        if typed.verdict.assessment.is_met
-    ]
-    return min(good, key=lambda typed: typed.verdict.settling_time, default=nearest)
+    nearest, *others = _pairs(subject, coding)
+    typed = _judge(subject, nearest)
+    if typed.verdict.assessment.is_met or not subject.is_met:
+        return typed
+    # A longer ramp settles later but for the valleys, so the first good one is about the best.
+    others.sort(key=lambda pair: _ramp(subject, pair))
+    judged = (_judge(subject, pair) for pair in others)
+    return next((found for found in judged if found.verdict.assessment.is_met), typed)
+
+
+def _ramp(subject: Subject, pair: _Pair) -> float:
+    """Duration of the change to the largest velocity [s]."""
+    shaper = shaper_impulses(pair.shaper)[0][-1] if pair.shaper else 0.0
+    return pair.limits.jerk_time + subject.fastest / pair.limits.acceleration + float(shaper)
 
 
 def _judge(subject: Subject, pair: _Pair) -> Typed:
@@ -226,7 +223,11 @@ def _pairs(subject: Subject, coding: Coding) -> Iterator[_Pair]:
 def _with_jerk(subject: Subject, coding: Coding) -> Iterator[_Pair]:
     wanted = subject.limits.jerk / coding.jerk_unit
     jerks = [round_down(wanted, steps=n) for n in STEPS]
-    for (text, a), jerk in product(_accelerations(subject, coding, STEPS), jerks):
+    accelerations = [
+        round_down(subject.limits.acceleration / coding.acceleration_unit, steps=n) for n in STEPS
+    ]
+    for number, jerk in product(accelerations, jerks):
+        text, a = type_number(number), float(number) * coding.acceleration_unit
         limits = MotionLimits(acceleration=a, jerk=float(jerk) * coding.jerk_unit)
         yield _Pair(acceleration=text, jerk=type_number(jerk), limits=limits)
 
@@ -234,36 +235,29 @@ def _with_jerk(subject: Subject, coding: Coding) -> Iterator[_Pair]:
 def _with_jerk_time(subject: Subject, coding: Coding) -> Iterator[_Pair]:
     shortest = round_up(subject.limits.jerk_time / coding.jerk_unit, step=coding.time_step)
     times = [shortest + n * coding.time_step for n in CYCLES]
-    for time, (text, a) in product(times, _accelerations(subject, coding, STEPS)):
+    for time, (text, a) in product(times, _accelerations(subject, coding, SHARES)):
         limits = MotionLimits(acceleration=a, jerk=a / (time * coding.jerk_unit))
         yield _Pair(acceleration=text, jerk=type_number(time), limits=limits)
 
 
 def _without_jerk(subject: Subject, coding: Coding) -> Iterator[_Pair]:
-    for share, shaper in product(WIDE, coding.shapers or (None,)):
-        number = round_down(share * subject.limits.acceleration / coding.acceleration_unit)
-        a = float(number) * coding.acceleration_unit
+    accelerations = _accelerations(subject, coding, WIDE)
+    for (text, a), shaper in product(accelerations, coding.shapers or (None,)):
         limits = MotionLimits(acceleration=a, jerk=a / NO_JERK_LIMIT)
-        yield _Pair(acceleration=type_number(number), jerk="", limits=limits, shaper=shaper)
+        yield _Pair(acceleration=text, jerk="", limits=limits, shaper=shaper)
 
 
 def _accelerations(
-    subject: Subject, coding: Coding, steps: tuple[int, ...]
+    subject: Subject, coding: Coding, shares: tuple[float, ...]
 ) -> list[tuple[str, float]]:
-    """What may be typed for the acceleration, with what it means [m/s²]."""
-    unit, a = coding.acceleration_unit, subject.limits.acceleration
-    read_back: Callable[[Decimal], float]
-    if coding.acceleration_form is AccelerationForm.RISE_TIME:
-        shortest = round_up(coding.rapid / a / unit)
-        numbers = [Decimal(shortest + n) for n in steps]
-
-        def read_back(number: Decimal) -> float:
-            return coding.rapid / (float(number) * unit)
-    else:
-        numbers = [round_down(a / unit, steps=n) for n in steps]
-
-        def read_back(number: Decimal) -> float:
-            return float(number) * unit
-
-    kept = [number for number in numbers if read_back(number) >= LEAST_SHARE * a]
-    return [(type_number(number), read_back(number)) for number in kept]
+    """What may be typed for shares of the acceleration, with what it means [m/s²]."""
+    unit, found = coding.acceleration_unit, []
+    for a in (share * subject.limits.acceleration for share in shares):
+        if coding.acceleration_form is AccelerationForm.RISE_TIME:
+            number = Decimal(round_up(coding.rapid / a / unit))
+            meaning = coding.rapid / (float(number) * unit)
+        else:
+            number = round_down(a / unit)
+            meaning = float(number) * unit
+        found.append((type_number(number), meaning))
+    return list(dict.fromkeys(found))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
@@ -20,13 +20,13 @@ from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Machine, Motion, StateFeedback, StateGain
 from mtcommission.plant import Plant, PlantMode, build_plant
 from mtcommission.profile import parse_profile
-from mtcommission.record.schema import Record
+from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.rules import dominant_mode, peak_velocity
 from mtcommission.setpoint import Setpoint, plan_setpoint
 
-REBUILT = 1e-6
-"""Largest difference between the record's loop and the one built again, relative to the largest
-entry: rounding between versions of the linear algebra, not a change of the machine."""
+REBUILT, ROUNDING = 1e-6, 1e-12
+"""Largest relative difference of an entry of the record's loop from the one built again, and what
+counts as zero beside its largest entry: versions of the linear algebra may differ by so much."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,6 +41,10 @@ class Subject:
         Built again from the record.
     limits
         The recommendation.
+    settling_time
+        What it reached in the run, worst case [s]; inf if not settled.
+    is_met
+        Whether it met all requirements.
     """
 
     record: Record
@@ -48,6 +52,8 @@ class Subject:
     plant: Plant
     tuned: TunedLoop
     limits: MotionLimits
+    settling_time: float
+    is_met: bool
 
     @property
     def is_rotary(self) -> bool:
@@ -112,6 +118,8 @@ def build_subject(record: Record) -> Subject:
         plant=build_plant(machine),
         tuned=tune_loop(machine),
         limits=MotionLimits(acceleration=recommended["acceleration"], jerk=recommended["jerk"]),
+        settling_time=_or_infinite(recommended["settling_time"]),
+        is_met=record["assessment"]["met"],
     )
     _require_same_loop(subject)
     return subject
@@ -122,6 +130,18 @@ def with_position_gain(subject: Subject, gain: float) -> Subject:
     control = replace(subject.machine.control, position_gain=gain)
     machine = replace(subject.machine, control=control)
     return replace(subject, machine=machine, tuned=tune_loop(machine))
+
+
+def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
+    """Return the subject with the limits and the band of one machining mode."""
+    needs = replace(subject.machine.requirements, tcp_deviation=mode["band"])
+    return replace(
+        subject,
+        machine=replace(subject.machine, requirements=needs),
+        limits=MotionLimits(acceleration=mode["acceleration"], jerk=mode["jerk"]),
+        settling_time=_or_infinite(mode["settling_time"]),
+        is_met=mode["meets_requirements"],
+    )
 
 
 def plan_moves(
@@ -183,6 +203,10 @@ def judge_setpoints(subject: Subject, setpoints: Sequence[Setpoint]) -> Verdict:
     )
 
 
+def _or_infinite(value: float | None) -> float:
+    return inf if value is None else value
+
+
 def _as_recorded(record: Record) -> Machine:
     """The profile's machine with the record's force limit and gains in place of tuning."""
     machine = parse_profile(record["profile"]["text"], where=record["profile"]["name"])
@@ -206,7 +230,7 @@ def _require_same_loop(subject: Subject) -> None:
     recorded = np.array(subject.record["loop"]["closed_loop"]["A"])
     rebuilt = subject.tuned.lifted[0].A
     same = recorded.shape == rebuilt.shape and np.allclose(
-        recorded, rebuilt, rtol=0.0, atol=REBUILT * float(np.max(np.abs(rebuilt)))
+        recorded, rebuilt, rtol=REBUILT, atol=ROUNDING * float(np.max(np.abs(rebuilt)))
     )
     recommended = subject.record["limits"]["recommended"]
     if not (same and isfinite(recommended["acceleration"]) and recommended["jerk"] > 0.0):

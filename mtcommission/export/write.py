@@ -178,16 +178,16 @@ def _header(subject: Subject, control: Control, typed: Typed) -> tuple[str, ...]
 
 
 def _verdict(subject: Subject, control: Control, typed: Typed) -> str:
-    length = "rad" if subject.is_rotary else "m"
-    verdict, recommended = typed.verdict, subject.record["limits"]["recommended"]
+    length = "urad" if subject.is_rotary else "um"
+    verdict = typed.verdict
     count = len(subject.tuned.corners)
     place = "the nominal machine" if count == 1 else f"{count} corners"
     settling = _milliseconds(verdict.settling_time)
     gain = " and this Kv" if control.position_gain else ""
     judged = (
         f"Simulated with exactly these limits{gain} in {place}: settling time {settling}, residual "
-        f"deviation {verdict.residual_deviation:.4g} {length} (recommended limits: "
-        f"{_milliseconds(recommended['settling_time'])})"
+        f"deviation {1e6 * verdict.residual_deviation:.4g} {length} (recommended limits: "
+        f"{_milliseconds(subject.settling_time)})"
     )
     if verdict.assessment.is_met:
         return f"{judged}; all requirements met."
@@ -199,8 +199,8 @@ def _verdict(subject: Subject, control: Control, typed: Typed) -> str:
     return f"{judged}; REQUIREMENTS NOT MET: {missed}."
 
 
-def _milliseconds(value: float | None) -> str:
-    return "not settled" if value is None or not isfinite(value) else f"{1e3 * value:.4g} ms"
+def _milliseconds(value: float) -> str:
+    return f"{1e3 * value:.4g} ms" if isfinite(value) else "not settled"
 
 
 def _one_line(text: str) -> str:
