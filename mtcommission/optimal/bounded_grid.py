@@ -131,13 +131,14 @@ def _solve(problem: BoundedProblem, t_f: float) -> GridOptimum:
     final = step_response(problem.plant, t_f - edges)[:, problem.fixed] * F
     moments = (final[:-1] - final[1:]).T
     scale = 1.0 / np.maximum(np.abs(moments).sum(axis=1), np.abs(problem.target[problem.fixed]))
-    levels = step_response(problem.plant, edges) @ problem.rows.T * F
-    response = np.vstack([toeplitz(column, np.zeros(CELLS)) for column in np.diff(levels.T)])
-    still = np.zeros((n_limits * CELLS, 1))
+    steps = step_response(problem.plant, edges) @ problem.rows.T * F
+    response = np.vstack([toeplitz(column, np.zeros(CELLS)) for column in np.diff(steps.T)])
+    follows = np.repeat([limit.follows for limit in problem.limits], CELLS).astype(np.float64)
+    column = -follows[:, np.newaxis]
     result = linprog(
         np.append(np.zeros(CELLS), -1.0),
-        A_ub=np.block([[response, still], [-response, still]]),
-        b_ub=np.ones(2 * n_limits * CELLS),
+        A_ub=np.block([[response, column], [-response, column]]),
+        b_ub=np.tile(1.0 - follows, 2),
         A_eq=np.column_stack([moments, -problem.target[problem.fixed]]) * scale[:, np.newaxis],
         b_eq=np.zeros(scale.size),
         bounds=[(-1.0, 1.0)] * CELLS + [(0.0, None)],

@@ -25,6 +25,9 @@ from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, 
 
 Array = NDArray[np.float64]
 
+LOOSE = 1e-6
+"""Distance of a relative force from ±1 above which it may be corrected."""
+
 FEASIBILITY = 1e-10
 """Tolerance of the simplex method: its smallest."""
 
@@ -89,7 +92,7 @@ class Segment:
     column
         Unknown that is the cell's force; -1 in a core.
     first, last
-        Shapes (n, n_unknowns + 1); the last column is the constant.
+        Shapes (n, n_unknowns + 2); the last columns belong to the reach and the constant.
     """
 
     start: float
@@ -131,8 +134,8 @@ class MeshOptimum:
     contacts: tuple[Contact, ...]
 
     def state(self, ends: Array) -> Array:
-        """Return a state from its affine map of shape (n, n_unknowns + 1)."""
-        return np.asarray(ends[:, :-1] @ self.unknowns + ends[:, -1])
+        """Return a state from its affine map of shape (n, n_unknowns + 2)."""
+        return np.asarray(ends @ np.concatenate([self.unknowns, [self.reach, 1.0]]))
 
 
 def off_cores(contacts: tuple[Contact, ...], cores: tuple[Core, ...]) -> tuple[Contact, ...]:
@@ -160,7 +163,7 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         # An atom inside a core would end it: the relaxation leaves such a bound out.
         layout = replace(layout, contacts=off_cores(layout.contacts, layout.cores))
     segments = _segments(problem, layout, relaxed=relaxed)
-    size = segments[-1].last.shape[1] - 1
+    size = segments[-1].last.shape[1] - 2
     rows, rooms = _bound_rows(problem, layout, segments)
     if not relaxed:
         feedback_rows, feedback_rooms = _feedback_rows(problem, segments)
@@ -172,7 +175,7 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
     cells = sum(segment.limit < 0 for segment in segments)
     result = linprog(
         np.append(np.zeros(size), -1.0),
-        A_ub=np.column_stack([rows, np.zeros(rooms.size)]),
+        A_ub=rows,
         b_ub=rooms,
         A_eq=equal,
         b_eq=right,
@@ -224,7 +227,7 @@ def _segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tupl
     lengths = np.array([start - end for start, end, _ in spans])
     flows = transition(plant, lengths)
     pushes = step_response(plant, lengths) * problem.force_limit
-    state, column, jump = np.zeros((plant.order, cells + jumps + 1)), 0, cells
+    state, column, jump = np.zeros((plant.order, cells + jumps + 2)), 0, cells
     segments: list[Segment] = []
     for i, (start, end, core) in enumerate(spans):
         first = state
@@ -253,10 +256,14 @@ def _segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tupl
     return tuple(segments)
 
 
-def _levels(layout: Layout, core: Core, order: int) -> Array:
-    levels = np.zeros(order)
-    levels[0] = core.side * (1.0 - layout.margin)
-    return levels
+def _level(problem: BoundedProblem, layout: Layout, limit: int, width: int) -> Array:
+    """Return the bound as a row over all columns: the constant, or the reach if it follows."""
+    row = np.zeros(width)
+    held = problem.limits[limit]
+    # A bound that the target itself meets has no room for a margin.
+    margin = 0.0 if abs(float(held.row @ problem.target)) > 1.0 - LOOSE else layout.margin
+    row[-2 if held.follows else -1] = 1.0 - margin
+    return row
 
 
 def _projected(problem: BoundedProblem, layout: Layout, core: Core, state: Array) -> Array:
@@ -264,8 +271,8 @@ def _projected(problem: BoundedProblem, layout: Layout, core: Core, state: Array
     limit = problem.limits[core.limit]
     push = limit.force_chain @ np.linalg.inv(limit.output_chain @ limit.force_chain)
     moved = state - push @ (limit.output_chain @ state)
-    moved[:, -1] += push @ _levels(layout, core, limit.order)
-    return np.asarray(moved)
+    level = core.side * _level(problem, layout, core.limit, state.shape[1])
+    return np.asarray(moved + np.outer(push[:, 0], level))
 
 
 def _bound_rows(
@@ -289,7 +296,9 @@ def _bound_rows(
         rows[i, segment.column] += push * problem.force_limit
     sides = np.array([contact.side for contact in layout.contacts], dtype=np.float64)
     rows *= sides[:, np.newaxis]
-    return rows[:, :-1], 1.0 - layout.margin - rows[:, -1]
+    for i, contact in enumerate(layout.contacts):
+        rows[i] -= _level(problem, layout, contact.limit, rows.shape[1])
+    return rows[:, :-1], -rows[:, -1]
 
 
 def _feedback_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:
@@ -311,20 +320,51 @@ def _terminal_scale(problem: BoundedProblem, segments: tuple[Segment, ...]) -> A
 
 def _terminal_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:
     final, scale = segments[-1].last[problem.fixed], _terminal_scale(problem, segments)
-    rows = np.column_stack([final[:, :-1], -problem.target[problem.fixed]])
+    rows = final[:, :-1].copy()
+    rows[:, -1] -= problem.target[problem.fixed]
     return rows * scale[:, np.newaxis], -final[:, -1] * scale
 
 
 def _entry_rows(
     problem: BoundedProblem, layout: Layout, segments: tuple[Segment, ...]
 ) -> tuple[Array, Array]:
-    rows, levels = [np.empty((0, segments[-1].last.shape[1]))], [np.empty(0)]
+    rows = [np.empty((0, segments[-1].last.shape[1]))]
     for segment in segments:
         if segment.limit >= 0:
-            limit = problem.limits[segment.limit]
             core = next(core for core in layout.cores if core.start == segment.start)
-            rows.append(limit.output_chain @ segment.first)
-            levels.append(_levels(layout, core, limit.order))
+            held = problem.limits[core.limit].output_chain @ segment.first
+            held[0] -= core.side * _level(problem, layout, core.limit, held.shape[1])
+            rows.append(held)
     stacked = np.vstack(rows)
-    right = np.concatenate(levels) - stacked[:, -1]
-    return np.column_stack([stacked[:, :-1], np.zeros(right.size)]), right
+    return stacked[:, :-1], -stacked[:, -1]
+
+
+def settled(problem: BoundedProblem, found: MeshOptimum, *, miss: Array) -> MeshOptimum:
+    """Return the solution with its equations fulfilled to rounding, not to a solver's tolerance.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    found
+        Solution of the kept form.
+    miss
+        Terminal error of its motion as it was followed, to be taken back, shape (n_fixed,).
+
+    Returns
+    -------
+    MeshOptimum
+        The forces of the cells within the force limit are changed by the least-norm correction.
+    """
+    equal, right = _terminal_rows(problem, found.segments)
+    held, levels = _entry_rows(problem, found.layout, found.segments)
+    taken = right - _terminal_scale(problem, found.segments) * miss * found.reach
+    rows, rest = np.vstack([equal, held]), np.append(taken, levels)
+    unknowns = found.unknowns.copy()
+    free = np.abs(unknowns) < 1.0 - LOOSE
+    for _ in range(2):
+        error = rest - rows @ np.append(unknowns, found.reach)
+        sizes = np.linalg.norm(rows[:, :-1][:, free], axis=1) + 1e-300
+        scaled = rows[:, :-1][:, free] / sizes[:, np.newaxis]
+        unknowns[free] += np.linalg.lstsq(scaled, error / sizes, rcond=1e-13)[0]
+    return replace(found, unknowns=unknowns)

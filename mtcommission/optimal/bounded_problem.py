@@ -22,6 +22,12 @@ ORDER_TOLERANCE = 1e-10
 """Share of its own terms below which c A^j B counts as zero (rounding of the sum)."""
 
 
+FOLLOW_LEVEL = 0.5
+"""Share of a bound that the target itself takes, above which the bound is scaled with the
+target: otherwise a bound that the target just meets (|v_s| <= velocity step) would cap the
+reachable multiple at 1 for every longer t_f, and t_f could not be told from it."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Limit:
     """One bound with what follows from its order.
@@ -32,6 +38,8 @@ class Limit:
         As the user gave it.
     row
         c divided by the bound's value, shape (n,).
+    follows
+        Whether the program scales this bound with the target, see ``FOLLOW_LEVEL``.
     gain
         c (A/rate)^(r-1) B [1/(N s)].
     output_chain
@@ -50,6 +58,7 @@ class Limit:
 
     bound: Bound
     row: Array
+    follows: bool
     gain: float
     output_chain: Array
     force_chain: Array
@@ -147,7 +156,7 @@ def bounded_problem(
     return BoundedProblem(
         plant=plant,
         force_limit=force_limit,
-        limits=tuple(_limit(plant, bound, rate) for bound in bounds),
+        limits=tuple(_limit(plant, bound, rate, target) for bound in bounds),
         fixed=fixed,
         target=target,
         state_scale=np.maximum(travel, np.abs(target)),
@@ -155,7 +164,7 @@ def bounded_problem(
     )
 
 
-def _limit(plant: Plant, bound: Bound, rate: float) -> Limit:
+def _limit(plant: Plant, bound: Bound, rate: float, target: Array) -> Limit:
     A, B = plant.A / rate, plant.B
     row = plant.row(bound.name) / bound.value
     outputs, forces = [row], [B]
@@ -168,6 +177,7 @@ def _limit(plant: Plant, bound: Bound, rate: float) -> Limit:
     return Limit(
         bound=bound,
         row=row,
+        follows=abs(float(row @ target)) > FOLLOW_LEVEL,
         gain=gain,
         output_chain=np.array(outputs),
         force_chain=np.column_stack(forces),

@@ -32,6 +32,7 @@ from mtcommission.optimal.bounded_mesh import (
     Layout,
     MeshOptimum,
     off_cores,
+    settled,
     solve_mesh,
 )
 from mtcommission.optimal.bounded_motion import Motion, follow, mesh_arcs, sequence_arcs
@@ -45,19 +46,23 @@ from mtcommission.optimal.bounded_reading import (
 
 Array = NDArray[np.float64]
 
-ROUNDS = 4
+ROUNDS = 7
 SHRINK = 5.0
 """Factor between the finest cells of two rounds."""
 BACKGROUND = 80
 """Cells of the background mesh."""
 GROWTH = 1.7
 """Ratio of neighbouring cells away from a feature."""
-CORE_MARGIN = 3.0
-"""Distance of a core from the ends of its arc, in finest cells of the round before."""
+CORE_MARGINS = (3.0, 15.0)
+"""Distance of a core from the ends of its arc, in finest cells of the round before: for orders 1
+and 2, and for higher orders, where touch points that crowd towards an arc look like its end."""
 EXCHANGES = 6
 """Solutions of the program in one round, each with the points where the last broke a bound."""
 MARGIN = 1e-9
 """Relative distance from the bounds kept on a mesh."""
+BROKEN = 1e-6
+"""Relative excess over a bound that calls for another point of the program; what is left is
+covered by a margin."""
 VANISHED = 1e-8
 """Share of t_f below which a piece is taken out."""
 GAP = 1e-6
@@ -130,7 +135,7 @@ def search(problem: BoundedProblem, grid: GridOptimum) -> Found | None:
         kept = _exchange(problem, layout)
         if kept is None:
             # The cores reach beyond the arcs: look again with more room at their ends.
-            sight = replace(sight, reading=_narrowed(sight.reading, sight.finest))
+            sight = replace(sight, reading=_narrowed(problem, sight))
             continue
         relaxed = solve_mesh(problem, replace(kept.layout, margin=0.0), relaxed=True)
         if relaxed is None:
@@ -139,9 +144,24 @@ def search(problem: BoundedProblem, grid: GridOptimum) -> Found | None:
         exact = _solve_exactly(problem, guess)
         if exact is not None:
             return exact
-        coarse = _on_mesh(problem, kept, relaxed)
-        best = coarse if best is None or (coarse and coarse.gap < best.gap) else best
+        if _enclosed(problem, kept, relaxed):
+            coarse = _on_mesh(problem, kept, relaxed)
+            best = coarse if best is None or (coarse and coarse.gap < best.gap) else best
+            if best is not None and _has_high_order(problem, guess):
+                return best
     return best
+
+
+def _has_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
+    return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess.pieces)
+
+
+def _enclosed(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> bool:
+    """Return whether the mesh encloses the optimum closely enough to be worth finishing."""
+    measure = relaxed.measure
+    value = dual_value(problem, stretches(problem, measure), measure.atoms).value
+    reach = value / float(measure.terminal @ problem.target)
+    return reach - kept.reach < 0.7 * GAP * kept.slope * kept.layout.t_f
 
 
 def _first_sight(problem: BoundedProblem, grid: GridOptimum) -> _Sight:
@@ -169,29 +189,28 @@ def _off_arcs(switches: Array, reading: Reading, room: float) -> Array:
     return np.asarray(switches[~np.any([np.zeros(switches.size, dtype=bool), *inside], axis=0)])
 
 
-def _narrowed(reading: Reading, room: float) -> Reading:
+def _narrowed(problem: BoundedProblem, sight: _Sight) -> Reading:
     arcs = tuple(
-        replace(arc, start=arc.start - 2.0 * room, end=arc.end + 2.0 * room)
-        for arc in reading.arcs
-        if arc.start - arc.end > 6.0 * room
+        replace(arc, start=arc.start - room, end=arc.end + room)
+        for arc in sight.reading.arcs
+        if arc.start - arc.end > 3.0 * (room := _room(problem, arc, sight.finest))
     )
-    return replace(reading, arcs=arcs)
+    return replace(sight.reading, arcs=arcs)
 
 
 def _layout(problem: BoundedProblem, sight: _Sight) -> Layout:
     finest, background = sight.finest / SHRINK, sight.t_f / BACKGROUND
-    room = CORE_MARGIN * sight.finest
     cores = tuple(
         replace(arc, start=arc.start - room, end=arc.end + room)
         for arc in sight.reading.arcs
-        if arc.start - arc.end > 2.0 * room + 4.0 * finest
+        if arc.start - arc.end > 2.0 * (room := _room(problem, arc, sight.finest)) + 4.0 * finest
     )
     points = [np.arange(1, BACKGROUND) * background]
     ends = [end for arc in sight.reading.arcs for end in (arc.start, arc.end)]
     centres = [*sight.switches, *ends, *(touch.remaining for touch in sight.reading.touches)]
     points += [_graded(centre, finest, background) for centre in centres]
     for arc in sight.reading.arcs:
-        if arc.start - arc.end <= 2.0 * room + 4.0 * finest:
+        if not any(core.start < arc.start and core.end > arc.end for core in cores):
             count = int((arc.start - arc.end) / (2.0 * finest)) + 3
             points.append(np.linspace(arc.end, arc.start, count))
     mesh = _thinned(np.concatenate(points), 0.4 * finest, sight.t_f)
@@ -205,6 +224,10 @@ def _layout(problem: BoundedProblem, sight: _Sight) -> Layout:
         contacts=_contacts(sight, mesh, cores),
         margin=MARGIN,
     )
+
+
+def _room(problem: BoundedProblem, arc: Core, finest: float) -> float:
+    return CORE_MARGINS[problem.limits[arc.limit].order > 2] * finest
 
 
 def _graded(centre: float, finest: float, background: float) -> Array:
@@ -245,25 +268,27 @@ def _contacts(sight: _Sight, mesh: Array, cores: tuple[Core, ...]) -> tuple[Cont
 def _exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
     """Return the solution on the mesh with t_f such that the reach is 1."""
     found: MeshOptimum | None = None
+    # While the mesh is coarse, more exactness at the bounds would be wasted.
+    tolerance = max(BROKEN, 0.3 * float(np.diff(layout.mesh).min()) / layout.t_f)
     for _ in range(EXCHANGES):
         found = solve_mesh(problem, layout, relaxed=False)
         if found is None:
             return None
-        broken = _broken(problem, found)
-        settled = abs(found.reach - 1.0) < 1e-4
-        if not broken and settled:
+        broken = _broken(problem, found, tolerance=tolerance)
+        in_time = abs(found.reach - 1.0) < 1e-4
+        if not broken and in_time:
             break
         contacts = tuple(dict.fromkeys([*layout.contacts, *broken]))
         t_f = layout.t_f
-        if not settled:
+        if not in_time:
             t_f += (1.0 - found.reach) / max(found.slope, 0.05 / t_f)
         last = float(layout.mesh[-1]) if layout.mesh.size else 0.0
         layout = replace(layout, contacts=contacts, t_f=max(t_f, last * (1.0 + 1e-6)))
     return found
 
 
-def _broken(problem: BoundedProblem, found: MeshOptimum) -> list[Contact]:
-    """Return where the motion of a mesh solution exceeds a bound by more than 1e-6."""
+def _broken(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> list[Contact]:
+    """Return where the motion of a mesh solution exceeds a bound by a relative tolerance."""
     plant, rows = problem.plant, problem.rows
     cells = [segment for segment in found.segments if segment.limit < 0]
     starts = np.array([found.state(cell.first) for cell in cells])
@@ -276,7 +301,7 @@ def _broken(problem: BoundedProblem, found: MeshOptimum) -> list[Contact]:
     levels = states @ rows.T
     worst = np.abs(levels).argmax(axis=1)
     broken = []
-    for cell, k in zip(*np.nonzero(np.abs(levels).max(axis=1) > 1.0 + 1e-6), strict=True):
+    for cell, k in zip(*np.nonzero(np.abs(levels).max(axis=1) > 1.0 + tolerance), strict=True):
         at = worst[cell, k]
         t = _peak_time(levels[cell, :, k], int(at)) * lengths[cell] / (shares.size - 1)
         side = int(np.sign(levels[cell, at, k]))
@@ -323,8 +348,7 @@ def _look(
 def _solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
     """Return the accepted extremal of a sequence, vanishing pieces taken out, or None."""
     for _ in range(4):
-        held = [problem.limits[p.limit].order for p in guess.pieces if p.limit >= 0]
-        if max(held, default=0) > 2 or guess.pieces[-1].limit >= 0:
+        if _has_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
             return None
         extremal = solve_sequence(problem, guess)
         found = _accepted(problem, extremal)
@@ -382,21 +406,46 @@ def _accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
 
 
 def _on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> Found | None:
-    """Return the mesh control itself, slowed down until it reaches the target."""
+    """Return the mesh control itself, slowed down until it keeps the bounds everywhere."""
     layout, found = kept.layout, kept
-    for _ in range(EXCHANGES):
-        if 0.0 <= found.reach - 1.0 < 1e-9 and not _broken(problem, found):
-            break
-        t_f = layout.t_f + (1.0 - found.reach + 2e-10) / max(found.slope, 0.05 / layout.t_f)
-        contacts = tuple(dict.fromkeys([*layout.contacts, *_broken(problem, found)]))
-        layout = replace(layout, t_f=t_f, contacts=contacts)
+    for attempt in range(EXCHANGES + 2):
+        motion = _followed(problem, found)
+        # A reach short of 1 has raised all levels by its inverse: that is lateness, not excess.
+        excess = max(_levels(problem, motion)[:-1]) * found.reach - 1.0
+        late = 1.0 - found.reach
+        if excess < EXCESS and -1e-8 < late <= 0.0:
+            touches = tuple(at for at in found.contacts if at.weight > 0.0)
+            return _proved(problem, motion, relaxed.measure, touches, exact=False)
+        t_f = layout.t_f + (late + 2e-10) / max(found.slope, 0.05 / layout.t_f)
+        broken = _broken(problem, found, tolerance=BROKEN)
+        margin = layout.margin + (1.1 * excess if excess > 0.0 and (attempt or not broken) else 0.0)
+        contacts = tuple(dict.fromkeys([*layout.contacts, *broken]))
+        layout = replace(layout, t_f=t_f, contacts=contacts, margin=margin)
         following = solve_mesh(problem, layout, relaxed=False)
         if following is None:
             return None
         found = following
-    motion = follow(problem.plant, mesh_arcs(problem, found), rate=problem.rate)
-    touches = tuple(at for at in found.contacts if at.weight > 0.0)
-    return _proved(problem, motion, relaxed.measure, touches, exact=False)
+    return None
+
+
+def _followed(problem: BoundedProblem, found: MeshOptimum) -> Motion:
+    """Return the motion of a mesh control whose terminal error is taken back once."""
+    miss = np.zeros(problem.fixed.size)
+    for _ in range(2):
+        exact = settled(problem, found, miss=miss)
+        motion = follow(problem.plant, mesh_arcs(problem, exact), rate=problem.rate)
+        miss += (motion.final - problem.target)[problem.fixed]
+    return motion
+
+
+def _levels(problem: BoundedProblem, motion: Motion) -> list[float]:
+    """Return the peaks of the bounded signals and of the force, relative to their bounds."""
+    signals = problem.plant.signals
+    peaks = [
+        float(motion.peaks[signals.index(limit.bound.name)]) / limit.bound.value
+        for limit in problem.limits
+    ]
+    return [*peaks, motion.force_peak / problem.force_limit]
 
 
 def _proved(
@@ -408,15 +457,9 @@ def _proved(
     exact: bool,
 ) -> Found | None:
     """Return the control with its proof if the motion keeps everything, else None."""
-    signals = problem.plant.signals
-    levels = [
-        motion.peaks[signals.index(limit.bound.name)] / limit.bound.value
-        for limit in problem.limits
-    ]
-    levels.append(motion.force_peak / problem.force_limit)
     error = np.abs(motion.final - problem.target)[problem.fixed]
     share = error / motion.peaks[: problem.plant.order][problem.fixed]
-    if max(levels) > 1.0 + EXCESS or float(share.max()) > TERMINAL:
+    if max(_levels(problem, motion)) > 1.0 + EXCESS or float(share.max()) > TERMINAL:
         return None
     t_f = motion.arcs[-1].t_end
     found = Found(

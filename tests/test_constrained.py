@@ -1,0 +1,304 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.linalg import expm
+from scipy.optimize import linprog
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine import Positioning, VelocityStep
+from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch, solve_sequence
+from mtcommission.optimal.bounded_dual import Atom, dual_value, lower_bound, stretches
+from mtcommission.optimal.bounded_problem import (
+    BoundedProblem,
+    bounded_problem,
+    impulse_response,
+    step_response,
+    transition,
+)
+from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.time_optimal import solve_time_optimal
+from mtcommission.plant import Plant, build_plant
+from tests.machines import paper_machine, random_modal_machine
+
+PAPER_STEP = VelocityStep(velocity_step=0.1)
+
+
+def bound(name: str, value: float) -> tuple[Bound, ...]:
+    return (Bound(name=name, value=value),)
+
+
+@cache
+def paper_plant() -> Plant:
+    return build_plant(paper_machine())
+
+
+@cache
+def paper_optimum(
+    bounds: tuple[Bound, ...], move: VelocityStep | Positioning = PAPER_STEP
+) -> TimeOptimum:
+    return solve_bounded_time_optimal(paper_plant(), move, force_limit=2e3, bounds=bounds)
+
+
+def check_motion(plant: Plant, optimum: TimeOptimum) -> None:
+    """Follow the arcs by the matrix exponential and look at every promise of the result."""
+    F = optimum.force_limit
+    target = np.zeros(plant.order)
+    if isinstance(optimum.move, VelocityStep):
+        target[plant.velocity] = optimum.move.velocity_step
+    else:
+        target[plant.position] = optimum.move.distance
+    error = propagate(plant, optimum.arcs) - target
+    if isinstance(optimum.move, VelocityStep):
+        error[plant.position] = 0.0
+    assert np.all(np.abs(error) <= 1e-9 * optimum.peaks[: plant.order])
+    for before, after in pairwise(optimum.arcs):
+        assert before.t_end == after.t_start
+    path = sample_trajectory(plant, optimum.arcs, step=optimum.t_f / 5000)
+    assert np.abs(path.force).max() <= F * (1.0 + 1e-9)
+    for limit in optimum.bounds:
+        assert np.abs(path.states @ plant.row(limit.name)).max() <= limit.value * (1.0 + 1e-9)
+    rows = np.array([plant.row(signal) for signal in plant.signals])
+    assert_allclose(np.abs(path.states @ rows.T).max(axis=0), optimum.peaks, rtol=1e-4)
+
+
+def grid_reach(plant: Plant, optimum: TimeOptimum, t_f: float, *, n: int) -> float:
+    """Reachable multiple of the velocity step on a grid, with the states as unknowns."""
+    size, joint = plant.order, np.zeros((plant.order + 1, plant.order + 1))
+    joint[:size, :size], joint[:size, size] = plant.A, plant.B * optimum.force_limit
+    flow = expm(joint * (t_f / n))
+    effect, powers = np.zeros((n, size)), flow[:size, size]
+    for i in range(n):
+        effect[n - 1 - i], powers = powers, flow[:size, :size] @ powers
+    fixed = np.delete(np.arange(size), plant.position)
+    goal = np.zeros(size)
+    goal[plant.velocity] = 0.1
+    scale = 1.0 / np.abs(effect).sum(axis=0)
+    rows = []
+    for limit in optimum.bounds:
+        response = effect[::-1] @ plant.row(limit.name) / limit.value
+        rows += [np.append(response[i::-1], np.zeros(n - i)) for i in range(n)]
+    result = linprog(
+        np.append(np.zeros(n), -1.0),
+        A_ub=np.vstack([rows, np.negative(rows)]),
+        b_ub=np.ones(2 * len(rows)),
+        A_eq=np.column_stack([effect.T, -goal])[fixed] * scale[fixed, np.newaxis],
+        b_eq=np.zeros(fixed.size),
+        bounds=[(-1.0, 1.0)] * n + [(0.0, None)],
+    )
+    assert result.x is not None
+    return float(result.x[-1])
+
+
+def test_christiansen_maurer_zirn_sec_5_2_bound_on_v_phi() -> None:
+    optimum = paper_optimum(bound("v_phi", 0.005))
+    assert round(optimum.t_f, 4) == 0.0523  # the paper prints 0.0522, found on a grid
+    assert 1.20 < optimum.t_f / 0.043520364 < 1.21
+    held = [arc.control for arc in optimum.arcs if arc.control.startswith("boundary")]
+    assert held == ["boundary:v_phi:+", "boundary:v_phi:-"]
+    assert [point.limit for point in optimum.touch_points] == ["v_phi:+"]
+    assert optimum.certificate.relative_gap < 1e-10
+    assert optimum.certificate.switching_law_holds
+    check_motion(paper_plant(), optimum)
+
+
+def test_paper_case_lies_where_an_independent_grid_program_puts_it() -> None:
+    optimum = paper_optimum(bound("v_phi", 0.005))
+    plant = paper_plant()
+    assert grid_reach(plant, optimum, optimum.t_f * 0.998, n=250) < 1.0 - 1e-3
+    assert grid_reach(plant, optimum, optimum.t_f * 1.002, n=250) > 1.0 + 1e-3
+
+
+def test_christiansen_maurer_zirn_eq_7_adjoint_is_normalised_and_repeats_the_control() -> None:
+    optimum, plant = paper_optimum(bound("v_phi", 0.005)), paper_plant()
+    initial = optimum.certificate.adjoint_initial
+    assert 1.0 + float(initial @ plant.B) * 2e3 == pytest.approx(0.0, abs=1e-9)
+    # Until the first boundary arc λ follows λ' = -λ A, and λ_F vanishes at the first switch.
+    at_switch = initial @ expm(-plant.A * optimum.switching_times[0])
+    assert abs(at_switch[-1]) < 1e-8 * abs(initial[-1])
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("v_phi", 0.02), ("v_phi", 0.01), ("F", 1500.0), ("v_b", 0.002)]
+)
+def test_bounds_of_order_one_and_two_are_solved_exactly(name: str, value: float) -> None:
+    optimum = paper_optimum(bound(name, value))
+    assert optimum.certificate.relative_gap < 1e-10
+    assert optimum.certificate.switching_law_holds
+    check_motion(paper_plant(), optimum)
+
+
+def test_bound_of_order_three_is_enclosed() -> None:
+    optimum = paper_optimum(bound("phi", 5e-5))
+    assert optimum.certificate.relative_gap <= 1e-6
+    check_motion(paper_plant(), optimum)
+
+
+def test_two_bounds_at_once_take_longer_than_each() -> None:
+    both = paper_optimum((*bound("v_phi", 0.005), *bound("v_b", 0.004)))
+    check_motion(paper_plant(), both)
+    assert both.certificate.relative_gap < 1e-10
+    assert both.t_f > paper_optimum(bound("v_phi", 0.005)).t_f
+    assert both.t_f > paper_optimum(bound("v_b", 0.004)).t_f
+
+
+def test_tighter_bound_never_means_less_time() -> None:
+    times = [paper_optimum(bound("v_phi", value)).t_f for value in (0.03, 0.02, 0.01, 0.005)]
+    assert times == sorted(times)
+
+
+def test_scaling_force_step_and_bound_together_leaves_the_times() -> None:
+    once = paper_optimum(bound("v_phi", 0.02))
+    twice = solve_bounded_time_optimal(
+        paper_plant(),
+        VelocityStep(velocity_step=0.2),
+        force_limit=4e3,
+        bounds=bound("v_phi", 0.04),
+    )
+    assert_allclose(twice.switching_times, once.switching_times, rtol=1e-8)
+
+
+def test_bound_that_the_free_optimum_keeps_changes_nothing() -> None:
+    free = solve_time_optimal(paper_plant(), PAPER_STEP, force_limit=2e3)
+    loose = paper_optimum(bound("v_phi", 0.05))
+    assert (loose.t_f, loose.switching_times) == (free.t_f, free.switching_times)
+    assert loose.bounds == bound("v_phi", 0.05)
+
+
+def test_positioning_keeps_its_max_velocity() -> None:
+    move = Positioning(distance=0.02, max_velocity=0.2)
+    optimum = paper_optimum((), move)
+    assert optimum.bounds == bound("v_s", 0.2)
+    assert optimum.t_f > solve_time_optimal(paper_plant(), move, force_limit=2e3).t_f
+    assert optimum.certificate.relative_gap < 1e-10
+    check_motion(paper_plant(), optimum)
+
+
+@pytest.mark.parametrize(("seed", "n_modes"), [(0, 1), (0, 3), (1, 2), (2, 2)])
+def test_random_axes_keep_a_bound_on_a_modal_rate(seed: int, n_modes: int) -> None:
+    machine = random_modal_machine(seed, n_modes=n_modes)
+    plant, F = build_plant(machine), machine.drive.max_force
+    free = solve_time_optimal(plant, machine.moves[0], force_limit=F)
+    bounds = bound("v_m0", 0.6 * float(free.peaks[plant.states.index("v_m0")]))
+    optimum = solve_bounded_time_optimal(plant, machine.moves[0], force_limit=F, bounds=bounds)
+    assert free.t_f < optimum.t_f
+    assert optimum.certificate.relative_gap < 1e-10
+    check_motion(plant, optimum)
+
+
+@pytest.mark.parametrize(
+    ("move", "name", "value", "least"),
+    [
+        (PAPER_STEP, "v_s", 0.099, "0.1"),
+        (PAPER_STEP, "F", 0.0, "more than 0"),
+        (Positioning(distance=0.02), "tcp", 0.019, "0.02"),
+    ],
+)
+def test_impossible_bounds_are_named_with_the_least_possible(
+    move: VelocityStep | Positioning, name: str, value: float, least: str
+) -> None:
+    with pytest.raises(ComputationError, match=least) as caught:
+        paper_optimum(bound(name, value), move)
+    assert caught.value.outcome is Outcome.BOUND_CANNOT_HOLD
+
+
+def test_unknown_signal_is_refused() -> None:
+    with pytest.raises(KeyError):
+        paper_optimum(bound("v_x", 1.0))
+
+
+def paper_problem(name: str, value: float) -> BoundedProblem:
+    return bounded_problem(
+        paper_plant(), PAPER_STEP, force_limit=2e3, bounds=bound(name, value), horizon=0.05
+    )
+
+
+def test_responses_agree_with_the_matrix_exponential() -> None:
+    plant = build_plant(random_modal_machine(3, n_modes=4))
+    size, joint = plant.order, np.zeros((plant.order + 1, plant.order + 1))
+    joint[:size, :size], joint[:size, size] = plant.A, plant.B
+    for tau in (1e-5, 3e-3, 0.2):
+        flow, at = expm(joint * tau), np.array(tau)
+        size_of = np.abs(flow).max(axis=1)[:size]
+        assert np.all(np.abs(step_response(plant, at) - flow[:size, size]) < 1e-11 * size_of)
+        assert_allclose(transition(plant, at), flow[:size, :size], atol=1e-11 * size_of.max())
+        assert_allclose(impulse_response(plant, at), flow[:size, :size] @ plant.B, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "order"), [("F", 1e3, 1), ("v_phi", 0.01, 2), ("x_b", 3e-5, 3)]
+)
+def test_boundary_flow_keeps_the_bound(name: str, value: float, order: int) -> None:
+    limit = paper_problem(name, value).limits[0]
+    assert limit.order == order
+    # d^r(c x)/dt^r = 0 in closed loop, from any state
+    rate = limit.row.copy()
+    for _ in range(order):
+        size = np.abs(rate) @ np.abs(limit.boundary_flow)
+        rate = rate @ limit.boundary_flow
+    assert np.all(np.abs(rate) <= 1e-9 * size + 1e-9)
+
+
+def touching_extremal() -> tuple[BoundedProblem, Sequence]:
+    pieces = tuple(
+        Piece(limit=limit, side=side, duration=duration * 1e-6)
+        for limit, side, duration in [
+            (-1, 1, 9270.0), (-1, -1, 332.0), (-1, 1, 26694.0), (-1, -1, 911.0),
+            (-1, 1, 2100.0), (0, -1, 564.0), (-1, 1, 2273.0), (-1, -1, 1496.0),
+        ]
+    )  # fmt: skip
+    return paper_problem("v_phi", 0.02), Sequence(pieces=pieces, touches=())
+
+
+def test_sequence_converges_and_its_dual_value_is_the_target() -> None:
+    problem, guess = touching_extremal()
+    found = solve_sequence(problem, guess)
+    assert found.residual < 1e-10
+    value = dual_value(problem, stretches(problem, found.measure), found.measure.atoms)
+    assert value.value == pytest.approx(float(found.measure.terminal @ problem.target), rel=1e-10)
+
+
+def test_wrong_sequence_proves_a_weaker_bound_or_none() -> None:
+    problem, guess = touching_extremal()
+    wrong = Sequence(pieces=guess.pieces, touches=(Touch(piece=2, offset=0.01, limit=0, side=1),))
+    found = solve_sequence(problem, wrong)
+    assert lower_bound(problem, found.measure) < paper_optimum(bound("v_phi", 0.02)).t_f
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_any_multipliers_give_a_bound_below_the_optimum(seed: int) -> None:
+    problem, guess = touching_extremal()
+    found = solve_sequence(problem, guess)
+    generator = np.random.default_rng(seed)
+    size = 10.0 ** generator.uniform(-7.0, -4.0)
+    noise = 1.0 + size * generator.standard_normal(found.measure.terminal.size)
+    atoms = tuple(
+        replace(atom, weight=atom.weight * (1.0 + size * float(generator.standard_normal())))
+        for atom in found.measure.atoms
+    )
+    extra = Atom(remaining=float(generator.uniform(0.01, 0.04)), limit=0, weight=size)
+    measure = replace(
+        found.measure, terminal=found.measure.terminal * noise, atoms=(*atoms, extra), cores=()
+    )
+    assert lower_bound(problem, measure) < found.sequence.t_f
+
+
+def test_dual_value_is_the_integral_of_the_switching_function() -> None:
+    problem, guess = touching_extremal()
+    measure = replace(solve_sequence(problem, guess).measure, cores=())
+    t = np.linspace(0.0, measure.t_f, 40001)
+    sigma = impulse_response(problem.plant, t) @ measure.terminal
+    for atom in measure.atoms:
+        since = np.maximum(t - atom.remaining, 0.0)
+        response = impulse_response(problem.plant, since) @ problem.limits[0].row
+        sigma -= atom.weight * np.where(t >= atom.remaining, response, 0.0)
+    expected = 2e3 * float(np.trapezoid(np.abs(sigma), t))
+    expected += sum(abs(atom.weight) for atom in measure.atoms)
+    value = dual_value(problem, stretches(problem, measure), measure.atoms).value
+    assert value == pytest.approx(expected, rel=1e-6)
