@@ -350,8 +350,14 @@ def _refine(
 USAGE_DOUBT = 0.05
 """Error allowed for in the guessed use of force before it is simulated (measured: below 3 %)."""
 
-BATCH = 64
-"""Limits whose force is simulated at once."""
+LEADERS = 24
+"""Candidates whose rounded neighbours are judged together."""
+
+FIRST = 16
+"""Rounded limits whose force is simulated together, best first."""
+
+DIGIT_WORTH = 0.002
+"""Share of settling time that one digit less to type is worth (design choice)."""
 
 
 def _pick(bench: _Bench, pool: _Pool, settings: SearchSettings) -> tuple[MotionLimits, bool]:
@@ -362,49 +368,59 @@ def _pick(bench: _Bench, pool: _Pool, settings: SearchSettings) -> tuple[MotionL
     for wanted, meets in ((good, True), (possible, False)):
         order = np.flatnonzero(wanted)
         order = order[np.lexsort((pool.residual[order], pool.settling[order]))]
-        for start in range(0, len(order), BATCH):
-            part = order[start : start + BATCH]
-            fits = _usage(bench, pool.acceleration[part], pool.jerk_time[part]).max(axis=1) <= 1.0
-            for i in part[fits]:
-                rounded = _round(bench, pool.acceleration[i], pool.jerk_time[i], settings, meets)
-                if rounded:
-                    return rounded[0], meets
+        for start in range(0, len(order), LEADERS):
+            part = order[start : start + LEADERS]
+            a, t = pool.acceleration[part], pool.jerk_time[part]
+            fits = _usage(bench, a, t).max(axis=1) <= 1.0 + USAGE_DOUBT
+            limits = _round(bench, a[fits], t[fits], settings, meets=meets)
+            if limits:
+                return limits[0], meets
     least = int(np.argmin(pool.usage))
-    a, t = float(pool.acceleration[least]), float(pool.jerk_time[least])
-    return MotionLimits(acceleration=a, jerk=a / t), False
+    a_least, t_least = float(pool.acceleration[least]), float(pool.jerk_time[least])
+    return MotionLimits(acceleration=a_least, jerk=a_least / t_least), False
 
 
 def _round(
-    bench: _Bench, a: float, t_j: float, settings: SearchSettings, meets: bool
+    bench: _Bench, a: Array, t_j: Array, settings: SearchSettings, *, meets: bool
 ) -> list[MotionLimits]:
-    """The fastest neighbours with few digits that still hold; none if rounding spoils them."""
-    reached = max(
-        reached_acceleration(move, acceleration=a, jerk=a / t_j) for move in bench.machine.moves
-    )
-    pairs = [
-        pair
-        for digits in (settings.digits, settings.digits + 1)
-        for pair in product(_neighbours(reached, digits), _neighbours(a / t_j, digits))
-    ]
-    acceleration, jerk = np.array(pairs).T
-    guess = _usage(bench, acceleration, acceleration / jerk).max(axis=1)
-    found = _settle(bench, bench.tables, acceleration, acceleration / jerk)
-    settling, residual = found.settling_time, found.residual_deviation
-    good = guess <= 1.0
-    if meets:
-        good &= (residual <= bench.band) & (
-            settling <= bench.machine.requirements.max_settling_time
+    """The fastest neighbour with few digits that still holds; empty if rounding spoils all."""
+    pairs: dict[tuple[float, float], int] = {}
+    for one, ramp in zip(a, t_j, strict=True):
+        reached = max(
+            reached_acceleration(move, acceleration=one, jerk=one / ramp)
+            for move in bench.machine.moves
         )
+        for digits, reach in ((settings.digits, 1), (settings.digits + 1, 0)):
+            near = product(
+                _neighbours(reached, digits, reach), _neighbours(one / ramp, digits, reach)
+            )
+            for pair in near:
+                pairs.setdefault(pair, digits)
+    if not pairs:
+        return []
+    acceleration, jerk = np.array(list(pairs)).T
+    found = _settle(bench, bench.tables, acceleration, acceleration / jerk)
+    good = np.isfinite(found.settling_time) | (not meets)
+    if meets:
+        good &= found.residual_deviation <= bench.band
+        good &= found.settling_time <= bench.machine.requirements.max_settling_time
+    cost = found.settling_time * (1.0 + DIGIT_WORTH * np.array(list(pairs.values())))
     order = np.flatnonzero(good)
-    order = order[np.argsort(settling[order], kind="stable")]
-    return [MotionLimits(acceleration=pairs[i][0], jerk=pairs[i][1]) for i in order]
+    order = order[np.argsort(cost[order], kind="stable")]
+    for start in range(0, len(order), FIRST):
+        part = order[start : start + FIRST]
+        used = _usage(bench, acceleration[part], acceleration[part] / jerk[part]).max(axis=1)
+        for i in part[used <= 1.0]:
+            return [MotionLimits(acceleration=float(acceleration[i]), jerk=float(jerk[i]))]
+    return []
 
 
-def _neighbours(value: float, digits: int) -> tuple[float, float]:
-    """The numbers with few significant digits just below and above."""
+def _neighbours(value: float, digits: int, reach: int) -> list[float]:
+    """The numbers with few significant digits around a value, ``reach`` more on either side."""
     exponent = floor(log10(value)) - digits + 1
     scaled = value / 10.0**exponent
-    return float(f"{floor(scaled)}e{exponent}"), float(f"{ceil(scaled)}e{exponent}")
+    around = range(floor(scaled) - reach, ceil(scaled) + reach + 1)
+    return [float(f"{number}e{exponent}") for number in around if number > 0]
 
 
 def _explain(bench: _Bench, limits: MotionLimits, feasible: bool) -> str:

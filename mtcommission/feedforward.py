@@ -26,7 +26,10 @@ USUAL_SPREAD = 0.05
 """Frequency error shown where the profile states no spread [-] (empirical: measured
 eigenfrequencies are rarely better known)."""
 
-TAIL = 0.5
+ROUNDING = 1e-6
+"""By how much the mean of a bang-bang force may exceed its limit without being saturation."""
+
+TAIL = 0.4
 """How long the motion after t_f is followed [s]."""
 
 
@@ -78,67 +81,70 @@ def feed_forward(
     cycle = tuned.controller.velocity_cycle
     count = ceil((solution.t_f + TAIL) / cycle)
     wanted = sample_evenly(plant, solution.arcs, step=cycle, until=(count + 1) * cycle)
+    loops = [
+        build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)
+        for corner in places
+    ]
+    tool, saturated = _advance(plant, loops, wanted, limit=machine.drive.motion_force)
+    late = np.vstack([np.zeros(plant.order), wanted[:-2]]) @ plant.row("tcp")
+    t = np.arange(len(late)) * cycle
+    end = solution.t_f + cycle
     found = []
-    for corner in places:
-        loop = build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)
-        found.append(_run(machine, plant, loop, wanted, corner=corner, t_f=solution.t_f))
+    for i, corner in enumerate(places):
+        deviation = np.abs(tool[:, i] - late)
+        outside = np.flatnonzero(deviation > machine.requirements.tcp_deviation)
+        last = float(t[outside[-1]]) if outside.size else 0.0
+        found.append(
+            FedForward(
+                corner=corner,
+                settling_time=inf if last == t[-1] else max(end, last),
+                residual_deviation=float(np.max(deviation[t >= end])),
+                peak_deviation=float(np.max(deviation)),
+                saturated_share=float(np.mean(saturated[t <= solution.t_f, i])),
+            )
+        )
     return tuple(found)
 
 
-def _run(
-    machine: Machine,
-    plant: Plant,
-    loop: SampledLoop,
-    wanted: Array,
-    *,
-    corner: Corner,
-    t_f: float,
-) -> FedForward:
-    """Advance the loop velocity cycle by velocity cycle with the optimal motion as reference.
+def _advance(
+    plant: Plant, loops: Sequence[SampledLoop], wanted: Array, *, limit: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Tool position and saturation at every velocity cycle, shapes (n_samples, n_loops).
 
-    The force acts one velocity cycle late, so everything is compared with the motion wanted
-    one cycle ago.
+    The force acts one velocity cycle late, so the controllers compare with the motion wanted
+    one cycle ago. All loops have the same states and advance together.
     """
-    controller, limit = loop.controller, machine.drive.motion_force
-    cycle, n = controller.velocity_cycle, loop.plant.order
-    encoder = plant.row("encoder")
+    controller, n = loops[0].controller, plant.order
+    held, integrator = loops[0].held, loops[0].integrator
+    step = np.array([loop.step for loop in loops])
+    demand_row = np.array([loop.demand for loop in loops])
+    integration = np.array([loop.integration for loop in loops])
+    encoder = np.array([loop.plant.row("encoder") for loop in loops])
+    tool_row = np.array([loop.plant.row("tcp") for loop in loops])
     # ∫ F_set over a cycle, from T F' = F_set - F and m v' = F.
-    gain = np.zeros(n)
-    gain[plant.force], gain[plant.velocity] = plant.force_lag, plant.moving_mass
-    mean_force = np.diff(wanted @ gain) / cycle
+    momentum = np.zeros(n)
+    momentum[plant.force], momentum[plant.velocity] = plant.force_lag, plant.moving_mass
+    mean_force = np.diff(wanted @ momentum) / controller.velocity_cycle
     late = np.vstack([np.zeros(n), wanted[:-1]])
-    position, rate = late @ encoder, late @ (encoder @ plant.A)
-    target = late @ controller.state_gains
-    X = np.zeros(len(loop.states))
-    correction = asked = 0.0
-    tool, saturated = np.empty(len(mean_force)), 0
-    for i, force in enumerate(mean_force):
+    position = late @ plant.row("encoder")
+    rate = late @ (plant.row("encoder") @ plant.A)
+    ahead = mean_force + late[:-1] @ controller.state_gains
+
+    X = np.zeros((len(loops), len(loops[0].states)))
+    correction = asked = np.zeros(len(loops))
+    tool = np.empty((len(mean_force), len(loops)))
+    saturated = np.zeros(tool.shape, dtype=np.bool_)
+    for i, force in enumerate(ahead):
         if i % controller.cycles == 0:
-            correction, asked = (
-                asked,
-                controller.position_gain * (position[i] - loop.plant.row("encoder") @ X[:n]),
-            )
-        tool[i] = loop.plant.row("tcp") @ X[:n]
-        X[loop.held : loop.held + 3] = correction, rate[i], force + target[i]
-        demand = float(loop.demand @ X)
-        acting = min(max(demand, -limit), limit)
-        increment = float(loop.integration @ X) if acting == demand else 0.0
-        # Rounding of the mean may exceed the limit by a few parts in 1e9: no saturation.
-        saturated += i * cycle <= t_f and abs(demand) > limit * (1.0 + 1e-6)
-        X = loop.step @ X
-        X[loop.integrator] += increment
-        X[loop.integrator + 1] = acting
-    deviation = np.abs(tool - late[: len(tool)] @ plant.row("tcp"))
-    t = np.arange(len(tool)) * cycle
-    end = t_f + cycle
-    outside = np.flatnonzero(deviation > machine.requirements.tcp_deviation)
-    last = float(t[outside[-1]]) if outside.size else 0.0
-    return FedForward(
-        corner=corner,
-        settling_time=float("inf")
-        if outside.size and outside[-1] == len(t) - 1
-        else max(end, last),
-        residual_deviation=float(np.max(deviation[t >= end])),
-        peak_deviation=float(np.max(deviation)),
-        saturated_share=saturated * cycle / t_f,
-    )
+            error = position[i] - np.sum(encoder * X[:, :n], axis=1)
+            correction, asked = asked, controller.position_gain * error
+        tool[i] = np.sum(tool_row * X[:, :n], axis=1)
+        X[:, held], X[:, held + 1], X[:, held + 2] = correction, rate[i], force
+        demand = np.sum(demand_row * X, axis=1)
+        acting = np.clip(demand, -limit, limit)
+        increment = np.where(acting == demand, np.sum(integration * X, axis=1), 0.0)
+        saturated[i] = np.abs(demand) > limit * (1.0 + ROUNDING)
+        X = np.matmul(step, X[:, :, None])[:, :, 0]
+        X[:, integrator] += increment
+        X[:, integrator + 1] = acting
+    return tool, saturated

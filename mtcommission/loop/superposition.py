@@ -305,27 +305,27 @@ def find_extremes(
     C_s, D_s = (signals @ C).reshape(-1, len(lifted.A)), (signals @ D).reshape(-1, 4)
     C_f, D_f = C[:, -1], D[:, -1]
     window = steps.duration + dwell
-    X = np.zeros((len(lifted.A), len(steps.times)))
-    largest = np.zeros((len(C_s), len(steps.times)))
-    first, second = np.zeros((2, len(steps.times)))
-    step = lifted.dt / rows
-    for k in range(int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))):
-        age = k * lifted.dt - steps.times
-        begun = age >= -INSTANT
-        r = np.array(
-            [
-                np.sum(steps.steps * begun * _basis(np.maximum(age, 0.0), order - i), axis=1)
-                for i in range(4)
-            ]
-        )
-        np.maximum(largest, np.abs(C_s @ X + D_s @ r), out=largest)
-        times = k * lifted.dt + step * np.arange(rows)
-        # Each sample stands for the cycle about it; the window cuts the last one.
-        share = np.clip((window - times[:, None]) / step + 0.5, 0.0, 1.0) * step
-        force = C_f @ X + D_f @ r
-        first += (share * force).sum(axis=0)
-        second += (share * force**2).sum(axis=0)
+    cycles = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
+    starts = np.arange(cycles, dtype=np.float64) * lifted.dt
+    age = starts[:, None, None] - steps.times
+    weights = np.where(age >= -INSTANT, steps.steps, 0.0)
+    age = np.maximum(age, 0.0)
+    references = np.stack(
+        [np.sum(weights * _basis(age, order - i), axis=2) for i in range(4)], axis=1
+    )
+    history = np.empty((cycles, len(lifted.A), len(window)))
+    X = np.zeros(history.shape[1:])
+    for k, r in enumerate(references):
+        history[k] = X
         X = lifted.A @ X + lifted.B @ r
+    largest = np.abs(C_s @ history + D_s @ references).max(axis=0)
+    step = lifted.dt / rows
+    times = (starts[:, None] + step * np.arange(rows))[:, :, None]
+    # Each sample stands for the cycle about it; the window cuts the last one.
+    share = np.clip((window - times) / step + 0.5, 0.0, 1.0) * step
+    force = C_f @ history + D_f @ references
+    first = (share * force).sum(axis=(0, 1))
+    second = (share * force**2).sum(axis=(0, 1))
     return Extremes(
         peaks=largest.reshape(rows, len(signals), -1).max(axis=0).T,
         mean_force=first / window,
