@@ -26,6 +26,7 @@ from mtcommission.loop.superposition import (
     find_extremes,
     moving_average_steps,
     settle,
+    sketch_tables,
 )
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine, Move, moving_mass
@@ -196,8 +197,8 @@ def choose_limits(
     )
 
 
-SKETCH_SAMPLES = 12
-"""Samples per period of the fastest mode at a first look: a peak is missed by 3 % at most."""
+ROUNDING = 1.05
+"""Room in the tables for setpoints that rounding makes longer: two limits by 1 % each at most."""
 
 
 def _build_bench(
@@ -209,20 +210,11 @@ def _build_bench(
         float(jerk_steps(move, acceleration=slowest[0], jerk=slowest[1]).duration[0])
         for move in machine.moves
     )
-    fastest = max(mode.frequency_hz for mode in plant.modes)
-    stride = max(1, int(1.0 / (SKETCH_SAMPLES * fastest * machine.control.velocity_cycle)))
-    tables, sketches = (
-        tuple(
-            build_tables(
-                loop,
-                lifted,
-                longest=longest + filter_time,
-                filtered=filter_time > 0.0,
-                stride=every,
-            )
-            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+    tables = tuple(
+        build_tables(
+            loop, lifted, longest=ROUNDING * (longest + filter_time), filtered=filter_time > 0.0
         )
-        for every in (1, stride)
+        for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
     )
     needs, n = machine.requirements, plant.order
     outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
@@ -231,7 +223,7 @@ def _build_bench(
         machine=machine,
         tuned=tuned,
         tables=tables,
-        sketches=sketches,
+        sketches=tuple(map(sketch_tables, tables, (loop.plant for loop in tuned.loops))),
         signals=np.array(rows),
         bounds=np.array([machine.drive.motion_force, *(peak.bound for peak in needs.peaks)]),
         names=("force limit", *(f"peak {peak.name}" for peak in needs.peaks)),

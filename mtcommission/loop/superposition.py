@@ -3,31 +3,43 @@
 A setpoint is a sum of jerk steps. A jerk step of 1 that began the time s before position
 sample n is, at that and all later samples, sum_p s^p/p! times the p-th basis input, where
 basis p is the setpoint whose p-th lower derivative steps at sample n (p = 0: jerk, 1:
-acceleration, 2: velocity, 3: position). So the state of the sampled loop at the end of any
-setpoint is a short sum over tabulated states, exact for any instants of the steps, and what
-follows is free motion, one matrix product for all setpoints.
+acceleration, 2: velocity, 3: position). The loop answers a basis input by following its
+polynomial, once settled, plus a transient A^n X_0 that is known from the first sample. At the
+end of a setpoint the polynomials add up to rest or coasting, so the transients alone are
+tabulated and summed: exact for any instants of the steps, and without the cancellation of
+large positions. What follows is free motion, one matrix product for all setpoints.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import factorial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.response import steady_state
 from mtcommission.loop.sampled import LiftedLoop, SampledLoop
+from mtcommission.plant import Plant
 from mtcommission.setpoint import INSTANT, JerkSteps
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-SEARCH_HORIZON = 0.5
+SEARCH_HORIZON = 2.0
 """Free motion looked at by the search after t_e [s]; what settles later counts as inf there."""
 
-CHUNK = 512
-"""Setpoints per matrix product: keeps the responses in the cache (measured)."""
+CHUNK_SAMPLES = 2**21
+"""Samples of free motion computed at once: keeps the responses in the cache (measured)."""
+
+DECAY = 1e3
+"""A mode is followed until it has decayed by this factor."""
+
+SKETCH_SAMPLES = 12
+"""Samples per period at a first look: a peak is missed by 3 % at most."""
+
+SKETCH_SPACING = 2e-3
+"""Largest distance of samples at a first look [s]: some ten per period of the servo's own
+motion, which no bandwidth below 50 Hz exceeds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -38,28 +50,28 @@ class ResponseTables:
     ----------
     dt, reference_delay
         [s].
-    spacing
-        Distance of the samples of the free motion [s].
+    instants
+        When the free motion is sampled, after the end of the setpoint's last position cycle,
+        shape (n_samples,) [s].
     order
         Highest derivative that steps: 3 jerk, 4 snap (behind a moving average).
-    states
-        Loop state n cycles after a basis input began, shape (order + 1, n_cycles, n).
+    transients
+        Loop state less its steady motion, n cycles after a basis input began, shape
+        (order + 1, n_cycles, n).
     free_motion
-        Tool deviation at later velocity cycles per unit state, shape (n, n_samples).
-    steady
-        From ``steady_state``, shape (n, 2).
+        Tool deviation at later velocity cycles per unit transient, shape (n, n_samples).
     steady_deviation
-        Tool deviation while coasting, per unit velocity [s].
+        Tool deviation while coasting, per unit velocity, shape (n_samples,) [s]: the same in
+        every position cycle, with a ripple inside it where held setpoints meet moving states.
     """
 
     dt: float
-    spacing: float
+    instants: Array
     reference_delay: float
     order: int
-    states: Array
+    transients: Array
     free_motion: NDArray[np.floating]
-    steady: Array
-    steady_deviation: float
+    steady_deviation: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,9 +96,8 @@ def build_tables(
     *,
     longest: float,
     filtered: bool = False,
-    stride: int = 1,
 ) -> ResponseTables:
-    """Return the tables of one loop.
+    """Return the tables of one loop, with the free motion at every velocity cycle.
 
     Parameters
     ----------
@@ -96,9 +107,6 @@ def build_tables(
         Longest setpoint that will be asked for [s].
     filtered
         Whether the setpoints come from a moving average.
-    stride
-        Velocity cycles from one sample of the free motion to the next; above 1 the samples are
-        in single precision too: for a first look.
 
     Returns
     -------
@@ -106,39 +114,51 @@ def build_tables(
     """
     T, order = lifted.dt, 4 if filtered else 3
     count = int(np.ceil(longest / T)) + 3
-    t = np.arange(count, dtype=np.float64) * T
-    states = np.empty((order + 1, count, len(lifted.A)))
-    for p in range(order + 1):
-        references = np.column_stack([_basis(t, order - p - derivative) for derivative in range(4)])
-        X = np.zeros(len(lifted.A))
-        for i in range(count):
-            states[p, i] = X
-            X = lifted.A @ X + lifted.B @ references[i]
+    following = _following_states(lifted, order)
+    transients = np.empty((order + 1, count, len(lifted.A)))
+    transients[:, 0] = -following[::-1]
+    for i in range(1, count):
+        transients[:, i] = transients[:, i - 1] @ lifted.A.T
     tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
     rows = lifted.C[tool]
     pieces = []
     for _ in range(int(np.ceil(search_horizon(lifted) / T))):
         pieces.append(rows)
         rows = rows @ lifted.A
-    free_motion = np.concatenate(pieces)[::stride].T
-    steady = steady_state(lifted)
-    tau = loop.controller.reference_delay
+    free_motion = np.concatenate(pieces).T
+    tau, T_v = loop.controller.reference_delay, loop.controller.velocity_cycle
+    ripple = lifted.C[tool] @ following[1] + tau - T_v * np.arange(len(tool))
+    instants: Array = np.arange(free_motion.shape[1], dtype=np.float64) * T_v
     return ResponseTables(
         dt=T,
-        spacing=stride * loop.controller.velocity_cycle,
+        instants=instants,
         reference_delay=tau,
         order=order,
-        states=states,
-        free_motion=free_motion.astype(np.float64 if stride == 1 else np.float32),
-        steady=steady,
-        steady_deviation=float(lifted.C[tool[0]] @ steady[:, 1]) + tau,
+        transients=transients,
+        free_motion=free_motion,
+        steady_deviation=np.tile(ripple, len(pieces)),
     )
+
+
+def _following_states(lifted: LiftedLoop, order: int) -> Array:
+    """Loop state while it follows a polynomial, per unit of each derivative of the position.
+
+    X = sum_k S_k d^k x_ref/dt^k solves X⁺ = A X + B r for every polynomial of the order, with
+    the derivatives one cycle later by Taylor; shape (order + 1, n), S_0 first.
+    """
+    n, T = len(lifted.A), lifted.dt
+    inverse = np.linalg.inv(np.eye(n) - lifted.A)
+    S = np.zeros((order + 1, n))
+    for k in range(order + 1):
+        later = sum((S[k - i] * (T**i / factorial(i)) for i in range(1, k + 1)), np.zeros(n))
+        S[k] = inverse @ ((lifted.B[:, k] if k < 4 else 0.0) - later)
+    return S
 
 
 def search_horizon(lifted: LiftedLoop) -> float:
     """Return how long the search follows the free motion of a loop [s].
 
-    Until its slowest mode has decayed to a thousandth, at most ``SEARCH_HORIZON``.
+    Until its slowest mode has decayed by ``DECAY``, at most ``SEARCH_HORIZON``.
 
     Parameters
     ----------
@@ -150,13 +170,42 @@ def search_horizon(lifted: LiftedLoop) -> float:
     float
     """
     slowest = float(np.max(np.abs(np.linalg.eigvals(lifted.A))))
-    needed = -np.log(1e3) / np.log(slowest) * lifted.dt if slowest < 1.0 else SEARCH_HORIZON
+    needed = -np.log(DECAY) / np.log(slowest) * lifted.dt if slowest < 1.0 else SEARCH_HORIZON
     return min(needed, SEARCH_HORIZON)
 
 
-def _basis(t: Array, power: int) -> Array:
-    """t^power / power!, zero for a negative power."""
-    return np.zeros_like(t) if power < 0 else t**power / factorial(power)
+def sketch_tables(tables: ResponseTables, plant: Plant) -> ResponseTables:
+    """Return the same tables with fewer samples in single precision, for a first look.
+
+    The samples follow the fastest mode that has not decayed yet (at half the plant's own rate
+    of decay, in case the loop slows it).
+
+    Parameters
+    ----------
+    tables
+        From ``build_tables``.
+    plant
+        The plant of that loop.
+
+    Returns
+    -------
+    ResponseTables
+    """
+    t = tables.instants
+    fastest = np.full_like(t, 1.0 / (SKETCH_SAMPLES * SKETCH_SPACING))
+    for mode in plant.modes:
+        rate = max(0.5 * mode.damping_ratio * mode.natural_frequency, 1e-9)
+        alive = t < np.log(DECAY) / rate
+        fastest[alive] = np.maximum(fastest[alive], mode.frequency_hz)
+    step = t[1] - t[0]
+    periods = np.floor(np.cumsum(SKETCH_SAMPLES * fastest * step) + 1e-9)
+    kept = np.flatnonzero(np.diff(periods, prepend=-1.0))
+    return replace(
+        tables,
+        instants=t[kept],
+        free_motion=tables.free_motion[:, kept].astype(np.float32),
+        steady_deviation=tables.steady_deviation[kept],
+    )
 
 
 def settle(tables: ResponseTables, steps: JerkSteps, *, band: float) -> Settling:
@@ -177,8 +226,9 @@ def settle(tables: ResponseTables, steps: JerkSteps, *, band: float) -> Settling
     """
     count = len(steps.times)
     settling, residual = np.empty(count), np.empty(count)
-    for start in range(0, count, CHUNK):
-        part = slice(start, start + CHUNK)
+    chunk = max(CHUNK_SAMPLES // len(tables.instants), 16)
+    for start in range(0, count, chunk):
+        part = slice(start, start + chunk)
         settling[part], residual[part] = _settle_chunk(
             tables, steps.times[part], steps.steps[part], band
         )
@@ -188,20 +238,29 @@ def settle(tables: ResponseTables, steps: JerkSteps, *, band: float) -> Settling
 def _settle_chunk(
     tables: ResponseTables, times: Array, steps: Array, band: float
 ) -> tuple[Array, Array]:
-    T, T_v = tables.dt, tables.spacing
-    t_e = times[:, -1]
+    T, t_e = tables.dt, times[:, -1]
     end = np.ceil((t_e - INSTANT) / T).astype(np.int64)
-    X, reference, velocity = _state_at(tables, times, steps, end)
-    X -= reference[:, None] * tables.steady[:, 0] + velocity[:, None] * tables.steady[:, 1]
+    X = _transient_at(tables, times, steps, end)
     e = X.astype(tables.free_motion.dtype) @ tables.free_motion
-    e += (velocity * tables.steady_deviation)[:, None].astype(e.dtype)
+    instants, steady = tables.instants, tables.steady_deviation
+    if tables.reference_delay < T:
+        # The judgement begins in the position cycle in which the setpoint ends. What the
+        # setpoint does in it reaches the drive a cycle later, so its motion is free, too.
+        own = instants < T - INSTANT
+        X = _transient_at(tables, times, steps, end - 1)
+        e = np.hstack([X.astype(e.dtype) @ tables.free_motion[:, own], e])
+        instants = np.concatenate([instants[own] - T, instants])
+        steady = np.concatenate([steady[own], steady])
+    order = tables.order
+    velocity = np.sum(steps * (t_e[:, None] - times) ** (order - 1), axis=1) / factorial(order - 1)
+    e += np.outer(velocity, steady).astype(e.dtype)
     np.abs(e, out=e)
 
     # Before t_e + τ the delayed setpoint still moves; those samples do not count.
-    begin = np.ceil((t_e + tables.reference_delay - end * T) / T_v - 1e-9).astype(np.int64)
-    begin = np.maximum(begin, 0)
+    until = t_e + tables.reference_delay
+    begin = np.searchsorted(instants, until - end * T - INSTANT)
     head = int(begin.max()) + 1
-    e[:, :head][np.arange(head) < begin[:, None]] = 0.0
+    e[:, :head][np.arange(e.shape[1])[:head] < begin[:, None]] = 0.0
     residual = e.max(axis=1)
     outside = e > band
     n = e.shape[1]
@@ -211,29 +270,27 @@ def _settle_chunk(
     rows = np.arange(len(e))
     here, there = e[rows, last], e[rows, following]
     with np.errstate(divide="ignore", invalid="ignore"):
-        crossing = last + (here - band) / (here - there)
-    until = t_e + tables.reference_delay
-    settling = np.where(settled, until, np.maximum(until, end * T + crossing * T_v))
-    settling[~settled & (last >= n - 1)] = np.inf
+        share = (here - band) / (here - there)
+        crossing = end * T + instants[last] + share * (instants[following] - instants[last])
+    settling = np.where(settled, until, np.maximum(until, crossing))
+    settling[~settled & (last == n - 1)] = np.inf
     return settling, residual
 
 
-def _state_at(
-    tables: ResponseTables, times: Array, steps: Array, end: IntArray
-) -> tuple[Array, Array, Array]:
-    """Loop state, x_ref and v_ref at position sample ``end`` of each setpoint."""
-    T, order = tables.dt, tables.order
-    begun = np.ceil((times - INSTANT) / T).astype(np.int64)
-    early = np.maximum(begun * T - times, 0.0)
-    index = end[:, None] - begun
-    X = np.zeros((len(times), tables.states.shape[2]))
-    for p in range(order + 1):
+def _transient_at(tables: ResponseTables, times: Array, steps: Array, at: IntArray) -> Array:
+    """Loop state at a position sample of each setpoint, less that of coasting on at its end.
+
+    A step still to come counts by its polynomial continued backwards, which coasting has and
+    the loop has not.
+    """
+    T = tables.dt
+    begun = np.minimum(np.ceil((times - INSTANT) / T).astype(np.int64), at[:, None])
+    early = begun * T - times
+    X = np.zeros((len(times), tables.transients.shape[2]))
+    for p in range(tables.order + 1):
         weight = steps * early**p / factorial(p)
-        X += np.einsum("ms,msn->mn", weight, tables.states[p][index])
-    age = end[:, None] * T - times
-    reference = np.sum(steps * age**order, axis=1) / factorial(order)
-    velocity = np.sum(steps * age ** (order - 1), axis=1) / factorial(order - 1)
-    return X, reference, velocity
+        X += np.einsum("ms,msn->mn", weight, tables.transients[p][at[:, None] - begun])
+    return X
 
 
 def moving_average_steps(steps: JerkSteps, *, time: float) -> JerkSteps:
@@ -305,29 +362,46 @@ def find_extremes(
     C_s, D_s = (signals @ C).reshape(-1, len(lifted.A)), (signals @ D).reshape(-1, 4)
     C_f, D_f = C[:, -1], D[:, -1]
     window = steps.duration + dwell
-    cycles = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
-    starts = np.arange(cycles, dtype=np.float64) * lifted.dt
-    age = starts[:, None, None] - steps.times
-    weights = np.where(age >= -INSTANT, steps.steps, 0.0)
-    age = np.maximum(age, 0.0)
-    references = np.stack(
-        [np.sum(weights * _basis(age, order - i), axis=2) for i in range(4)], axis=1
-    )
-    history = np.empty((cycles, len(lifted.A), len(window)))
-    X = np.zeros(history.shape[1:])
-    for k, r in enumerate(references):
-        history[k] = X
-        X = lifted.A @ X + lifted.B @ r
-    largest = np.abs(C_s @ history + D_s @ references).max(axis=0)
     step = lifted.dt / rows
-    times = (starts[:, None] + step * np.arange(rows))[:, :, None]
-    # Each sample stands for the cycle about it; the window cuts the last one.
-    share = np.clip((window - times) / step + 0.5, 0.0, 1.0) * step
-    force = C_f @ history + D_f @ references
-    first = (share * force).sum(axis=(0, 1))
-    second = (share * force**2).sum(axis=(0, 1))
+    X = np.zeros((len(lifted.A), len(steps.times)))
+    largest = np.zeros((len(C_s), len(steps.times)))
+    first, second = np.zeros((2, len(steps.times)))
+    count = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
+    for start in range(0, count, BLOCK):
+        t = lifted.dt * np.arange(start, min(start + BLOCK, count), dtype=np.float64)
+        r = _references(steps, t, order=order)
+        drive = lifted.B @ r
+        history = np.empty_like(drive)
+        for i in range(len(t)):
+            history[i] = X
+            X = lifted.A @ X + drive[i]
+        np.maximum(largest, np.abs(C_s @ history + D_s @ r).max(axis=0), out=largest)
+        # Each sample stands for the cycle about it; the window cuts the last one.
+        times = t[:, None, None] + step * np.arange(rows)[:, None]
+        share = np.clip((window - times) / step + 0.5, 0.0, 1.0) * step
+        force = C_f @ history + D_f @ r
+        first += (share * force).sum(axis=(0, 1))
+        second += (share * force**2).sum(axis=(0, 1))
     return Extremes(
         peaks=largest.reshape(rows, len(signals), -1).max(axis=0).T,
         mean_force=first / window,
         mean_square_force=second / window,
     )
+
+
+BLOCK = 32
+"""Position cycles whose outputs are computed together: bounds the memory for slow moves."""
+
+
+def _references(steps: JerkSteps, t: Array, *, order: int) -> Array:
+    """x_ref, v_ref, a_ref, j_ref of all setpoints at the times t, (n_times, 4, n_limits)."""
+    age = t[:, None, None] - steps.times
+    term = steps.steps * (age >= -INSTANT)
+    age = np.maximum(age, 0.0)
+    result = np.zeros((len(t), 4, len(steps.times)))
+    for power in range(order + 1):
+        if power:
+            term = term * age / power
+        if order - power < 4:
+            result[:, order - power] = term.sum(axis=2)
+    return result
