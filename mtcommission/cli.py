@@ -330,6 +330,34 @@ def export(
     raise typer.Exit(0 if found.meets_requirements else 1)
 
 
+@app.command()
+def validate(
+    json_file: JsonOption = "",
+    output: Annotated[
+        str, typer.Option("-o", "--output", metavar="DIR", help="Write validation.html there.")
+    ] = "",
+) -> None:
+    """Put the paper's numbers and claims beside ours; exit 1 if one is out of tolerance."""
+    from mtcommission.files import write_files, write_text
+    from mtcommission.record.files import dump_json
+    from mtcommission.terminal import show
+    from mtcommission.validate.page import print_validation
+    from mtcommission.validate.report import validate as compare
+    from mtcommission.validate.report import validation_entry
+    from mtcommission.validate.table import describe_validation
+
+    with _progress() as progress:
+        found = compare(progress)
+    if json_file:
+        write_text(json_file, dump_json(validation_entry(found)))
+    if output:
+        page = print_validation(found, created=_now())
+        write_files(Path(output), {"validation.html": page.encode()})
+    if json_file != "-":
+        show(describe_validation(found))
+    raise typer.Exit(0 if found.is_met else 1)
+
+
 profiles_app = typer.Typer(help="The example machines that come with the program.")
 app.add_typer(profiles_app, name="profiles", no_args_is_help=True)
 

@@ -1,0 +1,155 @@
+"""Everything that the paper prints, beside ours: the whole comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from mtcommission.validate.bounded_rows import bounded_rows
+from mtcommission.validate.cases import Cases, Progress, solve_cases
+from mtcommission.validate.damping_rows import damping_rows
+from mtcommission.validate.loop_rows import conclusion_rows, loop_rows
+from mtcommission.validate.plant_rows import plant_rows
+from mtcommission.validate.row import Row, Verdict
+from mtcommission.validate.structure import structure_rows
+from mtcommission.validate.time_rows import time_rows
+
+PARTS: tuple[tuple[str, Callable[[Cases], tuple[Row, ...]]], ...] = (
+    ("Plant (sec. 2)", plant_rows),
+    ("Feedback control (sec. 3)", loop_rows),
+    ("Time-optimal control (sec. 5.1)", time_rows),
+    ("Structure of the control (sec. 5)", structure_rows),
+    ("Bound on the tower's rate (sec. 5.2)", bounded_rows),
+    ("Damping-optimal control (sec. 6)", damping_rows),
+    ("Conclusion (sec. 7)", conclusion_rows),
+)
+"""Parts of the comparison in the paper's order."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """Rows that belong together.
+
+    Parameters
+    ----------
+    heading
+        What they are about.
+    rows
+        In the paper's order.
+    """
+
+    heading: str
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Validation:
+    """The whole comparison.
+
+    Parameters
+    ----------
+    cases
+        Solutions behind it.
+    parts
+        Rows by part.
+    """
+
+    cases: Cases
+    parts: tuple[Part, ...]
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """All rows."""
+        return tuple(row for part in self.parts for row in part.rows)
+
+    @property
+    def is_met(self) -> bool:
+        """Whether no row is out of tolerance."""
+        return all(row.verdict is not Verdict.OUT for row in self.rows)
+
+
+def validate(progress: Progress = lambda _: None) -> Validation:
+    """Return the comparison of the paper with ours.
+
+    Parameters
+    ----------
+    progress
+        Called with the name of each stage as it begins.
+
+    Returns
+    -------
+    Validation
+    """
+    cases = solve_cases(progress)
+    parts = []
+    for heading, rows_of in PARTS:
+        progress(heading)
+        parts.append(Part(heading=heading, rows=rows_of(cases)))
+    return Validation(cases=cases, parts=tuple(parts))
+
+
+def count_verdicts(rows: Sequence[Row]) -> str:
+    """Return how many rows have each verdict, in words.
+
+    Parameters
+    ----------
+    rows
+        Any rows.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> count_verdicts(())
+    '0 agree, 0 agree with the correction, 0 differ for a proved reason, 0 out of tolerance'
+    """
+    words = {
+        Verdict.AGREES: "agree",
+        Verdict.CORRECTED: "agree with the correction",
+        Verdict.DIFFERS: "differ for a proved reason",
+        Verdict.OUT: "out of tolerance",
+    }
+    return ", ".join(
+        f"{sum(row.verdict is verdict for row in rows)} {word}" for verdict, word in words.items()
+    )
+
+
+def validation_entry(validation: Validation) -> dict[str, object]:
+    """Return the comparison as it is written to JSON.
+
+    Parameters
+    ----------
+    validation
+        The comparison.
+
+    Returns
+    -------
+    dict
+        ``met`` and ``rows``; the numbers of a claim are nan (null in the file).
+    """
+    return {
+        "source": "Christiansen, Maurer, Zirn: Optimal Control of Machine Tool Manipulators",
+        "met": validation.is_met,
+        "rows": [
+            {
+                "part": part.heading,
+                "place": row.place,
+                "quantity": row.quantity,
+                "unit": row.unit,
+                "printed": row.printed,
+                "corrected": row.corrected,
+                "ours": row.ours,
+                "printed_value": row.printed_value,
+                "ours_value": row.ours_value,
+                "difference": row.difference,
+                "tolerance": row.tolerance,
+                "basis": row.basis,
+                "verdict": row.verdict.value,
+                "reason": row.reason,
+            }
+            for part in validation.parts
+            for row in part.rows
+        ],
+    }
