@@ -95,7 +95,7 @@ def _weights(cases: Cases) -> list[Row]:
             basis="2 %: a grid blurs the switches of the motion that is balanced",
             reason=(
                 "The paper does not say along which motion. Equal integrals of all terms along "
-                "the time-optimal motion of sec. 5.1 give (17) to 1.7 %, by four numbers."
+                "the time-optimal motion of sec. 5.1 give all four to 1.7 %."
                 if printed is WEIGHTS[0]
                 else ""
             ),

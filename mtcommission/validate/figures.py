@@ -54,7 +54,7 @@ def paper_figures(cases: Cases) -> tuple[LinePlot, ...]:
             cases,
             cases.bounded,
             key="figure-5",
-            caption="Fig. 5: time-optimal solution, F_max = 2 kN, |v_phi| <= 0.005 rad/s",
+            caption="Fig. 5: time-optimal solution, F_max = 2 kN, |v_φ| ≤ 0.005 rad/s",
         ),
         _damping(cases),
     )
@@ -110,7 +110,7 @@ def _feedback(cases: Cases) -> LinePlot:
         (
             _force_panel(force),
             Panel(y_label="tool velocity in mm/s", lines=velocity, borders=(_target(),)),
-            Panel(y_label="v_phi in mrad/s", lines=rate),
+            Panel(y_label="v_φ in mrad/s", lines=rate),
         ),
     )
 
@@ -155,10 +155,10 @@ def _state_panels(plant: Plant, motion: Trajectory) -> tuple[Panel, ...]:
 
     bounds = tuple(Border(label="c", y=sign * 1e3 * RATE_BOUND) for sign in (1.0, -1.0))
     return (
-        panel("x_b", "x_b in um", 1e6),
+        panel("x_b", "x_b in µm", 1e6),
         panel("v_s", "v_s in mm/s", 1e3, (_target(),)),
-        panel("phi", "phi in urad", 1e6),
-        panel("v_phi", "v_phi in mrad/s", 1e3, bounds),
+        panel("phi", "φ in µrad", 1e6),
+        panel("v_phi", "v_φ in mrad/s", 1e3, bounds),
         panel("F", "F in kN", 1e-3),
     )
 
@@ -169,7 +169,7 @@ def _free_switching(cases: Cases) -> Panel:
     t, values = _propagate_adjoint(plant, solution)
     share = values[:, plant.force] / abs(float(solution.certificate.adjoint_initial[plant.force]))
     return Panel(
-        y_label="lambda_F / |lambda_F(0)|",
+        y_label="λ_F / |λ_F(0)|",
         lines=(_line("optimal", t, share),),
         borders=(Border(label="0", y=0.0),),
     )
@@ -192,7 +192,7 @@ def _damping(cases: Cases) -> LinePlot:
     law = follow_law(plant, solution, samples=SAMPLES)
     force = (
         _line("optimal", motion.t, motion.force / 1e3),
-        _line("-lambda_F / 2T", law.t, np.clip(law.wanted / 1e3, -4.0, 4.0), DASHED),
+        _line("−λ_F / 2T", law.t, np.clip(law.wanted / 1e3, -4.0, 4.0), DASHED),
     )
     return _plot(
         "figure-6",

@@ -6,6 +6,7 @@ from mtcommission.sheet.html import set_html
 from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.model import (
     Block,
+    Bullets,
     Column,
     Document,
     Headline,
@@ -87,8 +88,11 @@ def _section(number: int, part: Part) -> Section:
     claims = [row for row in part.rows if row.is_claim]
     if numbers:
         blocks.append(_numbers(numbers))
+        blocks.append(Bullets(items=(*_bases(numbers), *_reasons(numbers)), tone=Tone.NOTE))
     if claims:
         blocks.append(_claims(claims))
+    if reasons := _reasons(claims):
+        blocks.append(Bullets(items=reasons, tone=Tone.NOTE))
     return Section(key=f"part-{number}", heading=part.heading, blocks=tuple(blocks))
 
 
@@ -100,9 +104,7 @@ def _numbers(rows: list[Row]) -> Table:
             Column(head="Place"),
             Column(head="Quantity", width=2.0),
             *(Column(head=head, is_number=True) for head in heads),
-            Column(head="Tolerance from", width=1.5),
             Column(head="Verdict"),
-            Column(head="Reason", width=2.5),
         ),
         rows=tuple(
             (
@@ -113,9 +115,7 @@ def _numbers(rows: list[Row]) -> Table:
                 row.ours,
                 f"{row.difference:.2g}",
                 f"{row.tolerance:.2g}",
-                row.basis,
                 row.verdict.value,
-                row.reason,
             )
             for row in rows
         ),
@@ -124,7 +124,7 @@ def _numbers(rows: list[Row]) -> Table:
 
 
 def _claims(rows: list[Row]) -> Table:
-    heads = ("Place", "Claim", "Printed", "Correct", "Ours", "Tested by", "Verdict", "Reason")
+    heads = ("Place", "Claim", "Printed", "Correct", "Ours, and how it was tested", "Verdict")
     return Table(
         caption="Claims and formulas",
         columns=tuple(
@@ -136,15 +136,27 @@ def _claims(rows: list[Row]) -> Table:
                 row.quantity,
                 row.printed,
                 row.corrected,
-                row.ours,
-                row.basis,
+                f"{row.ours} ({row.basis})",
                 row.verdict.value,
-                row.reason,
             )
             for row in rows
         ),
         strong_rows=_unusual(rows),
     )
+
+
+def _bases(rows: list[Row]) -> tuple[str, ...]:
+    """Return where the tolerances come from, each source once."""
+    named: dict[str, list[str]] = {}
+    for row in rows:
+        named.setdefault(row.basis, []).append(row.quantity)
+    return tuple(
+        f"Tolerance of {'; '.join(quantities)}: {basis}." for basis, quantities in named.items()
+    )
+
+
+def _reasons(rows: list[Row]) -> tuple[str, ...]:
+    return tuple(f"{row.quantity}: {row.reason}" for row in rows if row.reason)
 
 
 def _unusual(rows: list[Row]) -> tuple[int, ...]:

@@ -65,7 +65,7 @@ def _modes(plant: Plant) -> tuple[Row, ...]:
         ratio = damping / (2.0 * sqrt(stiffness * inertia))
         rows += [
             number_row(
-                "Table 1",
+                "Table 1, implied",
                 f"eigenfrequency of the {name}",
                 unit="Hz",
                 printed=frequency,
@@ -74,7 +74,7 @@ def _modes(plant: Plant) -> tuple[Row, ...]:
                 basis=CLOSED_FORM,
             ),
             number_row(
-                "Table 1",
+                "Table 1, implied",
                 f"damping ratio of the {name}",
                 printed=ratio,
                 ours=float(-found.real / abs(found)),
@@ -83,7 +83,7 @@ def _modes(plant: Plant) -> tuple[Row, ...]:
             ),
         ]
     lag = number_row(
-        "Table 1",
+        "Table 1, implied",
         "pole of the force lag",
         unit="1/s",
         printed=-1.0 / FORCE_LAG,

@@ -103,12 +103,12 @@ def count_verdicts(rows: Sequence[Row]) -> str:
     Examples
     --------
     >>> count_verdicts(())
-    '0 agree, 0 agree with the correction, 0 differ for a proved reason, 0 out of tolerance'
+    '0 agree, 0 agree with the correction, 0 differ with reason, 0 out of tolerance'
     """
     words = {
         Verdict.AGREES: "agree",
         Verdict.CORRECTED: "agree with the correction",
-        Verdict.DIFFERS: "differ for a proved reason",
+        Verdict.DIFFERS: "differ with reason",
         Verdict.OUT: "out of tolerance",
     }
     return ", ".join(

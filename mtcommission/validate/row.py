@@ -16,7 +16,7 @@ class Verdict(Enum):
 
     AGREES = "agrees"
     CORRECTED = "agrees with the correction"
-    DIFFERS = "differs, for a proved reason"
+    DIFFERS = "differs, with reason"
     OUT = "OUT OF TOLERANCE"
 
 
