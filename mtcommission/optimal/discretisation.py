@@ -28,6 +28,9 @@ from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 
+REFINED_BARRIER = 1e-6
+"""First barrier parameter, and distance from the bounds, on a refined grid (empirical)."""
+
 LONGEST = 100.0
 """Longest final time that is searched, in units of its first guess."""
 
@@ -84,7 +87,9 @@ class GridProblem:
     rows
         Bounded signals, |rows x| <= 1 at the grid points, shape (k, n).
     start_states, start_control
-        Where IPOPT starts, shapes (N + 1, n), (N,).
+        Where IPOPT starts, on an even grid of its own: shapes (k + 1, n), (k,).
+    refined
+        Whether the start is the solution on a coarser grid.
     """
 
     A: Array
@@ -97,6 +102,7 @@ class GridProblem:
     rows: Array
     start_states: Array
     start_control: Array
+    refined: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -107,15 +113,18 @@ class GridSolution:
     ----------
     t_f
         [s].
+    states
+        At the grid points, shape (N + 1, n).
     control
         u of each interval, shape (N,).
     adjoint
-        λ of each interval, shape (N, n), in units of t_guess per scaled state.
+        λ of each interval, shape (N, n) [s per scaled state].
     adjoint_initial
         λ(0), shape (n,), to the order of the grid.
     """
 
     t_f: float
+    states: Array
     control: Array
     adjoint: Array
     adjoint_initial: Array
@@ -169,16 +178,16 @@ def solve_grid(problem: GridProblem, settings: TranscriptionSettings) -> GridSol
     cost = time if problem.free_time else _cost(problem, settings.scheme, x, u)
     variables = [ca.vec(x), ca.vec(u), *([time] if problem.free_time else [])]
     bounded = ca.vec(ca.DM(problem.rows) @ x[:, 1:])
-    solver = ca.nlpsol(
-        "transcription",
-        "ipopt",
-        {"x": ca.vertcat(*variables), "f": cost, "g": ca.vertcat(ca.vec(defects), bounded)},
-        _options(problem, settings),
-    )
+    program = {
+        "x": ca.vertcat(*variables),
+        "f": cost,
+        "g": ca.vertcat(ca.vec(defects), bounded),
+    }
+    solver = ca.nlpsol("transcription", "ipopt", program, _options(problem, settings, program))
     low, high = _box(problem, N)
     limit = np.ones(problem.rows.shape[0] * N)
     answer = solver(
-        x0=_start(problem),
+        x0=_start(problem, N),
         lbx=low,
         ubx=high,
         lbg=np.concatenate([np.zeros(n * N), -limit]),
@@ -186,11 +195,12 @@ def solve_grid(problem: GridProblem, settings: TranscriptionSettings) -> GridSol
     )
     _check(problem, settings, solver.stats())
     point = np.asarray(answer["x"]).ravel()
-    adjoint = -np.asarray(answer["lam_g"]).ravel()[: n * N].reshape(N, n)
+    adjoint = -problem.t_guess * np.asarray(answer["lam_g"]).ravel()[: n * N].reshape(N, n)
     t_f = problem.t_guess * (point[-1] if problem.free_time else 1.0)
     _, E = _scheme_matrices(settings.scheme, t_f / N * problem.A)
     return GridSolution(
         t_f=float(t_f),
+        states=point[: n * (N + 1)].reshape(N + 1, n),
         control=point[n * (N + 1) : n * (N + 1) + N],
         adjoint=adjoint,
         adjoint_initial=np.asarray(E.T @ adjoint[0]),
@@ -230,7 +240,9 @@ def _cost(problem: GridProblem, scheme: Scheme, x: Any, u: Any) -> Any:
     return (ca.sumsqr(u) + squares) / N
 
 
-def _options(problem: GridProblem, settings: TranscriptionSettings) -> dict[str, Any]:
+def _options(
+    problem: GridProblem, settings: TranscriptionSettings, program: dict[str, Any]
+) -> dict[str, Any]:
     options: dict[str, Any] = {
         "print_time": False,
         "error_on_fail": False,
@@ -242,11 +254,32 @@ def _options(problem: GridProblem, settings: TranscriptionSettings) -> dict[str,
         "ipopt.honor_original_bounds": "yes",
     }
     if problem.free_time:
-        options["ipopt.mu_strategy"] = "adaptive"  # a third of the iterations, measured
+        options["hess_lag"] = _no_curvature(program)
     else:
         constant = ("jac_c_constant", "jac_d_constant", "hessian_constant")
         options |= {f"ipopt.{name}": "yes" for name in constant}
+    if problem.refined:
+        close = ("mu_init", "bound_push", "bound_frac")
+        options |= {f"ipopt.{name}": REFINED_BARRIER for name in close}
     return options
+
+
+def _no_curvature(program: dict[str, Any]) -> Any:
+    """Return a zero Hessian of the Lagrangian for the free-time problem.
+
+    The true one is bilinear in t_f and the rest, hence indefinite, and IPOPT crawls under the
+    regularisation that this calls for. A shortest move is a vertex of its constraints, as in
+    a linear program, so that Newton's method on these alone converges as fast.
+    """
+    size, rows = program["x"].shape[0], program["g"].shape[0]
+    arguments = [ca.MX.sym("x", size), ca.MX.sym("p", 0), ca.MX.sym("f"), ca.MX.sym("g", rows)]
+    return ca.Function(
+        "no_curvature",
+        arguments,
+        [ca.MX(ca.Sparsity(size, size))],
+        ["x", "p", "lam_f", "lam_g"],
+        ["triu_hess_gamma_x_x"],
+    )
 
 
 def _box(problem: GridProblem, N: int) -> tuple[Array, Array]:
@@ -261,9 +294,13 @@ def _box(problem: GridProblem, N: int) -> tuple[Array, Array]:
     return np.concatenate(parts_low), np.concatenate(parts_high)
 
 
-def _start(problem: GridProblem) -> Array:
+def _start(problem: GridProblem, N: int) -> Array:
+    given = np.linspace(0.0, 1.0, problem.start_states.shape[0])
+    wanted = np.linspace(0.0, 1.0, N + 1)
+    states = np.column_stack([np.interp(wanted, given, x) for x in problem.start_states.T])
+    control = problem.start_control[np.arange(N) * problem.start_control.size // N]
     time = np.ones(int(problem.free_time))
-    return np.concatenate([problem.start_states.ravel(), problem.start_control, time])
+    return np.concatenate([states.ravel(), control, time])
 
 
 def _check(problem: GridProblem, settings: TranscriptionSettings, stats: dict[str, Any]) -> None:
