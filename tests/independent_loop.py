@@ -263,8 +263,8 @@ def run(
     estimate, advance = _observer(gains, nominal)
     K = gains.state_gains
     biquads = [Biquad(item, h) for item in gains.force_filters]
-    integral = acting = 0.0
-    handed = waiting = (0.0, 0.0)
+    integral = acting = modelled = 0.0
+    handed = waiting = (0.0, 0.0, 0.0)
     out = []
     for i in range(samples):
         if i % gains.cycles == 0:
@@ -272,21 +272,25 @@ def run(
             handed = waiting
             late = delayed(profile, now - max(tau - 1.5 * T_p, 0.0), T_p)
             error = delayed(profile, now - tau, T_p)[0] - axis.encoder
-            v_set = gains.position_gain * error + gains.velocity_feedforward * late[1]
+            v_set = gains.velocity_feedforward * late[1]
             _, _, a, j = profile.at(now)
             m = gains.feedforward_mass
             f_set = m * (gains.acceleration_feedforward * a)
             f_set += m * gains.force_lag * gains.jerk_feedforward * j
             f_set += float(K @ _wanted(nominal, m, late))
-            waiting = (v_set, f_set)
+            waiting = (gains.position_gain * error, v_set, f_set)
         out.append((axis.tool, axis.encoder, acting, *axis.state()))
-        miss = handed[0] - axis.encoder_rate
-        wanted = gains.velocity_gain * (miss + integral) + handed[1] - float(K @ estimate)
+        miss = handed[0] + handed[1] - axis.encoder_rate
+        wanted = gains.velocity_gain * (miss + integral) + handed[2] - float(K @ estimate)
         for biquad in biquads:
             wanted = biquad.pass_on(wanted)
         granted = min(max(wanted, -force_limit), force_limit)
         if granted == wanted:
-            integral += h / gains.integral_time * miss
+            expected = modelled - handed[0] if gains.reference_model_time else 0.0
+            integral += h / gains.integral_time * (miss + expected)
+        if gains.reference_model_time:
+            fade = exp(-h / gains.reference_model_time).real
+            modelled = fade * modelled + (1 - fade) * handed[0]
         measured = np.array([axis.tool if s == "tcp" else axis.encoder for s in gains.sensors])
         estimate = advance(estimate, acting, measured)
         axis.advance(acting, h)

@@ -35,7 +35,8 @@ DECAY = 1e3
 """A mode is followed until it has decayed by this factor."""
 
 SKETCH_SAMPLES = 12
-"""Samples per period at a first look: a peak is missed by 3 % at most."""
+"""Samples per period at a first look: the peak of a swing is missed by 3 % at most (more of what
+dies out within one spacing after t_e + τ)."""
 
 SKETCH_SPACING = 2e-3
 """Largest distance of samples at a first look [s]: some ten per period of the servo's own

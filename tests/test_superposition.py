@@ -1,0 +1,155 @@
+"""The fast judgement of the search must be the slow one of the sheet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.response import LoopResponse, simulate
+from mtcommission.loop.superposition import (
+    build_tables,
+    find_extremes,
+    moving_average_steps,
+    settle,
+    sketch_tables,
+)
+from mtcommission.loop.tuning import TunedLoop, tune_loop
+from mtcommission.machine import Machine, Move, Positioning, TcpSensor, VelocityStep, moving_mass
+from mtcommission.setpoint import JerkSteps, jerk_steps, plan_setpoint
+from tests.independent_loop import quiet_copy
+from tests.machines import paper_machine, random_modal_machine
+
+Array = NDArray[np.float64]
+
+MOVES = [
+    VelocityStep(velocity_step=0.1, dwell=0.02),
+    VelocityStep(velocity_step=5e-4),  # a is never reached
+    Positioning(distance=0.01, max_velocity=0.2, dwell=0.1),
+    Positioning(distance=2e-4),
+]
+MACHINES = {
+    "paper": paper_machine(),
+    "filtered": quiet_copy(paper_machine(), moving_average_time=17e-3),
+    "two encoders": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
+    "short delay": quiet_copy(paper_machine(), reference_delay=0.6e-3),
+    "four modes": random_modal_machine(7, n_modes=4),
+}
+
+
+def limits(machine: Machine, count: int) -> tuple[Array, Array]:
+    generator = np.random.default_rng(count)
+    a_max = machine.drive.motion_force / moving_mass(machine)
+    a = a_max * generator.uniform(0.1, 1.0, count)
+    return a, a / np.exp(generator.uniform(np.log(5e-4), np.log(0.04), count))
+
+
+def steps_of(machine: Machine, move: Move, a: Array, j: Array) -> JerkSteps:
+    steps = jerk_steps(move, acceleration=a, jerk=j)
+    time = machine.control.moving_average_time
+    return moving_average_steps(steps, time=time) if time else steps
+
+
+def linear_response(
+    machine: Machine, tuned: TunedLoop, move: Move, a: float, j: float
+) -> LoopResponse:
+    strong = replace(machine.drive, max_force=1e12)
+    return simulate(
+        tuned.loops[0],
+        tuned.lifted[0],
+        plan_setpoint(
+            move,
+            MotionLimits(acceleration=a, jerk=j),
+            moving_average=machine.control.moving_average_time,
+        ),
+        drive=strong,
+        band=machine.requirements.tcp_deviation,
+    )
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_settling_and_residual_agree_with_the_full_simulation(name: str) -> None:
+    """The search would recommend limits that the sheet then judges otherwise."""
+    machine = MACHINES[name]
+    tuned = tune_loop(machine)
+    filtered = machine.control.moving_average_time > 0.0
+    checked = 0
+    for move in MOVES:
+        a, j = limits(machine, 4)
+        steps = steps_of(machine, move, a, j)
+        tables = build_tables(
+            tuned.loops[0],
+            tuned.lifted[0],
+            longest=float(np.max(steps.duration)),
+            filtered=filtered,
+        )
+        band = machine.requirements.tcp_deviation
+        found = settle(tables, steps, band=band)
+        rough = settle(sketch_tables(tables, tuned.loops[0].plant), steps, band=band)
+        for i in range(len(a)):
+            full = linear_response(machine, tuned, move, a[i], j[i])
+            assert found.residual_deviation[i] == pytest.approx(full.residual_deviation, rel=1e-6)
+            # A first look may miss part of a peak, but never invents one.
+            assert 0.8 < rough.residual_deviation[i] / full.residual_deviation < 1.0 + 1e-4
+            if np.isfinite(found.settling_time[i]):
+                assert found.settling_time[i] == pytest.approx(full.settling_time, rel=1e-6)
+                checked += 1
+    assert checked >= 12
+
+
+@pytest.mark.parametrize("name", ["paper", "filtered", "four modes"])
+def test_peaks_and_forces_agree_with_the_full_simulation(name: str) -> None:
+    """Limits beyond the force or a bounded peak would be recommended."""
+    machine = MACHINES[name]
+    tuned = tune_loop(machine)
+    plant = tuned.loops[0].plant
+    n = plant.order
+    watched = [mode.rate for mode in plant.modes]
+    signals = np.eye(n + 3)[[2, *(3 + i for i in watched)]]
+    for move in MOVES:
+        a, j = limits(machine, 3)
+        found = find_extremes(
+            tuned.lifted[0],
+            steps_of(machine, move, a, j),
+            signals=signals,
+            order=4 if machine.control.moving_average_time else 3,
+            dwell=move.dwell,
+            tail=0.3,
+        )
+        for i in range(len(a)):
+            full = linear_response(machine, tuned, move, a[i], j[i])
+            assert found.peaks[i, 0] == pytest.approx(full.max_force, rel=1e-6)
+            assert found.peaks[i, 1:] == pytest.approx(full.peaks[watched], rel=1e-6)
+            if full.t_end > 0.03:  # below that the window ends while the dead time still runs
+                rms = np.sqrt(found.mean_square_force[i])
+                assert rms == pytest.approx(full.rms_force, rel=2e-3)
+
+
+def test_doubling_every_limit_and_the_move_doubles_the_deviation() -> None:
+    """A linear loop: anything else means that a table belongs to other units."""
+    machine = paper_machine()
+    tuned = tune_loop(machine)
+    tables = build_tables(tuned.loops[0], tuned.lifted[0], longest=0.3)
+    a, j = limits(machine, 20)
+    single = jerk_steps(VelocityStep(velocity_step=0.05), acceleration=a, jerk=j)
+    double = jerk_steps(VelocityStep(velocity_step=0.1), acceleration=2 * a, jerk=2 * j)
+    one = settle(tables, single, band=5e-6)
+    two = settle(tables, double, band=10e-6)
+    assert np.allclose(two.residual_deviation, 2 * one.residual_deviation, rtol=1e-9)
+    assert np.allclose(two.settling_time, one.settling_time, rtol=1e-9)
+
+
+def test_a_slow_tail_is_not_taken_for_settled() -> None:
+    """A deviation inside the band at the end of a short look may leave it again later."""
+    soft = quiet_copy(paper_machine(), position_gain=4.0, integral_time=0.4, feedforward_mass=700.0)
+    tuned = tune_loop(soft)
+    move = VelocityStep(velocity_step=0.1)
+    steps = jerk_steps(move, acceleration=np.array([1.0]), jerk=np.array([50.0]))
+    tables = build_tables(tuned.loops[0], tuned.lifted[0], longest=0.3)
+    found = settle(tables, steps, band=soft.requirements.tcp_deviation).settling_time[0]
+    full = linear_response(soft, tuned, move, 1.0, 50.0).settling_time
+    assert full > 0.7
+    assert found == pytest.approx(full, rel=1e-6)
