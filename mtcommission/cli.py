@@ -358,6 +358,34 @@ def validate(
     raise typer.Exit(0 if found.is_met else 1)
 
 
+@app.command()
+def wizard(
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="Profile to write or change.")
+    ] = Path("machine.toml"),
+    answers: Annotated[
+        Path | None,
+        typer.Option("--answers", metavar="FILE", help="Answers (TOML, the profile's own keys)."),
+    ] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Take defaults for what is open instead of asking.")
+    ] = False,
+    run_after: Annotated[bool, typer.Option("--run", help="Go on to run.")] = False,
+) -> None:
+    """Ask for the machine and write a commented profile."""
+    from mtcommission.wizard import Ending, open_console, run_wizard
+
+    session = run_wizard(
+        output,
+        console=open_console(),
+        answers_file=answers,
+        take_defaults=yes,
+        offers_run=not run_after,
+    )
+    if session.ending is Ending.WRITTEN and (run_after or session.wants_run):
+        run(profile=output)
+
+
 profiles_app = typer.Typer(help="The example machines that come with the program.")
 app.add_typer(profiles_app, name="profiles", no_args_is_help=True)
 

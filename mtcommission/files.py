@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import NamedTemporaryFile
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,9 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_trajectory
 from mtcommission.plant import Plant
 from mtcommission.setpoint import Setpoint, sample_setpoint
-from mtcommission.trials import MoveResult
+
+if TYPE_CHECKING:  # the loop and its libraries take seconds, and writing a text needs none of them
+    from mtcommission.trials import MoveResult
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,175 @@
+"""Where questions are shown and replies come from: a real console, a plain terminal, or a pipe."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from math import inf
+from textwrap import wrap
+from typing import Protocol
+
+from mtcommission.wizard.question import Question
+
+WIDTH = 78
+BACK, HELP, QUIT = ("<", "back"), ("?", "help"), ("q", "quit")
+COMMANDS = "? help, < back, q quit"
+
+
+class Console(Protocol):
+    """What the interview needs of a console."""
+
+    @property
+    def is_interactive(self) -> bool:
+        """Whether somebody sits in front of it."""
+
+    def ask(self, question: Question, *, default: str) -> str:
+        """Return what was typed; raise EOFError or KeyboardInterrupt if the user leaves."""
+
+    def tell(self, text: str) -> None:
+        """Show a paragraph."""
+
+
+class LineConsole:
+    """Prompts and replies line by line: works in a pipe and in any terminal.
+
+    Parameters
+    ----------
+    read
+        Returns a line with its end; "" at the end of input.
+    write
+        Shows a text.
+    is_interactive
+        Whether somebody sits in front of it.
+    """
+
+    def __init__(
+        self,
+        *,
+        read: Callable[[], str],
+        write: Callable[[str], object],
+        is_interactive: bool,
+    ) -> None:
+        self._read, self._write, self._interactive = read, write, is_interactive
+
+    @property
+    def is_interactive(self) -> bool:
+        """Whether somebody sits in front of it."""
+        return self._interactive
+
+    def ask(self, question: Question, *, default: str) -> str:
+        """Return the next line of input."""
+        for number, choice in enumerate(question.choices, start=1):
+            self._write(f"    {number}  {choice}\n")
+        self._write(f"{question.text}{hint(question, default)}: ")
+        line = self._read()
+        if not line:
+            raise EOFError
+        if not self._interactive:
+            self._write(line if line.endswith("\n") else f"{line}\n")
+        return line.rstrip("\r\n")
+
+    def tell(self, text: str) -> None:
+        """Show a paragraph."""
+        self._write(fold(text) + "\n")
+
+
+class RichConsole:
+    """Prompts with line editing and choices by arrow keys.
+
+    Parameters
+    ----------
+    fallback
+        Used once questionary finds no console that it can drive.
+    """
+
+    def __init__(self, fallback: LineConsole) -> None:
+        self._fallback = fallback
+        self._is_driven = True
+
+    @property
+    def is_interactive(self) -> bool:
+        """Whether somebody sits in front of it: always."""
+        return True
+
+    def ask(self, question: Question, *, default: str) -> str:
+        """Return what was typed or chosen."""
+        if self._is_driven:
+            try:
+                return self._ask(question, default)
+            except (EOFError, KeyboardInterrupt):
+                raise
+            except Exception:
+                # prompt_toolkit's "no console" error is a class that exists on Windows only.
+                self._is_driven = False
+        return self._fallback.ask(question, default=default)
+
+    def tell(self, text: str) -> None:
+        """Show a paragraph."""
+        self._fallback.tell(text)
+
+    def _ask(self, question: Question, default: str) -> str:
+        import questionary
+
+        if question.choices:
+            commands = [
+                questionary.Choice(title=f"({words[1]})", value=words[0])
+                for words in (BACK, HELP, QUIT)
+            ]
+            chosen = questionary.select(
+                question.text,
+                choices=[*question.choices, *commands],
+                default=default if default in question.choices else None,
+            ).unsafe_ask()
+            return str(chosen)
+        prompt = f"{question.text}{hint(question, default)}:"
+        return str(questionary.text(prompt).unsafe_ask())
+
+
+def open_console() -> Console:
+    """Return the console of this process: questionary on a terminal, plain lines elsewhere."""
+    is_terminal = sys.stdin.isatty() and sys.stdout.isatty()
+
+    def write(text: str) -> None:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+
+    plain = LineConsole(read=sys.stdin.readline, write=write, is_interactive=is_terminal)
+    return RichConsole(plain) if is_terminal else plain
+
+
+def hint(question: Question, default: str) -> str:
+    """Return the default, or an example, in brackets."""
+    if default:
+        return f" [{default}]"
+    return f" (e.g. {question.example})" if question.example else ""
+
+
+def introduce(question: Question) -> str:
+    """Return where to find the value and what is common, for the line above the prompt."""
+    return f"{question.where}{_common(question)}"
+
+
+def explain(question: Question) -> str:
+    """Return all that is known about a question, for ``?``."""
+    lines = [introduce(question)]
+    if question.dimension is not None:
+        lines.append(f"Expected: {question.dimension.name}, {question.dimension.usual}.")
+    if question.example:
+        lines.append(f"Example: {question.example}.")
+    if question.is_optional:
+        lines.append("Enter alone leaves it out; - removes a value given before.")
+    return " ".join(lines)
+
+
+def _common(question: Question) -> str:
+    if question.dimension is None or question.high == inf:
+        return ""
+    unit = f" {question.dimension.si}".rstrip()
+    return f" Common: {question.low:g} to {question.high:g}{unit}."
+
+
+def fold(text: str) -> str:
+    """Return a text in lines for 80 columns; its own line breaks stay."""
+    return "\n".join(
+        "\n".join(wrap(line, WIDTH, subsequent_indent="  ")) for line in text.splitlines()
+    )

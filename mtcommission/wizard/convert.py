@@ -1,0 +1,284 @@
+"""Answers <-> profile: what was typed becomes the profile's keys, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi, sqrt
+
+from mtcommission.units import FREQUENCY, RATIO, parse_quantity
+from mtcommission.wizard.measures import (
+    MODAL,
+    NO,
+    PAIR_BY_FREQUENCY,
+    PAIR_BY_STIFFNESS,
+    TOWER_BY_FREQUENCY,
+    TOWER_BY_STIFFNESS,
+    YES,
+    measures,
+)
+from mtcommission.wizard.mechanics import MOST_MODES
+from mtcommission.wizard.question import Answers, si_value
+from mtcommission.wizard.script import MOST_MOVES, POSITIONING, STEP
+
+Data = dict[str, object]
+"""Nested tables as TOML has them; all values are texts but the schema's number."""
+
+OWN = ("wizard.", "measured.", "pair.")
+"""Beginnings of the keys that only the wizard knows."""
+
+SECTIONS = ("machine", "plant", "drive", "moves", "requirements", "damping_optimal", "control")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pair:
+    """Two masses with a spring as a rigid mass and one mode.
+
+    Parameters
+    ----------
+    moving_mass
+        [kg].
+    frequency_hz, damping_ratio
+        Both masses free [Hz, -].
+    tcp_gain, measured_gain
+        Tool on the load, encoder on the motor [1/kg].
+    """
+
+    moving_mass: float
+    frequency_hz: float
+    damping_ratio: float
+    tcp_gain: float
+    measured_gain: float
+
+
+def couple(*, motor_mass: float, load_mass: float, stiffness: float, damping_ratio: float) -> Pair:
+    """Return the modal form of motor - spring - load.
+
+    With M = m_1 + m_2 and q = m_1 (x_1 - x_2), the force F on the motor
+    drives q'' + 2 ζ ω q' + ω² q = F, ω² = k M/(m_1 m_2); x_1 = x + m_2/(m_1 M) q, x_2 = x - q/M.
+
+    Parameters
+    ----------
+    motor_mass, load_mass
+        m_1 and m_2 [kg].
+    stiffness
+        k [N/m].
+    damping_ratio
+        Of the load against the held motor [-].
+
+    Returns
+    -------
+    Pair
+
+    Examples
+    --------
+    >>> pair = couple(motor_mass=1.0, load_mass=3.0, stiffness=3.0, damping_ratio=0.01)
+    >>> pair.tcp_gain, pair.measured_gain, round(2 * pi * pair.frequency_hz, 9)
+    (-0.25, 0.75, 2.0)
+    """
+    m_1, m_2, k = motor_mass, load_mass, stiffness
+    whole = m_1 + m_2
+    return Pair(
+        moving_mass=whole,
+        frequency_hz=sqrt(k * whole / (m_1 * m_2)) / (2.0 * pi),
+        damping_ratio=damping_ratio * sqrt(whole / m_1),
+        tcp_gain=-1.0 / whole,
+        measured_gain=m_2 / (m_1 * whole),
+    )
+
+
+def to_profile(answers: Answers) -> Data:
+    """Return the profile's tables for the answers.
+
+    Parameters
+    ----------
+    answers
+        As far as known; what is missing is left out.
+
+    Returns
+    -------
+    dict
+        Tables in the profile's order, after ``schema``.
+    """
+    flat = {key: text for key, text in answers.items() if text and _is_profile_key(key)}
+    flat = {key: text for key, text in flat.items() if not key.startswith("plant.")}
+    plant = {key: text for key, text in _plant(answers).items() if text}
+    payload = flat.pop("requirements.payload.1", "")
+    least = flat.pop("requirements.payload.0", "")
+    if payload and parse_quantity(payload, measures(answers).mass) > 0.0:
+        flat["requirements.payload.0"] = least or f"0 {measures(answers).mass.si}"
+        flat["requirements.payload.1"] = payload
+    nested = nest({**flat, **plant})
+    ordered: Data = {"schema": 1}
+    ordered |= {name: nested[name] for name in SECTIONS if name in nested}
+    return ordered | {name: value for name, value in nested.items() if name not in ordered}
+
+
+def to_answers(data: Mapping[str, object]) -> dict[str, str]:
+    """Return answers from a profile's tables, or from a file of answers.
+
+    Parameters
+    ----------
+    data
+        From tomllib; the profile's own keys, nested or dotted, and the wizard's.
+
+    Returns
+    -------
+    dict
+        With the choices that the tables imply.
+    """
+    answers = flatten(data)
+    answers.pop("schema", None)
+    kind = answers.pop("plant.kind", "")
+    if kind and "wizard.way" not in answers:
+        answers["wizard.way"] = MODAL if kind == "modal" else TOWER_BY_STIFFNESS
+    for table, most in (("plant.modes", MOST_MODES), ("moves", MOST_MOVES)):
+        for i in range(most):
+            here, there = f"{table}.{i}.", f"{table}.{i + 1}."
+            if any(key.startswith(here) for key in answers):
+                follows = any(key.startswith(there) for key in answers)
+                answers.setdefault(f"{here}more", YES if follows else NO)
+                if table == "moves":
+                    step = f"{here}velocity_step" in answers
+                    answers.setdefault(f"{here}kind", STEP if step else POSITIONING)
+    detailed = ("damping_optimal.t_f", "damping_optimal.weights.")
+    if any(key.startswith(detailed) for key in answers):
+        answers.setdefault("wizard.experts", YES)
+    return answers
+
+
+def flatten(data: object, *, path: str = "") -> dict[str, str]:
+    """Return nested tables and arrays as texts by dotted key.
+
+    Examples
+    --------
+    >>> flatten({"moves": [{"dwell": 1.5}], "a.b": "c"})
+    {'moves.0.dwell': '1.5', 'a.b': 'c'}
+    """
+    if isinstance(data, Mapping):
+        parts = [(str(key), value) for key, value in data.items()]
+    elif isinstance(data, list):
+        parts = [(str(i), value) for i, value in enumerate(data)]
+    else:
+        return {path: as_text(data)}
+    flat: dict[str, str] = {}
+    for key, value in parts:
+        flat |= flatten(value, path=f"{path}.{key}" if path else key)
+    return flat
+
+
+def as_text(value: object) -> str:
+    """Return a TOML value as the text that means the same in a profile."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return str(value)
+
+
+def nest(flat: Mapping[str, str]) -> Data:
+    """Return nested tables and arrays; the reverse of ``flatten``.
+
+    Examples
+    --------
+    >>> nest({"moves.0.dwell": "1.5 s"})
+    {'moves': [{'dwell': '1.5 s'}]}
+    """
+    tree: Data = {}
+    for key, text in flat.items():
+        *parents, last = key.split(".")
+        table = tree
+        for parent in parents:
+            below = table.setdefault(parent, {})
+            if not isinstance(below, dict):
+                break  # a text where a table is needed: the profile reader says so
+            table = below
+        else:
+            table[last] = text
+    listed = _listed(tree)
+    return listed if isinstance(listed, dict) else {}
+
+
+def _listed(tree: object) -> object:
+    """Turn tables whose keys are 0, 1, 2, ... into arrays."""
+    if not isinstance(tree, dict):
+        return tree
+    below = {key: _listed(value) for key, value in tree.items()}
+    if below and all(key.isdigit() for key in below):
+        return [below[key] for key in sorted(below, key=int)]
+    return below
+
+
+def _is_profile_key(key: str) -> bool:
+    if key.startswith("moves.") and key.endswith((".kind", ".more")):
+        return False
+    return not key.startswith(OWN)
+
+
+def _plant(answers: Answers) -> dict[str, str]:
+    """The keys of [plant], from whichever way the mechanics were described."""
+    given = {
+        key: text
+        for key, text in answers.items()
+        if key.startswith("plant.") and not key.endswith(".more")
+    }
+    tower = {key: text for key, text in given.items() if not key.startswith("plant.mo")}
+    modal = {key: text for key, text in given.items() if key.startswith("plant.mo")}
+    match answers.get("wizard.way", ""):
+        case chosen if chosen == TOWER_BY_STIFFNESS:
+            return {"plant.kind": "manipulator", **tower}
+        case chosen if chosen == TOWER_BY_FREQUENCY:
+            return {"plant.kind": "manipulator", **tower, **_tower_springs(answers)}
+        case chosen if chosen in (PAIR_BY_STIFFNESS, PAIR_BY_FREQUENCY):
+            return {"plant.kind": "modal", **_pair_mode(answers)}
+        case chosen if chosen == MODAL:
+            return {"plant.kind": "modal", **modal}
+    return {}
+
+
+def _tower_springs(answers: Answers) -> dict[str, str]:
+    """Stiffness and damping from measured frequencies: k = m ω², d = 2 ζ m ω."""
+    found = {}
+    for name, mass_key, length in (
+        ("base", "plant.base_mass", ""),
+        ("rotary", "plant.rotary_inertia", " m/rad"),
+    ):
+        unit = measures({}).mass if name == "base" else measures({"machine.motion": "rotary"}).mass
+        m = si_value(answers, mass_key, unit)
+        f = si_value(answers, f"measured.{name}_frequency", FREQUENCY)
+        zeta = si_value(answers, f"measured.{name}_damping_ratio", RATIO)
+        if m is None or f is None:
+            continue
+        omega = 2.0 * pi * f
+        stiffness, damping = ("N/m", "N s/m") if not length else ("N m/rad", "N m s/rad")
+        found[f"plant.{name}_stiffness"] = f"{m * omega**2:.10g} {stiffness}"
+        if zeta is not None:
+            found[f"plant.{name}_damping"] = f"{2.0 * zeta * m * omega:.10g} {damping}"
+    return found
+
+
+def pair_of(answers: Answers) -> Pair | None:
+    """Return the two masses with their spring; None while something is missing."""
+    unit = measures(answers)
+    m_1 = si_value(answers, "pair.motor_mass", unit.mass)
+    m_2 = si_value(answers, "pair.load_mass", unit.mass)
+    zeta = si_value(answers, "pair.damping_ratio", RATIO)
+    k = si_value(answers, "pair.stiffness", unit.stiffness)
+    if answers.get("wizard.way") == PAIR_BY_FREQUENCY:
+        f = si_value(answers, "pair.frequency", FREQUENCY)
+        k = None if f is None or m_2 is None else m_2 * (2.0 * pi * f) ** 2
+    if m_1 is None or m_2 is None or k is None or zeta is None or min(m_1, m_2, k) <= 0.0:
+        return None
+    return couple(motor_mass=m_1, load_mass=m_2, stiffness=k, damping_ratio=zeta)
+
+
+def _pair_mode(answers: Answers) -> dict[str, str]:
+    pair, unit = pair_of(answers), measures(answers)
+    if pair is None:
+        return {}
+    return {
+        "plant.moving_mass": f"{pair.moving_mass:.10g} {unit.mass.si}",
+        "plant.modes.0.name": "drive",
+        "plant.modes.0.frequency": f"{pair.frequency_hz:.10g} Hz",
+        "plant.modes.0.damping_ratio": f"{pair.damping_ratio:.10g}",
+        "plant.modes.0.tcp_gain": f"{pair.tcp_gain:.10g} {unit.gain.si}",
+        "plant.modes.0.measured_gain": f"{pair.measured_gain:.10g} {unit.gain.si}",
+    }

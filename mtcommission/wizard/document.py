@@ -1,0 +1,184 @@
+"""Profile tables -> TOML that reads well in an editor, and keeps the user's comments."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import tomlkit
+
+from mtcommission.wizard.convert import Data, as_text
+from mtcommission.wizard.measures import (
+    MODAL,
+    PAIR_BY_FREQUENCY,
+    PAIR_BY_STIFFNESS,
+    TOWER_BY_FREQUENCY,
+    TOWER_BY_STIFFNESS,
+)
+from mtcommission.wizard.question import Answers
+from mtcommission.wizard.script import list_questions
+
+TABLES = ("requirements.peaks", "requirements.modes")
+"""Tables below a table that get a header of their own; others stand in one line."""
+
+COLUMN = 34
+"""Where the comments begin, if the line leaves room."""
+
+DERIVED = {
+    TOWER_BY_FREQUENCY: "stiffness and damping from measured eigenfrequencies",
+    PAIR_BY_STIFFNESS: "motor and load on a spring, as a rigid mass and one mode",
+    PAIR_BY_FREQUENCY: "motor and load, measured, as a rigid mass and one mode",
+    TOWER_BY_STIFFNESS: "a tower on a base that gives way",
+    MODAL: "modes as read from a frequency response",
+}
+
+
+def write_document(data: Data, answers: Answers) -> str:
+    """Return a new, commented profile.
+
+    Parameters
+    ----------
+    data
+        The profile's tables.
+    answers
+        Where they come from; for the comments.
+
+    Returns
+    -------
+    str
+        TOML.
+    """
+    comments = {
+        question.key: question.text.partition(" (empty:")[0] for question in list_questions(answers)
+    }
+    lines = [
+        "# Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.",
+        "# Check it with: mtcommission check FILE; compute with: mtcommission run FILE.",
+        "",
+        f"schema = {data['schema']}",
+    ]
+    for name, table in data.items():
+        if name != "schema":
+            lines += _table(name, table, comments)
+    way = answers.get("wizard.way", "")
+    if way in DERIVED and "[plant]" in lines:
+        lines.insert(lines.index("[plant]"), f"# {DERIVED[way]}:")
+        for key, text in _origins(answers):
+            lines.insert(lines.index("[plant]"), f"#   {key} = {text}")
+    return "\n".join(lines) + "\n"
+
+
+def update_document(text: str, data: Data) -> str:
+    """Return a profile with other values; comments, order and unchanged lines stay.
+
+    Parameters
+    ----------
+    text
+        Valid TOML.
+    data
+        What it shall say.
+
+    Returns
+    -------
+    str
+    """
+    document = tomlkit.parse(text)
+    if _kind_of(document) != _kind_of(data) and "plant" in document:
+        document["plant"] = data["plant"]  # another kind shares no key with it
+    _merge(document, data)
+    return tomlkit.dumps(document)
+
+
+def _kind_of(data: Mapping[str, object]) -> str:
+    plant = data.get("plant")
+    return as_text(plant.get("kind", "")) if isinstance(plant, Mapping) else ""
+
+
+def _merge(old: Any, new: Mapping[str, object]) -> None:
+    for key in [key for key in old if key not in new]:
+        del old[key]
+    for key, value in new.items():
+        present = old.get(key)
+        if isinstance(value, dict) and isinstance(present, Mapping):
+            _merge(present, value)
+        elif _is_tables(value) and _is_tables(present):
+            _merge_tables(present, value)
+        elif present is None or _plain(present) != _plain(value):
+            old[key] = value
+
+
+def _merge_tables(old: Any, new: Any) -> None:
+    for one, other in zip(old, new, strict=False):
+        _merge(one, other)
+    for table in new[len(old) :]:
+        added = tomlkit.table()
+        added.update(table)
+        old.append(added)
+    del old[len(new) :]
+
+
+def _plain(value: object) -> object:
+    """Values that mean the same compare equal: 0.02 and "0.02"."""
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    return as_text(value)
+
+
+def _is_tables(value: object) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(v, Mapping) for v in value)
+
+
+def _origins(answers: Answers) -> Iterator[tuple[str, str]]:
+    """What was typed where the profile holds derived values."""
+    for key, text in answers.items():
+        if key.startswith(("measured.", "pair.")) and text:
+            yield key.partition(".")[2], text
+
+
+def _table(name: str, table: object, comments: Mapping[str, str]) -> list[str]:
+    if _is_tables(table) and isinstance(table, list):
+        lines = []
+        for i, item in enumerate(table):
+            lines += ["", f"[[{name}]]", *_rows(f"{name}.{i}", item, comments)]
+        return lines
+    if not isinstance(table, dict):
+        return [f"{_key(name)} = {_inline(table)}"]
+    own: Data = {}
+    below: Data = {}
+    for key, value in table.items():
+        has_header = f"{name}.{key}" in TABLES or (name == "plant" and key == "modes")
+        (below if has_header else own)[key] = value
+    lines = ["", f"[{name}]", *_rows(name, own, comments)]
+    for key, value in below.items():
+        lines += _table(f"{name}.{key}", value, comments)
+    return lines
+
+
+def _rows(path: str, table: Mapping[str, object], comments: Mapping[str, str]) -> list[str]:
+    rows = []
+    for key, value in table.items():
+        row = f"{_key(key)} = {_inline(value)}"
+        comment = comments.get(f"{path}.{key}", "")
+        rows.append(f"{row:<{COLUMN}} # {comment}" if comment else row)
+    return rows
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _string(key)
+
+
+def _inline(value: object) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_inline, value)) + "]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{_key(k)} = {_inline(v)}" for k, v in value.items()) + " }"
+    return str(value) if isinstance(value, int) else _string(str(value))
+
+
+def _string(text: str) -> str:
+    """A basic string: JSON's escapes are TOML's, but for DEL."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,0 +1,153 @@
+"""One question, and what a typed reply to it means."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
+
+from mtcommission.units import DIGITS, NUMBER, Dimension, parse_quantity
+
+Answers = Mapping[str, str]
+"""What was typed, by dotted key: the profile's own keys, or the wizard's beside them."""
+
+LONGEST_TEXT = 400
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Question:
+    """What is asked.
+
+    Parameters
+    ----------
+    key
+        Dotted key under which the answer is kept.
+    text
+        The question, one line.
+    where
+        Where to find the value, one line; shown with ``?`` and in the profile.
+    dimension
+        What a number must measure; None for texts and choices.
+    choices
+        Allowed words; empty for free input.
+    default
+        Taken on an empty reply; "" if there is none.
+    example
+        Shown where there is no default.
+    low, high
+        Plausible range [SI]; outside it a warning is given. Where it has no negative part,
+        negative values are refused.
+    is_optional
+        Whether an empty reply leaves the value out.
+    """
+
+    key: str
+    text: str
+    where: str
+    dimension: Dimension | None = None
+    choices: tuple[str, ...] = ()
+    default: str = ""
+    example: str = ""
+    low: float = -inf
+    high: float = inf
+    is_optional: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reply:
+    """An accepted reply.
+
+    Parameters
+    ----------
+    text
+        As the profile will hold it: decimal point, unit added where it was left out.
+    warning
+        What is unusual about it; "" if nothing is.
+    """
+
+    text: str
+    warning: str = ""
+
+
+def read_reply(question: Question, typed: str) -> Reply:
+    """Return the meaning of a reply.
+
+    Parameters
+    ----------
+    question
+        What was asked.
+    typed
+        What was typed, not a command.
+
+    Returns
+    -------
+    Reply
+
+    Raises
+    ------
+    ValueError
+        With what was got and what to type instead.
+
+    Examples
+    --------
+    >>> from mtcommission.units import STIFFNESS
+    >>> read_reply(Question(key="k", text="?", where="", dimension=STIFFNESS), "44,41 N/um").text
+    '44.41 N/um'
+    """
+    text = typed.strip() or question.default
+    if not text:
+        if question.is_optional:
+            return Reply(text="")
+        example = f", e.g. {question.example}" if question.example else ""
+        raise ValueError(f"an answer is needed here{example}")
+    if question.choices:
+        return Reply(text=_choose(question, text))
+    if question.dimension is None:
+        return Reply(text=_free_text(text))
+    return _quantity(question, question.dimension, text)
+
+
+def _choose(question: Question, text: str) -> str:
+    numbers = {str(number): word for number, word in enumerate(question.choices, start=1)}
+    if text in numbers:
+        return numbers[text]
+    starts = [word for word in question.choices if word.startswith(text.lower())]
+    if len(starts) == 1 or text.lower() in starts:
+        return text.lower() if text.lower() in starts else starts[0]
+    listed = ", ".join(f"{number} {word}" for number, word in numbers.items())
+    raise ValueError(f'got "{text}"; choose one of: {listed}')
+
+
+def _free_text(text: str) -> str:
+    if not text.isprintable():
+        raise ValueError("got control characters; type plain text")
+    if len(text) > LONGEST_TEXT:
+        raise ValueError(f"got {len(text)} characters, at most {LONGEST_TEXT} are allowed")
+    return text
+
+
+def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
+    value = parse_quantity(text, dimension, decimal_comma=True)
+    plain = text.replace("\t", " ").strip().replace("\N{MINUS SIGN}", "-")
+    digits = DIGITS.match(plain)
+    if digits is not None:
+        plain = digits[0].replace(",", ".") + plain[digits.end() :]
+    if NUMBER.fullmatch(plain) and dimension.si:
+        plain = f"{plain} {dimension.si}"
+    unit = f" {dimension.si}" if dimension.si else ""
+    if question.low >= 0.0 and (value < 0.0 or (value == 0.0 and question.low > 0.0)):
+        sign = ">" if question.low > 0.0 else ">="
+        raise ValueError(f"got {plain}, must be {sign} 0{unit}")
+    warning = ""
+    if not question.low <= value <= question.high:
+        warning = (
+            f"{plain} is unusual; common are {question.low:g} to {question.high:g}{unit}. "
+            "Check number and unit, type < to change it."
+        )
+    return Reply(text=plain, warning=warning)
+
+
+def si_value(answers: Answers, key: str, dimension: Dimension) -> float | None:
+    """Return an answer as SI number; None while it is not known."""
+    text = answers.get(key, "")
+    return parse_quantity(text, dimension, decimal_comma=True) if text else None

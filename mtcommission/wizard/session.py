@@ -1,0 +1,314 @@
+"""The wizard's session: ask, keep, convert, check, write."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+import tomlkit
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.files import write_text
+from mtcommission.machine import Machine
+from mtcommission.plausibility import check_plausibility
+from mtcommission.profile import parse_profile, read_profile_text
+from mtcommission.wizard.console import (
+    BACK,
+    COMMANDS,
+    HELP,
+    QUIT,
+    Console,
+    explain,
+    introduce,
+)
+from mtcommission.wizard.convert import to_answers, to_profile
+from mtcommission.wizard.document import update_document, write_document
+from mtcommission.wizard.insight import find_insights
+from mtcommission.wizard.measures import NO, YES
+from mtcommission.wizard.question import Answers, Question, read_reply
+from mtcommission.wizard.script import list_questions
+
+KEPT = ".answers"
+"""Ending of the file beside the profile that keeps answers of an unfinished session."""
+
+
+class Ending(Enum):
+    """How a session ended."""
+
+    WRITTEN = "written"
+    QUIT = "left by the user; answers kept"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Session:
+    """What a session left behind.
+
+    Parameters
+    ----------
+    ending
+        Whether there is a profile.
+    wants_run
+        Whether the user asked for the computation.
+    """
+
+    ending: Ending
+    wants_run: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Source:
+    """What was known before the first question."""
+
+    answers: dict[str, str]
+    text: str
+    is_resumed: bool
+
+
+class _Left(Exception):
+    """The user left; carries the answers and how."""
+
+    def __init__(self, answers: Answers, how: str, where: str) -> None:
+        super().__init__(how)
+        self.answers, self.how, self.where = answers, how, where
+
+
+def run_wizard(
+    output: Path,
+    *,
+    console: Console,
+    answers_file: Path | None,
+    take_defaults: bool,
+    offers_run: bool,
+) -> Session:
+    """Ask for a machine and write its profile.
+
+    Parameters
+    ----------
+    output
+        Profile to write; one that exists is changed and keeps its comments.
+    console
+        Where to ask.
+    answers_file
+        TOML with answers by the profile's own keys.
+    take_defaults
+        Whether to take defaults instead of asking.
+    offers_run
+        Whether to ask at the end if the limits shall be computed.
+
+    Returns
+    -------
+    Session
+
+    Raises
+    ------
+    InputError
+        If answers are missing or wrong where nobody can be asked, or input ends; the answers
+        so far are kept beside the output.
+    """
+    source = _gather(output, answers_file)
+    if take_defaults:
+        answers = _fill(source.answers, where=str(answers_file or "--yes"))
+        text = _compose(source.text, answers)
+        machine = parse_profile(text, where=str(output))
+    else:
+        try:
+            answers, text, machine = _interview(source, console, output)
+        except _Left as left:
+            _keep(output, left.answers)
+            message = (
+                f"{left.how} at {left.where}; answers kept in {output}{KEPT}, the same command "
+                "goes on from there"
+            )
+            if left.how == Ending.QUIT.name.lower():
+                console.tell(message)
+                return Session(ending=Ending.QUIT, wants_run=False)
+            raise InputError([Fault(where="wizard", message=message)]) from left
+    write_text(str(output), text)
+    Path(f"{output}{KEPT}").unlink(missing_ok=True)
+    _summarise(console, answers, machine, output)
+    may_ask = offers_run and not take_defaults and console.is_interactive
+    wants_run = may_ask and _offer_run(console)
+    return Session(ending=Ending.WRITTEN, wants_run=wants_run)
+
+
+def _gather(output: Path, answers_file: Path | None) -> _Source:
+    """Existing profile, then kept answers, then the file of answers; later ones win."""
+    text, answers = "", {}
+    if output.exists():
+        text = read_profile_text(output)
+        answers = to_answers(_load(text, str(output)))
+    kept = Path(f"{output}{KEPT}")
+    if kept.exists():
+        answers |= to_answers(_load(read_profile_text(kept), str(kept)))
+    if answers_file is not None:
+        answers |= to_answers(_load(read_profile_text(answers_file), str(answers_file)))
+    is_resumed = kept.exists() or answers_file is not None
+    return _Source(answers=answers, text=text, is_resumed=is_resumed)
+
+
+def _load(text: str, where: str) -> Mapping[str, object]:
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        message = f"TOML syntax: {error}"
+        raise InputError([Fault(where=where, message=message)]) from error
+
+
+def _keep(output: Path, answers: Answers) -> None:
+    write_text(f"{output}{KEPT}", tomlkit.dumps(dict(answers)))
+
+
+def _fill(answers: dict[str, str], *, where: str) -> dict[str, str]:
+    """Take defaults for all that is open; every fault at once."""
+    filled, faults = dict(answers), []
+    place = 0
+    while place < len(questions := list_questions(filled)):
+        question = questions[place]
+        try:
+            typed = filled.get(question.key, "")
+            filled[question.key] = read_reply(question, typed).text
+        except ValueError as error:
+            faults.append(Fault(where=where, key=question.key, message=str(error)))
+            filled[question.key] = ""
+        place += 1
+    if faults:
+        raise InputError(faults)
+    return filled
+
+
+def _interview(
+    source: _Source, console: Console, output: Path
+) -> tuple[dict[str, str], str, Machine]:
+    """Ask until the profile is valid."""
+    answers = dict(source.answers)
+    console.tell(
+        f"Profile {output}. Enter takes the value in [brackets]. At every question: {COMMANDS}."
+    )
+    place = _first_open(answers) if source.is_resumed else 0
+    if source.is_resumed and place:
+        console.tell("Going on with the answers that are known; < goes back to them.")
+    while True:
+        answers = _ask_from(place, answers, console)
+        text = _compose(source.text, answers)
+        try:
+            return answers, text, parse_profile(text, where=str(output))
+        except InputError as error:
+            if not console.is_interactive:
+                _keep(output, answers)
+                raise
+            console.tell("\n".join(fault_line(fault) for fault in error.faults))
+            place = _place_of(error.faults[0].key, answers)
+
+
+def fault_line(fault: Fault) -> str:
+    """Return a fault without file and line: the profile is not written yet."""
+    return f"Not possible: {fault.key}: {fault.message}"
+
+
+def _ask_from(place: int, answers: dict[str, str], console: Console) -> dict[str, str]:
+    """Ask every question from a place on; back, help and quit move about."""
+    known, shown = dict(answers), -1
+    while place < len(questions := list_questions(known)):
+        question = questions[place]
+        default = known.get(question.key, "") or question.default
+        if place != shown:
+            console.tell(introduce(question))
+            shown = place
+        try:
+            typed = console.ask(question, default=default).strip()
+        except EOFError as error:
+            raise _Left(known, "input ended", question.key) from error
+        except KeyboardInterrupt as error:
+            raise _Left(known, "interrupted", question.key) from error
+        if typed.lower() in QUIT:
+            raise _Left(known, Ending.QUIT.name.lower(), question.key)
+        if typed.lower() in BACK:
+            place = max(0, place - 1)
+        elif typed.lower() in HELP:
+            console.tell(explain(question))
+        else:
+            known, is_taken = _take(question, typed, known, console)
+            place += is_taken
+    return known
+
+
+def _take(
+    question: Question, typed: str, known: dict[str, str], console: Console
+) -> tuple[dict[str, str], bool]:
+    """Read a reply, keep it, and say what follows from it."""
+    before = known.get(question.key, "")
+    if typed == "-" and question.is_optional:
+        return {**known, question.key: ""}, True
+    try:
+        reply = read_reply(question, typed or before)
+    except ValueError as error:
+        console.tell(f"  {error}")
+        return known, False
+    # A value that was only confirmed stays as it is written in the file.
+    text = before if before and typed in ("", before) else reply.text
+    found = {**known, question.key: text}
+    if reply.warning:
+        console.tell(f"  Warning: {reply.warning}")
+    said = set(find_insights(known))
+    for insight in find_insights(found):
+        if insight not in said:
+            console.tell(f"  {'Warning: ' if insight.is_warning else '= '}{insight.text}")
+    return found, True
+
+
+def _first_open(answers: Answers) -> int:
+    questions = list_questions(answers)
+    open_places = [i for i, question in enumerate(questions) if question.key not in answers]
+    return open_places[0] if open_places else len(questions)
+
+
+def _place_of(key: str, answers: Answers) -> int:
+    """The question that a fault belongs to; derived keys belong to where they come from."""
+    keys = [question.key for question in list_questions(answers)]
+    if key in keys:
+        return keys.index(key)
+    for start in (key, key.rpartition(".")[0], "wizard.way" if key.startswith("plant") else key):
+        for place, asked in enumerate(keys):
+            if start and asked.startswith(start):
+                return place
+    return 0
+
+
+def _compose(existing: str, answers: Answers) -> str:
+    data = to_profile(answers)
+    return update_document(existing, data) if existing else write_document(data, answers)
+
+
+def _summarise(console: Console, answers: Answers, machine: Machine, output: Path) -> None:
+    console.tell(f"Written: {output}: {machine.name}, axis {machine.axis}")
+    for insight in find_insights(answers):
+        console.tell(f"  {'Warning: ' if insight.is_warning else '= '}{insight.text}")
+    for remark in check_plausibility(machine):
+        console.tell(f"  Warning: {remark.key}: {remark.message}")
+
+
+def _offer_run(console: Console) -> bool:
+    question = Question(
+        key="wizard.run",
+        text="Compute the limits now",
+        where="The same as mtcommission run with this profile; some seconds to a minute.",
+        choices=(YES, NO),
+        default=YES,
+    )
+    while True:
+        try:
+            typed = console.ask(question, default=YES).strip().lower()
+        except (EOFError, KeyboardInterrupt):
+            return False  # the profile is written, nothing is lost
+        if typed in (*QUIT, *BACK):
+            return False
+        if typed in HELP:
+            console.tell(explain(question))
+            continue
+        try:
+            return read_reply(question, typed).text == YES
+        except ValueError as error:
+            console.tell(f"  {error}")
