@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby
 from math import sqrt
 
 import numpy as np
@@ -75,8 +76,8 @@ def scan_forces(plant: Plant, move: Move, *, lowest: float, highest: float, coun
     Returns
     -------
     Scan
-        Time-optimal controls of this plant are unique, since one force
-        drives every mode, eq. (10); so a certified optimum with 7 switches excludes one with 5.
+        A time-optimal control of this plant is unique, since its one force drives every mode,
+        eq. (10); so a certified optimum with 7 switches excludes one with 5.
 
     Examples
     --------
@@ -89,26 +90,21 @@ def scan_forces(plant: Plant, move: Move, *, lowest: float, highest: float, coun
     """
     forces = np.geomspace(lowest, highest, count).tolist()
     optima = [solve_time_optimal(plant, move, force_limit=force) for force in forces]
-    found: list[Counterexample] = []
-    i = 0
-    while i < count:
-        stop = i
-        while stop < count and count_switches(optima[stop]) == count_switches(optima[i]):
-            stop += 1
-        if count_switches(optima[i]) != SWITCHES:
-            low = forces[i] if i == 0 else _edge(plant, move, forces[i - 1], forces[i])
-            high = (
-                forces[-1] if stop == count else _edge(plant, move, forces[stop - 1], forces[stop])
+    found = []
+    for switches, run in groupby(range(count), key=lambda i: count_switches(optima[i])):
+        inside = list(run)
+        if switches == SWITCHES:
+            continue
+        first, last = inside[0], inside[-1]
+        before, after = max(first - 1, 0), min(last + 1, count - 1)
+        found.append(
+            Counterexample(
+                lowest=_edge(plant, move, forces[before], forces[first]),
+                highest=_edge(plant, move, forces[last], forces[after]),
+                switches=switches,
+                shortest_arc=max(_shortest_arc(optima[i]) for i in inside),
             )
-            found.append(
-                Counterexample(
-                    lowest=low,
-                    highest=high,
-                    switches=count_switches(optima[i]),
-                    shortest_arc=max(_shortest_arc(item) for item in optima[i:stop]),
-                )
-            )
-        i = stop
+        )
     return Scan(
         solved=count,
         worst_gap=max(item.certificate.relative_gap for item in optima),

@@ -1,0 +1,352 @@
+"""If these fail, the comparison with the paper says "agrees" without having looked."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import replace
+from html import unescape
+from io import StringIO
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from rich.console import Console
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import fsolve
+
+from mtcommission import cli
+from mtcommission.machine import VelocityStep
+from mtcommission.optimal.solution import Bound, constant_arc, propagate
+from mtcommission.optimal.time_optimal import solve_time_optimal
+from mtcommission.plant import Plant, build_plant
+from mtcommission.validate import report
+from mtcommission.validate.adjoint import (
+    adjoint_from_switches,
+    follow_law,
+    printed_adjoint_matrix,
+    zeros_backward,
+)
+from mtcommission.validate.bounded_rows import arc_groups, bounded_rows
+from mtcommission.validate.damping_rows import coasting_cost, damping_rows
+from mtcommission.validate.page import print_validation
+from mtcommission.validate.paper import ADJOINT, SWITCHING_TIMES, T_F, WEIGHTS, paper_machine
+from mtcommission.validate.report import Validation, validate, validation_entry
+from mtcommission.validate.row import (
+    Row,
+    Verdict,
+    claim_row,
+    judge_claim,
+    judge_formula,
+    number_row,
+)
+from mtcommission.validate.structure import count_switches, scan_forces
+from mtcommission.validate.table import describe_validation
+from mtcommission.validate.time_rows import printed_control_error, time_rows
+
+Array = NDArray[np.float64]
+
+STEP = VelocityStep(velocity_step=0.1)
+M_B, M_S, J, R, T = 450.0, 750.0, 40.0, 0.25, 2.5e-3
+K_B, D_B, K, D = 4.441e7, 8500.0, 8.2e6, 1800.0
+
+
+@pytest.fixture(scope="module")
+def found() -> Validation:
+    return validate()
+
+
+@pytest.fixture(scope="module")
+def plant() -> Plant:
+    return build_plant(paper_machine())
+
+
+def rate(x: Array, force: float) -> list[float]:
+    """Eq. (1), typed in from the paper."""
+    x_b, _, phi, v_b, v_s, v_phi, F = x
+    return [
+        v_b,
+        v_s,
+        v_phi,
+        -(K_B * x_b + D_B * v_b + F) / M_B,
+        F / M_S,
+        (R * F - K * phi - D * v_phi) / J,
+        (force - F) / T,
+    ]
+
+
+def integrate(x: Array, force: float, length: float) -> Array:
+    solved = solve_ivp(
+        lambda _, y: rate(y, force), (0.0, length), x, method="DOP853", rtol=1e-12, atol=1e-16
+    )
+    return np.asarray(solved.y[:, -1])
+
+
+def pick(rows: tuple[Row, ...], quantity: str) -> Row:
+    (row,) = [row for row in rows if row.quantity == quantity]
+    return row
+
+
+def test_every_row_is_explained(found: Validation) -> None:
+    """The command's exit code: an unexplained difference is a fault of ours."""
+    assert [row.quantity for row in found.rows if row.verdict is Verdict.OUT] == []
+    assert found.is_met
+    assert {row.quantity for row in found.rows if row.verdict is Verdict.DIFFERS} == {
+        "the reader may verify (9) with the printed lambda(0)",
+        "number of switches for all F_max > 0",
+        "bang arcs before, between and after them",
+        "optimal controls give hints for the jerk limit",
+    }
+    assert all(row.reason for row in found.rows if row.verdict is not Verdict.AGREES)
+    assert all(row.basis for row in found.rows)
+
+
+def test_numbers_are_judged_by_their_tolerance() -> None:
+    def verdict(**values: float) -> Verdict:
+        return number_row("p", "q", tolerance=0.1, basis="b", **values).verdict
+
+    assert verdict(printed=1.0, ours=1.09) is Verdict.AGREES
+    assert verdict(printed=1.0, ours=1.11) is Verdict.OUT
+    assert verdict(printed=1.0, ours=float("nan")) is Verdict.OUT
+    assert verdict(printed=3.0, corrected=1.0, ours=1.05) is Verdict.CORRECTED
+    assert verdict(printed=3.0, corrected=1.0, ours=2.0) is Verdict.OUT
+    assert verdict(printed=3.0, literal=0.0, ours=3.05) is Verdict.CORRECTED
+    assert verdict(printed=3.0, literal=0.0, ours=1.0) is Verdict.OUT
+
+
+def test_claims_need_confirmation_or_proof() -> None:
+    assert judge_claim(holds=True, refuted=True) is Verdict.AGREES
+    assert judge_claim(holds=False, refuted=True) is Verdict.DIFFERS
+    assert judge_claim(holds=False) is Verdict.OUT
+    assert judge_formula(printed_error=1.0, corrected_error=1.0, tolerance=0.1) is Verdict.OUT
+    row = claim_row("p", "q", printed="a", ours="b", basis="c", verdict=Verdict.OUT)
+    assert row.is_claim
+
+
+def test_a_wrong_solver_is_caught(found: Validation) -> None:
+    """Solutions off by little more than the tolerances must not pass."""
+    cases = found.cases
+    late = replace(cases, time=replace(cases.time, t_f=T_F + 1.1e-4))
+    assert pick(time_rows(late), "t_f").verdict is Verdict.OUT
+    slow = replace(cases, bounded=replace(cases.bounded, t_f=0.0522 + 1.1e-4))
+    assert pick(bounded_rows(slow), "t_f under |v_phi| <= 0.005").verdict is Verdict.OUT
+    peaks = cases.damping.peaks * 1.003
+    loud = replace(cases, damping=replace(cases.damping, peaks=peaks))
+    assert pick(damping_rows(loud), "peak rate, damping-optimal").verdict is Verdict.OUT
+    certificate = replace(cases.bounded.certificate, relative_gap=1e-6)
+    unproved = replace(cases, bounded=replace(cases.bounded, certificate=certificate))
+    arcs = pick(bounded_rows(unproved), "bang arcs before, between and after them")
+    assert arcs.verdict is Verdict.OUT
+
+
+def test_printed_control_integrated_by_a_general_solver(found: Validation) -> None:
+    """Eq. (12) ends with v_s = 0.100028 m/s, F = 3.5 N, v_b = 4e-5 m/s."""
+    x, force = np.zeros(7), 2e3
+    for start, end in pairwise((0.0, *SWITCHING_TIMES, T_F)):
+        x, force = integrate(x, force, end - start), -force
+    x[1], x[4] = 0.0, x[4] - 0.1
+    assert printed_control_error(found.cases) == pytest.approx(x, rel=1e-6, abs=1e-12)
+    assert x[[4, 6, 3]] == pytest.approx([2.8e-5, 3.47, 3.87e-5], rel=0.02)
+
+
+def test_adjoint_of_the_printed_times_by_a_general_solver(plant: Plant) -> None:
+    """λ(0) from the switching times must make λ_F vanish there, under the printed eq. (8)."""
+    M = printed_adjoint_matrix()
+    initial = adjoint_from_switches(plant, np.array(SWITCHING_TIMES))
+    solved = solve_ivp(
+        lambda _, y: M @ y,
+        (0.0, SWITCHING_TIMES[-1]),
+        initial,
+        method="DOP853",
+        t_eval=SWITCHING_TIMES,
+        rtol=1e-12,
+        atol=1e-22,
+    )
+    assert np.abs(solved.y[6]).max() < 1e-4 * abs(initial[6])
+    assert initial == pytest.approx(np.array(ADJOINT), rel=0.014)
+
+
+def test_zeros_backward_are_the_exact_switches(found: Validation, plant: Plant) -> None:
+    time = found.cases.time
+    zeros = zeros_backward(plant, time.certificate.adjoint_initial, t_f=time.t_f)
+    assert zeros == pytest.approx(np.array(time.switching_times), abs=1e-6)
+    assert zeros_backward(plant, np.array(ADJOINT), t_f=T_F) == pytest.approx(
+        np.array(SWITCHING_TIMES), abs=2.3e-4
+    )
+
+
+def test_second_derivative_and_boundary_control_by_differences() -> None:
+    """The corrected formulas of sec. 5.2, from a motion; the printed ones are far off."""
+    x0 = np.array([1e-5, 0.0, 5e-5, 1e-3, 0.05, 3e-3, 900.0])
+    force, h = -700.0, 2e-5
+    before, after = integrate(x0, force, -h), integrate(x0, force, h)
+    measured = (before[5] - 2.0 * x0[5] + after[5]) / h**2
+    drive = -(R / (J * T) + R * D / J**2) * x0[6] + R / (J * T) * force
+    corrected = (D**2 / J - K) / J * x0[5] + D * K / J**2 * x0[2] + drive
+    printed = (D**2 - K) / J * x0[5] + D * K / J * x0[2] + drive
+    assert measured == pytest.approx(corrected, rel=1e-3)
+    assert abs(printed / measured - 1.0) > 0.1
+    kept = T * (K - D**2 / J) / R * x0[5] - T * D * K / (R * J) * x0[2] + (1.0 + T * D / J) * x0[6]
+    before, after = integrate(x0, kept, -h), integrate(x0, kept, h)
+    curvature = (before[5] - 2.0 * x0[5] + after[5]) / h**2
+    assert abs(curvature) < 1e-3 * abs(measured)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_multiplier_keeps_the_switching_function_at_zero(seed: int) -> None:
+    """Eq. (15) needs the term d/J λ_vφ: μ from d²λ_F/dt² = 0, solved for any adjoint."""
+    random = np.random.default_rng(seed)
+    adjoint = random.normal(size=7) * [50.0, 0.0, 200.0, 0.1, 0.3, 0.1, 0.0]
+    adjoint[5] = J / R * (adjoint[3] / M_B - adjoint[4] / M_S)
+    M = printed_adjoint_matrix()
+    toward = np.zeros(7)
+    toward[5] = -1.0
+    curvature = (M @ M @ adjoint)[6]
+    multiplier = -curvature / (M @ toward)[6]
+    printed = J / (R * M_B) * adjoint[0] - adjoint[2] - J * D_B / (R * M_B**2) * adjoint[3]
+    assert multiplier == pytest.approx(printed + D / J * adjoint[5], rel=1e-9)
+    assert abs(multiplier - printed) > 0.1
+
+
+def test_structure_of_the_bounded_optimum(found: Validation) -> None:
+    bounded = found.cases.bounded
+    assert bounded.bounds == (Bound(name="v_phi", value=0.005),)
+    assert arc_groups(bounded) == (2, 6, 2)
+    assert bounded.certificate.t_f_lower_bound > 0.0522
+
+
+def ends(plant: Plant, times: Array, force: float, scale: Array) -> Array:
+    arcs = []
+    for start, end in pairwise((0.0, *times.tolist())):
+        arcs.append(constant_arc(start, end, control="", force=force))
+        force = -force
+    error = propagate(plant, tuple(arcs))
+    error[4] -= 0.1
+    return np.delete(error / scale, 1)
+
+
+def test_both_controls_with_five_switches_are_slower_at_1275_newton(plant: Plant) -> None:
+    """From either side of the range the five-switch family goes on, but loses."""
+    best = solve_time_optimal(plant, STEP, force_limit=1275.0)
+    assert count_switches(best) == 7
+    scale = best.peaks[:7]
+    delays = []
+    for outside, forces in ((1250.0, (1255, 1260, 1265, 1270, 1275)), (1296.0, (1285, 1275))):
+        start = solve_time_optimal(plant, STEP, force_limit=outside)
+        times = np.array([*start.switching_times, start.t_f])
+        for force in forces:
+            times = fsolve(lambda z, F=float(force): ends(plant, z, F, scale), times, xtol=1e-12)
+        assert np.abs(ends(plant, times, 1275.0, scale)).max() < 1e-9
+        assert np.all(np.diff(times) > 0.0)
+        delays.append(float(times[-1]) - best.t_f)
+    assert delays == pytest.approx([1.5046e-4, 6.80e-6], rel=1e-3)
+
+
+def test_scan_finds_the_range_of_seven_switches(plant: Plant) -> None:
+    scan = scan_forces(plant, STEP, lowest=1200.0, highest=1350.0, count=6)
+    (seven,) = scan.counterexamples
+    assert seven.switches == 7
+    assert (seven.lowest, seven.highest) == pytest.approx((1252.65, 1294.6), rel=2e-4)
+    half = scan_forces(plant, STEP, lowest=1270.0, highest=1350.0, count=3)
+    assert half.counterexamples[0].lowest == 1270.0
+
+
+def test_cost_of_coasting_by_quadrature(found: Validation, plant: Plant) -> None:
+    """J of the time-optimal control, piece by piece with an adaptive rule."""
+    x, total = np.zeros(7), 0.0
+    columns = [plant.states.index(weight.state) for weight in WEIGHTS]
+    values = np.array([weight.value for weight in WEIGHTS])
+    for arc in found.cases.time.arcs:
+        force, length = float(arc.output[0]), arc.t_end - arc.t_start
+        solved = solve_ivp(
+            lambda _, y, u=force: rate(y, u),
+            (0.0, length),
+            x,
+            method="DOP853",
+            rtol=1e-11,
+            atol=1e-16,
+            dense_output=True,
+        )
+        total += force**2 * length
+        total += quad(
+            lambda t, motion=solved.sol: float(values @ motion(t)[columns] ** 2), 0.0, length
+        )[0]
+        x = solved.y[:, -1]
+    assert coasting_cost(found.cases) == pytest.approx(total, rel=1e-5)
+
+
+def test_adjoint_found_from_the_force_is_the_solvers(found: Validation, plant: Plant) -> None:
+    damping = found.cases.damping
+    law = follow_law(plant, damping, samples=100)
+    assert law.residual < 1e-7
+    fixed = np.delete(law.adjoint_initial, 1)
+    assert fixed == pytest.approx(np.delete(damping.adjoint_initial, 1), rel=1e-7)
+    scaled = replace(
+        damping, arcs=tuple(replace(arc, output=0.99 * arc.output) for arc in damping.arcs)
+    )
+    assert follow_law(plant, scaled, samples=100).residual > 1e-4
+
+
+def test_paper_machine_is_table_1() -> None:
+    from tests.machines import paper_machine as expected
+
+    assert paper_machine() == expected()
+
+
+def test_terminal_shows_80_columns(found: Validation) -> None:
+    screen = StringIO()
+    Console(width=80, no_color=True, file=screen).print(describe_validation(found))
+    lines = screen.getvalue().splitlines()
+    assert max(map(len, lines)) <= 80
+    text = " ".join(" ".join(lines).split())
+    for row in found.rows:
+        assert row.ours.split()[0] in text
+
+
+def test_page_is_offline_and_escaped(found: Validation) -> None:
+    part = found.parts[0]
+    row = replace(part.rows[0], reason="<b>&</b>")
+    page = print_validation(
+        replace(found, parts=(replace(part, rows=(row,)), *found.parts[1:])), created="today"
+    )
+    assert "&lt;b&gt;&amp;&lt;/b&gt;" in page
+    assert "<b>&" not in page
+    assert "src=" not in page
+    assert "default-src 'none'" in unescape(page)
+    for number in (3, 4, 5, 6):
+        assert f'data-plot="figure-{number}"' in page
+
+
+@pytest.mark.parametrize("is_met", [True, False])
+def test_command(
+    found: Validation,
+    is_met: bool,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: object,
+) -> None:
+    """argv -> JSON alone on standard output, the page in its folder, exit code by verdict."""
+    row = number_row("p", "q", printed=1.0, ours=1.0 if is_met else 2.0, tolerance=0.0, basis="b")
+    shown = replace(found, parts=(*found.parts, report.Part(heading="more", rows=(row,))))
+    monkeypatch.setattr(report, "validate", lambda progress: shown)
+    monkeypatch.setattr(
+        sys, "argv", ["mtcommission", "validate", "--json", "-", "-o", f"{tmp_path}/out"]
+    )
+    with pytest.raises(SystemExit) as stopped:
+        cli.main()
+    assert stopped.value.code == (0 if is_met else 1)
+    entry = json.loads(capsys.readouterr().out)
+    assert entry["met"] is is_met
+    assert len(entry["rows"]) == len(found.rows) + 1
+    assert entry["rows"][-1]["difference"] == (0.0 if is_met else 1.0)
+    claims = [item for item in entry["rows"] if item["tolerance"] is None]
+    assert len(claims) == sum(row.is_claim for row in found.rows)
+    with open(f"{tmp_path}/out/validation.html", encoding="utf-8") as page:
+        assert "Figures 3 to 6" in page.read()
+
+
+def test_entry_holds_every_row(found: Validation) -> None:
+    rows = validation_entry(found)["rows"]
+    assert isinstance(rows, list)
+    assert [item["quantity"] for item in rows] == [row.quantity for row in found.rows]
