@@ -164,8 +164,20 @@ def explain(question: Question) -> str:
 def _common(question: Question) -> str:
     if question.dimension is None or question.high == inf:
         return ""
-    unit = f" {question.dimension.si}".rstrip()
-    return f" Common: {question.low:g} to {question.high:g}{unit}."
+    low, high = (_shown(value, question.dimension.si) for value in (question.low, question.high))
+    return f" Common: {low} to {high}."
+
+
+def _shown(value: float, unit: str) -> str:
+    """Return a round SI number as people write it: 500 us, not 0.0005 s."""
+    if not unit:
+        return f"{100.0 * value:g} %"
+    if unit in ("s", "m", "rad") and value:
+        for size, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "u")):
+            if abs(value) >= size * (1.0 - 1e-9):
+                return f"{value / size:.6g} {prefix}{unit}"
+        return f"{value / 1e-9:.6g} n{unit}"
+    return f"{value:.15g} {unit}"
 
 
 def fold(text: str) -> str:

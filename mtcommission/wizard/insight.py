@@ -118,9 +118,9 @@ def _moving_mass(answers: Answers) -> float | None:
 
 def _deflection(answers: Answers, mode: _Mode, force: float) -> Insight:
     deflection = abs(mode.tcp_gain or 0.0) * force / mode.omega**2
-    scale, unit = (1e6, "urad") if measures(answers) is ROTARY else (1e6, "um")
+    unit = "urad" if measures(answers) is ROTARY else "um"
     return Insight(
-        text=f"mode {mode.name} bends the tool by {scale * deflection:.4g} {unit} "
+        text=f"mode {mode.name} bends the tool by {1e6 * deflection:.4g} {unit} "
         "at full force, statically"
     )
 

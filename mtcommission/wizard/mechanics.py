@@ -202,7 +202,7 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
         ),
     )
     parts = "Screw, nut and bearings in series, belt, rack, coupling: data sheets."
-    tail = damping_ratio("pair.damping_ratio", "this mode")
+    tail = damping_ratio("pair.damping_ratio", "the load against the held motor")
     if by_stiffness:
         spring = ask(
             "pair.stiffness",

@@ -1,0 +1,132 @@
+"""The example machines: found, readable, honest about their numbers, and able to do their job."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from math import pi, sqrt
+from pathlib import Path
+
+import pytest
+
+from mtcommission import cli, shipped
+from mtcommission.choose import SearchSettings, choose_limits
+from mtcommission.errors import InputError
+from mtcommission.loop.tuning import tune_loop
+from mtcommission.machine import Modal, Motion, StateFeedback, flexible_modes, frequency_hz
+from mtcommission.plant import build_plant
+from mtcommission.plausibility import check_plausibility
+from mtcommission.profile import parse_profile
+from mtcommission.shipped import describe_shipped, read_shipped, shipped_names
+from mtcommission.trials import judge
+
+NAMES = shipped_names()
+QUICK = SearchSettings(grid=24, coarse_grid=6, seeds=8, refinements=4)
+
+Run = Callable[..., int]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
+    def call(*arguments: str) -> int:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr("sys.argv", ["mtcommission", *arguments])
+        with pytest.raises(SystemExit) as stopped:
+            cli.main()
+        return int(stopped.value.code or 0)
+
+    return call
+
+
+def test_there_are_machines_of_different_kinds() -> None:
+    assert len(NAMES) >= 6
+    machines = [read_shipped(name).machine for name in NAMES]
+    assert {machine.motion for machine in machines} == set(Motion)
+    assert {type(machine.mechanics).__name__ for machine in machines} == {"Manipulator", "Modal"}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_number_has_a_source_or_is_called_illustrative(name: str) -> None:
+    profile = read_shipped(name)
+    assert profile.machine.source.strip()
+    says = profile.text.lower()
+    assert "illustrative" in says or "table 1" in says
+    assert max(map(len, describe_shipped(profile).splitlines())) <= 80
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nothing_about_them_is_unusual(name: str) -> None:
+    """An example that triggers warnings teaches people to ignore warnings."""
+    assert check_plausibility(read_shipped(name).machine) == ()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_limits_exist_that_meet_all_requirements(name: str) -> None:
+    """A quick search without state feedback is enough: the full one can only do better."""
+    machine = read_shipped(name).machine
+    plain = parse_profile(_without_feedback(read_shipped(name).text), where=name)
+    assert plain.control.state_feedback is StateFeedback.OFF
+    plant, tuned = build_plant(machine), tune_loop(plain)
+    choice = choose_limits(plain, plant, tuned, settings=QUICK)
+    assert judge(plain, plant, tuned, "", "", choice.limits).assessment.is_met
+
+
+def _without_feedback(text: str) -> str:
+    return text.replace("[control]", '[control]\nstate_feedback = "off"', 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "motor", "load", "held_hz"),
+    [
+        ("rack-gantry", 320.0, 1150.0, 19.0),
+        ("printer-belt", 54e-7 / (0.04 / (2.0 * pi)) ** 2, 0.45, 48.0),
+        ("rotary-table", 1.9, 6.4, 62.0),
+    ],
+)
+def test_derivations_in_the_comments_give_the_numbers(
+    name: str, motor: float, load: float, held_hz: float
+) -> None:
+    """Two masses and a spring, as each file's head derives them, to the digits printed."""
+    machine = read_shipped(name).machine
+    (mode,) = flexible_modes(machine)
+    assert isinstance(machine.mechanics, Modal)
+    whole = motor + load
+    assert machine.mechanics.moving_mass == pytest.approx(whole, rel=1e-3)
+    assert frequency_hz(mode) == pytest.approx(held_hz * sqrt(1.0 + load / motor), rel=1e-3)
+    assert mode.tcp_gain == pytest.approx(-1.0 / whole, rel=1e-3)
+    assert mode.measured_gain == pytest.approx(load / (motor * whole), rel=1e-3)
+
+
+def test_list_show_and_copy(run: Run, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert run("profiles", "list") == 0
+    listed = capsys.readouterr().out
+    assert [line for line in listed.splitlines() if not line.startswith(" ")] == list(NAMES)
+    assert run("profiles", "show", "rotary-table") == 0
+    shown = capsys.readouterr().out
+    assert tomllib.loads(shown)["machine"]["motion"] == "rotary"
+    assert run("profiles", "copy", "rotary-table") == 0
+    assert (tmp_path / "rotary-table.toml").read_text("utf-8") == shown
+    assert run("profiles", "copy", "rotary-table") == 2
+    assert "exists already" in capsys.readouterr().err
+    assert run("profiles", "copy", "rotary-table.toml", "mine.toml") == 0
+    assert run("profiles", "show", "rotary-tabel") == 2
+    assert "did you mean rotary-table" in capsys.readouterr().err
+
+
+def test_profiles_inside_the_package_are_found_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wheel puts them into the package; nothing lies beside it then."""
+    package = tmp_path / "mtcommission"
+    (package / "profiles").mkdir(parents=True)
+    (package / "profiles" / "only.toml").write_text(read_shipped(NAMES[0]).text, "utf-8")
+    monkeypatch.setattr(shipped, "__file__", str(package / "shipped.py"))
+    assert shipped_names() == ("only",)
+    with pytest.raises(InputError, match="There are: only"):
+        read_shipped("rotary-table")
+
+
+def test_wheel_takes_the_profiles_along() -> None:
+    project = tomllib.loads((Path(__file__).parent.parent / "pyproject.toml").read_text("utf-8"))
+    wheel = project["tool"]["hatch"]["build"]["targets"]["wheel"]
+    assert wheel["force-include"] == {"profiles": "mtcommission/profiles"}
