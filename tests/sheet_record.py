@@ -277,6 +277,7 @@ def _limits() -> Any:
             "residual_deviation": best["residual_deviation"],
             "peak_deviation": best["peak_deviation"],
         },
+        "modes": [_mode("surface", 2e-6), _mode("accuracy", 5e-6), _mode("speed", 2e-5)],
         "alternatives": [_trial("gentler", 0.8)],
         "rules": [_trial("j = a f", 1.3), _trial("j = 10 a", 1.7)],
         "rule": {
@@ -288,8 +289,24 @@ def _limits() -> Any:
             "acceleration": [1.0, 2.0, 3.0],
             "jerk_time": [0.02, 0.04, 0.06, 0.08],
             "settling_time": [[0.3, 0.2, 0.15, 0.25], [0.2, 0.12, 0.11, 0.2], [None] * 4],
+            "residual_deviation": [[9e-6, 5e-6, 4e-6, 6e-6], [5e-6, 4e-6, 3e-6, 5e-6], [None] * 4],
+            "usage": [[0.4, 0.4, 0.4, 0.4], [0.8, 0.8, 0.7, 0.7], [1.2, 1.2, 1.1, 1.1]],
         },
         "search": {"evaluations": 12.0},
+    }
+
+
+def _mode(name: str, band: float) -> Any:
+    return {
+        "name": name,
+        "band": band,
+        "acceleration": 1.9,
+        "jerk": 41.0,
+        "jerk_time": 1.9 / 41.0,
+        "bound_by": "residual deviation",
+        "settling_time": 0.11,
+        "residual_deviation": 0.9 * band,
+        "meets_requirements": True,
     }
 
 

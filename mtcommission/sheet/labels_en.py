@@ -151,6 +151,17 @@ class Labels:
 
     # 3 limits
     limits_heading: str = "Recommended limits"
+    machining_caption: str = "Limits by machining mode, each from a band of its own"
+    machining_mode: str = "Machining mode"
+    machining_names: Mapping[str, str] = field(
+        default_factory=lambda: {
+            "surface": "Surface (finishing)",
+            "accuracy": "Accuracy",
+            "speed": "Speed (roughing)",
+        }
+    )
+    permitted_band: str = "Band"
+    bound_by_column: str = "Bound by"
     alternatives_caption: str = "Recommendation and alternatives, in the same simulation"
     limits_name: str = "Limits"
     recommended: str = "Recommended"

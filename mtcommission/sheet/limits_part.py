@@ -46,10 +46,39 @@ def limits(record: Record, f: Formatter) -> Section:
         blocks=(
             Paragraph(text=text.values_bound_by.format(bound=recommended["bound_by"])),
             table,
+            _machining_modes(record, f),
             Subheading(text=text.rule_heading),
             Paragraph(text=rule["text"]),
             Paragraph(text=rule["formula"], tone=Tone.FORMULA),
             Paragraph(text=text.rule_valid.format(range=rule["valid_for"]), tone=Tone.NOTE),
+        ),
+    )
+
+
+def _machining_modes(record: Record, f: Formatter) -> Table:
+    """Return the three columns of limits after the usual machining modes, as rows."""
+    text, length = f.labels, motion_unit("m", rotary=f.rotary)
+    heads = (text.permitted_band, text.acceleration, text.jerk, text.jerk_time, text.settling_time)
+    return Table(
+        caption=text.machining_caption,
+        columns=(
+            Column(head=text.machining_mode, width=1.7),
+            *(Column(head=head, width=1.2, is_number=True) for head in heads),
+            Column(head=text.bound_by_column, width=1.9),
+            Column(head=text.meets, width=0.8),
+        ),
+        rows=tuple(
+            (
+                text.machining_names.get(mode["name"], mode["name"]),
+                f.quantity(mode["band"], length),
+                f.quantity(mode["acceleration"], f"{length}/s^2"),
+                f.quantity(mode["jerk"], f"{length}/s^3"),
+                f.quantity(mode["jerk_time"], "s"),
+                f.settling(mode["settling_time"]),
+                mode["bound_by"],
+                _met(mode["meets_requirements"], f),
+            )
+            for mode in record["limits"]["modes"]
         ),
     )
 
