@@ -378,8 +378,10 @@ def _mode_gains(
     """LQR gains on the observed plant states, shape (n_plant,).
 
     The design model is the plant under its continuous cascade, with the integrator as last
-    state; it is stable, so the Riccati equation has a stabilising solution. The gain on the
-    integrator is left out: the cost does not weigh it.
+    state, without the modes that no sensor sees (no gain can use them) and with a trace of
+    damping on every mode: so its Riccati equation has a stabilising solution even where a
+    mode is stated as undamped. The gain on the integrator is left out: the cost does not
+    weigh it.
     """
     n, Kp = plant.order, controller.velocity_gain
     encoder = plant.row("encoder")
@@ -396,14 +398,24 @@ def _mode_gains(
     for item in plant.modes:
         scale[item.deflection] = abs(item.scale) * force / omega**2
         scale[item.rate] = abs(item.scale) * force / omega
+        zeta = max(item.damping_ratio, LEAST_DESIGN_DAMPING)
+        A[item.rate, item.rate] = -2.0 * zeta * item.natural_frequency
     A = (A - B * law) * scale / scale[:, None] / omega
     Q = np.zeros((n + 1, n + 1))
     Q[mode.rate, mode.rate] = weight
-    K, _, _ = control.lqr(A, B * force / scale[:, None] / omega, Q, np.eye(1))
+    kept = [*observed, n]
+    inside = np.ix_(kept, kept)
+    K, _, _ = control.lqr(
+        A[inside], (B * force / scale[:, None] / omega)[kept], Q[inside], np.eye(1)
+    )
     gains = np.zeros(n)
-    seen = list(observed)
-    gains[seen] = (K[0] * force / scale)[seen]
+    gains[kept[:-1]] = (K[0] * force / scale[kept])[:-1]
     return gains
+
+
+LEAST_DESIGN_DAMPING = 1e-4
+"""Damping ratio that the design of the state feedback takes for granted (empirical: far below
+any real joint, and enough for the Riccati solver)."""
 
 
 def _design_observer(
