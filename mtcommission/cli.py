@@ -286,6 +286,10 @@ def simulate(
 def sheet(
     record: Annotated[Path, typer.Argument(metavar="RECORD", help="record.json of a run.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder.")],
+    compare: Annotated[
+        Path | None,
+        typer.Option("--compare", metavar="BEFORE", help="Earlier record.json: say what changed."),
+    ] = None,
     no_pdf: Annotated[bool, typer.Option("--no-pdf", help="Leave the PDF out.")] = False,
 ) -> None:
     """Print the sheet again from the record alone."""
@@ -294,11 +298,12 @@ def sheet(
     from mtcommission.sheet import print_html, print_pdf
 
     loaded = load_record(record)
+    before = load_record(compare) if compare else None
     with _progress() as progress:
         progress("sheet")
-        files = {"sheet.html": print_html(loaded).encode()}
+        files = {"sheet.html": print_html(loaded, before=before).encode()}
         if not no_pdf:
-            files["sheet.pdf"] = print_pdf(loaded)
+            files["sheet.pdf"] = print_pdf(loaded, before=before)
     write_files(output, files)
     sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
     _finish(loaded)

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 from base64 import b64encode
+from copy import deepcopy
 from dataclasses import fields, replace
 from hashlib import sha256
 from html.parser import HTMLParser
@@ -22,7 +23,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.ft2font import FT2Font
 from rich.console import Console
+from typer.testing import CliRunner
 
+from mtcommission.cli import app
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
@@ -531,3 +534,83 @@ def test_an_unknown_language_names_those_that_there_are():
 def test_no_label_is_empty():
     for field in fields(ENGLISH):
         assert getattr(ENGLISH, field.name), field.name
+
+
+# two records
+
+
+def retuned(record):
+    """The same axis later: more payload, a wider band, other limits, one move more slowly."""
+    later = deepcopy(record)
+    for item in later["data"]:
+        if item["key"] == "requirements.tcp_deviation":
+            item["value"] *= 2.0
+    later["data"] = [item for item in later["data"] if item["key"] != "drive.max_force"]
+    later["data"].append(
+        {"key": "plant.tcp_height", "value": 0.2, "unit": "m", "source": "measured"}
+    )
+    later["limits"]["recommended"] |= {"acceleration": 2.41 * 1.2, "bound_by": "force limit"}
+    later["limits"]["recommended"]["settling_time"] = None
+    later["loop"]["Kv"] *= 0.9
+    return later
+
+
+def changes(before, after, labels=ENGLISH):
+    document = compose(after, labels, before=before)
+    section = next(section for section in document.sections if section.key == "differences")
+    return {row[0]: row[1:] for b in section.blocks if isinstance(b, Table) for row in b.rows}
+
+
+def test_two_records_show_what_changed_and_by_how_much():
+    before = example_record()
+    rows = changes(before, retuned(before))
+    spaced = {
+        name: tuple(cell.replace(THIN_SPACE, " ") for cell in row) for name, row in rows.items()
+    }
+    assert spaced["Acceleration"] == ("2.41 m/s²", "2.892 m/s²", "+20 %")
+    assert spaced["Position gain Kv"] == ("42.79 1/s", "38.51 1/s", "−10 %")
+    assert spaced["Permitted TCP deviation (band)"] == ("5.1 µm", "10.2 µm", "+100 %")
+    assert spaced["Max force"] == ("2.01 kN", "not stated", "changed")
+    assert spaced["TCP height h, signed"] == ("not stated", "200 mm", "changed")
+    assert spaced["Bound by"] == ("residual deviation", "force limit", "changed")
+    assert spaced["Settling time"] == ("105.6 ms", "not settled", "changed")
+    assert spaced["Jerk"] == ("41.2 m/s³", "41.2 m/s³", "same")
+    assert "Base mass" not in spaced
+
+
+def test_a_record_is_the_same_as_itself_up_to_rounding():
+    before, after = example_record(), example_record()
+    after["limits"]["recommended"]["jerk"] *= 1.0 + 1e-12
+    document = compose(after, ENGLISH, before=before)
+    section = next(section for section in document.sections if section.key == "differences")
+    assert ENGLISH.no_changed_inputs in [b.text for b in section.blocks if hasattr(b, "text")]
+    assert {row[-1] for row in changes(before, after).values()} == {"same"}
+    assert not any(table.strong_rows for table in section.blocks if isinstance(table, Table))
+
+
+def test_a_move_that_became_another_is_not_compared_by_its_numbers():
+    before, after = example_record(), five_moves_record()
+    for key in ("moves", "optima", "comparisons"):
+        after[key] = after[key][1:2]
+    row = changes(before, after)["Move 1"]
+    assert ("velocity step" in row[0], "positioning" in row[1], row[2]) == (True, True, "changed")
+
+
+def test_rotary_and_linear_axes_are_not_compared():
+    with pytest.raises(InputError, match="--compare: got a linear axis, must be rotary"):
+        print_html(rotary_record(), before=example_record())
+
+
+def test_the_changes_are_printed_on_page_and_paper(tmp_path):
+    before = example_record()
+    for name, record in (("before", before), ("after", retuned(before))):
+        (tmp_path / f"{name}.json").write_text(json.dumps(record), encoding="utf-8")
+    files = [str(tmp_path / f"{name}.json") for name in ("before", "after")]
+    argv = ["sheet", "--compare", *files, "-o", str(tmp_path)]
+    finished = CliRunner().invoke(app, argv)
+    assert finished.exit_code == 0, finished.output
+    page = squeeze(Page((tmp_path / "sheet.html").read_text("utf-8")).text)
+    paper = squeeze(" ".join(pdf_pages((tmp_path / "sheet.pdf").read_bytes())))
+    for words in ("Changes since the earlier record", "+20 %", "10.2 µm", "not stated"):
+        assert squeeze(words) in page
+        assert squeeze(words) in paper

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["print_html", "print_pdf", "summarise"]
 
 
-def print_html(record: Record, *, language: str = "en") -> str:
+def print_html(record: Record, *, language: str = "en", before: Record | None = None) -> str:
     """Return the sheet as one HTML file that works offline.
 
     Parameters
@@ -33,6 +33,8 @@ def print_html(record: Record, *, language: str = "en") -> str:
         A whole commissioning.
     language
         Code of a language, e.g. "en".
+    before
+        An earlier record of the axis; then the sheet tells what changed.
 
     Returns
     -------
@@ -41,15 +43,15 @@ def print_html(record: Record, *, language: str = "en") -> str:
     Raises
     ------
     InputError
-        If there is no such language.
+        If there is no such language, or if the two records cannot be compared.
     """
     from mtcommission.sheet.html import set_html
 
     labels = find_labels(language)
-    return set_html(compose(record, labels), decimal_mark=labels.decimal_mark)
+    return set_html(compose(record, labels, before=before), decimal_mark=labels.decimal_mark)
 
 
-def print_pdf(record: Record, *, language: str = "en") -> bytes:
+def print_pdf(record: Record, *, language: str = "en", before: Record | None = None) -> bytes:
     """Return the sheet as PDF, A4; the same record always gives the same bytes.
 
     Parameters
@@ -58,6 +60,8 @@ def print_pdf(record: Record, *, language: str = "en") -> bytes:
         A whole commissioning.
     language
         Code of a language, e.g. "en".
+    before
+        An earlier record of the axis; then the sheet tells what changed.
 
     Returns
     -------
@@ -66,13 +70,13 @@ def print_pdf(record: Record, *, language: str = "en") -> bytes:
     Raises
     ------
     InputError
-        If there is no such language.
+        If there is no such language, or if the two records cannot be compared.
     ComputationError
         PRINTING_FAILED with the compiler's message.
     """
     from mtcommission.sheet.pdf import set_pdf
 
-    return set_pdf(compose(record, find_labels(language)))
+    return set_pdf(compose(record, find_labels(language), before=before))
 
 
 def summarise(record: Record, *, language: str = "en") -> Summary:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mtcommission.record.schema import Record
 from mtcommission.sheet.comparison_part import comparisons
+from mtcommission.sheet.difference_part import differences
 from mtcommission.sheet.evidence_part import certificates, entry_form, versions
 from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_en import Labels
@@ -18,7 +19,7 @@ HASH_DIGITS = 12
 """Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
 
 
-def compose(record: Record, labels: Labels) -> Document:
+def compose(record: Record, labels: Labels, *, before: Record | None = None) -> Document:
     """Return the sheet of a record.
 
     Parameters
@@ -27,13 +28,21 @@ def compose(record: Record, labels: Labels) -> Document:
         A whole commissioning.
     labels
         Texts of the language.
+    before
+        An earlier record of the axis, to tell what changed since.
 
     Returns
     -------
     Document
+
+    Raises
+    ------
+    InputError
+        If the two records cannot be compared.
     """
     f = Formatter(rotary=record["machine"]["motion"] == "rotary", labels=labels)
     profile = record["profile"]
+    changes = () if before is None else (differences(before, record, f),)
     return Document(
         language=labels.language,
         title=labels.title,
@@ -48,6 +57,7 @@ def compose(record: Record, labels: Labels) -> Document:
         page_word=labels.page,
         sections=(
             verdict(record, f, picture=first_look(record, f)),
+            *changes,
             machine_data(record, f),
             requirements(record, f),
             limits(record, f),

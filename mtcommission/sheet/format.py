@@ -163,6 +163,16 @@ class Formatter:
         """Return a fraction in per cent, three digits."""
         return self.with_unit(self.number(100.0 * fraction, digits=3), "%")
 
+    def signed_percent(self, fraction: float) -> str:
+        """Return a change in per cent with its sign.
+
+        Examples
+        --------
+        >>> Formatter(rotary=False, labels=Labels()).signed_percent(0.25).split(THIN_SPACE)
+        ['+25', '%']
+        """
+        return ("+" if fraction > 0.0 else "") + self.percent(fraction)
+
     def settling(self, value: float | None) -> str:
         """Return a settling time; None is "not settled"."""
         return self.quantity(value, "s", missing=self.labels.not_settled)

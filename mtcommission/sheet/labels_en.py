@@ -191,6 +191,25 @@ class Labels:
     chosen: str = "chosen"
     hatched: str = "{caption} (hatched: not settled)"
 
+    # compared with another record
+    differences_heading: str = "Changes since the earlier record"
+    compared_with: str = (
+        "Compared with: {machine}, axis {axis}, calculated on {created}, profile {name}, "
+        "SHA-256 {hash}."
+    )
+    changed_inputs: str = "Machine, moves and requirements: what changed"
+    no_changed_inputs: str = "Machine, moves and requirements are the same in both records."
+    changed_limits: str = "Limits, before and after"
+    changed_result: str = "Result, before and after"
+    changed_loop: str = "Control loop, before and after"
+    before: str = "Before"
+    after: str = "After"
+    change: str = "Change"
+    changed: str = "changed"
+    unchanged: str = "same"
+    not_stated: str = "not stated"
+    state_feedback_used: str = "State feedback"
+
     # 4 motion
     motion_heading: str = "Optimum, recommendation and response"
     drive_caption: str = "{move}: force, acceleration and velocity"

@@ -73,13 +73,13 @@ def _data_table(caption: str, data: list[Quantity], units: dict[str, str], f: Fo
             Column(head=text.source, width=1.8),
         ),
         rows=tuple(
-            (_datum_name(item, f), _datum(item, units, f), item["key"], item["source"])
+            (datum_name(item, f), datum(item, units, f), item["key"], item["source"])
             for item in data
         ),
     )
 
 
-def _datum_name(item: Quantity, f: Formatter) -> str:
+def datum_name(item: Quantity, f: Formatter) -> str:
     """Return the name of a datum; of one of a mode, with the mode's name."""
     *path, last = item["key"].split(".")
     name = f.labels.name(last)
@@ -90,7 +90,8 @@ def _datum_name(item: Quantity, f: Formatter) -> str:
     return name
 
 
-def _datum(item: Quantity, units: dict[str, str], f: Formatter) -> str:
+def datum(item: Quantity, units: dict[str, str], f: Formatter) -> str:
+    """Return the value of a datum with its unit; ``units`` are those of the plant's signals."""
     key, value = item["key"], item["value"]
     if isinstance(value, str):
         return value
