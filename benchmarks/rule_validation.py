@@ -1,0 +1,297 @@
+"""The commissioning rule on random machines, against the searched optimum.
+
+    python benchmarks/rule_validation.py --count 1000 --workers 2 --output docs
+
+Writes docs/commissioning-rule-validation.csv, -validation.md (the printed table) and the
+figures. Each machine: tune the cascade, apply the rule, search the optimum, and simulate both
+(and j = a f) in every corner. With --read it draws again from the CSV alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, fields
+from math import isfinite
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from mtcommission.choose import choose_limits
+from mtcommission.errors import ComputationError
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.tuning import tune_loop
+from mtcommission.machine import Positioning, corners, moving_mass
+from mtcommission.plant import build_plant
+from mtcommission.population import random_machine
+from mtcommission.rule import apply_commissioning_rule, ramp_vibration
+from mtcommission.rules import dominant_mode
+from mtcommission.trials import judge
+
+NAME = "commissioning-rule-validation"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One machine; times in s, deviations over the band, forces over F_max."""
+
+    seed: int
+    outcome: str
+    is_positioning: bool
+    n_modes: int
+    payload_share: float
+    spread: float
+    visible_share: float
+    rule_met: bool
+    rule_time: float
+    rule_residual: float
+    rule_force: float
+    rule_cycles: float
+    rule_chosen: str
+    rule_bound_by: str
+    search_met: bool
+    search_time: float
+    textbook_met: bool
+    textbook_time: float
+
+
+def validate(seed: int) -> Row:
+    """Return what rule, search and j = a f do on one machine."""
+    machine = random_machine(seed)
+    plant = build_plant(machine)
+    facts = {
+        "seed": seed,
+        "is_positioning": isinstance(machine.moves[0], Positioning),
+        "n_modes": len(plant.modes),
+        "payload_share": machine.requirements.payload[1] / moving_mass(machine),
+        "spread": machine.requirements.frequency_spread,
+        "visible_share": moving_mass(machine) * sum(mode.measured_gain for mode in plant.modes),
+    }
+    nan = float("nan")
+    try:
+        tuned = tune_loop(machine)
+    except ComputationError as error:
+        return Row(
+            outcome=error.outcome.name,
+            rule_met=False,
+            rule_time=nan,
+            rule_residual=nan,
+            rule_force=nan,
+            rule_cycles=nan,
+            rule_chosen="",
+            rule_bound_by="",
+            search_met=False,
+            search_time=nan,
+            textbook_met=False,
+            textbook_time=nan,
+            **facts,
+        )
+    found = apply_commissioning_rule(machine, plant, tuned)
+    by_rule = judge(machine, plant, tuned, "rule", "", found.limits)
+    limits = choose_limits(machine, plant, tuned).limits
+    by_search = judge(machine, plant, tuned, "search", "", limits)
+    frequency = dominant_mode(plant).frequency_hz
+    heaviest = max(moving_mass(machine) + corner.payload for corner in corners(machine))
+    a = machine.drive.motion_force / (1.2 * heaviest)
+    textbook = judge(
+        machine, plant, tuned, "j = a f", "", MotionLimits(acceleration=a, jerk=a * frequency)
+    )
+    values = {check.name: check.value / check.limit for check in by_rule.assessment.checks}
+    return Row(
+        outcome="",
+        rule_met=by_rule.assessment.is_met,
+        rule_time=by_rule.settling_time,
+        rule_residual=values["residual deviation"],
+        rule_force=values["set force"],
+        rule_cycles=found.limits.jerk_time * plant.modes[0].frequency_hz,
+        rule_chosen=found.chosen.split(" of ")[0],
+        rule_bound_by=found.bound_by,
+        search_met=by_search.assessment.is_met,
+        search_time=by_search.settling_time,
+        textbook_met=textbook.assessment.is_met,
+        textbook_time=textbook.settling_time,
+        **facts,
+    )
+
+
+def run(count: int, *, workers: int, first: int) -> list[Row]:
+    """Validate seeds first ... first + count - 1."""
+    seeds = range(first, first + count)
+    start = perf_counter()
+    rows = []
+    with ProcessPoolExecutor(max_workers=workers) as pool:
+        for row in pool.map(validate, seeds, chunksize=4):
+            rows.append(row)
+            if len(rows) % 50 == 0:
+                print(f"{len(rows)} of {count}, {perf_counter() - start:.0f} s", flush=True)
+    return rows
+
+
+def write_rows(rows: Sequence[Row], path: Path) -> None:
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, [field.name for field in fields(Row)])
+        writer.writeheader()
+        for row in rows:
+            writer.writerow(
+                {k: f"{v:.5g}" if isinstance(v, float) else v for k, v in asdict(row).items()}
+            )
+
+
+def read_rows(path: Path) -> list[Row]:
+    kinds = {"int": int, "float": float, "str": str, "bool": lambda text: text == "True"}
+    with path.open() as file:
+        return [
+            Row(**{field.name: kinds[str(field.type)](line[field.name]) for field in fields(Row)})
+            for line in csv.DictReader(file)
+        ]
+
+
+def summarise(rows: Sequence[Row]) -> Iterator[str]:
+    """Lines of the printed table (Markdown)."""
+    tuned = [row for row in rows if not row.outcome]
+    possible = [row for row in tuned if row.search_met]
+    yield "| | |"
+    yield "|---|---|"
+    yield f"| machines | {len(rows)} |"
+    yield f"| not tunable (named outcome) | {len(rows) - len(tuned)} |"
+    yield f"| search found limits that meet every requirement | {len(possible)} |"
+    yield f"| **rule meets every requirement** | **{_share([r.rule_met for r in possible])}** |"
+    textbook = _share([row.textbook_met for row in possible])
+    yield f"| j = a f (dominant mode, a = F/1.2 m) does | {textbook} |"
+    residual = np.array([row.rule_residual for row in possible])
+    yield f"| rule: residual above the band | {_share(residual > 1)} |"
+    yield f"| rule: residual above 1.25 bands | {_share(residual > 1.25)} |"
+    yield f"| rule: residual above 2 bands | {_share(residual > 2)} |"
+    yield f"| rule: force above F_max | {_share([r.rule_force > 1 for r in possible])} |"
+    ratios = _ratios(possible)
+    for share in (5, 25, 50, 75, 90, 95, 99):
+        yield (
+            f"| time above the optimum where met, {share} % of machines below | "
+            f"{100 * (np.quantile(ratios, share / 100) - 1):+.0f} % |"
+        )
+    for name, part in _groups(possible):
+        if part:
+            more = 100 * (np.median(_ratios(part)) - 1)
+            met = _share([row.rule_met for row in part])
+            yield f"| {name} ({len(part)}): met; median time above optimum | {met}; {more:+.0f} % |"
+
+
+def _share(flags: Sequence[bool] | np.ndarray) -> str:
+    return f"{100 * np.mean(flags):.1f} %"
+
+
+def _ratios(rows: Sequence[Row]) -> np.ndarray:
+    found = [row.rule_time / row.search_time for row in rows if row.rule_met]
+    return np.array(found or [np.nan])
+
+
+def _groups(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
+    return [
+        ("velocity step", [row for row in rows if not row.is_positioning]),
+        ("positioning", [row for row in rows if row.is_positioning]),
+        *((f"{n} mode(s)", [row for row in rows if row.n_modes == n]) for n in (1, 2, 3)),
+        ("no payload", [row for row in rows if row.payload_share == 0]),
+        ("payload", [row for row in rows if row.payload_share > 0]),
+        *(
+            (f"spread {100 * s:g} %", [r for r in rows if r.spread == s])
+            for s in (0, 0.02, 0.05, 0.1)
+        ),
+        ("encoder sees no mode", [row for row in rows if row.visible_share == 0]),
+        ("encoder sees little, sum m c < 0.5", [r for r in rows if 0 < r.visible_share < 0.5]),
+        ("encoder sees much, sum m c >= 0.5", [r for r in rows if r.visible_share >= 0.5]),
+        *((f"chosen: {k}", [r for r in rows if r.rule_chosen == k]) for k in _chosen(rows)),
+        *(
+            (f"bound by {k}", [r for r in rows if r.rule_bound_by == k])
+            for k in ("force", "reach", "band")
+        ),
+    ]
+
+
+def _chosen(rows: Sequence[Row]) -> list[str]:
+    return sorted({row.rule_chosen for row in rows})
+
+
+def draw_validation(rows: Sequence[Row], path: Path) -> None:
+    """Time above the optimum, and residual over the band, as distributions."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    matplotlib.rcParams["svg.hashsalt"] = "mtcommission"
+    import matplotlib.pyplot as plt
+
+    possible = [row for row in rows if row.search_met]
+    figure, axes = plt.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
+    ratios = np.sort(100 * (_ratios(possible) - 1))
+    axes[0].step(ratios, np.linspace(0, 100, len(ratios)), where="post", color="#1f4e79")
+    axes[0].set(xlabel="settling time above the searched optimum [%]", ylabel="machines [%]")
+    axes[0].set_xlim(-5, 150)
+    residual = np.sort([min(r.rule_residual, 1e3) for r in possible if isfinite(r.rule_residual)])
+    axes[1].step(residual, np.linspace(0, 100, len(residual)), where="post", color="#1f4e79")
+    axes[1].axvline(1.0, color="#b03a2e", linewidth=1)
+    axes[1].set(xlabel="residual deviation / band", ylabel="machines [%]", xlim=(0, 2))
+    for axis in axes:
+        axis.grid(alpha=0.3)
+    figure.savefig(path, metadata={"Date": None})
+
+
+def draw_chart(path: Path) -> None:
+    """The chart of the rule: V over f t_j for some dampings and spreads."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    matplotlib.rcParams["svg.hashsalt"] = "mtcommission"
+    import matplotlib.pyplot as plt
+
+    figure, axis = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
+    cycles = np.linspace(0.05, 3.2, 640)
+    for spread, colour in ((0.0, "#1f4e79"), (0.05, "#c07b1a"), (0.1, "#b03a2e")):
+        for damping, style in ((0.01, "-"), (0.05, "--")):
+            values = [ramp_vibration(x, damping=damping, spread=spread) for x in cycles]
+            label = f"spread {100 * spread:g} %, ζ = {damping:g}"
+            axis.plot(
+                cycles,
+                2.0 * np.array(values) / (2.0 * np.pi * cycles),
+                style,
+                color=colour,
+                linewidth=1.2,
+                label=label,
+            )
+    axis.set(
+        xlabel="f t_j, ramp time in periods of the mode",
+        ylabel="residual vibration / static deflection m g a / ω²",
+        yscale="log",
+        ylim=(5e-3, 2.5),
+        xlim=(0, 3.2),
+    )
+    axis.grid(alpha=0.3, which="both")
+    axis.legend(fontsize=8, ncols=3)
+    figure.savefig(path, metadata={"Date": None})
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--output", type=Path, default=Path("docs"))
+    parser.add_argument("--read", action="store_true", help="draw from the CSV, compute nothing")
+    arguments = parser.parse_args()
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    table = arguments.output / f"{NAME}.csv"
+    if arguments.read:
+        rows = read_rows(table)
+    else:
+        rows = run(arguments.count, workers=arguments.workers, first=arguments.first)
+        write_rows(rows, table)
+    text = "\n".join(summarise(rows))
+    print(text)
+    (arguments.output / f"{NAME}.md").write_text(text + "\n")
+    draw_validation(rows, arguments.output / f"{NAME}.svg")
+    draw_chart(arguments.output / "commissioning-rule-chart.svg")
+
+
+if __name__ == "__main__":
+    main()

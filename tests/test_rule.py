@@ -1,0 +1,218 @@
+"""The commissioning rule: its formulas against the loop, its promise on random machines."""
+
+from __future__ import annotations
+
+from cmath import exp, sqrt
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.response import simulate
+from mtcommission.loop.tuning import TunedLoop, tune_loop
+from mtcommission.machine import (
+    Control,
+    Drive,
+    FlexibleMode,
+    Machine,
+    Modal,
+    Modes,
+    Peak,
+    Requirements,
+    StateFeedback,
+    VelocityStep,
+    moving_mass,
+)
+from mtcommission.plant import build_plant
+from mtcommission.population import random_machine
+from mtcommission.rule import (
+    EARLY_CYCLES,
+    RuleResult,
+    apply_commissioning_rule,
+    ramp_vibration,
+)
+from mtcommission.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
+from mtcommission.trials import judge
+from tests.machines import paper_machine
+
+WIDE = Modes(surface=1e-6, accuracy=1e-6, speed=1e-6)
+
+
+def stiff_axis(
+    *, lag: float, position_cycle: float = 2e-3, velocity_cycle: float = 125e-6
+) -> Machine:
+    """An axis whose tool does not vibrate: what is left is the servo's own tail."""
+    stiff = FlexibleMode(name="s", natural_frequency=2500.0, damping_ratio=0.5, tcp_gain=1e-12)
+    return Machine(
+        name="stiff",
+        axis="X",
+        source="test",
+        mechanics=Modal(moving_mass=500.0, modes=(stiff,)),
+        drive=Drive(force_lag=lag, max_force=1e5),
+        moves=(VelocityStep(velocity_step=0.5),),
+        requirements=Requirements(tcp_deviation=1e-7, modes=WIDE),
+        control=Control(
+            state_feedback=StateFeedback.OFF,
+            position_cycle=position_cycle,
+            velocity_cycle=velocity_cycle,
+        ),
+    )
+
+
+def apply(machine: Machine) -> tuple[RuleResult, TunedLoop]:
+    tuned = tune_loop(machine)
+    return apply_commissioning_rule(machine, build_plant(machine), tuned), tuned
+
+
+def value(result: RuleResult, name: str) -> float:
+    return next(step.value for step in result.steps if step.name == name)
+
+
+@pytest.mark.parametrize(("cycles", "damping"), [(0.3, 0.0), (0.8, 0.02), (1.0, 0.05), (2.1, 0.1)])
+def test_ramp_vibration_against_an_integrated_oscillator(cycles: float, damping: float) -> None:
+    """If it failed, the chart would promise a rest that does not come."""
+    omega = 2 * pi * 40.0
+    t_j = cycles * 2 * pi / omega
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        push = min(t / t_j, 1.0)
+        return [y[1], push * omega**2 - 2 * damping * omega * y[1] - omega**2 * y[0]]
+
+    end = solve_ivp(rates, (0.0, t_j), [0.0, 0.0], rtol=1e-9, atol=1e-12).y[:, -1]
+    # Amplitude of the free vibration about the static deflection 1, as a pole's residue; a jerk
+    # step 1/t_j alone leaves 1/(omega t_j sqrt(1 - zeta^2)).
+    p = omega * (-damping + 1j * sqrt(1 - damping**2))
+    residue = abs((end[1] - p.conjugate() * (end[0] - 1.0)) / p.imag)
+    single = 1.0 / (omega * t_j * sqrt(1 - damping**2).real)
+    expected = ramp_vibration(cycles, damping=damping, spread=0.0)
+    assert residue / single == pytest.approx(expected, rel=0.02 + damping)
+
+
+@given(st.floats(0.05, 3.5), st.floats(0.0, 0.1), st.floats(0.0, 0.2))
+@settings(max_examples=100, deadline=None)
+def test_ramp_vibration_is_the_worst_of_the_spread(
+    cycles: float, damping: float, spread: float
+) -> None:
+    """If it failed, a machine inside the stated spread could vibrate more than predicted."""
+    hull = ramp_vibration(cycles, damping=damping, spread=spread)
+    for factor in np.linspace(1 - spread, 1 + spread, 9):
+        one = abs(1 - exp(2 * pi * cycles * factor * (-damping + 1j)))
+        assert one <= hull * (1 + 1e-9) + 1e-12
+    assert hull <= 2.0
+
+
+@pytest.mark.parametrize(
+    ("lag", "position_cycle", "velocity_cycle"),
+    [(2.5e-3, 2e-3, 125e-6), (4e-3, 1e-3, 125e-6), (1e-3, 4e-3, 500e-6), (1.5e-3, 2e-3, 250e-6)],
+)
+def test_servo_compliance_against_the_loop(
+    lag: float, position_cycle: float, velocity_cycle: float
+) -> None:
+    """If it failed, the tail that binds most stiff machines would be misjudged."""
+    machine = stiff_axis(lag=lag, position_cycle=position_cycle, velocity_cycle=velocity_cycle)
+    found, tuned = apply(machine)
+    limits = MotionLimits(acceleration=2.0, jerk=10.0)
+    response = simulate(
+        tuned.loops[0],
+        tuned.lifted[0],
+        plan_setpoint(machine.moves[0], limits),
+        drive=machine.drive,
+        band=machine.requirements.tcp_deviation,
+    )
+    predicted = limits.jerk * value(found, "servo compliance c_S")
+    # The parts have signs, the rule adds their sizes: it may exceed the loop, not the reverse.
+    assert 0.25 * predicted < response.residual_deviation < 1.15 * predicted
+
+
+def test_velocity_setpoint_is_compared_half_a_velocity_cycle_early() -> None:
+    """If it failed, EARLY_CYCLES would no longer describe the loop and must follow it."""
+    machine = stiff_axis(lag=1.5e-3, position_cycle=4e-3, velocity_cycle=500e-6)
+    tuned = tune_loop(machine)
+    move = VelocityStep(velocity_step=2.0)
+    setpoint = plan_setpoint(move, MotionLimits(acceleration=2.0, jerk=200.0))
+    response = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=machine.drive, band=1e-7)
+    late = response.t - tuned.controller.reference_delay
+    drag = response.deviation[(late > 0.7) & (late < 0.9)]
+    assert np.all(sample_setpoint(setpoint, np.array([0.7, 0.9]))[:, 2] == pytest.approx(2.0))
+    expected = 2.0 * EARLY_CYCLES * 500e-6 / tuned.controller.position_gain
+    assert float(np.mean(drag)) == pytest.approx(expected, abs=0.05 * 2.0 * 500e-6 / 20.0)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 5])
+def test_rule_meets_the_band_on_random_machines(seed: int) -> None:
+    """If it failed, the sheet would print a rule that does not do what it is for."""
+    machine = random_machine(seed)
+    found, tuned = apply(machine)
+    trial = judge(machine, build_plant(machine), tuned, "rule", "", found.limits)
+    assert trial.assessment.is_met
+    assert trial.settling_time == pytest.approx(found.predicted_settling_time, abs=1e-9)
+
+
+def test_rule_on_the_papers_machine_meets_the_band() -> None:
+    """If it failed, the rule would fail on the one machine that everybody looks at."""
+    machine = paper_machine()
+    machine = replace(machine, control=Control(state_feedback=StateFeedback.OFF))
+    found, tuned = apply(machine)
+    assert judge(machine, build_plant(machine), tuned, "", "", found.limits).assessment.is_met
+
+
+@pytest.mark.parametrize("seed", [4, 9, 17])
+def test_twice_the_mass_with_twice_the_force_is_the_same_motion(seed: int) -> None:
+    """If it failed, the rule would not be dimensionally sound."""
+    machine = random_machine(seed)
+    mechanics = machine.mechanics
+    assert isinstance(mechanics, Modal)
+    modes = tuple(
+        replace(mode, tcp_gain=mode.tcp_gain / 2, measured_gain=mode.measured_gain / 2)
+        for mode in mechanics.modes
+    )
+    low, high = machine.requirements.payload
+    double = replace(
+        machine,
+        mechanics=Modal(moving_mass=2 * moving_mass(machine), modes=modes),
+        drive=replace(machine.drive, max_force=2 * machine.drive.max_force),
+        requirements=replace(machine.requirements, payload=(2 * low, 2 * high)),
+    )
+    one, two = apply(machine)[0].limits, apply(double)[0].limits
+    assert two.acceleration == pytest.approx(one.acceleration, rel=1e-6)
+    assert two.jerk == pytest.approx(one.jerk, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_acceleration_is_reached_and_the_band_predicted(seed: int) -> None:
+    """If it failed, the printed a would be a number that no move ever sees."""
+    machine = random_machine(seed)
+    found, _ = apply(machine)
+    for move in machine.moves:
+        reached = reached_acceleration(
+            move, acceleration=found.limits.acceleration, jerk=found.limits.jerk
+        )
+        assert reached == pytest.approx(found.limits.acceleration, rel=1e-6)
+    assert found.predicted_residual <= machine.requirements.tcp_deviation * (1 + 1e-9)
+    shortest = min(candidate.duration for candidate in found.candidates)
+    assert found.predicted_settling_time >= shortest
+
+
+def test_a_wider_band_is_never_slower() -> None:
+    """If it failed, roughing limits could be lower than finishing limits."""
+    machine = random_machine(12)
+    times = []
+    for band in (2e-6, 5e-6, 2e-5, 1e-4):
+        needs = replace(machine.requirements, tcp_deviation=band)
+        times.append(apply(replace(machine, requirements=needs))[0].predicted_settling_time)
+    assert times == sorted(times, reverse=True)
+
+
+def test_what_the_rule_does_not_know_is_said() -> None:
+    """If it failed, the sheet would print the rule where it was never tried."""
+    machine = random_machine(3)
+    assert not apply(machine)[0].warnings
+    needs = replace(machine.requirements, peaks=(Peak(name="v", bound=1.0),))
+    control = replace(machine.control, moving_average_time=0.02, velocity_feedforward=0.9)
+    warnings = apply(replace(machine, requirements=needs, control=control))[0].warnings
+    assert len(warnings) == 3
