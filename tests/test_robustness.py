@@ -1,0 +1,158 @@
+"""Many machines at once against one at a time, and what the draws say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import process_time
+
+import numpy as np
+import pytest
+
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.response import simulate
+from mtcommission.loop.sampled import build_loop, lift_loop
+from mtcommission.loop.tuning import tune_loop
+from mtcommission.machine import Control, Machine, Positioning, StateFeedback, vary
+from mtcommission.plant import build_plant
+from mtcommission.population import random_machine
+from mtcommission.robustness import (
+    Variations,
+    draw_variations,
+    find_sensitivities,
+    respond_to_variations,
+    run_monte_carlo,
+)
+from mtcommission.setpoint import plan_setpoint
+from mtcommission.trials import judge
+from tests.machines import paper_machine
+
+
+def spread_paper_machine(*, state_feedback: StateFeedback = StateFeedback.OFF) -> Machine:
+    machine = paper_machine()
+    needs = replace(
+        machine.requirements,
+        frequency_spread=0.05,
+        damping_spread=0.2,
+        payload=(0.0, 100.0),
+        payload_radius=0.3,
+    )
+    control = Control(state_feedback=state_feedback)
+    moves = (*machine.moves, Positioning(distance=0.01, max_velocity=0.2))
+    return replace(machine, requirements=needs, control=control, moves=moves)
+
+
+@pytest.mark.parametrize(
+    ("machine", "limits"),
+    [
+        (spread_paper_machine(), MotionLimits(acceleration=1.3, jerk=30.0)),
+        (
+            spread_paper_machine(state_feedback=StateFeedback.AUTO),
+            MotionLimits(acceleration=2.0, jerk=150.0),
+        ),
+        (random_machine(3), MotionLimits(acceleration=1.0, jerk=40.0)),
+        (
+            replace(
+                random_machine(6),
+                control=replace(random_machine(6).control, moving_average_time=0.015),
+            ),
+            MotionLimits(acceleration=0.8, jerk=100.0),
+        ),
+    ],
+    ids=["paper", "state feedback", "modal", "setpoint filter"],
+)
+def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> None:
+    """If it failed, the printed distribution would be that of other machines."""
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    variations = draw_variations(machine, samples=5, seed=1)
+    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    for i in range(5):
+        varied = build_plant(vary(machine, variations.corner(i)))
+        loop = build_loop(varied, tuned.controller, model=plant)
+        time = machine.control.moving_average_time
+        one = [
+            simulate(
+                loop,
+                lift_loop(loop),
+                plan_setpoint(move, limits, moving_average=time),
+                drive=replace(machine.drive, max_force=1e9),
+                band=machine.requirements.tcp_deviation,
+            )
+            for move in machine.moves
+        ]
+        residual = max(response.residual_deviation for response in one)
+        settling = max(response.settling_time for response in one)
+        assert found.residual_deviation[i] == pytest.approx(residual, rel=1e-7)
+        assert found.settling_time[i] == pytest.approx(settling, abs=1e-8)
+
+
+def test_draws_fill_the_stated_ranges_and_nothing_else() -> None:
+    """If it failed, the worst case would come from outside the stated spread, or be missed."""
+    machine = spread_paper_machine()
+    drawn = draw_variations(machine, samples=4000, seed=3)
+    for values, low, high in (
+        (drawn.payload, 0.0, 100.0),
+        (drawn.frequency_factor, 0.95, 1.05),
+        (drawn.damping_factor, 0.8, 1.2),
+    ):
+        assert low <= values.min() < low + 0.01 * (high - low)
+        assert high - 0.01 * (high - low) < values.max() <= high
+        assert np.mean(values) == pytest.approx((low + high) / 2, abs=0.02 * (high - low))
+    again = draw_variations(machine, samples=4000, seed=3)
+    assert np.array_equal(drawn.payload, again.payload)
+
+
+def test_no_spread_is_the_nominal_machine() -> None:
+    """If it failed, a machine without spread would be given one."""
+    machine = replace(paper_machine(), control=Control(state_feedback=StateFeedback.OFF))
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = MotionLimits(acceleration=1.5, jerk=50.0)
+    found = run_monte_carlo(machine, plant, tuned, limits, samples=3)
+    trial = judge(machine, plant, tuned, "", "", limits)
+    assert np.ptp(found.residual_deviation) <= 1e-15
+    assert found.residual_deviation[0] == pytest.approx(trial.residual_deviation, rel=1e-7)
+    assert found.settling_time[0] == pytest.approx(trial.settling_time, abs=1e-8)
+
+
+def test_worst_case_and_share_agree_with_the_samples() -> None:
+    """If it failed, the sheet would name the wrong worst machine."""
+    machine = spread_paper_machine()
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = MotionLimits(acceleration=1.3, jerk=30.0)
+    found = run_monte_carlo(machine, plant, tuned, limits, samples=300, seed=5)
+    band = machine.requirements.tcp_deviation
+    assert 0.0 < found.share_in_band < 1.0
+    assert found.share_in_band == np.count_nonzero(found.residual_deviation <= band) / 300
+    worst = Variations(
+        payload=np.array([found.worst.payload]),
+        frequency_factor=np.array([found.worst.frequency_factor]),
+        damping_factor=np.array([found.worst.damping_factor]),
+    )
+    alone = respond_to_variations(machine, plant, tuned, limits, variations=worst)
+    assert alone.residual_deviation[0] == pytest.approx(found.residual_deviation.max(), rel=1e-9)
+    late = found.settling_time > found.settling_time.min() + 1e-9
+    assert np.all(found.residual_deviation[late] > band)
+
+
+def test_sensitivities_against_trials() -> None:
+    """If it failed, "10 % more jerk costs ..." would be wrong."""
+    machine = spread_paper_machine()
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = MotionLimits(acceleration=1.3, jerk=30.0)
+    found = {item.change: item for item in find_sensitivities(machine, plant, tuned, limits)}
+    base = judge(machine, plant, tuned, "", "", limits)
+    more = judge(machine, plant, tuned, "", "", replace(limits, jerk=33.0))
+    item = found["jerk +10 %"]
+    assert item.residual_deviation == pytest.approx(more.residual_deviation, rel=1e-6)
+    expected = more.residual_deviation / base.residual_deviation - 1.0
+    assert item.residual_change == pytest.approx(expected, rel=1e-4)
+    assert item.settling_time == pytest.approx(more.settling_time, abs=1e-8)
+    assert found["frequencies +1 %"].residual_deviation != item.residual_deviation
+
+
+def test_thousands_of_samples_in_seconds() -> None:
+    """If it failed, users would switch the robustness off (goal: 10 000 below 5 s)."""
+    machine = spread_paper_machine()
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    start = process_time()
+    run_monte_carlo(machine, plant, tuned, MotionLimits(acceleration=1.3, jerk=30.0), samples=1000)
+    assert process_time() - start < 2.0
