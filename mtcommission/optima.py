@@ -10,6 +10,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits import MotionLimits, condense
 from mtcommission.machine import Machine, Move, Positioning
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.solution import (
     Bound,
@@ -82,6 +83,13 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     force = machine.drive.motion_force
     time = find_time_optimum(plant, move, force_limit=force, bounds=())
     constrained, remarks = None, []
+    if time.method == "composed":
+        remarks.append(
+            "The exact search under max_velocity did not end; the reference shown is composed of "
+            "two time-optimal velocity steps and a cruise. Nothing is faster than "
+            f"{1e3 * time.certificate.t_f_lower_bound:.6g} ms (a proved bound, "
+            f"{100 * time.certificate.relative_gap:.2g} % below)."
+        )
     bounds = tuple(Bound(name=p.name, value=p.bound) for p in machine.requirements.peaks)
     if bounds:
         try:
@@ -107,9 +115,19 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
 def find_time_optimum(
     plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
 ) -> TimeOptimum:
-    """Return the time-optimal control, bounded or free, whichever the move and bounds ask for."""
-    limited = isinstance(move, Positioning) and isfinite(move.max_velocity)
-    if bounds or limited:
+    """Return the time-optimal control, bounded or free, whichever the move and bounds ask for.
+
+    Where the exact search under max_velocity does not end, the composed control of
+    ``compose_cruise`` stands in: its method says so, and its gap is that of its proof.
+    """
+    if isinstance(move, Positioning) and isfinite(move.max_velocity) and not bounds:
+        try:
+            return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=())
+        except ComputationError as error:
+            if error.outcome is not Outcome.NO_CONVERGENCE:
+                raise
+            return compose_cruise(plant, move, force_limit=force_limit)
+    if bounds or (isinstance(move, Positioning) and isfinite(move.max_velocity)):
         return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
     return solve_time_optimal(plant, move, force_limit=force_limit)
 
