@@ -180,9 +180,11 @@ def choose_limits(
     guess = _guess_usage(bench, a_axis, t_axis, settings.coarse_grid)
     a_grid, t_grid = (axis.ravel() for axis in np.meshgrid(a_axis, t_axis, indexing="ij"))
     grid = _look(bench, guess, a_grid, t_grid)
-    pool = _refine(
-        bench, guess, grid, starts, settings, cell=(a_axis[1] / a_axis[0], t_axis[1] / t_axis[0])
-    )
+    cell = float(a_axis[1] / a_axis[0]), float(t_axis[1] / t_axis[0])
+    pool = _refine(bench, guess, grid, starts, settings, cell=cell, urgency=RESIDUAL_URGENCY)
+    if not np.any((pool.residual <= bench.band) & (pool.usage <= 1.0)):
+        # Nothing comes to rest within the band: then the least settling time alone counts.
+        pool = _refine(bench, guess, pool, (), settings, cell=cell, urgency=0.0)
     limits, feasible = _pick(bench, pool, settings)
     return Choice(
         limits=limits,
@@ -297,11 +299,16 @@ def _guess_usage(
     )
 
 
-def _score(bench: _Bench, pool: _Pool) -> Array:
+RESIDUAL_URGENCY = 0.5
+"""Power by which a residual above the band lengthens the settling time in the ranking of seeds
+(empirical)."""
+
+
+def _score(bench: _Bench, pool: _Pool, urgency: float) -> Array:
     """Settling time, lengthened by how far the requirements are missed (to rank seeds only)."""
-    miss = np.maximum(pool.residual / bench.band, 1.0) ** 0.5 * np.maximum(pool.usage, 1.0) ** 4
+    missed = np.maximum(pool.residual / bench.band, 1.0) ** urgency
     settling = np.where(np.isfinite(pool.settling), pool.settling, 2.0 * SEARCH_HORIZON)
-    return np.asarray(settling * miss)
+    return np.asarray(settling * missed * np.maximum(pool.usage, 1.0) ** 4)
 
 
 def _refine(
@@ -312,9 +319,10 @@ def _refine(
     settings: SearchSettings,
     *,
     cell: tuple[float, float],
+    urgency: float,
 ) -> _Pool:
     """Halve the best cells again and again, all at once."""
-    best = np.argsort(_score(bench, grid), kind="stable")[: settings.seeds]
+    best = np.argsort(_score(bench, grid, urgency), kind="stable")[: settings.seeds]
     low_a, high_a = grid.acceleration.min(), grid.acceleration.max()
     low_t, high_t = grid.jerk_time.min(), grid.jerk_time.max()
     a = np.concatenate([grid.acceleration[best], [limits.acceleration for limits in starts]])
@@ -327,7 +335,7 @@ def _refine(
         near_t = np.clip(t[:, None] * cell[1] ** (width * offsets[:, 1]), low_t, high_t)
         pool = _look(bench, guess, near_a.ravel(), near_t.ravel())
         pools.append(pool)
-        winner = np.argmin(_score(bench, pool).reshape(near_a.shape), axis=1)
+        winner = np.argmin(_score(bench, pool, urgency).reshape(near_a.shape), axis=1)
         rows = np.arange(len(a))
         a, t = near_a[rows, winner], near_t[rows, winner]
     return _Pool(
@@ -342,11 +350,12 @@ def _refine(
 USAGE_DOUBT = 0.05
 """Error allowed for in the guessed use of force before it is simulated (measured: below 3 %)."""
 
-LEADERS = 24
-"""Candidates whose rounded neighbours are judged together."""
+LEADERS = 64
+"""Candidates whose force is simulated together, and then their rounded neighbours, best first."""
 
-FIRST = 16
-"""Rounded limits whose force is simulated together, best first."""
+ROUNDING_DOUBT = 0.005
+"""Error allowed for in the use of force of a rounded neighbour before it is simulated, when it is
+taken as the candidate's own in proportion to the limit that grows more (empirical)."""
 
 DIGIT_WORTH = 0.002
 """Share of settling time that one digit less to type is worth (design choice)."""
@@ -363,21 +372,27 @@ def _pick(bench: _Bench, pool: _Pool, settings: SearchSettings) -> tuple[MotionL
         for start in range(0, len(order), LEADERS):
             part = order[start : start + LEADERS]
             a, t = pool.acceleration[part], pool.jerk_time[part]
-            fits = _usage(bench, a, t).max(axis=1) <= 1.0 + USAGE_DOUBT
-            limits = _round(bench, a[fits], t[fits], settings, meets=meets)
+            used = _usage(bench, a, t).max(axis=1)
+            limits = _round(bench, a, t, used, settings, meets=meets)
             if limits:
                 return limits[0], meets
     least = int(np.argmin(pool.usage))
     a_least, t_least = float(pool.acceleration[least]), float(pool.jerk_time[least])
-    return MotionLimits(acceleration=a_least, jerk=a_least / t_least), False
+    return (
+        MotionLimits(
+            acceleration=_neighbours(a_least, settings.digits, 0)[0],
+            jerk=_neighbours(a_least / t_least, settings.digits, 0)[0],
+        ),
+        False,
+    )
 
 
 def _round(
-    bench: _Bench, a: Array, t_j: Array, settings: SearchSettings, *, meets: bool
+    bench: _Bench, a: Array, t_j: Array, used: Array, settings: SearchSettings, *, meets: bool
 ) -> list[MotionLimits]:
     """The fastest neighbour with few digits that still holds; empty if rounding spoils all."""
     pairs: dict[tuple[float, float], int] = {}
-    for one, ramp in zip(a, t_j, strict=True):
+    for one, ramp, share in zip(a, t_j, used, strict=True):
         reached = max(
             reached_acceleration(move, acceleration=one, jerk=one / ramp)
             for move in bench.machine.moves
@@ -387,7 +402,9 @@ def _round(
                 _neighbours(reached, digits, reach), _neighbours(one / ramp, digits, reach)
             )
             for pair in near:
-                pairs.setdefault(pair, digits)
+                growth = max(pair[0] / reached, pair[1] * ramp / one)
+                if share * growth <= 1.0 + ROUNDING_DOUBT:
+                    pairs.setdefault(pair, digits)
     if not pairs:
         return []
     acceleration, jerk = np.array(list(pairs)).T
@@ -399,10 +416,10 @@ def _round(
     cost = found.settling_time * (1.0 + DIGIT_WORTH * np.array(list(pairs.values())))
     order = np.flatnonzero(good)
     order = order[np.argsort(cost[order], kind="stable")]
-    for start in range(0, len(order), FIRST):
-        part = order[start : start + FIRST]
-        used = _usage(bench, acceleration[part], acceleration[part] / jerk[part]).max(axis=1)
-        for i in part[used <= 1.0]:
+    for start in range(0, len(order), LEADERS):
+        part = order[start : start + LEADERS]
+        exact = _usage(bench, acceleration[part], acceleration[part] / jerk[part]).max(axis=1)
+        for i in part[exact <= 1.0]:
             return [MotionLimits(acceleration=float(acceleration[i]), jerk=float(jerk[i]))]
     return []
 
