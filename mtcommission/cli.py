@@ -283,6 +283,84 @@ def simulate(
 
 
 @app.command()
+def sweep(
+    profile: ProfileArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder.")],
+    f_max: Annotated[
+        str, typer.Option("--f-max", metavar="RANGE", help="E.g. 0.5kN:4kN:100, log:300:20e3:50.")
+    ] = "",
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="KEY=RANGE", help="E.g. plant.slider_mass=600:900:7."),
+    ] = None,
+    cases: Annotated[
+        Path | None, typer.Option("--cases", metavar="FILE", help="CSV: keys, then a case a line.")
+    ] = None,
+    paired: Annotated[
+        bool, typer.Option("--paired", help="Ranges go together instead of each with each.")
+    ] = False,
+    quantity: Annotated[
+        str, typer.Option("--quantity", metavar="optimal|limits|run", help="What to compute.")
+    ] = "optimal",
+    limit: Annotated[
+        list[str] | None,
+        typer.Option("--limit", metavar="NAME=VALUE", help="For optimal, e.g. v_phi=5mrad/s."),
+    ] = None,
+    move: Annotated[
+        int, typer.Option("--move", metavar="N", help="Which of the profile's moves (optimal).")
+    ] = 1,
+    workers: Annotated[
+        int, typer.Option("--workers", metavar="N", min=0, help="Processes; 0: one per core.")
+    ] = 0,
+    scheduler: Annotated[
+        str, typer.Option("--scheduler", metavar="ADDRESS", help="Dask, e.g. tcp://host:8786.")
+    ] = "",
+    resume: Annotated[bool, typer.Option("--resume", help="Continue what is in DIR.")] = False,
+) -> None:
+    """Compute many cases; writes rows.parquet and rows.csv."""
+    from mtcommission.options import read_optimal_request
+    from mtcommission.plant import build_plant
+    from mtcommission.sweep.engine import Engine, run_sweep
+    from mtcommission.sweep.request import read_plan
+    from mtcommission.sweep.table import read_table, summarise_table, write_table
+
+    machine = _read(profile, "")
+    request = read_optimal_request(
+        machine,
+        build_plant(machine),
+        kind="time",
+        method="exact",
+        t_f="",
+        limits=limit or [],
+        velocity_step="",
+        distance="",
+        move=move,
+        scheme="gauss",
+        intervals=1000,
+    )
+    plan = read_plan(
+        profile,
+        f_max=f_max,
+        vary=vary or [],
+        cases=cases,
+        is_paired=paired,
+        quantity=quantity,
+        bounds=request.bounds,
+        move=move,
+        created=_now(),
+    )
+    engine = Engine(workers=workers or os.cpu_count() or 1, scheduler=scheduler)
+    with _bar(plan.count) as progress:
+        store = run_sweep(plan, folder=output, engine=engine, resume=resume, progress=progress)
+    table = read_table(plan, store)
+    write_table(table, output)
+    summary = summarise_table(table)
+    sys.stdout.write(summary.text + "\n")
+    sys.stdout.write(f"written: {output / 'rows.parquet'}, {output / 'rows.csv'}\n")
+    raise typer.Exit(0 if summary.is_met else 1 if summary.done else 3)
+
+
+@app.command()
 def sheet(
     record: Annotated[Path, typer.Argument(metavar="RECORD", help="record.json of a run.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder.")],
@@ -479,6 +557,35 @@ def _progress() -> Iterator[Callable[[str], None]]:
 
     with Console(stderr=True).status("") as status:
         yield lambda stage: status.update(f"{stage} …")
+
+
+@contextmanager
+def _bar(total: int) -> Iterator[Callable[[int, int, int], None]]:
+    """Show cases done, their rate, the remaining time and failures; silent when piped."""
+    if not sys.stderr.isatty():
+        yield lambda done, total, failures: None
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    layout = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]:.3g}/s"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[failures]} failed"),
+    )
+    with Progress(*layout, console=Console(stderr=True)) as bar:
+        task = bar.add_task("cases", total=total, rate=0.0, failures=0)
+        yield lambda done, total, failures: bar.update(
+            task, completed=done, rate=bar.tasks[0].speed or 0.0, failures=failures
+        )
 
 
 def _warnings(machine: Machine) -> list[str]:

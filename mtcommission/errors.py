@@ -98,6 +98,11 @@ class Outcome(Enum):
         "raise max_force or balance the load"
     )
     SETPOINT_FAILED = "Ruckig found no setpoint for these limits; check that they are in SI units"
+    WORKER_LOST = (
+        "processes of the sweep ended again and again, for want of memory or by force; "
+        "continue with --resume, with fewer --workers"
+    )
+    STOPPED = "the sweep was interrupted; continue with --resume"
     PRINTING_FAILED = "the PDF could not be set; use --no-pdf and report the message"
 
 

@@ -1,0 +1,356 @@
+"""What varies: ranges and tables of cases -> the settings of each case, and its profile."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from hashlib import sha256
+from math import nan, prod
+from typing import Any
+
+import numpy as np
+import tomlkit
+
+from mtcommission import __version__
+from mtcommission.errors import Fault, InputError
+from mtcommission.optimal.solution import Bound
+from mtcommission.units import NUMBER, read_unit
+
+FORCE_KEY = "drive.max_force"
+MOST_VALUES = 1_000_000
+"""Values of one key; a table of them still opens."""
+
+Settings = tuple[tuple[str, str], ...]
+"""Key and text of each varied value of one case."""
+
+
+class Quantity(Enum):
+    """What is computed for each case."""
+
+    OPTIMAL = "optimal"
+    LIMITS = "limits"
+    RUN = "run"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Axis:
+    """Keys that vary together.
+
+    Parameters
+    ----------
+    keys
+        Dotted paths in the profile; elements of arrays by number, e.g. ``moves.0.distance``.
+    rows
+        Texts as the profile's reader gets them, one for each key.
+    """
+
+    keys: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """A sweep: a profile, what varies, and what is computed.
+
+    Parameters
+    ----------
+    profile_text
+        TOML of the machine as it is.
+    where
+        Name of the profile for messages.
+    axes
+        What varies; none gives the profile's own case.
+    is_paired
+        Whether the axes go together, value by value, instead of each with each.
+    quantity
+        What is computed.
+    move
+        Which of the profile's moves ``optimal`` solves, counted from 1.
+    bounds
+        Bounds on states and outputs for ``optimal``.
+    created
+        When the sweep was begun; goes into the records of ``run``.
+    """
+
+    profile_text: str
+    where: str
+    axes: tuple[Axis, ...]
+    is_paired: bool = False
+    quantity: Quantity = Quantity.OPTIMAL
+    move: int = 1
+    bounds: tuple[Bound, ...] = ()
+    created: str = ""
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All keys that vary."""
+        return tuple(key for axis in self.axes for key in axis.keys)
+
+    @property
+    def count(self) -> int:
+        """Number of cases."""
+        sizes = [len(axis.rows) for axis in self.axes]
+        return min(sizes, default=1) if self.is_paired else prod(sizes)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of all that the rows depend on, of the version, too."""
+        bounds = [[bound.name, bound.value] for bound in self.bounds]
+        axes = [[axis.keys, axis.rows] for axis in self.axes]
+        parts = [self.base_digest, axes, self.is_paired, bounds]
+        return sha256(json.dumps(parts).encode()).hexdigest()
+
+    @property
+    def base_digest(self) -> str:
+        """SHA-256 of what all cases share."""
+        bounds = [[bound.name, bound.value] for bound in self.bounds]
+        parts = [__version__, self.profile_text, self.quantity.value, self.move, bounds]
+        return sha256(json.dumps(parts).encode()).hexdigest()
+
+    def settings(self, index: int) -> Settings:
+        """Return the varied values of one case; of a grid the last axis runs fastest."""
+        chosen: list[tuple[str, str]] = []
+        for axis in reversed(self.axes):
+            place = index if self.is_paired else index % len(axis.rows)
+            index = index if self.is_paired else index // len(axis.rows)
+            chosen[:0] = zip(axis.keys, axis.rows[place], strict=True)
+        return tuple(chosen)
+
+
+def check_plan(plan: Plan) -> None:
+    """Raise InputError where axes share a key, or are paired and of different length.
+
+    Parameters
+    ----------
+    plan
+        Any plan.
+    """
+    faults = []
+    twice = sorted({key for key in plan.keys if plan.keys.count(key) > 1})
+    faults += [
+        Fault(where="--vary", key=key, message="varies twice; give it once") for key in twice
+    ]
+    sizes = {len(axis.rows) for axis in plan.axes}
+    if plan.is_paired and len(sizes) > 1:
+        got = ", ".join(f"{axis.keys[0]} {len(axis.rows)}" for axis in plan.axes)
+        message = f"needs as many values for each key, got {got}"
+        faults.append(Fault(where="--paired", message=message))
+    if faults:
+        raise InputError(faults)
+    vary_profile(plan.profile_text, plan.settings(0), where=plan.where)
+
+
+def read_axis(text: str, *, where: str) -> Axis:
+    """Return what ``KEY=RANGE`` asks for.
+
+    Parameters
+    ----------
+    text
+        Key and range.
+    where
+        Option, for messages.
+
+    Returns
+    -------
+    Axis
+
+    Raises
+    ------
+    InputError
+        If it is no range.
+
+    Examples
+    --------
+    >>> read_axis("plant.slider_mass=600kg:900kg:3", where="--vary").rows
+    (('600.0 kg',), ('750.0 kg',), ('900.0 kg',))
+    """
+    key, separator, values = text.partition("=")
+    if not separator or not key.strip():
+        raise InputError([Fault(where=where, message=f"got {text!r}, must be KEY=RANGE")])
+    return Axis(keys=(key.strip(),), rows=read_range(values, where=f"{where} {key.strip()}"))
+
+
+def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:
+    """Return the values of a range as one-column rows of texts.
+
+    Parameters
+    ----------
+    text
+        ``START:STOP:COUNT``, ``log:START:STOP:COUNT``, ``random:LOW:HIGH:COUNT:SEED`` or a comma
+        list; ends with or without a unit.
+    where
+        Option, for messages.
+
+    Returns
+    -------
+    tuple of tuple of str
+
+    Raises
+    ------
+    InputError
+        If it is none of them.
+
+    Examples
+    --------
+    >>> read_range("log:1:100:3", where="--f-max")
+    (('1.0',), ('10.0',), ('100.0',))
+    """
+    parts = [part.strip() for part in text.split(":")]
+    if len(parts) == 1:
+        values = [value.strip() for value in text.split(",")]
+        if not all(values):
+            raise InputError([Fault(where=where, message=f"got {text!r} with an empty value")])
+        return tuple((value,) for value in values)
+    kind = parts.pop(0) if parts[0] in ("log", "random") else "even"
+    try:
+        numbers, unit = _spread(kind, parts)
+    except ValueError as error:
+        raise InputError([Fault(where=where, message=f"got {text!r}: {error}")]) from error
+    return tuple((f"{number!r} {unit}".strip(),) for number in numbers)
+
+
+def _spread(kind: str, parts: list[str]) -> tuple[list[float], str]:
+    wanted = {"even": 3, "log": 3, "random": 4}[kind]
+    if len(parts) != wanted:
+        forms = "START:STOP:COUNT, log:START:STOP:COUNT or random:LOW:HIGH:COUNT:SEED"
+        raise ValueError(f"must be {forms}, or a comma list")
+    (low, low_unit), (high, high_unit) = _split(parts[0]), _split(parts[1])
+    if low_unit and high_unit and low_unit != high_unit:
+        raise ValueError("both ends need the same unit")
+    whole = [part for part in parts[2:] if not part.isascii() or not part.isdigit()]
+    if whole:
+        raise ValueError(f"{whole[0]!r} must be a whole number")
+    count = int(parts[2])
+    if not 1 <= count <= MOST_VALUES:
+        raise ValueError(f"the count must be 1 to {MOST_VALUES}")
+    if kind == "log" and not (low > 0.0 and high > 0.0):
+        raise ValueError("a logarithmic range needs ends > 0")
+    if kind == "random":
+        found = np.random.default_rng(int(parts[3])).uniform(low, high, count)
+    else:
+        found = (np.geomspace if kind == "log" else np.linspace)(low, high, count)
+    return found.tolist(), low_unit or high_unit
+
+
+def _split(text: str) -> tuple[float, str]:
+    match = NUMBER.match(text)
+    if match is None:
+        raise ValueError(f"{text!r} does not begin with a number")
+    return float(match[0]), text[match.end() :].strip()
+
+
+def read_cases(text: str, *, where: str) -> Axis:
+    r"""Return the cases of a CSV table: a header of keys, then one case a line.
+
+    Parameters
+    ----------
+    text
+        CSV with commas; ``f_max`` stands for ``drive.max_force``.
+    where
+        File name, for messages.
+
+    Returns
+    -------
+    Axis
+
+    Raises
+    ------
+    InputError
+        With every incomplete line.
+
+    Examples
+    --------
+    >>> read_cases("f_max,plant.slider_mass\n2 kN,700 kg\n", where="cases.csv").keys
+    ('drive.max_force', 'plant.slider_mass')
+    """
+    lines = [[cell.strip() for cell in line] for line in csv.reader(io.StringIO(text))]
+    if len(lines) < 2 or not all(lines[0]):
+        message = "needs a header of keys and at least one case below it"
+        raise InputError([Fault(where=where, line=1, message=message)])
+    head, *rows = lines
+    faults = [
+        Fault(where=where, line=number, message=f"needs {len(head)} values, got {len(row)}")
+        for number, row in enumerate(rows, start=2)
+        if row and (len(row) != len(head) or not all(row))
+    ]
+    if faults:
+        raise InputError(faults)
+    keys = tuple(FORCE_KEY if key == "f_max" else key for key in head)
+    return Axis(keys=keys, rows=tuple(tuple(row) for row in rows if row))
+
+
+def si_number(text: str) -> float:
+    """Return the SI value of a number with or without a unit; nan for a word.
+
+    Examples
+    --------
+    >>> si_number("2 kN"), si_number("auto")
+    (2000.0, nan)
+    """
+    try:
+        number, unit = _split(text)
+        return number * read_unit(unit)[0].si_value
+    except ValueError:
+        return nan
+
+
+def vary_profile(text: str, settings: Settings, *, where: str) -> str:
+    """Return a profile with some values replaced, comments and lines kept.
+
+    Parameters
+    ----------
+    text
+        TOML.
+    settings
+        Keys and texts.
+    where
+        Name of the profile, for messages.
+
+    Returns
+    -------
+    str
+        Whether keys and values are allowed is for the profile's reader to say.
+
+    Raises
+    ------
+    InputError
+        If a key leads through a value, or the text is no TOML.
+    """
+    try:
+        document = tomlkit.parse(text)
+    except ValueError as error:
+        message = f"TOML syntax: {error}"
+        raise InputError([Fault(where=where, message=message)]) from error
+    for key, value in settings:
+        try:
+            _place(document, key.split("."), value)
+        except (TypeError, ValueError, IndexError) as error:
+            message = f"there is no such key; elements of arrays go by number, e.g. {EXAMPLE_KEY}"
+            raise InputError([Fault(where=where, key=key, message=message)]) from error
+    return document.as_string()
+
+
+EXAMPLE_KEY = "moves.0.distance"
+
+
+def _place(node: Any, path: Sequence[str], value: str) -> None:
+    *parents, last = path
+    for part in parents:
+        if isinstance(node, list):
+            node = node[int(part)]
+        elif isinstance(node, dict):
+            node = node.setdefault(part, tomlkit.table())
+        else:
+            raise TypeError
+    match = NUMBER.fullmatch(value)
+    content = float(value) if match else value
+    if isinstance(node, list):
+        node[int(last)] = content
+    elif isinstance(node, dict):
+        node[last] = content
+    else:
+        raise TypeError

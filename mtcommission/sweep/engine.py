@@ -1,0 +1,277 @@
+"""A plan -> rows on disk, by one process, several, or a Dask cluster; always the same rows.
+
+Work is cut into pieces by case number alone, so neither the number of workers nor an interruption
+changes what is computed together.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from mtcommission.errors import ComputationError, Fault, InputError, Outcome
+from mtcommission.sweep.cases import FORCE_KEY, Plan, Quantity, check_plan
+from mtcommission.sweep.rows import DONE, Answer, Work, columns, solve_case
+from mtcommission.sweep.store import Finished, Opened, append, open_store, read_finished
+
+CURVE_PIECE = 500
+"""Neighbouring forces solved together: well below a second."""
+PIECE = 4
+"""Other time-optimal controls together: some tens of milliseconds each."""
+LOSSES = 3
+"""Lost workers in a row, without a finished piece between, that end a sweep."""
+POLL = 0.5
+"""Seconds between looks at the keyboard."""
+
+Progress = Callable[[int, int, int], None]
+"""Called with cases done, cases in all, and failures so far."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Engine:
+    """Where the work is done.
+
+    Parameters
+    ----------
+    workers
+        Processes on this machine; 1 stays in this one.
+    scheduler
+        Address of a Dask scheduler; "" for none.
+    """
+
+    workers: int = 1
+    scheduler: str = ""
+
+
+class Immediate(Executor):
+    """The executor of one process: computes when it is asked."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Return the finished future of a call."""
+        future: Future[Any] = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def run_sweep(
+    plan: Plan,
+    *,
+    folder: Path,
+    engine: Engine | None = None,
+    resume: bool = False,
+    progress: Progress = lambda done, total, failures: None,
+) -> Opened:
+    """Return the store with the rows of all cases, computing those that are missing.
+
+    Parameters
+    ----------
+    plan
+        What to compute.
+    folder
+        Where the rows go.
+    engine
+        None: this process.
+    resume
+        Whether to continue what is there.
+    progress
+        Called after each piece.
+
+    Returns
+    -------
+    Opened
+
+    Raises
+    ------
+    InputError
+        If the plan or the folder cannot be used, or the disk is full.
+    ComputationError
+        WORKER_LOST if workers end again and again; STOPPED by Ctrl-C.
+    """
+    check_plan(plan)
+    store = open_store(folder, digest=plan.digest, created=plan.created, resume=resume)
+    plan = replace(plan, created=store.created)
+    tally = _Tally(total=plan.count, progress=progress)
+    for finished in read_finished(store):
+        tally.add(finished)
+    left = set(range(pieces(plan))) - store.pieces
+    losses = 0
+    while left:
+        before = len(left)
+        try:
+            with open_lane(engine or Engine()) as lane:
+                _work(plan, store, lane, left, tally)
+        except (BrokenExecutor, CancelledError) as error:
+            losses = losses + 1 if len(left) == before else 1
+            if losses >= LOSSES:
+                detail = f"{tally.done} of {plan.count} cases are on disk, piece {min(left)} is not"
+                raise ComputationError(Outcome.WORKER_LOST, detail) from error
+        except KeyboardInterrupt as error:
+            detail = f"{tally.done} of {plan.count} cases are on disk in {folder}"
+            raise ComputationError(Outcome.STOPPED, detail) from error
+    return store
+
+
+class _Tally:
+    """Counts for the progress bar."""
+
+    def __init__(self, *, total: int, progress: Progress) -> None:
+        self.total, self.done, self.failures = total, 0, 0
+        self.progress = progress
+
+    def add(self, finished: Finished) -> None:
+        self.done += len(finished.rows)
+        self.failures += sum(row[-2] != DONE for row in finished.rows)
+        self.progress(self.done, self.total, self.failures)
+
+
+def _work(plan: Plan, store: Opened, lane: Lane, left: set[int], tally: _Tally) -> None:
+    """Keep a few pieces under way and write each one as it comes in."""
+    queue, executor = _works(plan, sorted(left)), lane.executor
+    running = {executor.submit(solve_piece, work): work for work in islice(queue, lane.width)}
+    while running:
+        ready, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
+        for future in ready:
+            work = running.pop(future)
+            answers = future.result()
+            _keep(store, work, answers)
+            left.discard(work.piece)
+            tally.add(Finished(piece=work.piece, rows=tuple(answer.row for answer in answers)))
+            for following in islice(queue, 1):
+                running[executor.submit(solve_piece, following)] = following
+
+
+def _keep(store: Opened, work: Work, answers: tuple[Answer, ...]) -> None:
+    records = store.path.parent / "records"
+    for number, answer in enumerate(answers):
+        if answer.record:
+            path = records / f"case-{work.first + number:06d}.json"
+            try:
+                records.mkdir(exist_ok=True)
+                path.write_text(answer.record, encoding="utf-8")
+            except OSError as error:
+                message = f"cannot write ({error.strerror}); free space, continue with --resume"
+                raise InputError([Fault(where=str(path), message=message)]) from error
+    append(store, Finished(piece=work.piece, rows=tuple(answer.row for answer in answers)))
+
+
+def piece_size(plan: Plan) -> int:
+    """Return how many cases are computed together."""
+    if plan.quantity is not Quantity.OPTIMAL:
+        return 1
+    return CURVE_PIECE if plan.axes and FORCE_KEY in plan.axes[-1].keys else PIECE
+
+
+def pieces(plan: Plan) -> int:
+    """Return the number of pieces of a plan."""
+    return -(-plan.count // piece_size(plan))
+
+
+def _works(plan: Plan, numbers: list[int]) -> Iterator[Work]:
+    base, digest, table = replace(plan, axes=()), plan.base_digest, columns(plan)
+    size = piece_size(plan)
+    for piece in numbers:
+        cases = range(piece * size, min((piece + 1) * size, plan.count))
+        settings = tuple(plan.settings(index) for index in cases)
+        yield Work(
+            piece=piece,
+            first=cases.start,
+            settings=settings,
+            base=base,
+            base_digest=digest,
+            columns=table,
+        )
+
+
+def solve_piece(work: Work) -> tuple[Answer, ...]:
+    """Return the rows of a piece, in the order of its cases."""
+    return tuple(solve_case(work, number) for number in range(len(work.settings)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Lane:
+    """An executor and how many pieces it gets ahead.
+
+    Parameters
+    ----------
+    executor
+        Of ``concurrent.futures``, or one that behaves so.
+    width
+        Pieces under way: enough to keep every worker busy, so that memory stays flat.
+    """
+
+    executor: Executor
+    width: int
+
+
+@contextmanager
+def open_lane(engine: Engine) -> Iterator[Lane]:
+    """Yield what runs the work; what has not begun is dropped at the end."""
+    if engine.scheduler:
+        with _open_cluster(engine.scheduler) as lane:
+            yield lane
+        return
+    alone = engine.workers == 1
+    executor = Immediate() if alone else _open_pool(engine.workers)
+    try:
+        yield Lane(executor=executor, width=1 if alone else 2 * engine.workers)
+    finally:
+        executor.shutdown(wait=True, cancel_futures=True)
+
+
+def _open_pool(workers: int) -> Executor:
+    # Matrices have some ten rows: threads inside a worker cost more than they give, and the order
+    # of summation would change with their number.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    return ProcessPoolExecutor(
+        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
+    )
+
+
+def _prepare_worker() -> None:
+    """Leave Ctrl-C to the parent, and end when the parent has ended, even by force."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _open_cluster(address: str) -> Iterator[Lane]:
+    try:
+        from distributed import Client, KilledWorker
+    except ImportError as error:
+        message = 'needs the cluster extra: pip install "mtcommission[cluster]"'
+        raise InputError([Fault(where="--scheduler", message=message)]) from error
+    try:
+        client = Client(address, timeout=10)
+    except (OSError, ValueError) as error:
+        message = f"no scheduler answers at {address}; start it with: dask scheduler"
+        raise InputError([Fault(where="--scheduler", message=message)]) from error
+    with client, client.get_executor(pure=False) as executor:
+        try:
+            yield Lane(executor=executor, width=2 * max(1, sum(client.nthreads().values())))
+        except KilledWorker as error:
+            raise BrokenExecutor(str(error)) from error

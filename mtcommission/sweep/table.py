@@ -1,0 +1,145 @@
+"""Rows on disk -> columns, and the files that others read."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import BinaryIO
+
+import polars as pl
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.sweep.cases import Plan
+from mtcommission.sweep.engine import piece_size
+from mtcommission.sweep.rows import DONE, Column, columns
+from mtcommission.sweep.store import Opened, read_finished
+
+TYPES = {"float": pl.Float64(), "int": pl.Int64(), "bool": pl.Boolean(), "str": pl.String()}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SweepTable:
+    """The rows of a sweep as columns, in the order of the cases.
+
+    Parameters
+    ----------
+    columns
+        Names, units and kinds.
+    frame
+        The values; null where a case gave none.
+    """
+
+    columns: tuple[Column, ...]
+    frame: pl.DataFrame
+
+
+def read_table(plan: Plan, store: Opened) -> SweepTable:
+    """Return the rows of a store as columns.
+
+    Parameters
+    ----------
+    plan
+        The plan that the store belongs to.
+    store
+        With finished rows.
+
+    Returns
+    -------
+    SweepTable
+        Sorted by case; a case that an interruption left twice appears once.
+    """
+    named = columns(plan)
+    schema = {column.name: TYPES[column.kind] for column in named}
+    frames = {}
+    for finished in read_finished(store):
+        frames[finished.piece * piece_size(plan)] = pl.DataFrame(
+            finished.rows, schema=schema, orient="row"
+        )
+    parts = [frames[first] for first in sorted(frames)]
+    frame = pl.concat(parts) if parts else pl.DataFrame(schema=schema)
+    return SweepTable(columns=named, frame=frame)
+
+
+def write_table(table: SweepTable, folder: Path) -> None:
+    """Write ``rows.parquet`` (units in its metadata) and ``rows.csv`` (units in its header).
+
+    Parameters
+    ----------
+    table
+        Rows.
+    folder
+        Exists.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written.
+    """
+    units = {column.name: column.unit for column in table.columns}
+    heads = [
+        f"{column.name} [{column.unit}]" if column.unit else column.name for column in table.columns
+    ]
+    titled = table.frame.rename(dict(zip(table.frame.columns, heads, strict=True)))
+    metadata = {"units": json.dumps(units)}
+    _write(folder / "rows.parquet", lambda file: table.frame.write_parquet(file, metadata=metadata))
+    _write(folder / "rows.csv", titled.write_csv)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Summary:
+    """What a sweep came to.
+
+    Parameters
+    ----------
+    text
+        For people.
+    done
+        Cases with a result.
+    is_met
+        Whether every case has one, certified or with its requirements met.
+    """
+
+    text: str
+    done: int
+    is_met: bool
+
+
+def summarise_table(table: SweepTable) -> Summary:
+    """Return how many cases have a result, how many are met, and how the others ended.
+
+    Parameters
+    ----------
+    table
+        Rows.
+
+    Returns
+    -------
+    Summary
+    """
+    frame = table.frame
+    outcomes = frame["outcome"].value_counts(sort=True).rows()
+    name = "certified" if "certified" in frame.columns else "requirements_met"
+    met = int(frame[name].sum() or 0)
+    done = sum(count for outcome, count in outcomes if outcome == DONE)
+    ends = [f"{count} {outcome.replace('_', ' ')}" for outcome, count in outcomes]
+    text = f"{frame.height} cases: {', '.join(ends)}; {name.replace('_', ' ')}: {met}"
+    return Summary(text=text, done=done, is_met=met == frame.height)
+
+
+def _write(path: Path, fill: Callable[[BinaryIO], object]) -> None:
+    """Write under a temporary name first, so that no half-written table is ever seen."""
+    name = ""
+    try:
+        with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
+            name = file.name
+            fill(file)  # type: ignore[arg-type]
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except OSError as error:
+        Path(name or path).unlink(missing_ok=True)
+        message = f"cannot write ({error.strerror}); free space and continue with --resume"
+        raise InputError([Fault(where=str(path), message=message)]) from error

@@ -1,0 +1,324 @@
+"""Sweeps: what varies, rows that any interruption leaves the same, and their files."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import polars as pl
+import pytest
+
+from mtcommission.errors import ComputationError, InputError, Outcome
+from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.time_optimal import solve_time_optimal
+from mtcommission.plant import build_plant
+from mtcommission.profile import parse_profile
+from mtcommission.sweep.cases import (
+    Axis,
+    Plan,
+    Quantity,
+    check_plan,
+    read_axis,
+    read_cases,
+    read_range,
+    vary_profile,
+)
+from mtcommission.sweep.engine import Engine, run_sweep
+from mtcommission.sweep.rows import columns, key_unit
+from mtcommission.sweep.store import NAME
+from mtcommission.sweep.table import read_table, summarise_table, write_table
+from tests.machines import paper_machine
+
+PAPER = Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml"
+TEXT = PAPER.read_text(encoding="utf-8")
+MASSES = "plant.slider_mass=600:900:24"
+"""Six pieces of four cases."""
+
+
+def plan_of(*axes: Axis, quantity: Quantity = Quantity.OPTIMAL) -> Plan:
+    return Plan(profile_text=TEXT, where="paper.toml", axes=axes, quantity=quantity)
+
+
+def masses_plan() -> Plan:
+    return plan_of(read_axis(MASSES, where="--vary"))
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> pl.DataFrame:
+    """The rows of the sweep over masses without any interruption."""
+    plan = masses_plan()
+    return read_table(plan, run_sweep(plan, folder=tmp_path_factory.mktemp("whole"))).frame
+
+
+def command(folder: Path, *more: str) -> list[str]:
+    line = [sys.executable, "-m", "mtcommission", "sweep", str(PAPER), "--vary", MASSES]
+    return [*line, "-o", str(folder), "--workers", "1", *more]
+
+
+def lines_in(folder: Path) -> int:
+    path = folder / NAME
+    return path.read_bytes().count(b"\n") if path.exists() else 0
+
+
+def resumed(folder: Path) -> pl.DataFrame:
+    plan = masses_plan()
+    return read_table(plan, run_sweep(plan, folder=folder, resume=True)).frame
+
+
+def test_ranges_are_what_they_say() -> None:
+    """A range that is off by one point or in another unit would sweep other machines."""
+    values = [row[0] for row in read_range("0.5kN:4kN:8", where="")]
+    assert values[0] == "0.5 kN"
+    assert values[-1] == "4.0 kN"
+    assert values[1] == "1.0 kN"
+    ratios = [float(row[0]) for row in read_range("log:300:20e3:5", where="")]
+    assert all(b / a == pytest.approx((20e3 / 300) ** 0.25) for a, b in pairwise(ratios))
+    drawn = [float(row[0]) for row in read_range("random:2:3:50:7", where="")]
+    again = [float(row[0]) for row in read_range("random:2:3:50:7", where="")]
+    assert drawn == again
+    assert 2.0 <= min(drawn) < 2.2
+    assert 2.8 < max(drawn) <= 3.0
+    assert read_range("auto, 3 ms", where="") == (("auto",), ("3 ms",))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1:2", "must be START:STOP:COUNT"),
+        ("1:2:0", "count must be 1 to"),
+        ("1:2:x", "must be a whole number"),
+        ("log:0:2:5", "needs ends > 0"),
+        ("1kg:2t:5", "same unit"),
+        ("a:2:5", "does not begin with a number"),
+        ("1,,2", "empty value"),
+    ],
+)
+def test_wrong_ranges_say_what_is_wrong(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        read_range(text, where="--f-max")
+
+
+def test_grid_and_pairs_cover_what_they_should() -> None:
+    """The last axis runs fastest; pairs go value by value."""
+    a = Axis(keys=("plant.slider_mass",), rows=(("1",), ("2",)))
+    b = Axis(keys=("drive.max_force", "drive.force_lag"), rows=(("5", "6"), ("7", "8")))
+    grid = plan_of(a, b)
+    assert grid.count == 4
+    assert [[text for _, text in grid.settings(i)] for i in range(4)] == [
+        ["1", "5", "6"],
+        ["1", "7", "8"],
+        ["2", "5", "6"],
+        ["2", "7", "8"],
+    ]
+    pairs = replace(grid, is_paired=True)
+    assert pairs.count == 2
+    assert [text for _, text in pairs.settings(1)] == ["2", "7", "8"]
+    longer = replace(pairs, axes=(a, replace(b, rows=(*b.rows, ("1", "2")))))
+    with pytest.raises(InputError, match="needs as many values for each key"):
+        check_plan(longer)
+    with pytest.raises(InputError, match="varies twice"):
+        check_plan(plan_of(a, a))
+
+
+def test_profile_of_a_case_differs_in_its_keys_alone() -> None:
+    """Comments, order and lines stay, so that the reader's messages name the right line."""
+    changed = vary_profile(
+        TEXT,
+        (("plant.slider_mass", "800 kg"), ("moves.0.velocity_step", "0.2")),
+        where="p",
+    )
+    pairs = list(zip(TEXT.splitlines(), changed.splitlines(), strict=True))
+    assert len([1 for old, new in pairs if old != new]) == 2
+    machine = parse_profile(changed, where="p")
+    assert machine.mechanics.slider_mass == 800.0  # type: ignore[union-attr]
+    assert machine.moves[0].velocity_step == 0.2  # type: ignore[union-attr]
+    with pytest.raises(InputError, match="there is no such key"):
+        vary_profile(TEXT, (("moves.3.dwell", "1 s"),), where="p")
+
+
+def test_cases_from_a_table() -> None:
+    axis = read_cases("f_max, plant.slider_mass\n2 kN, 700\n3 kN, 800\n", where="c.csv")
+    assert axis.keys == ("drive.max_force", "plant.slider_mass")
+    assert axis.rows == (("2 kN", "700"), ("3 kN", "800"))
+    with pytest.raises(InputError, match=r"c.csv:3: needs 2 values, got 1"):
+        read_cases("a,b\n1,2\n3\n", where="c.csv")
+
+
+def test_units_of_keys_come_from_the_schema() -> None:
+    assert key_unit("drive.max_force", rotary=False) == "N"
+    assert key_unit("drive.max_force", rotary=True) == "N m"
+    assert key_unit("plant.modes.1.frequency", rotary=False) == "Hz"
+    assert key_unit("requirements.frequency_spread", rotary=False) == ""
+
+
+def test_rows_are_those_of_single_solves(undisturbed: pl.DataFrame) -> None:
+    """Each row against the solver called alone on a machine built without the profile reader."""
+    for row in undisturbed.gather_every(11).rows(named=True):
+        machine = paper_machine()
+        mechanics = replace(machine.mechanics, slider_mass=row["plant.slider_mass"])
+        plant = build_plant(replace(machine, mechanics=mechanics))
+        alone = solve_time_optimal(plant, machine.moves[0], force_limit=2e3)
+        assert row["t_f"] == pytest.approx(alone.t_f, rel=1e-12)
+        assert row["switches"] == len(alone.switching_times)
+    assert undisturbed["certified"].all()
+    assert undisturbed["relative_gap"].max() < 1e-9
+    assert undisturbed["inputs"].n_unique() == undisturbed.height
+
+
+def test_a_failing_case_is_a_row_with_its_outcome(tmp_path: Path) -> None:
+    """A wrong case must neither stop the others nor vanish."""
+    plan = plan_of(Axis(keys=("drive.static_load",), rows=(("0",), ("3 kN",), ("1 mm",))))
+    table = read_table(plan, run_sweep(plan, folder=tmp_path))
+    assert table.frame["outcome"].to_list() == ["done", "wrong_input", "wrong_input"]
+    assert "no force is left" in table.frame["message"][1]
+    assert "which is a length" in table.frame["message"][2]
+    assert table.frame["t_f"].is_null().to_list() == [False, True, True]
+    summary = summarise_table(table)
+    assert summary.done == 1
+    assert not summary.is_met
+
+
+def test_a_computation_that_ends_otherwise_names_its_outcome(tmp_path: Path) -> None:
+    """A bound that no move keeps is a result of the case, not an internal error."""
+    plan = replace(plan_of(), bounds=(Bound(name="v_s", value=0.05),))
+    frame = read_table(plan, run_sweep(plan, folder=tmp_path)).frame
+    assert frame["outcome"].to_list() == ["bound_cannot_hold"]
+    assert "v_s" in frame["message"][0]
+
+
+@pytest.mark.parametrize("finished", [1, 3, 5])
+def test_killed_by_force_and_resumed(
+    tmp_path: Path, undisturbed: pl.DataFrame, finished: int
+) -> None:
+    """After kill -9 the rows on disk are kept as they are, and the rest is the same as ever."""
+    running = subprocess.Popen(command(tmp_path), stdout=subprocess.DEVNULL)
+    while running.poll() is None and lines_in(tmp_path) <= finished:
+        time.sleep(0.002)
+    running.kill()
+    running.wait()
+    kept = (tmp_path / NAME).read_bytes()
+    sound = kept[: kept.rindex(b"\n") + 1]
+    assert sound.count(b"\n") > finished
+    assert resumed(tmp_path).equals(undisturbed)
+    assert (tmp_path / NAME).read_bytes().startswith(sound)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.31, 0.5, 0.77, 0.999])
+def test_any_torn_end_is_repaired(tmp_path: Path, undisturbed: pl.DataFrame, share: float) -> None:
+    """A power cut may leave any prefix of the file, and rubbish in its last block."""
+    plan = masses_plan()
+    path = run_sweep(plan, folder=tmp_path).path
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))] + b"\0\0\0")
+    assert resumed(tmp_path).equals(undisturbed)
+
+
+def test_interrupted_by_the_keyboard_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
+    plan = masses_plan()
+
+    def stop(done: int, total: int, failures: int) -> None:
+        if done == 8:
+            raise KeyboardInterrupt
+
+    with pytest.raises(ComputationError) as stopped:
+        run_sweep(plan, folder=tmp_path, progress=stop)
+    assert stopped.value.outcome is Outcome.STOPPED
+    assert "8 of 24 cases are on disk" in str(stopped.value)
+    seen: list[int] = []
+    store = run_sweep(
+        plan, folder=tmp_path, resume=True, progress=lambda done, *_: seen.append(done)
+    )
+    assert seen[0] == 4
+    assert lines_in(tmp_path) == 7, "finished pieces must not be computed again"
+    assert read_table(plan, store).frame.equals(undisturbed)
+
+
+def test_full_disk_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
+    """A limit on file size fails writes midway, as a quota does; nothing before may be lost."""
+
+    def shrink() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
+
+    stopped = subprocess.run(
+        command(tmp_path), preexec_fn=shrink, capture_output=True, text=True, check=False
+    )
+    assert stopped.returncode == 2, stopped.stderr
+    assert "--resume" in stopped.stderr
+    assert "Traceback" not in stopped.stderr
+    assert (tmp_path / NAME).read_bytes().endswith(b"\n")
+    before = lines_in(tmp_path)
+    assert before > 1
+    assert resumed(tmp_path).equals(undisturbed)
+
+
+def test_lost_worker_and_any_number_of_workers(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
+    """A killed process costs its piece at most; two processes give the rows of one."""
+    killed: list[int] = []
+
+    def kill_one(done: int, total: int, failures: int) -> None:
+        children = multiprocessing.active_children()
+        if not killed and children:
+            killed.append(children[0].pid or 0)
+            os.kill(killed[0], signal.SIGKILL)
+
+    plan = masses_plan()
+    store = run_sweep(plan, folder=tmp_path, engine=Engine(workers=2), progress=kill_one)
+    assert killed
+    assert read_table(plan, store).frame.equals(undisturbed)
+
+
+def test_store_of_another_sweep_is_refused(tmp_path: Path) -> None:
+    """Mixed rows of two sweeps would look like one."""
+    plan = plan_of(Axis(keys=("drive.max_force",), rows=(("2 kN",),)))
+    run_sweep(plan, folder=tmp_path)
+    with pytest.raises(InputError, match="holds a sweep already"):
+        run_sweep(plan, folder=tmp_path)
+    other = replace(plan, profile_text=TEXT.replace("750 kg", "751 kg"))
+    with pytest.raises(InputError, match="holds another sweep"):
+        run_sweep(other, folder=tmp_path, resume=True)
+
+
+def test_files_carry_units(tmp_path: Path) -> None:
+    """A table without units is read in millimetres sooner or later."""
+    plan = plan_of(Axis(keys=("drive.max_force",), rows=(("2 kN",), ("2500",))))
+    table = read_table(plan, run_sweep(plan, folder=tmp_path))
+    write_table(table, tmp_path)
+    frame = pl.read_parquet(tmp_path / "rows.parquet")
+    assert frame.equals(table.frame)
+    assert frame["drive.max_force"].to_list() == [2000.0, 2500.0]
+    units = json.loads(pl.read_parquet_metadata(tmp_path / "rows.parquet")["units"])
+    assert units["t_f"] == "s"
+    assert units["drive.max_force"] == "N"
+    text = pl.read_csv(tmp_path / "rows.csv")
+    assert "drive.max_force [N]" in text.columns
+    assert text["t_f [s]"].to_list() == frame["t_f"].to_list()
+
+
+def test_limits_of_a_case_are_those_of_the_command(tmp_path: Path) -> None:
+    """A sweep must recommend what ``limits`` recommends for the same machine."""
+    from mtcommission.commission import commission
+
+    plan = plan_of(quantity=Quantity.LIMITS)
+    row = read_table(plan, run_sweep(plan, folder=tmp_path)).frame.row(0, named=True)
+    found = commission(parse_profile(TEXT, where="p"))
+    assert row["acceleration"] == found.choice.limits.acceleration
+    assert row["jerk"] == found.choice.limits.jerk
+    assert row["settling_time"] == found.recommended.settling_time
+    assert row["requirements_met"] == found.assessment.is_met
+
+
+def test_columns_name_every_cell() -> None:
+    for quantity in Quantity:
+        names: Sequence[str] = [column.name for column in columns(plan_of(quantity=quantity))]
+        assert len(set(names)) == len(names)
