@@ -36,6 +36,9 @@ ForceOption = Annotated[
     str,
     typer.Option("--f-max", metavar="F", help="Force limit for this call, e.g. 2kN."),
 ]
+LanguageOption = Annotated[
+    str, typer.Option("--language", metavar="en|de", help="Language of sheet and summary.")
+]
 JsonOption = Annotated[
     str, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for the screen.")
 ]
@@ -95,6 +98,7 @@ def run(
         "commissioning"
     ),
     f_max: ForceOption = "",
+    language: LanguageOption = "en",
     no_pdf: Annotated[bool, typer.Option("--no-pdf", help="Leave the PDF out.")] = False,
 ) -> None:
     """Compute limits and write record.json, sheet.html, sheet.pdf and setpoint.csv."""
@@ -102,8 +106,10 @@ def run(
     from mtcommission.record.build import build_record
     from mtcommission.record.files import dump_json
     from mtcommission.sheet import print_html, print_pdf, summarise
+    from mtcommission.sheet.languages import find_labels
     from mtcommission.terminal import show
 
+    find_labels(language)
     found = _compute(profile, f_max)
     record = build_record(
         found,
@@ -115,16 +121,16 @@ def run(
         progress("sheet")
         files = {
             "record.json": dump_json(record).encode(),
-            "sheet.html": print_html(record).encode(),
+            "sheet.html": print_html(record, language=language).encode(),
         }
         if not no_pdf:
-            files["sheet.pdf"] = print_pdf(record)
+            files["sheet.pdf"] = print_pdf(record, language=language)
         for number, move in enumerate(found.moves, start=1):
             name = "setpoint.csv" if number == 1 else f"setpoint-{number}.csv"
             cycle = found.tuned.controller.position_cycle
             files[name] = setpoint_csv(move.setpoint, step=cycle).encode()
     write_files(output, files)
-    show(summarise(record))
+    show(summarise(record, language=language))
     sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
     _finish(record)
 
@@ -368,6 +374,7 @@ def sheet(
         Path | None,
         typer.Option("--compare", metavar="BEFORE", help="Earlier record.json: say what changed."),
     ] = None,
+    language: LanguageOption = "en",
     no_pdf: Annotated[bool, typer.Option("--no-pdf", help="Leave the PDF out.")] = False,
 ) -> None:
     """Print the sheet again from the record alone."""
@@ -379,9 +386,9 @@ def sheet(
     before = load_record(compare) if compare else None
     with _progress() as progress:
         progress("sheet")
-        files = {"sheet.html": print_html(loaded, before=before).encode()}
+        files = {"sheet.html": print_html(loaded, language=language, before=before).encode()}
         if not no_pdf:
-            files["sheet.pdf"] = print_pdf(loaded, before=before)
+            files["sheet.pdf"] = print_pdf(loaded, language=language, before=before)
     write_files(output, files)
     sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
     _finish(loaded)

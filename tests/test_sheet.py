@@ -25,17 +25,36 @@ from matplotlib.ft2font import FT2Font
 from rich.console import Console
 from typer.testing import CliRunner
 
+from mtcommission.assess import describe_place
 from mtcommission.cli import app
 from mtcommission.errors import ComputationError, InputError, Outcome
+from mtcommission.machine import (
+    NOMINAL,
+    Control,
+    Corner,
+    Drive,
+    FlexibleMode,
+    Machine,
+    Modal,
+    Modes,
+    Positioning,
+    Requirements,
+)
+from mtcommission.plant import build_plant
+from mtcommission.plausibility import check_plausibility
+from mtcommission.profile import read_profile
+from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.format import THIN_SPACE, Formatter, motion_unit
+from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.sheet.labels_en import ENGLISH, Labels
 from mtcommission.sheet.model import Form, HeatMap, LinePlot, PointPlot, Table
 from mtcommission.sheet.motion_part import MOST_POINTS, thin_out
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.terminal import summary_rows
+from mtcommission.shipped import read_shipped, shipped_names
 from mtcommission.units import read_unit
 
 from .sheet_record import (
@@ -490,9 +509,9 @@ def test_a_refusal_of_the_typesetter_is_a_named_outcome(monkeypatch, tmp_path):
 # terminal
 
 
-def render(record, *, encoding: str = "utf-8") -> str:
+def render(record, *, encoding: str = "utf-8", language: str = "en") -> str:
     stream = TextIOWrapper(BytesIO(), encoding=encoding, errors="strict")
-    Console(file=stream, width=80).print(summarise(record))
+    Console(file=stream, width=80).print(summarise(record, language=language))
     stream.flush()
     return stream.buffer.getvalue().decode(encoding)
 
@@ -527,13 +546,173 @@ def test_hostile_names_are_no_markup_in_the_terminal():
 
 
 def test_an_unknown_language_names_those_that_there_are():
-    with pytest.raises(InputError, match='got "xx", must be one of: en'):
+    with pytest.raises(InputError, match='got "xx", must be one of: en, de'):
         print_html(example_record(), language="xx")
 
 
 def test_no_label_is_empty():
     for field in fields(ENGLISH):
-        assert getattr(ENGLISH, field.name), field.name
+        assert getattr(ENGLISH, field.name) or field.name == "phrases", field.name
+        assert getattr(GERMAN, field.name), field.name
+
+
+SAME_IN_GERMAN = {
+    "linear",
+    "signal_head",
+    "amplitude",
+    "version",
+    "parameter",
+    "certificate_caption",
+    "permitted_band",
+    "phase",
+}
+"""Words that German has too."""
+
+
+def places(text):
+    """The places that a label fills in; a text, a tuple or a mapping of texts."""
+    parts = text.values() if hasattr(text, "values") else [text]
+    return sorted(re.findall(r"{\w+}", " ".join(map(str, parts))))
+
+
+def test_german_says_everything_and_fills_the_same_places():
+    for field in fields(ENGLISH):
+        english, german = (getattr(labels, field.name) for labels in (ENGLISH, GERMAN))
+        if field.name not in ("phrases", "names"):
+            assert places(english) == places(german), field.name
+            assert (english == german) == (field.name in SAME_IN_GERMAN), field.name
+    assert set(ENGLISH.names) <= set(GERMAN.names)
+    assert len(GERMAN.signature_fields) == len(ENGLISH.signature_fields)
+    for english, german in GERMAN.phrases:
+        # The unit may be named twice, under two names.
+        assert {p.replace("-", "") for p in re.findall(r"{-?\w+}", english)} == set(
+            re.findall(r"{\w+}", german)
+        )
+
+
+@pytest.mark.parametrize("name", shipped_names())
+def test_german_knows_the_data_and_assumptions_of_every_example_machine(name, tmp_path):
+    (tmp_path / "profile.toml").write_text(read_shipped(name).text, encoding="utf-8")
+    machine = read_profile(tmp_path / "profile.toml")
+    for item in list_data(machine, build_plant(machine), read_shipped(name).text):
+        assert item["key"].rpartition(".")[2] in GERMAN.names, item["key"]
+    for sentence in list_assumptions(machine):
+        assert "Originaltext" not in GERMAN.say(sentence)
+
+
+def test_german_knows_every_warning_about_a_machine():
+    """Each of these is so unusual that a warning answers it."""
+    control = Control(velocity_cycle=5e-3, position_cycle=5e-3, minimum_bandwidth_hz=90.0)
+    modes = [
+        FlexibleMode(name="a b", natural_frequency=w, damping_ratio=d, tcp_gain=g, measured_gain=g)
+        for w, d, g in ((3.0, 1e-3, 5.0), (2e3, 0.5, 0.0), (350.0, 0.02, 1.0), (1.3e3, 0.02, 1.0))
+    ]
+    far = Positioning(distance=1e5)
+    texts = []
+    for force, deviation, load, cycle in (
+        (1e-2, 1e-9, 6e-3, 5e-3),
+        (1e7, 1.0, 0.0, 8e-4),
+    ):
+        machine = Machine(
+            name="n",
+            axis="X",
+            source="s",
+            mechanics=Modal(moving_mass=50.0, modes=tuple(modes)),
+            drive=Drive(
+                force_lag=0.1, max_force=force, static_load=load, continuous_force=2 * force
+            ),
+            moves=(far,),
+            requirements=Requirements(
+                tcp_deviation=deviation,
+                payload=(0.0, 500.0),
+                modes=Modes(surface=3 * deviation, accuracy=2 * deviation, speed=deviation),
+            ),
+            control=replace(control, position_cycle=cycle, feedforward_mass=9000.0),
+        )
+        texts += [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
+    assert len(texts) > 20
+    for text in texts:
+        assert "Originaltext" not in GERMAN.say(text), text
+
+
+def test_german_knows_places_remarks_and_errors_of_the_computation():
+    corner = Corner(payload=12.5, frequency_factor=0.95, damping_factor=0.8)
+    error = ComputationError(Outcome.FINAL_TIME_TOO_SHORT, "t_f = 40 ms, but t_f,min = 43.5061 ms")
+    shown = {
+        describe_place(2, corner, 3): "Bewegung 2, Zuladung 12,5 kg, Frequenzen × 0,95, "
+        "Dämpfung × 0,8",
+        describe_place(1, NOMINAL, 1): "Nennfall",
+        "residual deviation and force limit and RMS force": "Restabweichung und Kraftgrenze und "
+        "Effektivkraft",
+        f"Damping-optimal control: {error}.": "Dämpfungsoptimale Steuerung: Endzeit zu kurz: t_f = "
+        "40 ms, aber t_f,min = 43,5061 ms: keine zulässige Kraft erreicht das Ziel so früh; ein "
+        "längeres t_f vorgeben.",
+    }
+    for english, german in shown.items():
+        assert GERMAN.say(english) == german
+
+
+def test_what_german_does_not_know_is_marked_as_original():
+    assert GERMAN.say("A new sentence.") == "A new sentence. [Originaltext]"
+    assert GERMAN.say("Kv is new. No state feedback.").endswith("[Originaltext]")
+    assert GERMAN.say_if_known("My own table") == "My own table"
+    assert GERMAN.say("") == ""
+
+
+def test_the_german_sheet_has_no_english_and_no_decimal_point():
+    record = example_record()
+    record["limits"]["rule"] |= {
+        "text": "One acceleration ramp lasts one period of mode base (50 Hz), which a ramp of that "
+        "length does not excite.",
+        "valid_for": "velocity changes of at least a / f (here 0.0533 m/s at a = 2.67 m/s^2; rad "
+        "instead of m on a rotary axis); below that a is never reached; exact for an undamped mode",
+    }
+    record["assumptions"] = ["The machine data are illustrative, not those of a real machine."]
+    record["warnings"] = [
+        "moves.0: a rigid axis would need 61.5 s for this move; check distance, velocity and force"
+    ]
+    document = compose(record, GERMAN, before=retuned(record))
+    own = {"versions", "machine", "requirements"}  # the user's names, keys and sources
+    for section in document.sections:
+        # Points of plots have coordinates, which no one reads as text.
+        shown = [b for b in section.blocks if not isinstance(b, PointPlot | HeatMap)]
+        text = " ".join(block_text(block) for block in shown)
+        if section.key != "versions":
+            assert not re.search(r"\d\.\d", text), section.key
+        if section.key not in own:
+            # "j = 10 a" and "a handbook" are names of the record
+            words = re.findall(r"\b(?:the|of|with|and|not|is|in the|by|deviation)\b", text)
+            assert not words, (section.key, words)
+
+
+def test_the_german_sheet_is_the_same_on_page_and_paper():
+    record = example_record()
+    html, pdf = print_html(record, language="de"), print_pdf(record, language="de")
+
+    def joined(text):
+        # A hyphen at the end of a line is not given back by the reader of the PDF.
+        return re.sub(r"[-\ufffe\x02]", "", squeeze(text))
+
+    page, paper = joined(Page(html).text), joined(" ".join(pdf_pages(pdf)))
+    for table in tables(compose(record, GERMAN)):
+        for cell in (cell for row in table.rows for cell in row):
+            assert joined(cell) in page
+            assert joined(cell) in paper
+    assert '<html lang="de">' in html
+    assert json.loads(Page(html).raw["script"][0])["decimal_mark"] == ","
+    plot = next(plot for plot in plots(compose(record, GERMAN)) if plot.key == "bode")
+    ticks = re.findall(rb">([^<>]*\d)</text>", draw_svg(plot, decimal_mark=","))
+    assert b"0,1" in ticks
+    assert not [tick for tick in ticks if b"." in tick]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_the_german_summary_fits_and_speaks_german(encoding):
+    text = render(example_record(), encoding=encoding, language="de")
+    assert max(len(line.rstrip()) for line in text.splitlines()) <= 80
+    assert "Beschleunigung" in text
+    assert ("keine Abnahmeprüfung" if encoding == "utf-8" else "keine Abnahmepruefung") in text
+    assert "?" not in text
 
 
 # two records

@@ -3,7 +3,8 @@
 content.py      record -> document, section by section (``*_part.py``)
 model.py        what a document consists of
 format.py       numbers and units
-labels_en.py    texts; one file for each language
+labels_en.py    texts; one file for each language (labels_de.py)
+phrases.py      the record's own sentences in another language
 html.py         document -> one offline page (page.html, page.css, page.js)
 figures.py      plots -> SVG for print
 pdf.py          document -> PDF (sheet.typ)
@@ -48,7 +49,8 @@ def print_html(record: Record, *, language: str = "en", before: Record | None = 
     from mtcommission.sheet.html import set_html
 
     labels = find_labels(language)
-    return set_html(compose(record, labels, before=before), decimal_mark=labels.decimal_mark)
+    document = compose(record, labels, before=before)
+    return set_html(document, decimal_mark=labels.decimal_mark)
 
 
 def print_pdf(record: Record, *, language: str = "en", before: Record | None = None) -> bytes:
@@ -76,7 +78,9 @@ def print_pdf(record: Record, *, language: str = "en", before: Record | None = N
     """
     from mtcommission.sheet.pdf import set_pdf
 
-    return set_pdf(compose(record, find_labels(language), before=before))
+    labels = find_labels(language)
+    document = compose(record, labels, before=before)
+    return set_pdf(document, decimal_mark=labels.decimal_mark)
 
 
 def summarise(record: Record, *, language: str = "en") -> Summary:

@@ -46,7 +46,7 @@ def _controls(record: Record, controls: list[ComparedEntry], move: str, f: Forma
     )
     rows = tuple(
         (
-            control["name"],
+            text.say(control["name"]),
             f.settling(control["transfer_time"]),
             f.percent(control["overshoot"]),
             *(f.quantity(control["peaks"].get(rate), units[rate]) for rate in rates),
@@ -86,7 +86,7 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, f: Formatter) -> Tab
         ),
         rows=tuple(
             (
-                entry["control"],
+                text.say(entry["control"]),
                 f.quantity(entry["payload"], mass),
                 f.percent(entry["frequency_factor"]),
                 f.percent(entry["damping_factor"]),

@@ -154,7 +154,7 @@ def _limits(before: Record, after: Record, f: Formatter) -> list[Change]:
         ),
         _quantity(text.jerk, (old["jerk"], new["jerk"]), f"{length}/s^3", f),
         _quantity(text.jerk_time, (old["jerk_time"], new["jerk_time"]), "s", f),
-        _words(text.bound_by_column, old["bound_by"], new["bound_by"], f),
+        _words(text.bound_by_column, text.say(old["bound_by"]), text.say(new["bound_by"]), f),
     ]
 
 

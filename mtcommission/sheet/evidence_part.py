@@ -36,7 +36,7 @@ def certificates(record: Record, f: Formatter) -> Section:
             caption = text.certificate_caption.format(move=title, what=name)
             tables.append(_pairs(caption, text.quantity, _certificate_rows(optimum, f), f))
     settings = [
-        (_setting_name(key), value if isinstance(value, str) else f.number(value))
+        (text.say(_setting_name(key)), _setting(value, f))
         for key, value in [*record["settings"].items(), *record["limits"]["search"].items()]
     ]
     return Section(
@@ -117,6 +117,16 @@ def _setting_name(key: str) -> str:
     return key.replace(".", ": ").replace("_", " ")
 
 
+def _setting(value: float | str, f: Formatter) -> str:
+    """Return one number, or several that the record separates by commas; words as they are."""
+    if not isinstance(value, str):
+        return f.number(value)
+    try:
+        return "; ".join(f.number(float(part)) for part in value.split(","))
+    except ValueError:
+        return value
+
+
 def _other_unit(value: float, per: str, f: Formatter) -> str:
     """Return acceleration or jerk in the unit that many controls want: mm, or turns."""
     if f.rotary:
@@ -128,7 +138,7 @@ def _certificate_rows(optimum: OptimumEntry, f: Formatter) -> list[tuple[str, st
     text = f.labels
     rows = [
         (text.final_time, f.quantity(optimum["t_f"], "s")),
-        (text.method, optimum["method"]),
+        (text.method, text.say(optimum["method"])),
         (text.switches, ", ".join(f.quantity(t, "s") for t in optimum["switching_times"])),
         (text.largest_error, f.number(_largest_error(optimum), digits=2)),
     ]
@@ -173,7 +183,7 @@ def _listed(values: dict[str, float], f: Formatter) -> str:
 def _sentences(items: list[str], tone: Tone, f: Formatter) -> Block:
     if not items:
         return Paragraph(text=f.labels.none)
-    return Bullets(items=tuple(items), tone=tone)
+    return Bullets(items=tuple(f.labels.say(item) for item in items), tone=tone)
 
 
 def _pairs(caption: str, head: str, rows: list[tuple[str, str]], f: Formatter) -> Table:

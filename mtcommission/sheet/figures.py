@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from io import BytesIO
 from typing import Any
 
@@ -56,6 +57,9 @@ LINES: tuple[tuple[str, Any, float], ...] = (
 )
 """Colour, dashes and width by style; dashes tell the lines apart in a black-and-white print."""
 
+TICK = re.compile(rb"(>[^<>]?\d+)\.(\d+)(?=</text>)")
+"""A number that stands alone, as those at the axes do."""
+
 SYMBOLS: tuple[tuple[str, str, float], ...] = (
     ("*", "#0b4f9e", 110.0),
     ("s", "#00795c", 24.0),
@@ -64,13 +68,15 @@ SYMBOLS: tuple[tuple[str, str, float], ...] = (
 """Symbol, colour and size by style of a mark."""
 
 
-def draw_svg(plot: Plot) -> bytes:
+def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
     """Return a plot as SVG; the same plot always gives the same bytes.
 
     Parameters
     ----------
     plot
         Any plot of the document.
+    decimal_mark
+        For the numbers at the axes.
 
     Returns
     -------
@@ -95,7 +101,8 @@ def draw_svg(plot: Plot) -> bytes:
         stream = BytesIO()
         # No date and no producer: the PDF must be the same bytes tomorrow.
         figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
-    return stream.getvalue()
+    # Matplotlib takes the mark from the machine's locale; so the numbers are marked here.
+    return TICK.sub(rf"\1{decimal_mark}\2".encode(), stream.getvalue())
 
 
 def _line_plot(plot: LinePlot) -> Figure:

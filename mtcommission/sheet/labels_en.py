@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from mtcommission.sheet.phrases import Phrases, translate
+
 NAMES: Mapping[str, str] = MappingProxyType(
     {
         "F_set": "Set force F_set",
@@ -46,6 +48,8 @@ class Labels:
     language: str = "en"
     decimal_mark: str = "."
     names: Mapping[str, str] = field(default_factory=lambda: NAMES)
+    phrases: Phrases = ()
+    original: str = "{text}"
 
     # the printers' own words
     title: str = "Commissioning sheet"
@@ -345,6 +349,23 @@ class Labels:
         "Verified at the machine (date, name, signature)",
         "Remarks",
     )
+
+    def say(self, text: str) -> str:
+        """Return a sentence of the record in this language, or marked as original text.
+
+        Examples
+        --------
+        >>> Labels(phrases=[("slow", "langsam")], original="{text} [?]").say("fast")
+        'fast [?]'
+        """
+        found = translate(text, self.phrases, decimal_mark=self.decimal_mark)
+        if found is not None or not text:
+            return found or text
+        return self.original.format(text=text)
+
+    def say_if_known(self, text: str) -> str:
+        """Return a text in this language; one of the user's own stays as it is."""
+        return translate(text, self.phrases, decimal_mark=self.decimal_mark) or text
 
     def signal(self, key: str) -> str:
         """Return the name of a state or output.

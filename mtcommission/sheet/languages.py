@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.sheet.labels_en import ENGLISH, Labels
 
-LANGUAGES: dict[str, Labels] = {"en": ENGLISH}
+LANGUAGES: dict[str, Labels] = {"en": ENGLISH, "de": GERMAN}
 
 
 def find_labels(language: str) -> Labels:

@@ -31,7 +31,7 @@ def limits(record: Record, f: Formatter) -> Section:
     recommended, rule = part["recommended"], part["rule"]
     head = (text.recommended, *_numbers(recommended, f), _met(record["assessment"]["met"], f))
     rows = [
-        (item["name"], *_numbers(item, f), _met(item["meets_requirements"], f))
+        (text.say(item["name"]), *_numbers(item, f), _met(item["meets_requirements"], f))
         for item in part["alternatives"]
     ]
     table = Table(
@@ -44,13 +44,15 @@ def limits(record: Record, f: Formatter) -> Section:
         key="limits",
         heading=text.limits_heading,
         blocks=(
-            Paragraph(text=text.values_bound_by.format(bound=recommended["bound_by"])),
+            Paragraph(text=text.values_bound_by.format(bound=text.say(recommended["bound_by"]))),
             table,
             _machining_modes(record, f),
             Subheading(text=text.rule_heading),
-            Paragraph(text=rule["text"]),
+            Paragraph(text=text.say(rule["text"])),
             Paragraph(text=rule["formula"], tone=Tone.FORMULA),
-            Paragraph(text=text.rule_valid.format(range=rule["valid_for"]), tone=Tone.NOTE),
+            Paragraph(
+                text=text.rule_valid.format(range=text.say(rule["valid_for"])), tone=Tone.NOTE
+            ),
         ),
     )
 
@@ -75,7 +77,7 @@ def _machining_modes(record: Record, f: Formatter) -> Table:
                 f.quantity(mode["jerk"], f"{length}/s^3"),
                 f.quantity(mode["jerk_time"], "s"),
                 f.settling(mode["settling_time"]),
-                mode["bound_by"],
+                text.say(mode["bound_by"]),
                 _met(mode["meets_requirements"], f),
             )
             for mode in record["limits"]["modes"]
@@ -94,12 +96,17 @@ def rules(record: Record, f: Formatter) -> Section:
             *_number_columns(f),
         ),
         rows=tuple(
-            (item["name"], item["source"], *_numbers(item, f), _met(item["meets_requirements"], f))
+            (
+                text.say(item["name"]),
+                text.say(item["source"]),
+                *_numbers(item, f),
+                _met(item["meets_requirements"], f),
+            )
             for item in part["rules"]
         ),
     )
     left_out = [
-        item["name"]
+        text.say(item["name"])
         for item in [*part["alternatives"], *part["rules"]]
         if item["settling_time"] is None or not item["residual_deviation"]
     ]
@@ -164,8 +171,8 @@ def _comparison(record: Record, f: Formatter) -> tuple[PointPlot, ...]:
     text, part, permitted = f.labels, record["limits"], band(record)
     named: list[tuple[str, LimitsEntry | Alternative | RuleResult, int]] = [
         (text.recommended, part["recommended"], RECOMMENDED),
-        *((item["name"], item, ALTERNATIVE) for item in part["alternatives"]),
-        *((item["name"], item, RULE) for item in part["rules"]),
+        *((text.say(item["name"]), item, ALTERNATIVE) for item in part["alternatives"]),
+        *((text.say(item["name"]), item, RULE) for item in part["rules"]),
     ]
     points = [
         (name, item["settling_time"], item["residual_deviation"], style)

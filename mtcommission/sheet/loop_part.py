@@ -34,7 +34,7 @@ OPEN, CLOSED = 4, 1
 def loop(record: Record, f: Formatter) -> Section:
     """Return gains, margins, frequency response and poles."""
     text, part = f.labels, record["loop"]
-    sentences = [text.sensors.format(names=", ".join(part["sensors"]))]
+    sentences = [text.sensors.format(names=", ".join(map(text.say, part["sensors"])))]
     if part["observer"]["states"]:
         sentences.append(text.observed.format(names=", ".join(part["observer"]["states"])))
     if not part["state_feedback"]:
@@ -46,7 +46,10 @@ def loop(record: Record, f: Formatter) -> Section:
     )
     remarks: tuple[Block, ...] = ()
     if part["remarks"]:
-        remarks = (Subheading(text=text.remarks), Bullets(items=tuple(part["remarks"])))
+        remarks = (
+            Subheading(text=text.remarks),
+            Bullets(items=tuple(map(text.say, part["remarks"]))),
+        )
     return Section(
         key="loop",
         heading=text.loop_heading,
@@ -75,9 +78,7 @@ def gain_rows(record: Record, f: Formatter) -> tuple[tuple[str, str], ...]:
     ]
     for name, value in part["feedforward"].items():
         unit = mass if "mass" in name else ""
-        rows.append(
-            (text.feedforward.format(name=text.name(name).lower()), f.quantity(value, unit))
-        )
+        rows.append((text.feedforward.format(name=text.say(name)), f.quantity(value, unit)))
     for state, gain in part["state_feedback"].items():
         unit = f"{units['F']}/({units[state]})" if state in units else ""
         rows.append((text.state_feedback.format(name=state), f.quantity(gain, unit)))
@@ -165,7 +166,9 @@ def _variants(record: Record, f: Formatter) -> tuple[Table, ...]:
         (text.max_force, *(f.quantity(item["max_force"], force) for item in variants)),
     ]
     heads = (
-        text.variant_used.format(name=item["name"]) if item["used"] else item["name"]
+        text.variant_used.format(name=text.say(item["name"]))
+        if item["used"]
+        else text.say(item["name"])
         for item in variants
     )
     return (

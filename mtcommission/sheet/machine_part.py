@@ -22,7 +22,7 @@ def machine_data(record: Record, f: Formatter) -> Section:
             (text.machine_row, machine["name"]),
             (text.axis_row, machine["axis"]),
             (text.motion_row, text.rotary if f.rotary else text.linear),
-            (text.source, machine["source"]),
+            (text.source, text.say_if_known(machine["source"])),
             *_rigid_rows(record, f),
         ),
     )
@@ -73,7 +73,12 @@ def _data_table(caption: str, data: list[Quantity], units: dict[str, str], f: Fo
             Column(head=text.source, width=1.8),
         ),
         rows=tuple(
-            (datum_name(item, f), datum(item, units, f), item["key"], item["source"])
+            (
+                datum_name(item, f),
+                datum(item, units, f),
+                item["key"],
+                text.say_if_known(item["source"]),
+            )
             for item in data
         ),
     )

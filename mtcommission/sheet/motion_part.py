@@ -75,7 +75,9 @@ def motions(record: Record, f: Formatter) -> Section:
         blocks.append(_peaks(record, optima, move, short, f))
         blocks.append(_amplitudes(move, short, f))
         blocks.extend(_segments(move, short, f))
-        blocks.extend(Paragraph(text=remark, tone=Tone.NOTE) for remark in optima["remarks"])
+        blocks.extend(
+            Paragraph(text=text.say(remark), tone=Tone.NOTE) for remark in optima["remarks"]
+        )
     return Section(key="motions", heading=text.motion_heading, blocks=tuple(blocks))
 
 

@@ -24,13 +24,15 @@ MISSING_DATE = datetime(2000, 1, 1, tzinfo=UTC)
 """Date of a PDF whose record states none that can be read."""
 
 
-def set_pdf(document: Document) -> bytes:
+def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
     """Return a document as PDF/UA-1.
 
     Parameters
     ----------
     document
         From ``content.compose``.
+    decimal_mark
+        For the numbers at the axes.
 
     Returns
     -------
@@ -42,7 +44,7 @@ def set_pdf(document: Document) -> bytes:
         PRINTING_FAILED with the compiler's message.
     """
     plots = {
-        block.key: draw_svg(block).decode()
+        block.key: draw_svg(block, decimal_mark=decimal_mark).decode()
         for section in document.sections
         for block in section.blocks
         if isinstance(block, PLOTS)

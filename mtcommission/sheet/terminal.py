@@ -46,6 +46,13 @@ SUBSTITUTES = {
     "…": "...",
     "τ": "tau",
     "φ": "phi",
+    "ä": "ae",
+    "ö": "oe",
+    "ü": "ue",
+    "Ä": "Ae",
+    "Ö": "Oe",
+    "Ü": "Ue",
+    "ß": "ss",
 }
 """What a console gets instead of signs that it does not know."""
 
@@ -80,12 +87,14 @@ class Summary:
         verdict = text.verdict_met if is_met else text.verdict_not_met
         yield plain(verdict, "bold green" if is_met else "bold red")
         if record["assessment"]["obstacle"]:
-            yield plain(text.obstacle.format(obstacle=record["assessment"]["obstacle"]))
+            yield plain(text.obstacle.format(obstacle=text.say(record["assessment"]["obstacle"])))
         table = Table.grid(padding=(0, 2))
         for name, value in summary_rows(record, f):
             table.add_row(plain(name), plain(value, "bold"))
         yield table
-        yield plain(text.values_bound_by.format(bound=record["limits"]["recommended"]["bound_by"]))
+        yield plain(
+            text.values_bound_by.format(bound=text.say(record["limits"]["recommended"]["bound_by"]))
+        )
         yield plain(reference_sentence(record, slowest_move(record), f))
         yield from (plain(line) for line in _small_plot(record, f, is_ascii=options.ascii_only))
         yield plain(text.disclaimer, "dim")

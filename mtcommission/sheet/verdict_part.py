@@ -22,9 +22,9 @@ def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:
     """Return verdict, values to enter, result and checks, with a picture of the first move."""
     text, limits = f.labels, record["limits"]["recommended"]
     assessment = record["assessment"]
-    detail = text.values_bound_by.format(bound=limits["bound_by"])
+    detail = text.values_bound_by.format(bound=text.say(limits["bound_by"]))
     if assessment["obstacle"]:
-        detail = f"{text.obstacle.format(obstacle=assessment['obstacle'])}. {detail}"
+        detail = f"{text.obstacle.format(obstacle=text.say(assessment['obstacle']))}. {detail}"
     headline = Headline(
         is_met=assessment["met"],
         verdict=text.verdict_met if assessment["met"] else text.verdict_not_met,
@@ -44,7 +44,8 @@ def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:
         heading=text.verdict_heading,
         blocks=(
             Paragraph(
-                text=text.data_source.format(source=record["machine"]["source"]), tone=Tone.NOTE
+                text=text.data_source.format(source=text.say_if_known(record["machine"]["source"])),
+                tone=Tone.NOTE,
             ),
             headline,
             *_warning_count(record, f),
@@ -147,6 +148,11 @@ def residual_against_band(record: Record, f: Formatter) -> str:
     )
 
 
+def capitalised(words: str) -> str:
+    """Return words with a capital at the beginning and the rest as it is."""
+    return words[:1].upper() + words[1:]
+
+
 def _warning_count(record: Record, f: Formatter) -> tuple[Paragraph, ...]:
     count = len(record["warnings"])
     if not count:
@@ -172,11 +178,11 @@ def _checks(checks: list[Check], f: Formatter) -> Table:
     text = f.labels
     rows = tuple(
         (
-            f.labels.name(check["name"]),
+            capitalised(text.say(check["name"])),
             f.quantity(check["value"], check["unit"], missing=text.not_settled),
             f.quantity(check["limit"], check["unit"]),
             text.met if check["met"] else text.not_met,
-            check["where"],
+            text.say(check["where"]),
         )
         for check in checks
     )

@@ -1,0 +1,91 @@
+"""Sentences of the record in another language, found by their pattern.
+
+The record is written once, in English; a language states pairs of patterns. ``{1}`` takes a
+number, ``{name}`` a name that stays as it is, ``{-rest}`` a phrase that is translated in turn.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import cache
+
+PLACE = re.compile(r"\{(-?)(\w+)\}")
+NUMBER = r"[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|inf|nan)"
+
+Phrases = Sequence[tuple[str, str]]
+
+
+def translate(text: str, phrases: Phrases, *, decimal_mark: str) -> str | None:
+    """Return a text in another language; None where no pattern fits.
+
+    Parameters
+    ----------
+    text
+        One or more sentences.
+    phrases
+        Pairs of patterns; the first that fits is taken.
+    decimal_mark
+        For the numbers in the text.
+
+    Returns
+    -------
+    str or None
+
+    Examples
+    --------
+    >>> phrases = [("force", "Kraft"), ("{-a} at {1} s", "{a} nach {1} s")]
+    >>> translate("force at 0.5 s", phrases, decimal_mark=",")
+    'Kraft nach 0,5 s'
+    >>> translate("moment at 0.5 s", phrases, decimal_mark=",") is None
+    True
+    """
+    for source, target in phrases:
+        match = _pattern(source).fullmatch(text)
+        if match is None:
+            continue
+        filled = _fill(match, source, phrases, decimal_mark)
+        if filled is not None:
+            return _put(target, filled)
+    return _sentence_by_sentence(text, phrases, decimal_mark)
+
+
+def _put(target: str, values: dict[str, str]) -> str:
+    return PLACE.sub(lambda place: values[place[2]], target)
+
+
+def _fill(
+    match: re.Match[str], source: str, phrases: Phrases, decimal_mark: str
+) -> dict[str, str] | None:
+    """Return what stands in each place; None where a phrase inside is not known."""
+    values = {}
+    for is_phrase, name in PLACE.findall(source):
+        found: str | None = match[f"_{name}"]
+        if is_phrase:
+            found = translate(match[f"_{name}"], phrases, decimal_mark=decimal_mark)
+        elif name.isdigit():
+            found = match[f"_{name}"].replace(".", decimal_mark)
+        if found is None:
+            return None
+        values[name] = found
+    return values
+
+
+def _sentence_by_sentence(text: str, phrases: Phrases, decimal_mark: str) -> str | None:
+    first, gap, rest = text.partition(". ")
+    if not gap:
+        return None
+    parts = [translate(part, phrases, decimal_mark=decimal_mark) for part in (first + ".", rest)]
+    known = [part for part in parts if part is not None]
+    return " ".join(known) if len(known) == len(parts) else None
+
+
+@cache
+def _pattern(source: str) -> re.Pattern[str]:
+    found, end = "", 0
+    for place in PLACE.finditer(source):
+        name = place[2]
+        found += re.escape(source[end : place.start()])
+        found += f"(?P<_{name}>{NUMBER if name.isdigit() else '.+?'})"
+        end = place.end()
+    return re.compile(found + re.escape(source[end:]))
