@@ -7,6 +7,7 @@ velocity cycle), lifted to the position cycle, and driven by the same setpoint.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil, inf
 
@@ -236,7 +237,7 @@ def find_sensitivities(
         10 % more and less jerk and acceleration; all frequencies, in every corner, 1 % higher
         and lower; 10 % less damping.
     """
-    places = _as_variations(corners(machine))
+    places = as_variations(corners(machine))
     a, j = limits.acceleration, limits.jerk
     cases = [
         ("jerk +10 %", MotionLimits(acceleration=a, jerk=1.1 * j), places),
@@ -274,7 +275,8 @@ def _worst(
     return float(found.settling_time.max()), float(found.residual_deviation.max())
 
 
-def _as_variations(places: tuple[Corner, ...]) -> Variations:
+def as_variations(places: Sequence[Corner]) -> Variations:
+    """Return corners as variations, in the same order."""
     return Variations(
         payload=np.array([corner.payload for corner in places]),
         frequency_factor=np.array([corner.frequency_factor for corner in places]),
@@ -315,12 +317,39 @@ def respond_to_variations(
     -------
     VariedResponse
     """
+    time = machine.control.moving_average_time
+    setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
+    return follow_setpoints(machine, plant, tuned, setpoints, variations=variations)
+
+
+def follow_setpoints(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    setpoints: Sequence[Setpoint],
+    *,
+    variations: Variations,
+) -> VariedResponse:
+    """Return settling time and residual deviation of given setpoints on many machines.
+
+    Parameters
+    ----------
+    machine, plant
+        The nominal machine and its plant.
+    tuned
+        Its loop; the force is not saturated here.
+    setpoints
+        One for each move, filters included.
+    variations
+        The machines.
+
+    Returns
+    -------
+    VariedResponse
+        Worst over the setpoints.
+    """
     count = len(variations.payload)
     settling, residual = np.zeros(count), np.zeros(count)
-    setpoints = [
-        plan_setpoint(move, limits, moving_average=machine.control.moving_average_time)
-        for move in machine.moves
-    ]
     for start in range(0, count, CHUNK):
         part = slice(start, start + CHUNK)
         A, B = _discretise_all(machine, plant, tuned, variations, part)

@@ -1,0 +1,267 @@
+"""Input shapers and the jerk filter, on a setpoint with trapezoidal velocity, for comparison.
+
+A shaper splits the setpoint into a few scaled and delayed copies whose vibrations of one mode
+cancel. The jerk filter is a moving average over one period of that mode. Both run through the
+same loop, corners and judgement as the recommendation, each with the acceleration that suits it
+best.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import exp, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.assess import assess
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.response import simulate
+from mtcommission.loop.tuning import TunedLoop
+from mtcommission.machine import Machine, Move, moving_mass
+from mtcommission.plant import Plant, PlantMode
+from mtcommission.robustness import as_variations, follow_setpoints
+from mtcommission.rules import NO_JERK_LIMIT, dominant_mode
+from mtcommission.setpoint import Setpoint, plan_setpoint
+from mtcommission.trials import Trial
+
+Array = NDArray[np.float64]
+
+ACCELERATIONS = 16
+"""Accelerations tried for each shaper, from a tenth of F_max/m upwards, logarithmic."""
+
+LEAST_ACCELERATION = 0.1
+"""The least of them, as a share of F_max/m [-]."""
+
+EI_TOLERANCE = 0.05
+"""Vibration that the EI shaper tolerates at its design frequency [-] (the usual 5 %)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shaper:
+    """A sequence of impulses, normed to 1.
+
+    Parameters
+    ----------
+    name
+        Usual abbreviation.
+    source
+        Who says so.
+    times
+        Delays of the copies, the first one 0 [s].
+    amplitudes
+        Their shares; the sum is 1.
+    """
+
+    name: str
+    source: str
+    times: tuple[float, ...]
+    amplitudes: tuple[float, ...]
+
+
+def design_shapers(mode: PlantMode) -> tuple[Shaper, ...]:
+    """Return the usual input shapers for one mode.
+
+    Parameters
+    ----------
+    mode
+        The mode to be kept at rest.
+
+    Returns
+    -------
+    tuple of Shaper
+        ZV, MZV, ZVD, EI, by rising duration.
+
+    Source: Singer & Seering 1990 (ZV, ZVD); Singhose, Seering & Singer 1994 (EI), its
+    amplitudes with the damping correction of Klipper's documentation, as MZV.
+
+    Examples
+    --------
+    >>> slow = PlantMode(name="m", natural_frequency=2 * pi * 50.0, damping_ratio=0.0,
+    ...     tcp_gain=1.0, measured_gain=0.0, scale=1.0, deflection=2, rate=3)
+    >>> [(s.name, round(1e3 * s.times[-1], 3)) for s in design_shapers(slow)]
+    [('ZV', 10.0), ('MZV', 15.0), ('ZVD', 20.0), ('EI', 20.0)]
+    """
+    zeta = mode.damping_ratio
+    root = sqrt(1.0 - zeta**2)
+    T_d = 2.0 * pi / (mode.natural_frequency * root)
+    K, K_m = exp(-zeta * pi / root), exp(-0.75 * zeta * pi / root)
+    V, edge = EI_TOLERANCE, 1.0 - 1.0 / sqrt(2.0)
+    singer = "Singer & Seering 1990"
+    return (
+        _normed("ZV", singer, (0.0, T_d / 2), (1.0, K)),
+        _normed(
+            "MZV",
+            "Klipper, Resonance Compensation",
+            (0.0, 0.375 * T_d, 0.75 * T_d),
+            (edge, (sqrt(2.0) - 1.0) * K_m, edge * K_m**2),
+        ),
+        _normed("ZVD", singer, (0.0, T_d / 2, T_d), (1.0, 2.0 * K, K**2)),
+        _normed(
+            "EI",
+            "Singhose, Seering & Singer 1994",
+            (0.0, T_d / 2, T_d),
+            (0.25 * (1 + V), 0.5 * (1 - V) * K, 0.25 * (1 + V) * K**2),
+        ),
+    )
+
+
+def _normed(
+    name: str, source: str, times: tuple[float, ...], amplitudes: tuple[float, ...]
+) -> Shaper:
+    total = sum(amplitudes)
+    return Shaper(
+        name=name, source=source, times=times, amplitudes=tuple(a / total for a in amplitudes)
+    )
+
+
+def shape_setpoint(setpoint: Setpoint, shaper: Shaper) -> Setpoint:
+    """Return the setpoint behind a shaper: the sum of its delayed, scaled copies.
+
+    Parameters
+    ----------
+    setpoint
+        Any setpoint.
+    shaper
+        Impulses.
+
+    Returns
+    -------
+    Setpoint
+        Later by the shaper's duration; ``limits`` and segments are those before it.
+    """
+    times = np.add.outer(np.array(shaper.times), setpoint.knot_times).ravel()
+    order = np.argsort(times, kind="stable")
+    shaped = [
+        np.outer(shaper.amplitudes, steps).ravel()[order]
+        for steps in (setpoint.jerk_steps, setpoint.snap_steps)
+    ]
+    for array in shaped:
+        array.setflags(write=False)
+    knots = times[order]
+    knots.setflags(write=False)
+    return replace(setpoint, knot_times=knots, jerk_steps=shaped[0], snap_steps=shaped[1])
+
+
+def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Trial, ...]:
+    """Return shapers and the jerk filter through the same loop and judgement.
+
+    All are designed for the dominant mode of the nominal plant; each gets the acceleration, of
+    ``ACCELERATIONS`` tried, that settles soonest within all requirements (if none does, within
+    the force).
+
+    Parameters
+    ----------
+    machine, plant
+        The nominal machine and its plant.
+    tuned
+        Its loop in every corner.
+
+    Returns
+    -------
+    tuple of Trial
+        The jerk in ``limits`` is a/T for the filter of length T, and stands for "no limit"
+        with the shapers.
+    """
+    mode = dominant_mode(plant)
+    period = 1.0 / mode.frequency_hz
+    trials = [
+        _best_trial(
+            machine,
+            plant,
+            tuned,
+            name=f"{shaper.name} shaper ({mode.name}, {mode.frequency_hz:.3g} Hz)",
+            source=shaper.source,
+            plan=_shaped_by(shaper),
+            jerk_time=NO_JERK_LIMIT,
+        )
+        for shaper in design_shapers(mode)
+    ]
+    trials.append(
+        _best_trial(
+            machine,
+            plant,
+            tuned,
+            name=f"moving average 1/f ({mode.name}, {mode.frequency_hz:.3g} Hz)",
+            source="jerk filter of the controls, Biagiotti & Melchiorri 2008",
+            plan=lambda move, a: plan_setpoint(move, _trapezoid(a), moving_average=period),
+            jerk_time=period,
+        )
+    )
+    return tuple(trials)
+
+
+def _shaped_by(shaper: Shaper) -> Callable[[Move, float], Setpoint]:
+    return lambda move, a: shape_setpoint(plan_setpoint(move, _trapezoid(a)), shaper)
+
+
+def _trapezoid(acceleration: float) -> MotionLimits:
+    return MotionLimits(acceleration=acceleration, jerk=acceleration / NO_JERK_LIMIT)
+
+
+def _best_trial(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    *,
+    name: str,
+    source: str,
+    plan: Callable[[Move, float], Setpoint],
+    jerk_time: float,
+) -> Trial:
+    """The acceleration that settles soonest and meets all; else soonest within the force."""
+    largest = machine.drive.motion_force / moving_mass(machine)
+    places, band = as_variations(tuned.corners), machine.requirements.tcp_deviation
+    ranked = []
+    for a in largest * np.geomspace(1.0, LEAST_ACCELERATION, ACCELERATIONS):
+        setpoints = [plan(move, float(a)) for move in machine.moves]
+        found = follow_setpoints(machine, plant, tuned, setpoints, variations=places)
+        is_outside = bool(np.any(found.residual_deviation > band))
+        ranked.append((is_outside, float(found.settling_time.max()), float(a), setpoints))
+    ranked.sort(key=lambda item: item[:2])
+    within_force: list[Trial] = []
+    for is_outside, _, a, setpoints in ranked:
+        if is_outside and within_force:
+            break
+        limits = MotionLimits(acceleration=a, jerk=a / jerk_time)
+        trial = _judge(machine, plant, tuned, setpoints, name=name, source=source, limits=limits)
+        if trial.assessment.is_met:
+            return trial
+        if _keeps_force(trial):
+            within_force.append(trial)
+    return min(within_force, key=lambda item: item.settling_time, default=trial)
+
+
+def _keeps_force(trial: Trial) -> bool:
+    return all(check.is_met for check in trial.assessment.checks if "force" in check.name)
+
+
+def _judge(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    setpoints: Sequence[Setpoint],
+    *,
+    name: str,
+    source: str,
+    limits: MotionLimits,
+) -> Trial:
+    drive, band = machine.drive, machine.requirements.tcp_deviation
+    rows = [
+        [
+            simulate(loop, lifted, setpoint, drive=drive, band=band)
+            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+        ]
+        for setpoint in setpoints
+    ]
+    everywhere = [response for row in rows for response in row]
+    return Trial(
+        name=name,
+        source=source,
+        limits=limits,
+        settling_time=max(response.settling_time for response in everywhere),
+        residual_deviation=max(response.residual_deviation for response in everywhere),
+        peak_deviation=max(response.peak_deviation for response in everywhere),
+        assessment=assess(machine, plant, tuned.corners, rows),
+    )
