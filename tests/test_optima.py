@@ -1,0 +1,77 @@
+"""The reference of a move, exact where it can be had and honest where it is composed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mtcommission.errors import ComputationError
+from mtcommission.machine import Positioning
+from mtcommission.optima import find_optima
+from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.cruise import compose_cruise
+from mtcommission.plant import build_plant
+from tests.machines import paper_machine, random_modal_machine
+
+
+@pytest.mark.parametrize("seed", [2, 3, 11])
+def test_composed_move_rests_at_its_target_when_somebody_else_integrates_it(seed: int) -> None:
+    """A stand-in for the optimum must at least be a control that does the move."""
+    machine = random_modal_machine(seed, n_modes=2)
+    plant = build_plant(machine)
+    force = machine.drive.motion_force
+    speed = 0.3
+    length = 4.0 * speed**2 * plant.moving_mass / force + 0.3
+    move = Positioning(distance=length, max_velocity=speed)
+    found = compose_cruise(plant, move, force_limit=force)
+    state = np.zeros(plant.order)
+    fastest = 0.0
+    for arc in found.arcs:
+        u = {"+": force, "-": -force}.get(arc.control[0], 0.0)
+        solved = solve_ivp(
+            lambda _, x, u=u: plant.A @ x + plant.B * u,
+            (arc.t_start, arc.t_end),
+            state,
+            method="DOP853",
+            rtol=1e-10,
+            atol=1e-13,
+            max_step=2e-3,
+        )
+        fastest = max(fastest, float(np.max(solved.y[plant.velocity])))
+        state = solved.y[:, -1]
+    target = np.zeros(plant.order)
+    target[plant.position] = length
+    assert np.all(np.abs(state - target) < 1e-6 * found.peaks[: plant.order])
+    assert fastest <= speed * (1.0 + 1e-6)
+    assert found.certificate.t_f_lower_bound < found.t_f
+
+
+def test_exact_optimum_is_between_composed_time_and_its_bound() -> None:
+    """The bound must hold for the certified optimum, and composing must not beat it."""
+    machine = paper_machine()
+    plant = build_plant(machine)
+    move = Positioning(distance=0.012, max_velocity=0.1)
+    composed = compose_cruise(plant, move, force_limit=2e3)
+    exact = solve_bounded_time_optimal(plant, move, force_limit=2e3, bounds=())
+    assert composed.certificate.t_f_lower_bound <= exact.certificate.t_f_lower_bound
+    assert exact.t_f <= composed.t_f * (1.0 + 1e-9)
+
+
+def test_long_cruise_is_composed_and_said_so() -> None:
+    """A reader must see that the reference is not the optimum itself, and how far it can be."""
+    machine = paper_machine()
+    move = Positioning(distance=0.2, max_velocity=0.1)
+    machine = replace(machine, moves=(move,))
+    found = find_optima(machine, build_plant(machine), move)
+    assert found.time.method == "composed"
+    assert "Nothing is faster than" in found.remarks[0]
+
+
+def test_too_short_a_move_cannot_cruise() -> None:
+    plant = build_plant(paper_machine())
+    move = Positioning(distance=1e-3, max_velocity=1.0)
+    with pytest.raises(ComputationError, match="too short"):
+        compose_cruise(plant, move, force_limit=2e3)
