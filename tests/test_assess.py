@@ -1,0 +1,132 @@
+"""The verdict must name every requirement, its worst place and the one in the way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+from mtcommission.assess import Assessment, Check, assess, describe_place
+from mtcommission.loop.response import LoopResponse
+from mtcommission.machine import NOMINAL, Corner, Machine, Motion, Peak
+from mtcommission.plant import build_plant
+from tests.machines import paper_machine
+
+
+def response(**changes: object) -> LoopResponse:
+    """A response within all requirements, but for the changes."""
+    still = LoopResponse(
+        t=np.zeros(1),
+        deviation=np.zeros(1),
+        force=np.zeros(1),
+        states=np.zeros((1, 7)),
+        t_end=0.08,
+        settling_time=0.1,
+        residual_deviation=4e-6,
+        peak_deviation=5e-5,
+        mode_amplitudes=np.zeros(2),
+        peaks=np.full(10, 1e-3),
+        max_force=1500.0,
+        rms_force=700.0,
+        saturated=False,
+    )
+    return replace(still, **changes)  # type: ignore[arg-type]
+
+
+def demanding(**changes: object) -> Machine:
+    machine = paper_machine()
+    needs = replace(
+        machine.requirements, max_settling_time=0.2, peaks=(Peak(name="v_phi", bound=5e-3),)
+    )
+    drive = replace(machine.drive, continuous_force=1000.0)
+    return replace(machine, requirements=needs, drive=drive, **changes)  # type: ignore[arg-type]
+
+
+def verdict(machine: Machine, *row: LoopResponse) -> Assessment:
+    corners = (NOMINAL, Corner(payload=100.0, frequency_factor=0.95))[: len(row)]
+    return assess(machine, build_plant(machine), corners, [row])
+
+
+def named(assessment: Assessment, name: str) -> Check:
+    return next(check for check in assessment.checks if check.name == name)
+
+
+def test_every_requirement_has_a_check_with_its_limit() -> None:
+    found = verdict(demanding(), response())
+    limits = {check.name: (check.limit, check.unit) for check in found.checks}
+    assert limits == {
+        "residual deviation": (5e-6, "m"),
+        "settling time": (0.2, "s"),
+        "peak v_phi": (5e-3, "rad/s"),
+        "set force": (2000.0, "N"),
+        "RMS force": (1000.0, "N"),
+    }
+    assert found.is_met
+    assert found.obstacle == ""
+
+
+def test_what_is_not_required_is_not_checked() -> None:
+    names = {check.name for check in verdict(paper_machine(), response()).checks}
+    assert names == {"residual deviation", "set force"}
+
+
+peaks = np.full(10, 1e-3)
+peaks[5] = 6e-3
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"),
+    [
+        ({"residual_deviation": 5.1e-6}, "residual deviation"),
+        ({"settling_time": 0.21}, "settling time"),
+        ({"settling_time": inf}, "settling time"),
+        ({"peaks": peaks}, "peak v_phi"),
+        ({"max_force": 2001.0}, "set force"),
+        ({"rms_force": 1001.0}, "RMS force"),
+    ],
+)
+def test_each_missed_requirement_is_the_obstacle(changes: dict[str, object], name: str) -> None:
+    found = verdict(demanding(), response(), response(**changes))
+    assert not found.is_met
+    assert [check.name for check in found.checks if not check.is_met] == [name]
+    assert found.obstacle == name
+    assert named(found, name).where == "payload 100 kg, frequencies x 0.95"
+
+
+def test_a_requirement_just_met_is_met() -> None:
+    found = verdict(demanding(), response(residual_deviation=5e-6, settling_time=0.2))
+    assert found.is_met
+
+
+def test_the_obstacle_is_missed_by_the_largest_factor() -> None:
+    found = verdict(demanding(), response(residual_deviation=5.5e-6, max_force=3000.0))
+    assert found.obstacle == "set force"
+
+
+def test_the_worst_move_counts_and_is_named() -> None:
+    machine = demanding(moves=paper_machine().moves * 2)
+    rows = [[response()], [response(settling_time=0.15)]]
+    found = assess(machine, build_plant(machine), (NOMINAL,), rows)
+    check = named(found, "settling time")
+    assert (check.value, check.where) == (0.15, "move 2, nominal")
+
+
+def test_static_load_leaves_less_force() -> None:
+    machine = demanding()
+    machine = replace(machine, drive=replace(machine.drive, static_load=-600.0))
+    check = named(verdict(machine, response()), "set force")
+    assert (check.limit, check.is_met) == (1400.0, False)
+
+
+def test_rotary_axes_are_judged_in_their_units() -> None:
+    units = {c.name: c.unit for c in verdict(demanding(motion=Motion.ROTARY), response()).checks}
+    assert units["residual deviation"] == "rad"
+    assert units["set force"] == units["RMS force"] == "N m"
+
+
+def test_places_are_described_in_words() -> None:
+    corner = Corner(payload=50.0, frequency_factor=1.05, damping_factor=0.7)
+    assert describe_place(1, corner, 1) == "payload 50 kg, frequencies x 1.05, damping x 0.7"
+    assert describe_place(2, NOMINAL, 3) == "move 2, nominal"

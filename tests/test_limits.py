@@ -1,0 +1,61 @@
+"""Condensing an optimum must find the jerk-limited profile that is in it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mtcommission.limits import MotionLimits, condense
+from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.solution import Trajectory
+from tests.independent_loop import profile_of
+
+
+def motion(move: Move, a: float, j: float) -> Trajectory:
+    profile = profile_of(move, a, j)
+    t = np.linspace(0.0, profile.end, 1500)
+    v = np.array([profile.at(time)[1] for time in t])
+    return Trajectory(t=t, force=np.zeros_like(t), states=v[:, None])
+
+
+@given(
+    velocity=st.floats(0.02, 1.0),
+    acceleration=st.floats(0.5, 10.0),
+    share=st.floats(0.05, 0.9),
+)
+@settings(max_examples=25, deadline=None)
+def test_a_velocity_step_gives_back_its_own_limits(
+    velocity: float, acceleration: float, share: float
+) -> None:
+    """share < 1 is the ramp time over v/a: the acceleration is reached."""
+    jerk = acceleration**2 / (share * velocity)
+    move = VelocityStep(velocity_step=velocity)
+    found = condense(move, motion(move, acceleration, jerk), velocity=0)
+    assert found.acceleration == pytest.approx(acceleration, rel=2e-3)
+    assert found.jerk == pytest.approx(jerk, rel=5e-3)
+
+
+@given(acceleration=st.floats(1.0, 10.0), share=st.floats(0.05, 0.9))
+@settings(max_examples=15, deadline=None)
+def test_a_move_with_cruise_gives_back_its_own_limits(acceleration: float, share: float) -> None:
+    move = Positioning(distance=0.3, max_velocity=0.4)
+    jerk = acceleration**2 / (share * 0.4)
+    found = condense(move, motion(move, acceleration, jerk), velocity=0)
+    assert found.acceleration == pytest.approx(acceleration, rel=2e-3)
+    assert found.jerk == pytest.approx(jerk, rel=5e-3)
+
+
+def test_a_move_without_cruise_keeps_its_duration() -> None:
+    """Without a velocity limit the peak is 2 L / t_f: a triangle of velocity."""
+    move = Positioning(distance=0.02)
+    original = motion(move, 2.0, 80.0)
+    found = condense(move, original, velocity=0)
+    again = profile_of(move, found.acceleration, found.jerk)
+    assert again.end == pytest.approx(original.t[-1], rel=1e-6)
+    assert found.acceleration == pytest.approx(2.0, rel=5e-3)
+
+
+def test_jerk_time_is_that_of_one_ramp() -> None:
+    assert MotionLimits(acceleration=2.0, jerk=100.0).jerk_time == pytest.approx(0.02)

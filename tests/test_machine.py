@@ -1,0 +1,139 @@
+"""Corners must be exactly the combinations that the requirements state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mtcommission.machine import (
+    NOMINAL,
+    Corner,
+    Drive,
+    Manipulator,
+    Modal,
+    corners,
+    flexible_modes,
+    frequency_hz,
+    mid_payload,
+    moving_mass,
+    vary,
+)
+from mtcommission.plant import build_plant
+from tests.machines import paper_machine, random_modal_machine
+
+MACHINES = [paper_machine(), random_modal_machine(3, n_modes=3)]
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+@given(
+    payload=st.floats(0.0, 200.0),
+    frequency=st.floats(0.5, 1.5),
+    damping=st.floats(0.2, 3.0),
+)
+def test_a_corner_scales_frequencies_and_keeps_damping_ratios(
+    machine,
+    payload: float,
+    frequency: float,
+    damping: float,  # type: ignore[no-untyped-def]
+) -> None:
+    """A frequency spread must act through stiffness: the poles scale as a whole."""
+    corner = Corner(payload=payload, frequency_factor=frequency, damping_factor=damping)
+    varied = vary(machine, corner)
+    assert moving_mass(varied) == pytest.approx(moving_mass(machine) + payload)
+    for before, after in zip(flexible_modes(machine), flexible_modes(varied), strict=True):
+        assert after.natural_frequency == pytest.approx(frequency * before.natural_frequency)
+        assert after.damping_ratio == pytest.approx(damping * before.damping_ratio)
+        assert after.tcp_gain == before.tcp_gain
+    same_damping = vary(machine, replace(corner, damping_factor=1.0))
+    poles = np.array([mode.pole for mode in build_plant(machine).modes])
+    scaled = np.array([mode.pole for mode in build_plant(same_damping).modes])
+    assert np.allclose(scaled, frequency * poles, rtol=1e-12)
+
+
+def test_nominal_corner_changes_nothing() -> None:
+    for machine in MACHINES:
+        assert vary(machine, NOMINAL) == machine
+
+
+def test_payload_turns_the_tower_only_with_a_radius() -> None:
+    """The definition: payload adds to the inertia only if payload_radius is given."""
+    machine, corner = paper_machine(), Corner(payload=100.0)
+    parts = vary(machine, corner).mechanics
+    assert isinstance(parts, Manipulator)
+    assert parts.rotary_inertia == 40.0
+    away = replace(machine, requirements=replace(machine.requirements, payload_radius=0.3))
+    parts = vary(away, corner).mechanics
+    assert isinstance(parts, Manipulator)
+    assert parts.rotary_inertia == pytest.approx(40.0 + 100.0 * 0.3**2)
+
+
+def test_corners_are_enumerated_with_the_nominal_machine_first() -> None:
+    needs = replace(
+        paper_machine().requirements,
+        payload=(20.0, 100.0),
+        frequency_spread=0.05,
+        damping_spread=0.3,
+    )
+    found = corners(replace(paper_machine(), requirements=needs))
+    assert found[0] == NOMINAL
+    expected = {
+        (payload, frequency, damping)
+        for payload in (20.0, 100.0)
+        for frequency in (0.95, 1.05)
+        for damping in (0.7, 1.3)
+    }
+    outer = [(c.payload, c.frequency_factor, c.damping_factor) for c in found[1:]]
+    assert len(outer) == 8
+    assert set(outer) == expected
+
+
+@pytest.mark.parametrize(
+    ("changes", "count"),
+    [
+        ({}, 1),
+        ({"payload": (0.0, 100.0)}, 2),
+        ({"payload": (50.0, 50.0)}, 2),
+        ({"frequency_spread": 0.05}, 3),
+        ({"payload": (0.0, 100.0), "frequency_spread": 0.05}, 5),
+    ],
+)
+def test_no_corner_appears_twice(changes: dict[str, object], count: int) -> None:
+    needs = replace(paper_machine().requirements, **changes)  # type: ignore[arg-type]
+    found = corners(replace(paper_machine(), requirements=needs))
+    assert len(found) == len(set(found)) == count
+
+
+def test_modes_of_the_manipulator_by_hand() -> None:
+    base, tower = flexible_modes(paper_machine())
+    assert frequency_hz(base) == pytest.approx((44.41e6 / 450) ** 0.5 / (2 * pi))
+    assert frequency_hz(tower) == pytest.approx((8.2e6 / 40) ** 0.5 / (2 * pi))
+    assert base.tcp_gain == base.measured_gain == pytest.approx(1 / 450)
+    assert tower.tcp_gain == pytest.approx(0.21 * 0.25 / 40)
+    assert tower.measured_gain == 0.0
+
+
+def test_static_load_takes_its_amount_from_either_direction() -> None:
+    for load in (300.0, -300.0):
+        drive = Drive(force_lag=1e-3, max_force=2e3, static_load=load)
+        assert drive.motion_force == 1700.0
+
+
+def test_payload_moves_the_middle() -> None:
+    needs = replace(paper_machine().requirements, payload=(20.0, 100.0))
+    assert mid_payload(replace(paper_machine(), requirements=needs)) == 60.0
+
+
+def test_random_machines_are_plausible() -> None:
+    """The generator of the other tests keeps its stated ranges."""
+    for seed in range(30):
+        machine = random_modal_machine(seed, n_modes=1 + seed % 4)
+        assert isinstance(machine.mechanics, Modal)
+        assert 50.0 <= moving_mass(machine) <= 2000.0
+        for mode in machine.mechanics.modes:
+            assert 15.0 <= frequency_hz(mode) <= 300.0
+            assert 0.005 <= mode.damping_ratio <= 0.1
