@@ -303,6 +303,26 @@ def test_faster_than_the_reference_is_explained():
     assert "8.05 % less, since it is judged by the band" in text.replace(THIN_SPACE, " ")
 
 
+def test_what_is_to_be_measured_has_its_value_and_empty_fields():
+    for make in RECORDS.values():
+        record = make()
+        section = next(s for s in compose(record, ENGLISH).sections if s.key == "measurements")
+        table = next(block for block in section.blocks if isinstance(block, Table))
+        assert table.is_form
+        assert all(row[3:] == ("", "", "") and row[1] for row in table.rows)
+        assert len(table.rows) == 4 + 2 * len(record["plant"]["modes"]) + 5 * len(record["moves"])
+    rows = {row[0]: row[1:3] for row in table_of(example_record(), "measurements").rows}
+    assert rows["Frequency of mode base"] == (f"50.03{THIN_SPACE}Hz", f"± 5.2{THIN_SPACE}%")
+    assert rows["Damping ratio of mode base"] == (f"3.01{THIN_SPACE}%", "–")
+    assert rows["Move 1: Residual deviation"] == (f"4.581{THIN_SPACE}µm", f"5.1{THIN_SPACE}µm")
+    assert rows["Move 1: Largest set force"][0] == f"1.803{THIN_SPACE}kN"
+
+
+def table_of(record, key):
+    section = next(s for s in compose(record, ENGLISH).sections if s.key == key)
+    return next(block for block in section.blocks if isinstance(block, Table))
+
+
 def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
     document = compose(example_record(), ENGLISH)
     cells = {row[0]: row[1] for table in tables(document) for row in table.rows}

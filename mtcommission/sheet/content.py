@@ -11,6 +11,7 @@ from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.limits_part import landscape, limits, rules
 from mtcommission.sheet.loop_part import corner_tables, loop
 from mtcommission.sheet.machine_part import machine_data, requirements
+from mtcommission.sheet.measure_part import measurements
 from mtcommission.sheet.model import Document
 from mtcommission.sheet.motion_part import first_look, motions
 from mtcommission.sheet.verdict_part import verdict
@@ -67,6 +68,7 @@ def compose(record: Record, labels: Labels, *, before: Record | None = None) -> 
             comparisons(record, f),
             loop(record, f),
             corner_tables(record, f),
+            measurements(record, f),
             certificates(record, f),
             versions(record, f),
             entry_form(record, f),

@@ -707,6 +707,34 @@ GERMAN = Labels(
     created="Berechnet am",
     hash_row="SHA-256 des Profils",
     profile_caption="Profil {name}, wie gelesen",
+    # measurements
+    measure_heading="Messungen an der Maschine",
+    measure_note=(
+        "Die Werte gelten für die Nennmaschine ohne Zuladung. Liegt eine Frequenz außerhalb des "
+        "zulässigen Bereichs: Profil berichtigen und neu rechnen, bevor die Grenzwerte gelten. "
+        "Bewegungen: {moves}."
+    ),
+    measure_how=(
+        "Eigenfrequenzen und Dämpfungsgrade: Impulshammer und Beschleunigungsaufnehmer am Werkzeug "
+        "oder Frequenzgang des Antriebs; Regelung aus, Bremse gelöst, Mitte des Verfahrwegs.",
+        "Bewegte Masse: Motorkraft durch Beschleunigung bei gleichbleibender Beschleunigung, ohne "
+        "die Reibung (Mittel aus beiden Richtungen).",
+        "Reserven und Bandbreite: Frequenzgang mit der Messfunktion der Steuerung, Kreis an der "
+        "Sollkraft aufgetrennt.",
+        "Abweichungen und Einschwingzeit: Laserinterferometer oder Beschleunigungsaufnehmer am "
+        "Werkzeug, mit den Grenzwerten dieses Protokolls, gegen den verzögerten Sollwert.",
+        "Kräfte: Aufzeichnung des Antriebs (Kraft- oder Stromsollwert).",
+    ),
+    measure_caption="Berechnete und gemessene Werte",
+    measurement="Messung",
+    calculated="Berechnet",
+    measured="Gemessen",
+    difference="Differenz",
+    measured_by="Datum, Name",
+    measure_fields=(
+        "Messmittel (Typ, Nummer, kalibriert bis)",
+        "Zustand der Maschine (Stellung der anderen Achsen, Zuladung, Temperatur)",
+    ),
     # entry and signature
     entry_heading="Einzugebende Parameter und Unterschrift",
     entry_caption="Werte für die Steuerung",

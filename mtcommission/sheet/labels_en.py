@@ -333,6 +333,35 @@ class Labels:
     hash_row: str = "SHA-256 of the profile"
     profile_caption: str = "Profile {name} as read"
 
+    # measurements
+    measure_heading: str = "Measurements to make on the machine"
+    measure_note: str = (
+        "The values are those of the nominal machine without payload. If a frequency lies outside "
+        "its permitted range, correct the profile and calculate again before using the limits. "
+        "Moves: {moves}."
+    )
+    measure_how: tuple[str, ...] = (
+        "Frequencies and damping ratios: impact hammer and accelerometer at the tool, or frequency "
+        "response of the drive; control off, brake released, at the middle of the travel.",
+        "Moving mass: motor force over acceleration while the acceleration is constant, friction "
+        "taken off by the mean of both directions.",
+        "Margins and bandwidth: frequency response by the control's own measuring function, loop "
+        "cut at the set force.",
+        "Deviations and settling time: laser interferometer or accelerometer at the tool, with "
+        "the limits of this sheet, counted from the end of the setpoint and the delayed setpoint.",
+        "Forces: trace of the drive (force or current setpoint).",
+    )
+    measure_caption: str = "Calculated and measured values"
+    measurement: str = "Measurement"
+    calculated: str = "Calculated"
+    measured: str = "Measured"
+    difference: str = "Difference"
+    measured_by: str = "Date, name"
+    measure_fields: tuple[str, ...] = (
+        "Measuring instruments (type, number, calibrated until)",
+        "State of the machine (position of the other axes, payload, temperature)",
+    )
+
     # 7 entry and signature
     entry_heading: str = "Parameters to enter and signature"
     entry_caption: str = "Values for the control"
