@@ -318,6 +318,29 @@ def test_limits_of_a_case_are_those_of_the_command(tmp_path: Path) -> None:
     assert row["requirements_met"] == found.assessment.is_met
 
 
+def test_forces_of_a_sweep_fall_in_time_and_are_certified(tmp_path: Path) -> None:
+    """300 N to 20 kN: every row proved, t_f falls with F_max; case by case it is the same."""
+    axis = read_axis("drive.max_force=log:0.3kN:20kN:300", where="--vary")
+    frame = read_table(plan_of(axis), run_sweep(plan_of(axis), folder=tmp_path / "a")).frame
+    assert frame["certified"].all()
+    assert frame["t_f"].diff().drop_nulls().max() < 0.0
+    few = Axis(keys=axis.keys, rows=axis.rows[::150])
+    alone = read_table(plan_of(few), run_sweep(plan_of(few), folder=tmp_path / "b")).frame
+    together = frame.gather_every(150)
+    assert together["t_f"].to_list() == pytest.approx(alone["t_f"].to_list(), rel=1e-12)
+    assert together["switches"].equals(alone["switches"])
+
+
+def test_wrong_forces_between_good_ones_meet_the_reader(tmp_path: Path) -> None:
+    """The short cut for forces must not swallow what the profile's reader refuses."""
+    texts = ("1 kN", "2 kN", "3 kN", "1500 kg", "-5 kN", "4 kN", "many")
+    plan = plan_of(Axis(keys=("drive.max_force",), rows=tuple((text,) for text in texts)))
+    frame = read_table(plan, run_sweep(plan, folder=tmp_path)).frame
+    assert [outcome == "done" for outcome in frame["outcome"]] == [
+        text.endswith("kN") and not text.startswith("-") for text in texts
+    ]
+
+
 def test_columns_name_every_cell() -> None:
     for quantity in Quantity:
         names: Sequence[str] = [column.name for column in columns(plan_of(quantity=quantity))]

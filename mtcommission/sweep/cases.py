@@ -8,8 +8,9 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 from hashlib import sha256
-from math import nan, prod
+from math import nan, pi, prod
 from typing import Any
 
 import numpy as np
@@ -291,11 +292,27 @@ def si_number(text: str) -> float:
     >>> si_number("2 kN"), si_number("auto")
     (2000.0, nan)
     """
+    match = NUMBER.match(text)
+    if match is None:
+        return nan
     try:
-        number, unit = _split(text)
-        return number * read_unit(unit)[0].si_value
+        unit = read_unit(text[match.end() :].strip())[0]
     except ValueError:
         return nan
+    # Exact as the profile's reader is, so that both take the same number.
+    return float(Fraction(match[0]) * unit.factor) * pi**unit.pi_power
+
+
+def unit_of(text: str) -> str:
+    """Return what follows the number of a quantity; the whole text where there is no number.
+
+    Examples
+    --------
+    >>> unit_of("2 kN"), unit_of("auto")
+    ('kN', 'auto')
+    """
+    match = NUMBER.match(text)
+    return text[match.end() :].strip() if match else text
 
 
 def vary_profile(text: str, settings: Settings, *, where: str) -> str:

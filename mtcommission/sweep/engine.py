@@ -28,7 +28,8 @@ from typing import Any
 
 from mtcommission.errors import ComputationError, Fault, InputError, Outcome
 from mtcommission.sweep.cases import FORCE_KEY, Plan, Quantity, check_plan
-from mtcommission.sweep.rows import DONE, Answer, Work, columns, solve_case
+from mtcommission.sweep.forces import solve_piece
+from mtcommission.sweep.rows import DONE, Answer, Work, columns
 from mtcommission.sweep.store import Finished, Opened, append, open_store, read_finished
 
 CURVE_PIECE = 500
@@ -197,11 +198,6 @@ def _works(plan: Plan, numbers: list[int]) -> Iterator[Work]:
             base_digest=digest,
             columns=table,
         )
-
-
-def solve_piece(work: Work) -> tuple[Answer, ...]:
-    """Return the rows of a piece, in the order of its cases."""
-    return tuple(solve_case(work, number) for number in range(len(work.settings)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
