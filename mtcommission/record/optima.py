@@ -77,7 +77,11 @@ def _certificate(plant: Plant, proof: Certificate) -> CertificateEntry:
     return {
         "t_f_lower_bound": proof.t_f_lower_bound,
         "relative_gap": proof.relative_gap,
-        "adjoint_initial": dict(zip(plant.states, proof.adjoint_initial.tolist(), strict=True)),
+        "adjoint_initial": {
+            state: value
+            for state, value in zip(plant.states, proof.adjoint_initial.tolist(), strict=True)
+            if isfinite(value)
+        },
         "switching_slopes": proof.switching_slopes.tolist(),
         "switching_law_holds": proof.switching_law_holds,
         "terminal_jacobian_rank": (
