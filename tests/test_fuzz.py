@@ -170,8 +170,10 @@ def test_mutated_values_are_read_right_or_refused() -> None:
         si, units = KEYS[key]
         unit = units[int(dice.integers(len(units)))]
         number = f"{10.0 ** dice.uniform(-7, 7):.{int(dice.integers(1, 6))}g}"
-        changed = re.sub(rf'^{key} = "[^"]*"', f'{key} = "{number} {unit}"', text, flags=re.M)
-        assert changed != text
+        changed, found = re.subn(
+            rf'^{key} = "[^"]*"', f'{key} = "{number} {unit}"', text, flags=re.MULTILINE
+        )
+        assert found == 1
         expected = float(UREG.Quantity(float(number), unit.replace(" m/rad", "*m/rad")).to(si).m)
         try:
             machine = parse_profile(changed, where="a.toml")
