@@ -21,7 +21,9 @@ import pypdfium2
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.font_manager import FontProperties
 from matplotlib.ft2font import FT2Font
+from matplotlib.textpath import TextPath
 from rich.console import Console
 from typer.testing import CliRunner
 
@@ -46,11 +48,12 @@ from mtcommission.profile import read_profile
 from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
+from mtcommission.sheet.diagram import text_size
 from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.format import THIN_SPACE, Formatter, motion_unit
 from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.sheet.labels_en import ENGLISH, Labels
-from mtcommission.sheet.model import Form, HeatMap, LinePlot, PointPlot, Table
+from mtcommission.sheet.model import Diagram, Form, HeatMap, LinePlot, PointPlot, Table
 from mtcommission.sheet.motion_part import MOST_POINTS, thin_out
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.terminal import summary_rows
@@ -229,6 +232,9 @@ def block_text(block) -> str:
         return "\n  ".join([block.caption, block.alt, block.x_label, block.y_label, chosen])
     if isinstance(block, Form):
         return "; ".join(block.fields)
+    if isinstance(block, Diagram):
+        lines = [" / ".join(box.lines) for box in block.boxes]
+        return "\n  ".join([block.caption, block.alt, *lines])
     names = [field.name for field in fields(block)]
     return "; ".join(str(getattr(block, name)) for name in names)
 
@@ -331,6 +337,73 @@ def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
     assert cells["Frequency spread"] == f"5.2{THIN_SPACE}%"
 
 
+# the block diagram
+
+
+def diagram_of(record, labels=ENGLISH):
+    section = next(s for s in compose(record, labels).sections if s.key == "loop")
+    return next(block for block in section.blocks if isinstance(block, Diagram))
+
+
+def test_the_block_diagram_shows_the_gains_of_the_table():
+    record = example_record()
+    diagram = diagram_of(record)
+    words = "\n".join(line for box in diagram.boxes for line in box.lines)
+    cells = {row[0]: row[1] for row in table_of(record, "loop").rows}
+    for sign, name in (
+        ("Kv", "Position gain Kv"),
+        ("Kp", "Velocity gain Kp"),
+        ("τ", "Reference delay τ"),
+        ("m", "Feed-forward: mass"),
+    ):
+        assert f"{sign} = {cells[name]}" in words
+    assert f"Tn = {cells['Integral time Tn']}, cycle {cells['Velocity cycle']}" in words
+    assert f"|F_set| ≤ 2.01{THIN_SPACE}kN" in words
+    assert "K (x̂_ref − x̂)" in words
+    record["loop"]["state_feedback"] = {}
+    without = diagram_of(record)
+    assert len(without.boxes) == len(diagram.boxes) - 1
+    assert "State feedback: no" in without.alt
+
+
+@pytest.mark.parametrize("labels", [ENGLISH, GERMAN], ids=["en", "de"])
+@pytest.mark.parametrize("name", RECORDS)
+def test_every_line_of_the_diagram_fits_into_its_box(name, labels):
+    record = RECORDS[name]()
+    record["loop"]["Kp"] = -1.23456789e-15
+    record["loop"]["feedforward"]["mass"] = 9.876e19
+    diagram = diagram_of(record, labels)
+    font = FontProperties(family="DejaVu Sans")
+    for box in diagram.boxes:
+        assert 0 <= box.x < box.x + box.width <= diagram.width
+        assert 0 <= box.y < box.y + box.height <= diagram.height
+        for line in box.lines:
+            size = text_size(line, box.width)
+            drawn = TextPath((0, 0), line, size=size, prop=font, usetex=False)
+            assert drawn.get_extents().width < box.width, line
+            assert size > 5.0, line
+    corners = [(b.x, b.y, b.x + b.width, b.y + b.height) for b in diagram.boxes]
+    for i, (left, top, right, bottom) in enumerate(corners):
+        for other in corners[:i]:
+            is_beside = right < other[0] or other[2] < left or bottom < other[1] or other[3] < top
+            assert is_beside
+
+
+def test_every_arrow_of_the_diagram_points_at_a_block_or_leaves_the_picture():
+    diagram = diagram_of(example_record())
+    for wire in diagram.wires:
+        x, y = wire.points[-1]
+        at_box = [
+            (x in (b.x, b.x + b.width) and b.y <= y <= b.y + b.height)
+            or (y in (b.y, b.y + b.height) and b.x <= x <= b.x + b.width)
+            for b in diagram.boxes
+        ]
+        at_sum = [abs(np.hypot(x - a, y - b) - 7.0) < 1e-9 for a, b in diagram.sums]
+        assert sum(at_box) + sum(at_sum) == 1 or x > diagram.width - 5.0, wire
+        steps = np.diff(np.array(wire.points), axis=0)
+        assert np.all(np.count_nonzero(steps, axis=1) == 1)
+
+
 # the four media
 
 
@@ -431,7 +504,8 @@ def test_a_browser_draws_every_plot(pages, tmp_path: Path):
     )
     drawn = Page(finished.stdout)
     expected = [value for key, value in drawn.attributes if key == "data-plot"]
-    assert drawn.tags.count("svg") == len(expected) > 0
+    # every plot, and the block diagram, which needs no script
+    assert drawn.tags.count("svg") == len(expected) + 1 > 1
     assert drawn.tags.count("path") > 100
     assert "Settling time in ms" in drawn.text
 
@@ -670,6 +744,11 @@ def test_german_knows_places_remarks_and_errors_of_the_computation():
     }
     for english, german in shown.items():
         assert GERMAN.say(english) == german
+
+
+def test_german_finds_the_settings_and_not_only_their_ends():
+    assert GERMAN.say("tuning: gain margin db") == "Reglereinstellung: Amplitudenreserve in dB"
+    assert GERMAN.say("plant: not settled") == "plant: nicht eingeschwungen"
 
 
 def test_what_german_does_not_know_is_marked_as_original():

@@ -13,6 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.model import Document, HeatMap, LinePlot, Plot, PointPlot
 
 FOLDER = Path(__file__).parent
@@ -52,6 +53,7 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
         policy=_policy(style, script),
         style=Markup(style),
         script=Markup(script),
+        draw=lambda diagram: Markup(draw_diagram(diagram)),
         plots=_json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
     )
 

@@ -287,7 +287,6 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "t_f der dämpfungsoptimalen Steuerung stammt aus dem Profil.",
     ),
     # warnings
-    ("{key}: {-message}", "{key}: {message}"),
     (
         "mode {name}: damping ratio {1} is below what machine structures show, {2} to {3}",
         "Eigenform {name}: Dämpfungsgrad {1} liegt unter dem von Maschinengestellen, {2} bis {3}",
@@ -418,7 +417,8 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("refinements", "Verfeinerungen"),
     ("digits", "Stellen"),
     ("evaluations", "Auswertungen"),
-    # last: both halves must be known
+    # last, since they fit much: what is inside must be known
+    ("{key}: {-message}", "{key}: {message}"),
     ("{-a} and {-b}", "{a} und {b}"),
 )
 """English pattern and German text; the first that fits is taken."""
@@ -642,6 +642,18 @@ GERMAN = Labels(
     ),
     # loop
     loop_heading="Regelkreis",
+    diagram_caption="Struktur des Regelkreises",
+    diagram_alt=(
+        "Blockschaltbild: Lageregler {kv}, Geschwindigkeitsregler {kp} mit Nachstellzeit {tn}, "
+        "Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, Kraftgrenze und "
+        "Kraftregelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: {feedback}."
+    ),
+    diagram_delay="Verzögerung",
+    diagram_cycle="Takt {cycle}",
+    diagram_mechanics="Mechanik",
+    diagram_modes="Eigenformen: {count}",
+    diagram_observer="Beobachter",
+    diagram_gains="{count} Werte, s. Tabelle",
     gains_caption="Reglerparameter",
     margins_caption="Stabilität, Kreis an der Sollkraft aufgetrennt",
     margin="Reserve",

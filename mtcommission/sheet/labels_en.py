@@ -269,6 +269,18 @@ class Labels:
 
     # 5 loop
     loop_heading: str = "Control loop"
+    diagram_caption: str = "Structure of the loop"
+    diagram_alt: str = (
+        "Block diagram: position controller {kv}, velocity controller {kp} with integral time "
+        "{tn}, feed-forward of velocity, acceleration and jerk, force limit and force loop, "
+        "mechanics, feedback of the encoder. State feedback: {feedback}."
+    )
+    diagram_delay: str = "Delay"
+    diagram_cycle: str = "cycle {cycle}"
+    diagram_mechanics: str = "Mechanics"
+    diagram_modes: str = "modes: {count}"
+    diagram_observer: str = "Observer"
+    diagram_gains: str = "gains: {count}, see table"
     gains_caption: str = "Gains"
     margins_caption: str = "Stability, loop cut at the set force"
     margin: str = "Margin"

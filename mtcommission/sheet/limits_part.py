@@ -65,7 +65,10 @@ def _machining_modes(record: Record, f: Formatter) -> Table:
         caption=text.machining_caption,
         columns=(
             Column(head=text.machining_mode, width=1.7),
-            *(Column(head=head, width=1.2, is_number=True) for head in heads),
+            *(
+                Column(head=head, width=1.7 if head == text.jerk else 1.2, is_number=True)
+                for head in heads
+            ),
             Column(head=text.bound_by_column, width=1.9),
             Column(head=text.meets, width=0.8),
         ),

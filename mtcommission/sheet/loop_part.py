@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.record.schema import LoopPart, MoveEntry, Record, VariantEntry
+from mtcommission.sheet.diagram_part import structure
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import (
     Block,
@@ -54,6 +55,7 @@ def loop(record: Record, f: Formatter) -> Section:
         key="loop",
         heading=text.loop_heading,
         blocks=(
+            structure(record, f),
             gains,
             Paragraph(text=" ".join(sentences), tone=Tone.NOTE),
             _margins(record, f),

@@ -337,8 +337,82 @@ class HeatMap:
     chosen: Mark
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    """A block of a diagram.
+
+    Parameters
+    ----------
+    x, y, width, height
+        Left, top and size in drawing units.
+    lines
+        What stands in it.
+    """
+
+    x: float
+    y: float
+    width: float
+    height: float
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wire:
+    """A signal path of a diagram.
+
+    Parameters
+    ----------
+    points
+        Corners, from the source to the sink, where the arrow stands.
+    """
+
+    points: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Word:
+    """A word in a diagram.
+
+    Parameters
+    ----------
+    x, y, text
+        Its left end on the base line, and the word.
+    """
+
+    x: float
+    y: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagram:
+    """A block diagram.
+
+    Parameters
+    ----------
+    key, caption, alt
+        As in ``LinePlot``.
+    width, height
+        Of the drawing.
+    boxes, wires, words
+        What it consists of.
+    sums
+        Centres of the summing points.
+    """
+
+    key: str
+    caption: str
+    alt: str
+    width: float
+    height: float
+    boxes: tuple[Box, ...]
+    sums: tuple[tuple[float, float], ...]
+    wires: tuple[Wire, ...]
+    words: tuple[Word, ...]
+
+
 Plot = LinePlot | PointPlot | HeatMap
-Block = Paragraph | Bullets | Subheading | Headline | Table | Preformatted | Form | Plot
+Block = Paragraph | Bullets | Subheading | Headline | Table | Preformatted | Form | Diagram | Plot
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

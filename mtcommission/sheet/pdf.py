@@ -13,8 +13,9 @@ import matplotlib as mpl
 import typst
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.figures import draw_svg
-from mtcommission.sheet.model import Block, Document, HeatMap, LinePlot, PointPlot
+from mtcommission.sheet.model import Block, Diagram, Document, HeatMap, LinePlot, PointPlot
 
 PLOTS = (LinePlot, PointPlot, HeatMap)
 
@@ -48,6 +49,12 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
         for section in document.sections
         for block in section.blocks
         if isinstance(block, PLOTS)
+    }
+    plots |= {
+        block.key: draw_diagram(block)
+        for section in document.sections
+        for block in section.blocks
+        if isinstance(block, Diagram)
     }
     # matplotlib brings DejaVu Sans along; the fonts inside typst have no sans-serif.
     fonts = Path(mpl.get_data_path()) / "fonts" / "ttf"
@@ -92,7 +99,7 @@ def _as_json(document: Document) -> str:
 
 
 def _as_data(block: Block) -> dict[str, Any]:
-    if isinstance(block, PLOTS):
+    if isinstance(block, (*PLOTS, Diagram)):
         return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
     values = asdict(
         block,
