@@ -323,12 +323,13 @@ def sweep(
     ] = "",
     resume: Annotated[bool, typer.Option("--resume", help="Continue what is in DIR.")] = False,
 ) -> None:
-    """Compute many cases; writes rows.parquet and rows.csv."""
+    """Compute many cases; writes rows.parquet, rows.csv and sweep.html."""
     from mtcommission.options import read_optimal_request
     from mtcommission.plant import build_plant
     from mtcommission.sweep.engine import Engine, run_sweep
+    from mtcommission.sweep.page import print_sweep
     from mtcommission.sweep.request import read_plan
-    from mtcommission.sweep.table import read_table, summarise_table, write_table
+    from mtcommission.sweep.table import read_table, summarise_table, write_safely, write_table
 
     machine = _read(profile, "")
     request = read_optimal_request(
@@ -360,9 +361,12 @@ def sweep(
         store = run_sweep(plan, folder=output, engine=engine, resume=resume, progress=progress)
     table = read_table(plan, store)
     write_table(table, output)
+    page = print_sweep(plan, table, created=store.created)
+    write_safely(output / "sweep.html", lambda file: file.write(page.encode()))
     summary = summarise_table(table)
     sys.stdout.write(summary.text + "\n")
-    sys.stdout.write(f"written: {output / 'rows.parquet'}, {output / 'rows.csv'}\n")
+    names = ("rows.parquet", "rows.csv", "sweep.html")
+    sys.stdout.write("written: " + ", ".join(str(output / name) for name in names) + "\n")
     raise typer.Exit(0 if summary.is_met else 1 if summary.done else 3)
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import html
 import json
 import multiprocessing
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -14,6 +16,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 import pytest
@@ -34,6 +37,7 @@ from mtcommission.sweep.cases import (
     vary_profile,
 )
 from mtcommission.sweep.engine import Engine, run_sweep
+from mtcommission.sweep.page import print_sweep
 from mtcommission.sweep.rows import columns, key_unit
 from mtcommission.sweep.store import NAME
 from mtcommission.sweep.table import read_table, summarise_table, write_table
@@ -345,3 +349,57 @@ def test_columns_name_every_cell() -> None:
     for quantity in Quantity:
         names: Sequence[str] = [column.name for column in columns(plan_of(quantity=quantity))]
         assert len(set(names)) == len(names)
+
+
+def page_data(page: str) -> dict[str, Any]:
+    start = page.index('id="data">') + len('id="data">')
+    found: dict[str, Any] = json.loads(page[start : page.index("</script>", start)])
+    return found
+
+
+def test_page_shows_the_rows_and_the_profile_of_each_case(tmp_path: Path) -> None:
+    """The profile behind a point must be the machine that was computed, failures included."""
+    axis = read_cases("f_max,control.state_feedback\n1.7 kN,off\n2500,auto\n-1,off", where="c")
+    plan = plan_of(axis)
+    table = read_table(plan, run_sweep(plan, folder=tmp_path))
+    data = page_data(print_sweep(plan, table, created="2025-01-01"))
+    columns_by_name = {column["name"]: column for column in data["columns"]}
+    assert data["count"] == 3
+    assert columns_by_name["t_f"]["values"][2] is None
+    assert columns_by_name["t_f"]["values"][:2] == pytest.approx(
+        table.frame["t_f"].to_list()[:2], rel=1e-6
+    )
+    profile = data["template"]
+    for place, key in enumerate(data["keys"]):
+        column = columns_by_name[key]
+        value = column["values"][0]
+        shown = json.dumps(column["words"][value]) if column["kind"] == "str" else repr(value)
+        profile = profile.replace(f'"@@{place}@@"', shown)
+    expected = vary_profile(TEXT, plan.settings(0), where="p")
+    assert parse_profile(profile, where="p") == parse_profile(expected, where="p")
+
+
+def test_page_runs_nothing_but_its_own_script(tmp_path: Path) -> None:
+    """A profile from elsewhere must not bring a script, nor the page call any network."""
+    hostile = TEXT.replace('Table 1"', '</script><script>alert(1)</script>"', 1)
+    plan = replace(plan_of(), profile_text=hostile, where="<b>x</b>")
+    page = print_sweep(
+        plan, read_table(plan, run_sweep(plan, folder=tmp_path)), created="2025-01-01"
+    )
+    assert hostile != TEXT
+    assert page.count("<script") == 2
+    assert "<b>" not in page
+    assert "default-src 'none'" in html.unescape(page)
+    assert not re.search(r"(?:src|href)=|https?://", page.split('id="data"')[0])
+
+
+def test_command_writes_table_and_page(tmp_path: Path) -> None:
+    line = [sys.executable, "-m", "mtcommission", "sweep", str(PAPER), "--f-max", "1kN:3kN:4"]
+    line += ["--vary", "plant.slider_mass=700,800 kg", "-o", str(tmp_path), "--workers", "1"]
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    assert "8 cases: 8 done; certified: 8" in done.stdout
+    frame = pl.read_parquet(tmp_path / "rows.parquet")
+    assert frame["drive.max_force"].to_list()[:4] == pytest.approx([1e3, 5e3 / 3, 7e3 / 3, 3e3])
+    assert frame["plant.slider_mass"].to_list() == [700.0] * 4 + [800.0] * 4
+    assert (tmp_path / "sweep.html").stat().st_size > 5000

@@ -85,8 +85,10 @@ def write_table(table: SweepTable, folder: Path) -> None:
     ]
     titled = table.frame.rename(dict(zip(table.frame.columns, heads, strict=True)))
     metadata = {"units": json.dumps(units)}
-    _write(folder / "rows.parquet", lambda file: table.frame.write_parquet(file, metadata=metadata))
-    _write(folder / "rows.csv", titled.write_csv)
+    write_safely(
+        folder / "rows.parquet", lambda file: table.frame.write_parquet(file, metadata=metadata)
+    )
+    write_safely(folder / "rows.csv", titled.write_csv)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,8 +132,8 @@ def summarise_table(table: SweepTable) -> Summary:
     return Summary(text=text, done=done, is_met=met == frame.height)
 
 
-def _write(path: Path, fill: Callable[[BinaryIO], object]) -> None:
-    """Write under a temporary name first, so that no half-written table is ever seen."""
+def write_safely(path: Path, fill: Callable[[BinaryIO], object]) -> None:
+    """Write under a temporary name first, so that no half-written file is ever seen."""
     name = ""
     try:
         with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:

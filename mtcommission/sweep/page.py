@@ -1,0 +1,105 @@
+"""The table of a sweep as one HTML page: offline, plots, trade-off, map, sortable rows."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from mtcommission.sweep.cases import Plan, Quantity, vary_profile
+from mtcommission.sweep.rows import Column, result_columns
+from mtcommission.sweep.table import SweepTable, summarise_table
+
+FOLDER = Path(__file__).parent
+DIGITS = 7
+"""Significant digits on the page; the files beside it have all."""
+LEFT_OUT = ("inputs", "switching_times")
+"""Long texts of every row; they stand in the files."""
+
+
+def print_sweep(plan: Plan, table: SweepTable, *, created: str) -> str:
+    """Return the page of a sweep.
+
+    Parameters
+    ----------
+    plan
+        What was asked for.
+    table
+        Its rows.
+    created
+        When it was begun (ISO 8601).
+
+    Returns
+    -------
+    str
+        HTML with all text escaped, admitted by hashes to run its own script only.
+    """
+    style = (FOLDER / "page.css").read_text(encoding="utf-8")
+    script = (FOLDER / "page.js").read_text(encoding="utf-8")
+    environment = Environment(
+        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined
+    )
+    policy = (
+        "default-src 'none'; base-uri 'none'; form-action 'none'; "
+        f"style-src {_hash_source(style)}; script-src {_hash_source(script)}"
+    )
+    is_optimal = plan.quantity is Quantity.OPTIMAL
+    return environment.get_template("page.html").render(
+        name=plan.where,
+        policy=policy,
+        style=Markup(style),
+        script=Markup(script),
+        summary=summarise_table(table).text,
+        quantity=plan.quantity.value,
+        created=created,
+        good="certified" if is_optimal else "all requirements met",
+        data=_json_for_script(_page_data(plan, table)),
+    )
+
+
+def _page_data(plan: Plan, table: SweepTable) -> dict[str, Any]:
+    places = tuple((key, f"@@{place}@@") for place, key in enumerate(plan.keys))
+    results = {column.name for column in result_columns(plan.quantity, rotary=False)}
+    shown = [column for column in table.columns if column.name not in LEFT_OUT]
+    return {
+        "count": table.frame.height,
+        "flag": "certified" if plan.quantity is Quantity.OPTIMAL else "requirements_met",
+        "keys": plan.keys,
+        "template": vary_profile(plan.profile_text, places, where=plan.where),
+        "columns": [
+            _column(column, table.frame[column.name], is_exact=column.name in plan.keys)
+            | {"varies": column.name in plan.keys, "result": column.name in results}
+            for column in shown
+        ],
+    }
+
+
+def _column(column: Column, values: pl.Series, *, is_exact: bool) -> dict[str, Any]:
+    # What varies goes into the profile of a case as it is.
+    found: dict[str, Any] = {"name": column.name, "unit": column.unit, "kind": column.kind}
+    if column.kind == "str":
+        words = {word: code for code, word in enumerate(values.drop_nulls().unique().sort())}
+        found["words"] = list(words)
+        found["values"] = [None if word is None else words[word] for word in values]
+    elif column.kind == "float":
+        kept = values if is_exact else values.round_sig_figs(DIGITS)
+        found["values"] = kept.set(~kept.is_finite().fill_null(value=False), None).to_list()
+    else:
+        found["values"] = values.to_list()
+    return found
+
+
+def _hash_source(text: str) -> str:
+    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
+
+
+def _json_for_script(data: dict[str, Any]) -> Markup:
+    """Return JSON that cannot end its script element: no "<" is left in it."""
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return Markup(text.replace("<", "\\u003c"))
