@@ -270,6 +270,40 @@ def test_the_plots_show_the_numbers_of_the_record():
     assert found["bode"].panels[1].lines[0].y[0] == pytest.approx(-268.0)
 
 
+def test_the_borders_of_the_map_lie_where_the_limit_is_just_kept():
+    record = example_record()
+    a, t = np.geomspace(0.5, 4.0, 40), np.linspace(0.01, 0.1, 50)
+    # residual a / t and force a: borders a straight line and a level one
+    part = record["limits"]["landscape"]
+    part |= {"acceleration": a.tolist(), "jerk_time": t.tolist()}
+    part["settling_time"] = np.full((40, 50), 0.1).tolist()
+    part["residual_deviation"] = (1e-7 * a[:, None] / t[None, :]).tolist()
+    part["usage"] = np.tile((a / 3.0)[:, None], (1, 50)).tolist()
+    part["residual_deviation"][0][0] = None
+    document = compose(record, ENGLISH)
+    found = next(plot for plot in plots(document) if plot.key == "landscape")
+    residual, usage = found.contours
+    assert residual.label == f"residual deviation = band 5.1{THIN_SPACE}µm"
+    for path in residual.paths:
+        np.testing.assert_allclose(path[:, 1], 5.1e-6 * path[:, 0] * 1e-3 / 1e-7, rtol=5e-3)
+    np.testing.assert_allclose(usage.paths[0][:, 1], 3.0, rtol=2e-3)
+    assert np.ptp(usage.paths[0][:, 0]) == pytest.approx(90.0)
+    svg = draw_svg(found).decode()
+    assert residual.label in svg
+    assert usage.label in svg
+    data = json.loads(Page(print_html(record)).raw["script"][0])["plots"]["landscape"]
+    np.testing.assert_allclose(data["contours"][1]["paths"][0], usage.paths[0], rtol=1e-4)
+
+
+def test_what_is_never_reached_has_no_border():
+    record = example_record()
+    part = record["limits"]["landscape"]
+    part["usage"] = [[0.1] * 4 for _ in range(3)]
+    part["residual_deviation"] = [[None] * 4 for _ in range(3)]
+    found = next(p for p in plots(compose(record, ENGLISH)) if p.key == "landscape")
+    assert found.contours == ()
+
+
 def test_plots_of_a_move_share_one_time_axis():
     document = compose(five_moves_record(), ENGLISH)
     for number in range(1, 6):

@@ -13,7 +13,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, NullLocator
 
-from mtcommission.sheet.model import HeatMap, Line, LinePlot, Plot, PointPlot
+from mtcommission.sheet.model import Contour, HeatMap, Line, LinePlot, Plot, PointPlot
 
 WIDTH = 6.7
 """Width of a plot on the A4 page [inch]."""
@@ -180,7 +180,7 @@ def _point_plot(plot: PointPlot) -> Figure:
 
 
 def _heat_map(plot: HeatMap) -> Figure:
-    height = EDGE + SQUARE + BOTTOM
+    height = (TOP if plot.contours else EDGE) + SQUARE + BOTTOM
     figure = Figure(figsize=(WIDTH, height))
     axes = figure.add_axes(_frame(height, bottom=BOTTOM, right=1.0))
     # White is the best value of the map, so what did not settle is hatched.
@@ -204,12 +204,32 @@ def _heat_map(plot: HeatMap) -> Figure:
         ticks = np.geomspace(low, max(high, 1.001 * low), 6)
         bar = figure.colorbar(mesh, cax=scale, label=plot.value_label, ticks=ticks, format="%.3g")
         bar.ax.yaxis.set_minor_locator(NullLocator())
+    x_range, y_range = axes.get_xlim(), axes.get_ylim()
+    named = {contour.label: _draw_contour(axes, contour) for contour in plot.contours}
+    axes.set(xlim=x_range, ylim=y_range)
     mark = plot.chosen
-    axes.scatter([mark.x], [mark.y], marker="*", color="#d00000", edgecolor="black", s=150)
+    axes.scatter(
+        [mark.x], [mark.y], marker="*", color="#d00000", edgecolor="black", s=150, zorder=3
+    )
+    if named:
+        figure.legend(
+            named.values(), named.keys(), loc="upper right", ncols=len(named), borderaxespad=0.1
+        )
     axes.set_xlabel(plot.x_label)
     axes.set_ylabel(plot.y_label)
     axes.grid(False)
     return figure
+
+
+def _draw_contour(axes: Axes, contour: Contour) -> Any:
+    """Draw a border on a white edge, so that it is seen on every shade."""
+    color, dashes, width = LINES[contour.style]
+    for path in contour.paths:
+        axes.plot(path[:, 0], path[:, 1], color="white", linewidth=width + 1.6)
+        (artist,) = axes.plot(
+            path[:, 0], path[:, 1], color=color, linestyle=dashes, linewidth=width
+        )
+    return artist
 
 
 def _frame(height: float, *, bottom: float, right: float) -> tuple[float, float, float, float]:

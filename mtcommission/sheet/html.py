@@ -120,6 +120,14 @@ def _plot_data(plot: Plot) -> dict[str, Any]:
         "x": _rounded(plot.x),
         "y": _rounded(plot.y),
         "values": [_rounded(row) for row in plot.values],
+        "contours": [
+            {
+                "label": contour.label,
+                "style": contour.style,
+                "paths": [[_rounded(point) for point in path] for path in contour.paths],
+            }
+            for contour in plot.contours
+        ],
         "chosen": {"x": plot.chosen.x, "y": plot.chosen.y, "style": plot.chosen.style},
     }
 

@@ -567,6 +567,8 @@ GERMAN = Labels(
         "{least} bis {most}; der gewählte Punkt liegt bei {acceleration} und {jerk_time}."
     ),
     chosen="gewählt",
+    residual_border="Restabweichung = Band {band}",
+    usage_border="Kraft, Effektivkraft oder ein Höchstwert gerade erreicht",
     hatched="{caption} (schraffiert: nicht eingeschwungen)",
     # two records
     differences_heading="Änderungen seit dem früheren Protokoll",

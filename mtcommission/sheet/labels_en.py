@@ -193,6 +193,8 @@ class Labels:
         "{most}; the chosen point is at {acceleration} and {jerk_time}."
     )
     chosen: str = "chosen"
+    residual_border: str = "residual deviation = band {band}"
+    usage_border: str = "force, RMS force or a bounded peak just reached"
     hatched: str = "{caption} (hatched: not settled)"
 
     # compared with another record

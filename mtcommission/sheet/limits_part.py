@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from contourpy import contour_generator
+from numpy.typing import NDArray
 
 from mtcommission.record.schema import Alternative, LimitsEntry, Record, RuleResult
 from mtcommission.sheet.format import Formatter, motion_unit
@@ -10,6 +12,7 @@ from mtcommission.sheet.model import (
     Block,
     Border,
     Column,
+    Contour,
     HeatMap,
     Mark,
     Paragraph,
@@ -20,6 +23,14 @@ from mtcommission.sheet.model import (
     Tone,
 )
 from mtcommission.sheet.verdict_part import acceleration, band
+
+Array = NDArray[np.float64]
+
+RESIDUAL_BORDER, USAGE_BORDER = 1, 4
+"""Line styles of the borders in the map: dashed and solid."""
+
+SMALLEST = 1e-12
+"""Stands for zero in a logarithm; far below any share of a limit that matters."""
 
 RECOMMENDED, ALTERNATIVE, RULE = 0, 1, 2
 """Symbols of the point plot."""
@@ -165,8 +176,62 @@ def landscape(record: Record, f: Formatter) -> Section:
         values=values / value_scale.size,
         missing_label=text.not_settled,
         chosen=chosen,
+        contours=_borders(record, t_scale.size, a_scale.size, f),
     )
     return Section(key="landscape", heading=text.landscape_heading, blocks=(heat_map,))
+
+
+def _borders(record: Record, t_size: float, a_size: float, f: Formatter) -> tuple[Contour, ...]:
+    """Return the curves on which the residual fills the band, and the drive its limits."""
+    text, part, permitted = f.labels, record["limits"]["landscape"], band(record)
+    found = []
+    if permitted is not None:
+        shown = f.quantity(permitted, motion_unit("m", rotary=f.rotary))
+        label = text.residual_border.format(band=shown)
+        found.append((label, RESIDUAL_BORDER, part["residual_deviation"], permitted))
+    found.append((text.usage_border, USAGE_BORDER, part["usage"], 1.0))
+    size = np.array([t_size, a_size])
+    contours = []
+    for label, style, grid, level in found:
+        values = np.array([[np.nan if cell is None else cell for cell in row] for row in grid])
+        paths = trace(
+            np.array(part["jerk_time"]), np.array(part["acceleration"]), values, level=level
+        )
+        if paths:
+            scaled = tuple(path / size for path in paths)
+            contours.append(Contour(label=label, style=style, paths=scaled))
+    return tuple(contours)
+
+
+def trace(x: Array, y: Array, values: Array, *, level: float) -> tuple[Array, ...]:
+    """Return where values on a grid reach a level.
+
+    Parameters
+    ----------
+    x, y
+        Axes, shapes (n_x,) and (n_y,).
+    values
+        Not negative, shape (n_y, n_x); nan where unknown.
+    level
+        Above 0.
+
+    Returns
+    -------
+    tuple of ndarray
+        Curves of shape (n, 2). Between the points of the grid the logarithm of the value is
+        taken as linear: residuals span decades.
+
+    Examples
+    --------
+    >>> trace(np.array([0.0, 2.0]), np.array([0.0, 1.0]),
+    ...     np.array([[0.1, 10.0], [0.1, 10.0]]), level=1.0)[0][:, 0]
+    array([1., 1.])
+    """
+    if min(values.shape) < 2:
+        return ()
+    logarithm = np.log(np.maximum(values / level, SMALLEST))
+    lines = contour_generator(x, y, np.ma.masked_invalid(logarithm)).lines(0.0)
+    return tuple(np.asarray(line, dtype=np.float64) for line in lines)
 
 
 def _comparison(record: Record, f: Formatter) -> tuple[PointPlot, ...]:

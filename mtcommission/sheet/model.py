@@ -305,6 +305,25 @@ class PointPlot:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Contour:
+    """Where a requirement or limit is just kept, as curves in a map.
+
+    Parameters
+    ----------
+    label
+        What is just kept.
+    style
+        Which line style and colour, as in ``Line``.
+    paths
+        Each of shape (n, 2): x and y in the units of the axes; empty if it is nowhere reached.
+    """
+
+    label: str
+    style: int
+    paths: tuple[Array, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class HeatMap:
     """A value over two axes.
 
@@ -322,6 +341,8 @@ class HeatMap:
         What nan means.
     chosen
         The chosen point.
+    contours
+        Borders of what is allowed.
     """
 
     key: str
@@ -335,6 +356,7 @@ class HeatMap:
     values: Array
     missing_label: str
     chosen: Mark
+    contours: tuple[Contour, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

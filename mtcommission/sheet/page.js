@@ -226,11 +226,12 @@ function wholeMap(plot) {
 }
 
 function drawMap(svg, plot, view, key) {
-  const bottom = TITLE + SQUARE, right = WIDTH - 110;
+  const top = TITLE + (plot.contours.length ? LEGEND : 0), bottom = top + SQUARE, right = WIDTH - 110;
   svg.setAttribute("viewBox", `0 0 ${WIDTH} ${bottom + FOOT}`);
   const hatch = add(svg, "pattern", {id: "hatch", width: 6, height: 6, patternUnits: "userSpaceOnUse"});
   add(hatch, "path", {class: "hatch", d: "M0 6L6 0"});
-  const x = scale(...view.x, LEFT, right, false), y = scale(...view.y, bottom, TITLE, false);
+  const x = scale(...view.x, LEFT, right, false), y = scale(...view.y, bottom, top, false);
+  drawLegend(svg, {panels: [{lines: plot.contours}]});
   const xs = edges(plot.x), ys = edges(plot.y), known = plot.values.flat().filter(value => value !== null);
   const low = Math.log(Math.min(...known)), high = Math.log(Math.max(...known)) + 1e-9;
   const shade = value => 0.04 + 0.9 * (Math.log(value) - low) / (high - low);
@@ -241,6 +242,11 @@ function drawMap(svg, plot, view, key) {
     if (value === null) add(inside, "rect", {class: "missing", ...box});
     else add(inside, "rect", {class: "cell", "fill-opacity": shade(value).toFixed(3), ...box});
   }));
+  for (const contour of plot.contours) for (const points of contour.paths) {
+    const d = "M" + points.map(([a, b]) => `${x.at(a).toFixed(1)} ${y.at(b).toFixed(1)}`).join("L");
+    add(inside, "path", {class: "halo", d});
+    add(inside, "path", {class: `curve s${contour.style}`, d});
+  }
   const star = drawMark(inside, plot.chosen, x.at(plot.chosen.x), y.at(plot.chosen.y));
   star.setAttribute("class", "chosen");
   if (known.length) for (let i = 0; i <= 5; i++) {
@@ -248,8 +254,8 @@ function drawMap(svg, plot, view, key) {
     add(svg, "rect", {class: "cell", "fill-opacity": shade(value).toFixed(3), x: right + 16, y: down, width: 26, height: 28});
     add(svg, "text", {x: right + 48, y: down + 18}, show(Number(value.toPrecision(3))));
   }
-  const title = add(svg, "text", {x: LEFT, y: TITLE - 6}, plot.y_label);
-  add(svg, "text", {x: WIDTH - RIGHT, y: TITLE - 6, "text-anchor": "end"}, plot.value_label);
+  const title = add(svg, "text", {x: LEFT, y: top - 6}, plot.y_label);
+  add(svg, "text", {x: WIDTH - RIGHT, y: top - 6, "text-anchor": "end"}, plot.value_label);
   labelX(svg, x, bottom, plot.x_label);
   const point = (place, height) => {
     title.textContent = plot.y_label;
