@@ -20,8 +20,12 @@ from mtcommission.loop_choice import LoopChoice, Settings, settle_on_loop
 from mtcommission.machine import Machine
 from mtcommission.optima import Optima, condense_optima, find_optima, require_force
 from mtcommission.plant import Plant, build_plant
+from mtcommission.rule import RuleResult, apply_commissioning_rule
 from mtcommission.rules import apply_rules
+from mtcommission.shapers import compare_shapers
 from mtcommission.trials import MoveResult, Trial, judge, run_moves
+
+RULE_SOURCE = "this project, by hand; derived and validated in docs/commissioning-rule.md"
 
 Progress = Callable[[str], None]
 
@@ -93,6 +97,8 @@ class Commissioning:
         One for each move.
     modes
         Limits for the three machining modes.
+    rule
+        The commissioning rule by hand, applied to this machine.
     """
 
     machine: Machine
@@ -107,6 +113,7 @@ class Commissioning:
     rules: tuple[Trial, ...]
     comparisons: tuple[MoveComparison, ...]
     modes: tuple[ModeLimits, ...]
+    rule: RuleResult
 
     @property
     def tuned(self) -> TunedLoop:
@@ -161,9 +168,14 @@ def commission(
         judge(machine, plant, tuned, name, "condensed from the optimum", limits)
         for name, limits in starts
     )
-    rules = tuple(
-        judge(machine, plant, tuned, rule.name, rule.source, rule.limits)
-        for rule in apply_rules(machine, plant)
+    rule = apply_commissioning_rule(machine, plant, tuned)
+    rules = (
+        judge(machine, plant, tuned, "commissioning rule", RULE_SOURCE, rule.limits),
+        *(
+            judge(machine, plant, tuned, item.name, item.source, item.limits)
+            for item in apply_rules(machine, plant)
+        ),
+        *compare_shapers(machine, plant, tuned),
     )
     progress("machining modes")
     modes = limits_by_mode(machine, plant, tuned, choice, start_limits, settings)
@@ -185,6 +197,7 @@ def commission(
         rules=rules,
         comparisons=comparisons,
         modes=modes,
+        rule=rule,
     )
 
 

@@ -47,6 +47,7 @@ from mtcommission.record.schema import (
     Record,
     ResponseEntry,
     RuleResult,
+    RuleStepEntry,
     RuleText,
     Segment,
     Series,
@@ -55,7 +56,6 @@ from mtcommission.record.schema import (
     Tool,
     VariantEntry,
 )
-from mtcommission.rules import dominant_mode
 from mtcommission.setpoint import sample_setpoint
 from mtcommission.trials import MoveResult
 
@@ -297,20 +297,32 @@ def _optima_entry(plant: Plant, item: Optima) -> OptimaEntry:
 
 
 def _rule_text(commissioning: Commissioning) -> RuleText:
-    mode = dominant_mode(commissioning.plant)
-    a = commissioning.machine.drive.motion_force / commissioning.plant.moving_mass
-    f = mode.frequency_hz
+    rule = commissioning.rule
     return RuleText(
         text=(
-            f"One acceleration ramp lasts one period of mode {mode.name} ({f:.3g} Hz), which a "
-            "ramp of that length does not excite."
+            "A rule to apply by hand: each jerk step leaves a vibration in every mode and a tail "
+            "of the servo loop, both in proportion to the jerk; ramps of whole periods cancel "
+            "the vibration. Of the ramps tried, the one with the shortest motion is taken."
         ),
-        formula="j = a f / k, k = 1, 2, ...",
-        valid_for=(
-            f"velocity changes of at least a / f (here {a / f:.3g} m/s at a = {a:.3g} m/s^2; "
-            "rad instead of m on a rotary axis); below that a is never reached; exact for an "
-            "undamped mode"
-        ),
+        formula=rule.formula,
+        valid_for=rule.validity,
+        acceleration=rule.limits.acceleration,
+        jerk=rule.limits.jerk,
+        jerk_time=rule.limits.jerk_time,
+        chosen=rule.chosen,
+        bound_by=rule.bound_by,
+        predicted_settling_time=finite_or_none(rule.predicted_settling_time),
+        predicted_residual=finite_or_none(rule.predicted_residual),
+        steps=[
+            RuleStepEntry(
+                name=step.name,
+                formula=step.formula,
+                value=finite_or_none(step.value),
+                unit=step.unit,
+            )
+            for step in rule.steps
+        ],
+        warnings=list(rule.warnings),
     )
 
 

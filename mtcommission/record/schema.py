@@ -145,12 +145,30 @@ class RuleResult(TypedDict):
     meets_requirements: bool
 
 
+class RuleStepEntry(TypedDict):
+    """One line of the hand calculation."""
+
+    name: str
+    formula: str
+    value: float | None
+    unit: str
+
+
 class RuleText(TypedDict):
-    """The rule of thumb, in words and as a formula, with its range."""
+    """The commissioning rule, in words and as a formula, with its range, applied here."""
 
     text: str
     formula: str
     valid_for: str
+    acceleration: float
+    jerk: float
+    jerk_time: float
+    chosen: str
+    bound_by: str
+    predicted_settling_time: float | None
+    predicted_residual: float | None
+    steps: list[RuleStepEntry]
+    warnings: list[str]
 
 
 class Landscape(TypedDict):
