@@ -107,6 +107,7 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("without state feedback", "ohne Zustandsrückführung"),
     ("exact", "exakt"),
     ("transcription", "Transkription"),
+    ("composed", "zusammengesetzt"),
     ("encoder", "Lagegeber"),
     ("tcp", "Sensor am TCP"),
     ("velocity", "Geschwindigkeit"),
@@ -281,6 +282,14 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "the target so soon; give a longer t_f",
         "Endzeit zu kurz: t_f = {1} ms, aber t_f,min = {2} ms: keine zulässige Kraft erreicht das "
         "Ziel so früh; ein längeres t_f vorgeben",
+    ),
+    (
+        "The move cruises at max_velocity for long; the reference shown is composed of two "
+        "time-optimal velocity steps and a cruise at rest. Nothing is faster than {1} ms (a proved "
+        "bound, {2} % below).",
+        "Die Bewegung fährt lange mit max_velocity; der gezeigte Vergleichswert ist aus zwei "
+        "zeitoptimalen Geschwindigkeitssprüngen und einer Fahrt ohne Schwingung zusammengesetzt. "
+        "Nichts ist schneller als {1} ms (bewiesene Schranke, {2} % darunter).",
     ),
     (
         "t_f of the damping-optimal control is the profile's.",
