@@ -22,12 +22,13 @@ import numpy as np
 
 from mtcommission.choose import choose_limits
 from mtcommission.errors import ComputationError
+from mtcommission.estimate import ramp_vibration
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import tune_loop
 from mtcommission.machine import Positioning, corners, moving_mass
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
-from mtcommission.rule import apply_commissioning_rule, ramp_vibration
+from mtcommission.rule import apply_commissioning_rule
 from mtcommission.rules import dominant_mode
 from mtcommission.trials import judge
 
@@ -107,7 +108,7 @@ def validate(seed: int) -> Row:
         rule_residual=values["residual deviation"],
         rule_force=values["set force"],
         rule_cycles=found.limits.jerk_time * plant.modes[0].frequency_hz,
-        rule_chosen=found.chosen.split(" of ")[0],
+        rule_chosen=found.chosen.split(",")[0].split(" of ")[0],
         rule_bound_by=found.bound_by,
         search_met=by_search.assessment.is_met,
         search_time=by_search.settling_time,
@@ -205,7 +206,7 @@ def _groups(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
         *((f"chosen: {k}", [r for r in rows if r.rule_chosen == k]) for k in _chosen(rows)),
         *(
             (f"bound by {k}", [r for r in rows if r.rule_bound_by == k])
-            for k in ("force", "reach", "band")
+            for k in ("force", "reach", "band", "second zero")
         ),
     ]
 

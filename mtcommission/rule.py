@@ -2,46 +2,43 @@
 
 Three facts carry it (derivation and validation: ``docs/commissioning-rule.md``):
 
-1. Every jerk step j leaves a vibration of amplitude j m |g|/ω³ in a mode; a ramp of length t_j
-   begins and ends with one, so it leaves the fraction |1 - exp(p t_j)|, which is small only
-   near whole periods.
-2. The same steps leave a servo tail j c_S, because the feed-forward force comes through a lag,
-   the encoder sees the modes, and the payload is not known. It has no zeros.
-3. Both are proportional to a at a given t_j. So each candidate t_j has one largest a, by force,
-   by reach, or by the band, and the candidate with the shortest motion wins.
+1. A jerk step j leaves a vibration of amplitude j m |g|/ω³ in a mode. A setpoint is a jerk
+   step behind moving averages of length a/j, v/a and L/v, and each of them multiplies it by
+   R = |1 - exp(p t)|, which is small only near whole periods of the mode.
+2. The same step leaves a servo tail j c_S, because the feed-forward force comes through a lag
+   and the encoder sees the modes, and j c_P, because the payload is not known. These have no
+   zeros: they bound the jerk itself.
+3. The parts differ in phase and in time, so their squares are added.
+
+So each candidate t_j has one largest a, by force, by reach, or by the band; the candidate with
+the shortest motion wins.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, floor, inf, pi, sin, sqrt
+from math import ceil, hypot, inf, sqrt
 
+from mtcommission.estimate import (
+    AxisEstimate,
+    averages,
+    duration,
+    echo,
+    estimate_axis,
+    force_acceleration,
+    ramp_vibration,
+    servo_parts,
+    vibrations,
+)
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.controller import Controller, filter_delay
+from mtcommission.loop.controller import Controller
 from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import Machine, Move, VelocityStep, corners, moving_mass, vary
-from mtcommission.plant import Plant, PlantMode
-from mtcommission.setpoint import plan_setpoint
+from mtcommission.machine import Machine, Move, VelocityStep
+from mtcommission.plant import Plant
 
-LAG_SHARE = 0.4
-"""Servo tail of a jerk step behind a force lag, times ω_v/(j T²) (fitted, see the docs)."""
-
-HOLD_SHARE = 0.18
-"""The same for the hold of the position cycle, times ω_v/(j T_p²) (fitted, see the docs)."""
-
-DEFLECTION_SHARE = 0.8
-"""The same for the encoder's share in the static deflection, times ω_v ω²/(j m c) (two thirds
-to one of the peak of the loop's impulse response, as for the lag)."""
-
-OVERSHOOT = 1.3
-"""Peak deviation after a step of missing force over its value without overshoot (fitted)."""
-
-EARLY_CYCLES = 0.5
-"""By how many velocity cycles the held velocity setpoint is compared too early: its hold is
-sampled at the velocity cycle, so it delays by (T_p - T_v)/2."""
-
-FORCE_RESERVE = 1.1
-"""Factor on the inertial force for what the loop adds (fitted: exceeded by 1 % of machines)."""
+REACHED = 0.999
+"""Share of the acceleration at which the phase of constant acceleration vanishes: on that
+border itself the generator's arithmetic is degenerate."""
 
 PERIODS = (1, 2, 3)
 """Ramps of so many periods of a mode are tried; longer ones are never the shortest motion."""
@@ -80,7 +77,7 @@ class RuleCandidate:
     limits
         Acceleration and jerk.
     bound_by
-        ``force``, ``reach`` or ``band``.
+        ``force``, ``reach`` (a is just reached), ``band`` or ``second zero`` (v/a cancels).
     duration
         Of the slowest move, t_e [s].
     residual_deviation
@@ -134,34 +131,12 @@ class RuleResult:
     warnings: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _ModeNumbers:
-    """A mode as the hand calculation needs it: f [Hz], spread and ζ [-], compliance [s³]."""
-
-    name: str
-    frequency_hz: float
-    spread: float
-    damping: float
-    compliance: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _ServoNumbers:
-    """Tail of a jerk step [s³], missing share of force [-], and what each [1] of it costs.
-
-    ``ramp_drag`` [s³] counts per jerk, ``step_drag`` [s²] per acceleration; the smaller holds.
-    """
-
-    compliance: float
-    missing: float
-    ramp_drag: float
-    step_drag: float
-
-
 FORMULA = (
-    "t_j: one to three periods of each mode, or as short as e = j c allows without cancelling; "
-    "a = min(F / (1.1 m + Kp (T_p/2 + sum m c_i/omega_i min(1, 2/(omega_i t_j)))), v/t_j, "
-    "e t_j / (c_S + sum c_i V_i(t_j))); j = a/t_j; take the t_j with the shortest motion."
+    "e = j root(c_S^2 + c_P^2 + sum (c_i V_i)^2) <= band with V = R(f t_j) R(f v/a) [R(f L/v)] and "
+    "R(x) = |1 - exp(2 pi x (i - zeta))| within the spread; "
+    "a (1.1 m + Kp (T_p/2 + sum m c_i/omega_i min(1, 2/(omega_i t_j)))) <= F; v/a >= t_j. "
+    "Try t_j = 1, 2, 3 periods of each mode, and v/a a whole number of periods, and the t_j that "
+    "needs no cancelling (R = 2); take the shortest motion."
 )
 
 VALIDITY = (
@@ -199,9 +174,8 @@ def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -
     True
     """
     controller = tuned.controller
-    modes = tuple(_mode_numbers(machine, controller, mode) for mode in plant.modes)
-    servo = _servo_numbers(machine, plant, controller)
-    candidates = _candidates(machine, plant, controller, modes, servo)
+    axis = estimate_axis(machine, plant, controller)
+    candidates = _candidates(axis)
     best = min(candidates, key=lambda item: item.duration)
     return RuleResult(
         limits=best.limits,
@@ -209,7 +183,7 @@ def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -
         bound_by=best.bound_by,
         predicted_settling_time=best.duration + controller.reference_delay,
         predicted_residual=best.residual_deviation,
-        steps=_hand_calculation(machine, plant, controller, modes, servo, best),
+        steps=_hand_calculation(axis, best),
         candidates=candidates,
         formula=FORMULA,
         validity=VALIDITY,
@@ -217,200 +191,110 @@ def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -
     )
 
 
-def ramp_vibration(cycles: float, *, damping: float, spread: float) -> float:
-    """Return the vibration that one acceleration ramp leaves, in units of one jerk step's.
-
-    |1 - exp(p t_j)| with the eigenfrequency anywhere within its spread: an upper bound, exact
-    without damping or without spread.
-
-    Parameters
-    ----------
-    cycles
-        f t_j, length of the ramp in periods of the mode [-].
-    damping
-        ζ [-].
-    spread
-        Relative uncertainty of f [-].
-
-    Returns
-    -------
-    float
-        0 ... 2.
-
-    Source: rule 2 of the residual of one ramp; ``docs/commissioning-rule.md``, eq. (3).
-
-    Examples
-    --------
-    >>> [round(ramp_vibration(x, damping=0.0, spread=0.0), 3) for x in (0.5, 0.75, 1.0)]
-    [2.0, 1.414, 0.0]
-    >>> round(ramp_vibration(1.0, damping=0.02, spread=0.05), 3)
-    0.32
-    """
-    low, high = cycles * (1.0 - spread), cycles * (1.0 + spread)
-    spans_peak = floor(high - 0.5) > floor(low - 0.5)
-    swing = 2.0 if spans_peak else 2.0 * max(abs(sin(pi * low)), abs(sin(pi * high)))
-    longest, shortest = exp(-2.0 * pi * damping * low), exp(-2.0 * pi * damping * high)
-    return min(1.0 + longest, sqrt((1.0 - shortest) ** 2 + longest * swing**2))
+def _candidates(axis: AxisEstimate) -> tuple[RuleCandidate, ...]:
+    times = [("no cancelling", _jerk_limited_time(axis))]
+    times += [
+        (f"t_j = {_periods(k)} of {mode.name}", k / mode.frequency_hz)
+        for mode in axis.modes
+        for k in PERIODS
+    ]
+    found = []
+    for name, jerk_time in times:
+        found.append(_largest(axis, name=name, jerk_time=jerk_time))
+        found.extend(_second_zeros(axis, name=name, jerk_time=jerk_time))
+    return tuple(found)
 
 
-def _mode_numbers(machine: Machine, controller: Controller, mode: PlantMode) -> _ModeNumbers:
-    """A visible mode is pulled down by the loop, by μ/2 where the loop holds the encoder still."""
-    omega, m = mode.natural_frequency, controller.feedforward_mass
-    omega_v = controller.velocity_gain / m
-    pull = 0.5 * m * abs(mode.measured_gain) * min(1.0, omega_v / omega)
-    spread = machine.requirements.frequency_spread
-    gain = max(abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain))
-    return _ModeNumbers(
-        name=mode.name,
-        frequency_hz=mode.frequency_hz,
-        spread=min(spread + pull, 0.5),
-        damping=mode.damping_ratio * (1.0 - machine.requirements.damping_spread),
-        compliance=m * gain / (omega * (1.0 - spread)) ** 3,
+def _periods(count: int) -> str:
+    return f"{count} period{'s' if count > 1 else ''}"
+
+
+def _largest(axis: AxisEstimate, *, name: str, jerk_time: float) -> RuleCandidate:
+    """The largest acceleration at a jerk time, whatever the distance of the ramps."""
+    by_force = force_acceleration(axis, jerk_time)
+    open_phase = servo_parts(axis, jerk_time) + [
+        mode.compliance
+        * ramp_vibration(mode.frequency_hz * jerk_time, damping=mode.damping, spread=mode.spread)
+        * echo(axis.machine, mode, by_force)
+        for mode in axis.modes
+    ]
+    bounds = {
+        "force": by_force,
+        "reach": _acceleration_over(axis.machine, jerk_time, jerk_time),
+        "band": axis.band * jerk_time / hypot(*open_phase),
+    }
+    bound_by = min(bounds, key=lambda key: bounds[key])
+    return _candidate(
+        axis, name=name, jerk_time=jerk_time, acceleration=bounds[bound_by], bound_by=bound_by
     )
 
 
-def _servo_numbers(machine: Machine, plant: Plant, controller: Controller) -> _ServoNumbers:
-    m, Kv, Tn = controller.feedforward_mass, controller.position_gain, controller.integral_time
-    masses = [moving_mass(vary(machine, corner)) for corner in corners(machine)]
-    omega_v = controller.velocity_gain / max(masses)
-    left = 1.0 - controller.jerk_feedforward
-    lag = controller.force_lag + sum(filter_delay(item) for item in controller.force_filters)
-    seen = sum(m * abs(mode.measured_gain) / mode.natural_frequency**2 for mode in plant.modes)
-    tail = max(LAG_SHARE * left * (2.0 - left) * lag**2, HOLD_SHARE * controller.position_cycle**2)
-    pushed = controller.acceleration_feedforward * m
-    return _ServoNumbers(
-        compliance=(tail + DEFLECTION_SHARE * seen) / omega_v
-        + EARLY_CYCLES * controller.velocity_cycle / Kv**2,
-        missing=max(abs(pushed - mass) / mass for mass in masses),
-        ramp_drag=Tn / (omega_v * Kv),
-        step_drag=OVERSHOOT / (omega_v * (Kv + 1.0 / Tn)),
-    )
+def _second_zeros(axis: AxisEstimate, *, name: str, jerk_time: float) -> list[RuleCandidate]:
+    """Accelerations at which v/a cancels a mode, too, as far as force and band allow."""
+    by_force = force_acceleration(axis, jerk_time)
+    shortest = _shortest_distance(axis.machine, by_force, jerk_time)
+    found = []
+    for mode in axis.modes:
+        first = ceil(mode.frequency_hz * shortest - 1e-9)
+        for n in (first, first + 1):
+            apart = max(n, 1) / mode.frequency_hz
+            acceleration = _acceleration_over(axis.machine, apart, jerk_time)
+            candidate = _candidate(
+                axis,
+                name=f"{name}, v/a = {_periods(max(n, 1))} of {mode.name}",
+                jerk_time=jerk_time,
+                acceleration=acceleration,
+                bound_by="second zero",
+            )
+            if acceleration <= by_force and candidate.residual_deviation <= axis.band:
+                found.append(candidate)
+    return found
 
 
-def _candidates(
-    machine: Machine,
-    plant: Plant,
-    controller: Controller,
-    modes: tuple[_ModeNumbers, ...],
-    servo: _ServoNumbers,
-) -> tuple[RuleCandidate, ...]:
-    times = [("no cancelling", _jerk_limited_time(machine, plant, controller, modes, servo))]
-    for mode in modes:
-        for k in PERIODS:
-            name = f"{k} period{'s' if k > 1 else ''} of mode {mode.name}"
-            times.append((name, k / mode.frequency_hz))
-    return tuple(
-        _candidate(machine, plant, controller, modes, servo, name=name, jerk_time=time)
-        for name, time in times
-    )
+def _shortest_distance(machine: Machine, acceleration: float, jerk_time: float) -> float:
+    """Least v/a of a motion within the force, at least t_j [s]."""
+    limits = MotionLimits(acceleration=acceleration, jerk=acceleration / jerk_time)
+    return max(jerk_time, *(averages(move, limits)[1] for move in machine.moves))
 
 
 def _candidate(
-    machine: Machine,
-    plant: Plant,
-    controller: Controller,
-    modes: tuple[_ModeNumbers, ...],
-    servo: _ServoNumbers,
-    *,
-    name: str,
-    jerk_time: float,
+    axis: AxisEstimate, *, name: str, jerk_time: float, acceleration: float, bound_by: str
 ) -> RuleCandidate:
-    by_force = _force_acceleration(machine, plant, controller, jerk_time)
-    compliance = _compliance(machine, modes, servo, jerk_time=jerk_time, largest=by_force)
-    bounds = {
-        "force": by_force,
-        "reach": min(_reach(move, jerk_time) for move in machine.moves),
-        "band": machine.requirements.tcp_deviation * jerk_time / compliance,
-    }
-    bound_by = min(bounds, key=lambda key: bounds[key])
-    acceleration = bounds[bound_by]
     limits = MotionLimits(acceleration=acceleration, jerk=acceleration / jerk_time)
+    servo = servo_parts(axis, jerk_time)
+    moves = axis.machine.moves
     return RuleCandidate(
         name=name,
         limits=limits,
         bound_by=bound_by,
-        duration=max(plan_setpoint(move, limits).duration for move in machine.moves),
-        residual_deviation=limits.jerk * compliance,
+        duration=max(duration(move, limits) for move in moves),
+        residual_deviation=limits.jerk
+        * max(hypot(*servo, *vibrations(axis, averages(move, limits))) for move in moves),
     )
 
 
-def _force_acceleration(
-    machine: Machine, plant: Plant, controller: Controller, jerk_time: float
-) -> float:
-    """Largest acceleration within the force: inertia, ripple of the held velocity, modes.
+def _acceleration_over(machine: Machine, apart: float, jerk_time: float) -> float:
+    """Largest acceleration at which every move has v/a of at least so much [m/s²].
 
-    The velocity setpoint is held for T_p, so it is off by a T_p/2, and a visible mode adds its
-    rate; the velocity controller answers both with Kp.
+    With v/a = t_j the acceleration is just reached.
     """
-    m, Kp = controller.feedforward_mass, controller.velocity_gain
-    heaviest = max(moving_mass(vary(machine, corner)) for corner in corners(machine))
-    rates = 0.0
-    for mode in plant.modes:
-        omega = mode.natural_frequency * (1.0 - machine.requirements.frequency_spread)
-        rates += m * abs(mode.measured_gain) / omega * min(1.0, 2.0 / (omega * jerk_time))
-    inertia = max(heaviest, m) * FORCE_RESERVE
-    inertia += controller.jerk_feedforward * m * controller.force_lag / jerk_time
-    return machine.drive.motion_force / (inertia + Kp * (controller.position_cycle / 2.0 + rates))
-
-
-def _compliance(
-    machine: Machine,
-    modes: tuple[_ModeNumbers, ...],
-    servo: _ServoNumbers,
-    *,
-    jerk_time: float,
-    largest: float,
-) -> float:
-    """Residual deviation per jerk at a jerk time [s³]."""
-    total = servo.compliance
-    total += servo.missing * min(servo.ramp_drag, servo.step_drag * jerk_time)
-    for mode in modes:
-        ramp = ramp_vibration(
-            mode.frequency_hz * jerk_time, damping=mode.damping, spread=mode.spread
-        )
-        total += mode.compliance * ramp * _echo(machine, mode, largest)
-    return total
-
-
-def _echo(machine: Machine, mode: _ModeNumbers, largest: float) -> float:
-    """What the earlier ramps of a motion add to the last one's vibration, 1 ... 4 [-].
-
-    They came at least v/a (and L/v) earlier and have decayed since; their phase is left open.
-    """
-    rate = 2.0 * pi * mode.frequency_hz * mode.damping
 
     def of(move: Move) -> float:
         if isinstance(move, VelocityStep):
-            return 1.0 + exp(-rate * move.velocity_step / largest)
-        velocity = min(move.max_velocity, sqrt(largest * move.distance))
-        return (1.0 + exp(-rate * velocity / largest)) * (
-            1.0 + exp(-rate * move.distance / velocity)
-        )
+            return move.velocity_step / apart
+        return min(move.max_velocity / apart, move.distance / (apart * (apart + jerk_time)))
 
-    return max(of(move) for move in machine.moves)
+    return REACHED * min(of(move) for move in machine.moves)
 
 
-def _reach(move: Move, jerk_time: float) -> float:
-    """Largest acceleration that a move still reaches with ramps of this length [m/s²]."""
-    if isinstance(move, VelocityStep):
-        return move.velocity_step / jerk_time
-    return min(move.max_velocity / jerk_time, move.distance / (2.0 * jerk_time**2))
-
-
-def _jerk_limited_time(
-    machine: Machine,
-    plant: Plant,
-    controller: Controller,
-    modes: tuple[_ModeNumbers, ...],
-    servo: _ServoNumbers,
-) -> float:
+def _jerk_limited_time(axis: AxisEstimate) -> float:
     """Jerk time at which the band holds whatever the phases: every ramp counts twice a step."""
-    largest = _force_acceleration(machine, plant, controller, inf)
-    worst = servo.compliance + servo.missing * servo.ramp_drag
-    worst += sum(2.0 * mode.compliance * _echo(machine, mode, largest) for mode in modes)
-    jerk = machine.requirements.tcp_deviation / worst
+    largest = force_acceleration(axis, inf)
+    worst = [axis.servo.compliance, axis.servo.missing * axis.servo.ramp_drag]
+    worst += [2.0 * mode.compliance * echo(axis.machine, mode, largest) for mode in axis.modes]
+    jerk = axis.band / hypot(*worst)
     times = [largest / jerk]
-    for move in machine.moves:
+    for move in axis.machine.moves:
         if isinstance(move, VelocityStep):
             times.append(sqrt(move.velocity_step / jerk))
         else:
@@ -419,49 +303,44 @@ def _jerk_limited_time(
     return min(times)
 
 
-def _hand_calculation(
-    machine: Machine,
-    plant: Plant,
-    controller: Controller,
-    modes: tuple[_ModeNumbers, ...],
-    servo: _ServoNumbers,
-    best: RuleCandidate,
-) -> tuple[RuleStep, ...]:
-    m, time = controller.feedforward_mass, best.limits.jerk_time
+def _hand_calculation(axis: AxisEstimate, best: RuleCandidate) -> tuple[RuleStep, ...]:
+    controller, limits = axis.controller, best.limits
+    drag = servo_parts(axis, limits.jerk_time)[1]
+    omega_v = controller.velocity_gain / controller.feedforward_mass
     lines = [
-        ("speed loop omega_v", "Kp / m", controller.velocity_gain / m, "1/s"),
+        ("speed loop omega_v", "Kp / m", omega_v, "1/s"),
         (
             "servo compliance c_S",
             "(max(0.4 T^2, 0.18 T_p^2) + 0.8 sum m c/omega^2) / omega_v + T_v/(2 Kv^2)",
-            servo.compliance,
+            axis.servo.compliance,
             "s^3",
         ),
-        ("unknown share of the mass eps", "|m_ff - m| / m", servo.missing, "1"),
+        ("unknown share of the mass eps", "|m_ff - m| / m", axis.servo.missing, "1"),
         (
-            "payload compliance",
+            "payload compliance c_P",
             "eps min(Tn/(omega_v Kv), 1.3 t_j/(omega_v (Kv + 1/Tn)))",
-            servo.missing * min(servo.ramp_drag, servo.step_drag * time),
+            drag,
             "s^3",
         ),
     ]
-    largest = _force_acceleration(machine, plant, controller, time)
-    for mode in modes:
-        ramp = ramp_vibration(mode.frequency_hz * time, damping=mode.damping, spread=mode.spread)
+    slowest = max(axis.machine.moves, key=lambda move: duration(move, limits))
+    left = vibrations(axis, averages(slowest, limits))
+    for mode, vibration in zip(axis.modes, left, strict=True):
         lines.append(
             (f"compliance c of mode {mode.name}", "m |g| / omega^3", mode.compliance, "s^3")
         )
+        share = vibration / mode.compliance if mode.compliance else 0.0
         lines.append(
-            (
-                f"vibration V of mode {mode.name}",
-                "|1 - exp(p t_j)| within the spread, x echo of the earlier ramps",
-                ramp * _echo(machine, mode, largest),
-                "1",
-            )
+            (f"vibration V of mode {mode.name}", "R(f t_j) R(f v/a) [R(f L/v)]", share, "1")
         )
-    lines.append(("jerk time t_j", best.name, time, "s"))
-    lines.append(("acceleration by force", "see the rule's formula", largest, "m/s^2"))
-    lines.append(("acceleration a", f"by {best.bound_by}", best.limits.acceleration, "m/s^2"))
-    lines.append(("jerk j", "a / t_j", best.limits.jerk, "m/s^3"))
+    by_force = force_acceleration(axis, limits.jerk_time)
+    lines.append(("jerk time t_j", best.name, limits.jerk_time, "s"))
+    lines.append(("acceleration within the force", "see the formula", by_force, "m/s^2"))
+    lines.append(("acceleration a", f"bound by {best.bound_by}", limits.acceleration, "m/s^2"))
+    lines.append(("jerk j", "a / t_j", limits.jerk, "m/s^3"))
+    lines.append(
+        ("predicted residual", "j root(c_S^2 + c_P^2 + sum (c V)^2)", best.residual_deviation, "m")
+    )
     return tuple(
         RuleStep(name=name, formula=formula, value=value, unit=unit)
         for name, formula, value, unit in lines

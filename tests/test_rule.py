@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from mtcommission.estimate import EARLY_CYCLES, averages, duration, ramp_vibration
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.response import simulate
 from mtcommission.loop.tuning import TunedLoop, tune_loop
@@ -23,6 +24,7 @@ from mtcommission.machine import (
     Modal,
     Modes,
     Peak,
+    Positioning,
     Requirements,
     StateFeedback,
     VelocityStep,
@@ -30,12 +32,7 @@ from mtcommission.machine import (
 )
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
-from mtcommission.rule import (
-    EARLY_CYCLES,
-    RuleResult,
-    apply_commissioning_rule,
-    ramp_vibration,
-)
+from mtcommission.rule import RuleResult, apply_commissioning_rule
 from mtcommission.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
 from mtcommission.trials import judge
 from tests.machines import paper_machine
@@ -216,3 +213,32 @@ def test_what_the_rule_does_not_know_is_said() -> None:
     control = replace(machine.control, moving_average_time=0.02, velocity_feedforward=0.9)
     warnings = apply(replace(machine, requirements=needs, control=control))[0].warnings
     assert len(warnings) == 3
+
+
+@pytest.mark.parametrize(
+    "move",
+    [
+        VelocityStep(velocity_step=0.1),
+        VelocityStep(velocity_step=0.01),
+        Positioning(distance=0.05, max_velocity=0.2),
+        Positioning(distance=0.003),
+    ],
+)
+def test_a_setpoint_is_a_chain_of_averages(
+    move: VelocityStep | Positioning,
+) -> None:
+    """If it failed, the product of the R would not be the vibration of the whole setpoint."""
+    limits = MotionLimits(acceleration=2.0, jerk=100.0)
+    setpoint = plan_setpoint(move, limits)
+    omega = 2 * pi * 23.0
+    spectrum = abs(
+        sum(
+            step * exp(-1j * omega * t)
+            for t, step in zip(setpoint.knot_times, setpoint.jerk_steps, strict=True)
+        )
+    )
+    product = limits.jerk
+    for length in averages(move, limits):
+        product *= ramp_vibration(23.0 * length, damping=0.0, spread=0.0)
+    assert product == pytest.approx(spectrum, rel=1e-6, abs=1e-6)
+    assert duration(move, limits) == pytest.approx(setpoint.duration, rel=1e-9)
