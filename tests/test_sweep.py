@@ -403,3 +403,32 @@ def test_command_writes_table_and_page(tmp_path: Path) -> None:
     assert frame["drive.max_force"].to_list()[:4] == pytest.approx([1e3, 5e3 / 3, 7e3 / 3, 3e3])
     assert frame["plant.slider_mass"].to_list() == [700.0] * 4 + [800.0] * 4
     assert (tmp_path / "sweep.html").stat().st_size > 5000
+
+
+def test_cluster_gives_the_same_rows_and_survives_a_lost_worker(
+    tmp_path: Path, undisturbed: pl.DataFrame
+) -> None:
+    """A Dask cluster that loses a worker must neither lose nor change a row."""
+    distributed = pytest.importorskip("distributed")
+    killed: list[int] = []
+    plan = masses_plan()
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
+    ) as cluster:
+
+        def kill_one(done: int, total: int, failures: int) -> None:
+            if not killed:
+                killed.append(next(iter(cluster.workers.values())).pid)
+                os.kill(killed[0], signal.SIGKILL)
+
+        engine = Engine(scheduler=cluster.scheduler_address)
+        store = run_sweep(plan, folder=tmp_path, engine=engine, progress=kill_one)
+    assert killed
+    assert read_table(plan, store).frame.equals(undisturbed)
+
+
+def test_cluster_that_does_not_answer_is_wrong_input(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    engine = Engine(scheduler="tcp:nowhere")
+    with pytest.raises(InputError, match="no scheduler answers"):
+        run_sweep(plan_of(), folder=tmp_path, engine=engine)

@@ -1,9 +1,11 @@
-"""Thousands of operating points: cases, engine, store, table.
+"""Thousands of operating points: ``cases``, ``engine``, ``store``, ``table``, ``page``.
 
-``Plan`` says what varies, ``run_sweep`` computes what is not on disk yet, ``read_table`` returns
-the columns.
+``cases.Plan`` says what varies, ``engine.run_sweep`` computes what is not on disk yet, and
+``table.read_table`` returns the columns; its example is a whole sweep. Nothing is imported here,
+so that a worker loads no more than its work needs. With ``Engine(workers=2)`` a script needs the
+``if __name__ == "__main__"`` guard of multiprocessing.
 
-    plan = Plan(profile_text=text, where="machine.toml", axes=(read_axis(...),))
-    store = run_sweep(plan, folder=Path("sweep"), engine=Engine(workers=2))
-    frame = read_table(plan, store).frame
+A Dask cluster on this machine takes two commands, ``dask scheduler`` and
+``dask worker tcp://127.0.0.1:8786 --nworkers 2 --nthreads 1``; then
+``Engine(scheduler="tcp://127.0.0.1:8786")`` or ``--scheduler`` uses it.
 """

@@ -51,6 +51,20 @@ def read_table(plan: Plan, store: Opened) -> SweepTable:
     -------
     SweepTable
         Sorted by case; a case that an interruption left twice appears once.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from mtcommission.shipped import read_shipped
+    >>> from mtcommission.sweep.cases import read_axis
+    >>> from mtcommission.sweep.engine import run_sweep
+    >>> forces = read_axis("drive.max_force=1kN:4kN:4", where="example")
+    >>> text = read_shipped("milling-manipulator").text
+    >>> plan = Plan(profile_text=text, where="machine.toml", axes=(forces,))
+    >>> with TemporaryDirectory() as folder:
+    ...     frame = read_table(plan, run_sweep(plan, folder=Path(folder))).frame
+    >>> [round(t_f, 6) for t_f in frame["t_f"].to_list()], frame["certified"].all()
+    ([0.082396, 0.04352, 0.036119, 0.026324], True)
     """
     named = columns(plan)
     schema = {column.name: TYPES[column.kind] for column in named}
