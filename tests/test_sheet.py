@@ -854,6 +854,18 @@ def test_german_finds_the_settings_and_not_only_their_ends():
     assert GERMAN.say("plant: not settled") == "plant: nicht eingeschwungen"
 
 
+def test_the_command_line_knows_the_languages(tmp_path):
+    file = tmp_path / "record.json"
+    file.write_text(json.dumps(example_record()), encoding="utf-8")
+    argv = ["sheet", str(file), "-o", str(tmp_path), "--no-pdf", "--language", "de"]
+    assert CliRunner().invoke(app, argv).exit_code == 0
+    assert "Alle Anforderungen erfüllt" in (tmp_path / "sheet.html").read_text("utf-8")
+    # before minutes of computation, not after
+    finished = CliRunner().invoke(app, ["run", "missing.toml", "--language", "fr"])
+    assert isinstance(finished.exception, InputError)
+    assert "--language" in str(finished.exception)
+
+
 def test_what_german_does_not_know_is_marked_as_original():
     assert GERMAN.say("A new sentence.") == "A new sentence. [Originaltext]"
     assert GERMAN.say("Kv is new. No state feedback.").endswith("[Originaltext]")

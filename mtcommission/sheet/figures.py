@@ -173,7 +173,7 @@ def _point_plot(plot: PointPlot) -> Figure:
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
         subdivisions = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) if high < 30.0 * low else (1.0,)
         axis.set_major_locator(LogLocator(subs=subdivisions))
-        axis.set_major_formatter(FormatStrFormatter("%.4g"))
+        axis.set_major_formatter(FormatStrFormatter("%.6g"))
         axis.set_minor_formatter(NullFormatter())
     figure.legend(loc="lower left", ncols=columns, fontsize=6.5, borderaxespad=0.2)
     return figure

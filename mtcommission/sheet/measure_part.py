@@ -24,7 +24,7 @@ def measurements(record: Record, f: Formatter) -> Section:
             Column(head=text.measurement, width=2.4),
             Column(head=text.calculated, width=1.1, is_number=True),
             Column(head=text.permitted, width=1.1, is_number=True),
-            *(Column(head=head) for head in heads),
+            *(Column(head=head, width=1.1) for head in heads),
         ),
         rows=tuple((*row, *("" for _ in heads)) for row in rows),
         is_form=True,
