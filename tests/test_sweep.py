@@ -103,6 +103,7 @@ def test_ranges_are_what_they_say() -> None:
         ("1:2:x", "must be a whole number"),
         ("log:0:2:5", "needs ends > 0"),
         ("1kg:2t:5", "same unit"),
+        ("log:300:20kN:5", "same unit"),
         ("a:2:5", "does not begin with a number"),
         ("1,,2", "empty value"),
     ],

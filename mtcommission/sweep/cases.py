@@ -220,8 +220,9 @@ def _spread(kind: str, parts: list[str]) -> tuple[list[float], str]:
         forms = "START:STOP:COUNT, log:START:STOP:COUNT or random:LOW:HIGH:COUNT:SEED"
         raise ValueError(f"must be {forms}, or a comma list")
     (low, low_unit), (high, high_unit) = _split(parts[0]), _split(parts[1])
-    if low_unit and high_unit and low_unit != high_unit:
-        raise ValueError("both ends need the same unit")
+    # A bare number is SI, so "300:20kN" could be meant in two ways.
+    if low_unit != high_unit:
+        raise ValueError("write both ends with the same unit, or both without (SI)")
     whole = [part for part in parts[2:] if not part.isascii() or not part.isdigit()]
     if whole:
         raise ValueError(f"{whole[0]!r} must be a whole number")
@@ -234,7 +235,7 @@ def _spread(kind: str, parts: list[str]) -> tuple[list[float], str]:
         found = np.random.default_rng(int(parts[3])).uniform(low, high, count)
     else:
         found = (np.geomspace if kind == "log" else np.linspace)(low, high, count)
-    return found.tolist(), low_unit or high_unit
+    return found.tolist(), low_unit
 
 
 def _split(text: str) -> tuple[float, str]:
