@@ -55,12 +55,12 @@ class Piece:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touch:
-    """A touch point inside a bang arc.
+    """A touch point inside a bang arc, or inside a boundary arc of order 1.
 
     Parameters
     ----------
     piece
-        Index of the bang arc.
+        Index of the arc.
     offset
         Time since its start [s].
     limit
@@ -247,10 +247,11 @@ def _primal(system: _System, sequence: Sequence) -> tuple[Array, Array, Array]:
             levels = np.zeros(limit.order)
             levels[0] = piece.side
             rest.append(limit.output_chain @ state - levels)
-            state = expm(limit.boundary_flow * piece.duration) @ state
-            continue
         touches = (touch for touch in sequence.touches if touch.piece == i)
         rest += [_touch_conditions(problem, touch, piece, state) for touch in touches]
+        if piece.limit >= 0:
+            state = expm(limit.boundary_flow * piece.duration) @ state
+            continue
         state = flows[i] @ state + pushes[i] * piece.side
     error = (state - problem.target) / problem.state_scale
     rest.append(error[problem.fixed])
@@ -260,10 +261,49 @@ def _primal(system: _System, sequence: Sequence) -> tuple[Array, Array, Array]:
 
 def _touch_conditions(problem: BoundedProblem, touch: Touch, piece: Piece, state: Array) -> Array:
     plant, row = problem.plant, problem.limits[touch.limit].row
+    if piece.limit >= 0:
+        flow = problem.limits[piece.limit].boundary_flow
+        at = expm(flow * touch.offset) @ state
+        return np.array([row @ at - touch.side, row @ flow @ at / problem.rate])
     since, force = np.array(touch.offset), piece.side * problem.force_limit
     at = transition(plant, since) @ state + step_response(plant, since) * force
     rate = plant.A @ at + plant.B * force
     return np.array([row @ at - touch.side, row @ rate / problem.rate])
+
+
+def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array) -> Array:
+    """Return the states on a piece.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    piece
+        Bang or boundary arc.
+    state
+        At its start, shape (n,).
+    tau
+        Evenly spaced times since its start, from 0, shape (k,) [s].
+
+    Returns
+    -------
+    ndarray, shape (k, n)
+    """
+    if piece.limit < 0:
+        pushes = step_response(problem.plant, tau) * piece.side * problem.force_limit
+        return np.asarray(transition(problem.plant, tau) @ state + pushes)
+    flow = expm(problem.limits[piece.limit].boundary_flow * (tau[1] - tau[0]))
+    states = [state]
+    for _ in tau[1:]:
+        states.append(flow @ states[-1])
+    return np.array(states)
+
+
+def _flow_back(problem: BoundedProblem, piece: Piece, span: float) -> Array:
+    """Return the map of Λ over the last ``span`` seconds of a piece, shape (n, n)."""
+    if piece.limit < 0:
+        return transition(problem.plant, np.array(span))
+    return np.asarray(expm(problem.limits[piece.limit].adjoint_flow * span))
 
 
 def _atoms(
@@ -307,15 +347,15 @@ def _dual(system: _System, sequence: Sequence, multipliers: Array, final_rate: A
         if piece.limit >= 0:
             conditions.append(float(adjoint @ to_sigma) / plant.force_lag * system.scale)
             adjoint = adjoint - _exit_weight(problem, piece, adjoint) * _row(problem, piece)
-            flow = expm(problem.limits[piece.limit].adjoint_flow * piece.duration)
-            adjoint = adjoint @ flow - entries.get(i, 0.0) * _row(problem, piece)
-            continue
         end = piece.duration
         for _, offset, limit, weight in (one for one in touched if one[0] == i):
-            adjoint = adjoint @ transition(plant, np.array(end - offset))
+            adjoint = adjoint @ _flow_back(problem, piece, end - offset)
             adjoint, end = adjoint - weight * problem.limits[limit].row, offset
-        whole = end == piece.duration
-        adjoint = adjoint @ (flows[i] if whole else transition(plant, np.array(end)))
+        whole = end == piece.duration and piece.limit < 0
+        adjoint = adjoint @ (flows[i] if whole else _flow_back(problem, piece, end))
+        if piece.limit >= 0:
+            adjoint = adjoint - entries.get(i, 0.0) * _row(problem, piece)
+            continue
         if i > 0 and sequence.pieces[i - 1].limit < 0:
             conditions.append(float(adjoint @ to_sigma) / plant.force_lag * system.scale)
     return np.array(conditions)
@@ -334,7 +374,7 @@ def _exit_weight(problem: BoundedProblem, piece: Piece, adjoint: Array) -> float
 
 
 def _measure(system: _System, sequence: Sequence, multipliers: Array) -> Measure:
-    problem, plant = system.problem, system.problem.plant
+    problem = system.problem
     entries, touched = _atoms(system, sequence, multipliers)
     atoms: list[Atom] = []
     cores: list[Core] = []
@@ -344,20 +384,19 @@ def _measure(system: _System, sequence: Sequence, multipliers: Array) -> Measure
         before = after + piece.duration
         if piece.limit >= 0:
             out, k = _exit_weight(problem, piece, adjoint), piece.limit
-            flow = expm(problem.limits[k].adjoint_flow * piece.duration)
-            adjoint = (adjoint - out * _row(problem, piece)) @ flow
-            adjoint = adjoint - entries.get(i, 0.0) * _row(problem, piece)
+            adjoint = adjoint - out * _row(problem, piece)
             cores.append(Core(start=before, end=after, limit=k, side=piece.side))
             atoms.append(Atom(remaining=after, limit=k, weight=out))
             atoms.append(Atom(remaining=before, limit=k, weight=entries.get(i, 0.0)))
-        else:
-            end = piece.duration
-            for _, offset, limit, weight in (one for one in touched if one[0] == i):
-                adjoint = adjoint @ transition(plant, np.array(end - offset))
-                adjoint, end = adjoint - weight * problem.limits[limit].row, offset
-                at = after + piece.duration - offset
-                atoms.append(Atom(remaining=at, limit=limit, weight=weight))
-            adjoint = adjoint @ transition(plant, np.array(end))
+        end = piece.duration
+        for _, offset, limit, weight in (one for one in touched if one[0] == i):
+            adjoint = adjoint @ _flow_back(problem, piece, end - offset)
+            adjoint, end = adjoint - weight * problem.limits[limit].row, offset
+            at = after + piece.duration - offset
+            atoms.append(Atom(remaining=at, limit=limit, weight=weight))
+        adjoint = adjoint @ _flow_back(problem, piece, end)
+        if piece.limit >= 0:
+            adjoint = adjoint - entries.get(i, 0.0) * _row(problem, piece)
         after = before
     return Measure(
         t_f=after,

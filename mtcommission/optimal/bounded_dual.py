@@ -161,7 +161,7 @@ def stretches(problem: BoundedProblem, measure: Measure) -> tuple[Stretch, ...]:
     problem
         The bounded problem.
     measure
-        Dual point; atoms inside a core are not allowed, at its ends they are.
+        Dual point; atoms inside a core only where c B = 0 and the core has order 1.
 
     Returns
     -------
@@ -190,7 +190,8 @@ def _events(problem: BoundedProblem, measure: Measure) -> list[tuple[float, Core
     for atom in measure.atoms:
         # At the late end of a core the atom acts before the core, at its early end after it.
         jump = atom.weight * problem.limits[atom.limit].row
-        events.append((atom.remaining, 0, None, jump))
+        inside = next((core for core in measure.cores if core.holds(atom.remaining)), None)
+        events.append((atom.remaining, 0, inside, jump))
     ordered = sorted(events, key=lambda event: (event[0], event[1]))
     return [(stop, core, jump) for stop, _, core, jump in ordered]
 

@@ -9,6 +9,7 @@ shows the structure, not yet the solution.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,11 @@ from mtcommission.optimal.bounded_problem import BoundedProblem, step_response
 
 Array = NDArray[np.float64]
 
-CELLS = 200
-"""Cells of the grid: enough to see every feature that the refinement needs (empirical)."""
+FEWEST_CELLS, MOST_CELLS = 200, 600
+"""Cells of the grid: enough to see every feature that the refinement needs, and few enough for
+a fraction of a second (empirical)."""
+RADIANS_PER_CELL = 0.6
+"""Between the two, cells that resolve the fastest rate of the plant."""
 
 HORIZON = 60.0
 """Longest t_f that is searched, in multiples of the free optimum."""
@@ -30,6 +34,11 @@ TIME_TOLERANCE = 1e-3
 """|α - 1| at which the search on the grid ends; the grid itself is no better."""
 
 TIME_STEPS = 40
+
+STANDSTILL = 1e-3
+"""Relative growth of the reach over the last third of the search that counts as none."""
+LEAST_TIMES = (1.2, 1.6, 2.2, 3.0, 5.0)
+"""Where the smallest possible bound is looked for, in multiples of the free optimum."""
 
 SATURATED = 1e-6
 """Distance from a limit below which a value of the program counts as on it."""
@@ -105,53 +114,90 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
         else:
             t_f = min(max(t_f + step, 1.02 * t_f), 2.0 * t_f)
         if low > HORIZON * t_free:
-            raise _out_of_reach(problem, found)
+            raise _out_of_reach(problem, found, t_free)
         found = _solve(problem, t_f)
     raise ComputationError(
         Outcome.NO_CONVERGENCE, f"search for t_f on the grid stopped at {t_f:.6g} s"
     )
 
 
-def _out_of_reach(problem: BoundedProblem, longest: GridOptimum) -> ComputationError:
+def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) -> ComputationError:
     shorter = _solve(problem, 0.7 * longest.t_f)
     names = ", ".join(f"|{k.bound.name}| <= {k.bound.value:.6g}" for k in problem.limits)
-    if longest.reach - shorter.reach < 1e-3 * longest.reach:
-        # Everything but the target scales: with wider bounds the reach scales with them at most.
-        least = ", ".join(f"{k.bound.value / longest.reach:.4g}" for k in problem.limits)
-        detail = f"{names}: the move needs about {least} (SI units) however slow it is"
+    if longest.reach - shorter.reach < STANDSTILL * longest.reach:
+        least = min(_least_factor(problem, share * t_free) for share in LEAST_TIMES)
+        bounds = ", ".join(f"{least * k.bound.value:.4g}" for k in problem.limits)
+        detail = f"{names}: the smallest that was found to do is {bounds} (SI units)"
         return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
     return ComputationError(
         Outcome.BEYOND_HORIZON, f"{names}: t_f would be longer than {longest.t_f:.4g} s"
     )
 
 
-def _solve(problem: BoundedProblem, t_f: float) -> GridOptimum:
-    F, n_limits = problem.force_limit, len(problem.limits)
-    edges = np.linspace(0.0, t_f, CELLS + 1)
+def _least_factor(problem: BoundedProblem, t_f: float) -> float:
+    """Return the least factor of all bounds with which the target is reached by t_f."""
+    grid = _grid(problem, t_f)
+    cells, rows = grid.response.shape[1], grid.response.shape[0]
+    result = linprog(
+        np.append(np.zeros(cells), 1.0),
+        A_ub=np.block(
+            [[grid.response, -np.ones((rows, 1))], [-grid.response, -np.ones((rows, 1))]]
+        ),
+        b_ub=np.zeros(2 * rows),
+        A_eq=np.column_stack([grid.moments, np.zeros(grid.target.size)]),
+        b_eq=grid.target,
+        bounds=[(-1.0, 1.0)] * cells + [(0.0, None)],
+        method="highs",
+    )
+    return inf if result.x is None else float(result.x[-1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Grid:
+    """Terminal state (scaled rows) and levels as linear maps of the cells' relative forces."""
+
+    moments: Array
+    target: Array
+    response: Array
+
+
+def _grid(problem: BoundedProblem, t_f: float) -> _Grid:
+    F, wanted = problem.force_limit, t_f * problem.rate / RADIANS_PER_CELL
+    cells = int(np.clip(wanted, FEWEST_CELLS, MOST_CELLS))
+    edges = np.linspace(0.0, t_f, cells + 1)
     final = step_response(problem.plant, t_f - edges)[:, problem.fixed] * F
     moments = (final[:-1] - final[1:]).T
     scale = 1.0 / np.maximum(np.abs(moments).sum(axis=1), np.abs(problem.target[problem.fixed]))
     steps = step_response(problem.plant, edges) @ problem.rows.T * F
-    response = np.vstack([toeplitz(column, np.zeros(CELLS)) for column in np.diff(steps.T)])
-    follows = np.repeat([limit.follows for limit in problem.limits], CELLS).astype(np.float64)
+    return _Grid(
+        moments=moments * scale[:, np.newaxis],
+        target=problem.target[problem.fixed] * scale,
+        response=np.vstack([toeplitz(column, np.zeros(cells)) for column in np.diff(steps.T)]),
+    )
+
+
+def _solve(problem: BoundedProblem, t_f: float) -> GridOptimum:
+    grid, n_limits = _grid(problem, t_f), len(problem.limits)
+    cells = grid.response.shape[1]
+    follows = np.repeat([limit.follows for limit in problem.limits], cells).astype(np.float64)
     column = -follows[:, np.newaxis]
     result = linprog(
-        np.append(np.zeros(CELLS), -1.0),
-        A_ub=np.block([[response, column], [-response, column]]),
+        np.append(np.zeros(cells), -1.0),
+        A_ub=np.block([[grid.response, column], [-grid.response, column]]),
         b_ub=np.tile(1.0 - follows, 2),
-        A_eq=np.column_stack([moments, -problem.target[problem.fixed]]) * scale[:, np.newaxis],
-        b_eq=np.zeros(scale.size),
-        bounds=[(-1.0, 1.0)] * CELLS + [(0.0, None)],
+        A_eq=np.column_stack([grid.moments, -grid.target]),
+        b_eq=np.zeros(grid.target.size),
+        bounds=[(-1.0, 1.0)] * cells + [(0.0, None)],
         method="highs",
     )
     if result.status != 0 or result.x is None:
-        raise ComputationError(Outcome.NO_CONVERGENCE, f"grid of {CELLS} cells: {result.message}")
+        raise ComputationError(Outcome.NO_CONVERGENCE, f"grid of {cells} cells: {result.message}")
     force = result.x[:-1]
     marginal = result.lower.marginals[0] + result.upper.marginals[0]
     return GridOptimum(
         t_f=t_f,
         reach=float(result.x[-1]),
-        slope=abs(float(marginal)) * CELLS / t_f,
+        slope=abs(float(marginal)) * cells / t_f,
         force=force,
-        levels=(response @ force).reshape(n_limits, CELLS),
+        levels=(grid.response @ force).reshape(n_limits, cells),
     )

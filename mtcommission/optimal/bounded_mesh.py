@@ -138,9 +138,23 @@ class MeshOptimum:
         return np.asarray(ends @ np.concatenate([self.unknowns, [self.reach, 1.0]]))
 
 
-def off_cores(contacts: tuple[Contact, ...], cores: tuple[Core, ...]) -> tuple[Contact, ...]:
-    """Return the contacts that do not lie inside a core."""
-    return tuple(at for at in contacts if not any(core.holds(at.remaining) for core in cores))
+def off_cores(
+    problem: BoundedProblem, contacts: tuple[Contact, ...], cores: tuple[Core, ...]
+) -> tuple[Contact, ...]:
+    """Return the contacts that may carry an atom: off the cores, or where c B = 0 inside one.
+
+    An atom inside a core jumps Λ by a multiple of c. On a core of order 1 that leaves σ = 0 if
+    c B = 0; on others it would end the core.
+    """
+    return tuple(
+        at
+        for at in contacts
+        if not any(
+            core.holds(at.remaining)
+            and (problem.limits[core.limit].order > 1 or problem.limits[at.limit].order < 2)
+            for core in cores
+        )
+    )
 
 
 def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> MeshOptimum | None:
@@ -160,8 +174,8 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
     MeshOptimum or None
     """
     if relaxed:
-        # An atom inside a core would end it: the relaxation leaves such a bound out.
-        layout = replace(layout, contacts=off_cores(layout.contacts, layout.cores))
+        # What may not carry an atom is left out of the relaxation.
+        layout = replace(layout, contacts=off_cores(problem, layout.contacts, layout.cores))
     segments = _segments(problem, layout, relaxed=relaxed)
     size = segments[-1].last.shape[1] - 2
     rows, rooms = _bound_rows(problem, layout, segments)

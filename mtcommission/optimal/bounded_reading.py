@@ -140,7 +140,9 @@ def read_sequence(
         position, after = arc.end, -towards
     edges = _edges(zeros, position, 0.0, mesh, first=not pieces)
     pieces += _bang_pieces(problem, parts, edges, after=after, before=0)
-    return Sequence(pieces=tuple(pieces), touches=place_touches(tuple(pieces), reading.touches))
+    return Sequence(
+        pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), reading.touches)
+    )
 
 
 def _edges(zeros: Array, start: float, end: float, mesh: Array, *, first: bool) -> Array:
@@ -173,15 +175,19 @@ def _sign(problem: BoundedProblem, parts: tuple[Stretch, ...], remaining: float)
     return 1 if float(part.adjoint @ flow @ problem.plant.B) > 0.0 else -1
 
 
-def place_touches(pieces: tuple[Piece, ...], contacts: tuple[Contact, ...]) -> tuple[Touch, ...]:
-    """Return the contacts as touch points of the bang arcs in which they lie.
+def place_touches(
+    problem: BoundedProblem, pieces: tuple[Piece, ...], contacts: tuple[Contact, ...]
+) -> tuple[Touch, ...]:
+    """Return the contacts as touch points of the arcs in which they lie.
 
     Parameters
     ----------
+    problem
+        The bounded problem.
     pieces
         In order of time.
     contacts
-        By remaining time; those on a boundary arc are left out.
+        By remaining time; those on a boundary arc are left out, unless it has order 1.
 
     Returns
     -------
@@ -192,7 +198,8 @@ def place_touches(pieces: tuple[Piece, ...], contacts: tuple[Contact, ...]) -> t
     for contact in contacts:
         t = float(ends[-1]) - contact.remaining
         index = min(int(np.searchsorted(ends, t)), len(pieces) - 1)
-        if pieces[index].limit < 0:
+        held = pieces[index].limit
+        if held < 0 or (problem.limits[held].order == 1 < problem.limits[contact.limit].order):
             offset = t - float(ends[index]) + pieces[index].duration
             touches.append(
                 Touch(piece=index, offset=offset, limit=contact.limit, side=contact.side)

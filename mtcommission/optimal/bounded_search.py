@@ -17,6 +17,8 @@ from mtcommission.optimal.bounded_arcs import (
     Extremal,
     Piece,
     Sequence,
+    Touch,
+    piece_states,
     solve_sequence,
 )
 from mtcommission.optimal.bounded_dual import (
@@ -26,7 +28,7 @@ from mtcommission.optimal.bounded_dual import (
     lower_bound,
     stretches,
 )
-from mtcommission.optimal.bounded_grid import CELLS, SATURATED, GridOptimum
+from mtcommission.optimal.bounded_grid import SATURATED, GridOptimum
 from mtcommission.optimal.bounded_mesh import (
     Contact,
     Layout,
@@ -74,6 +76,10 @@ SHARPENINGS = 5
 """Solutions of the relaxation with the zeros of the last one as mesh points."""
 VANISHED = 1e-8
 """Share of t_f below which a piece is taken out."""
+EDITS = 6
+"""Changes of a sequence in one round: pieces taken out, touch points put in."""
+RADIANS_PER_SAMPLE = 0.05
+"""Samples that look for excesses of a solved sequence."""
 SLIVER = 1e-6
 """The same for a piece of a solved sequence, if the sequence can be solved without it."""
 GAP = 1e-6
@@ -215,8 +221,8 @@ def _has_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
 
 
 def _first_sight(problem: BoundedProblem, grid: GridOptimum) -> _Sight:
-    cell = grid.t_f / CELLS
-    remaining = grid.t_f - cell * np.arange(1, CELLS + 1)
+    cell = grid.t_f / grid.force.size
+    remaining = grid.t_f - cell * np.arange(1, grid.force.size + 1)
     active = [
         Contact(remaining=float(remaining[i]), limit=k, side=int(np.sign(levels[i])), weight=1.0)
         for k, levels in enumerate(grid.levels)
@@ -271,7 +277,7 @@ def _layout(problem: BoundedProblem, sight: _Sight) -> Layout:
         t_f=sight.t_f,
         mesh=mesh,
         cores=cores,
-        contacts=_contacts(sight, mesh, cores),
+        contacts=_contacts(problem, sight, mesh, cores),
         margin=MARGIN,
     )
 
@@ -298,7 +304,9 @@ def _thinned(points: Array, distance: float, t_f: float) -> Array:
     return np.array(kept)
 
 
-def _contacts(sight: _Sight, mesh: Array, cores: tuple[Core, ...]) -> tuple[Contact, ...]:
+def _contacts(
+    problem: BoundedProblem, sight: _Sight, mesh: Array, cores: tuple[Core, ...]
+) -> tuple[Contact, ...]:
     """Return the mesh points where a bound may act: near arcs and touch points, ends of cores."""
     zones = [(arc.end, arc.start, 6.0, arc.limit, arc.side) for arc in sight.reading.arcs]
     zones += [
@@ -315,7 +323,7 @@ def _contacts(sight: _Sight, mesh: Array, cores: tuple[Core, ...]) -> tuple[Cont
         for core in cores
         for end in (core.start, core.end)
     ]
-    return off_cores(tuple(dict.fromkeys(contacts)), cores)
+    return off_cores(problem, tuple(dict.fromkeys(contacts)), cores)
 
 
 def _exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
@@ -366,7 +374,7 @@ def _broken(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) ->
         side = int(np.sign(levels[cell, at, k]))
         remaining = max(float(cells[cell].start - t), cells[cell].end)
         broken.append(Contact(remaining=remaining, limit=int(k), side=side))
-    return list(off_cores(tuple(broken), found.layout.cores))
+    return list(off_cores(problem, tuple(broken), found.layout.cores))
 
 
 def _peak_time(levels: Array, at: int) -> float:
@@ -406,29 +414,52 @@ def _look(
 
 def _solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
     """Return the accepted extremal of a sequence, vanishing pieces taken out, or None."""
-    for _ in range(4):
+    for _ in range(EDITS):
         if _has_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
             return None
         extremal = solve_sequence(problem, guess)
         found = _accepted(problem, extremal)
         if found is not None:
             return _simplest(problem, extremal, found)
-        guess, changed = _pruned(extremal, least=VANISHED)
+        guess, changed = _pruned(problem, extremal, least=VANISHED)
+        if not changed and extremal.residual < RESIDUAL:
+            guess, changed = _with_touches(problem, extremal.sequence)
         if not changed:
             return None
     return None
 
 
+def _with_touches(problem: BoundedProblem, sequence: Sequence) -> tuple[Sequence, bool]:
+    """Return the sequence with a touch point wherever it runs through a bound."""
+    rows, state = problem.rows, np.zeros(problem.plant.order)
+    touches = list(sequence.touches)
+    for index, piece in enumerate(sequence.pieces):
+        count = int(np.ceil(piece.duration * problem.rate / RADIANS_PER_SAMPLE)) + 4
+        tau = np.linspace(0.0, piece.duration, count)
+        states = piece_states(problem, piece, state, tau)
+        levels, state = states @ rows.T, states[-1]
+        magnitude = np.abs(levels)
+        inner = magnitude[1:-1]
+        peaks = (inner > 1.0 + EXCESS) & (inner >= magnitude[:-2]) & (inner > magnitude[2:])
+        for at, k in zip(*np.nonzero(peaks), strict=True):
+            if k != piece.limit:
+                side = int(np.sign(levels[at + 1, k]))
+                offset = float(tau[at + 1])
+                touches.append(Touch(piece=index, offset=offset, limit=int(k), side=side))
+    added = len(touches) > len(sequence.touches)
+    return Sequence(pieces=sequence.pieces, touches=tuple(touches)), added
+
+
 def _simplest(problem: BoundedProblem, extremal: Extremal, found: Found) -> Found:
     """Return the same optimum without slivers, which a sequence may hold at no cost."""
-    guess, changed = _pruned(extremal, least=SLIVER)
+    guess, changed = _pruned(problem, extremal, least=SLIVER)
     if not changed:
         return found
     simpler = _accepted(problem, solve_sequence(problem, guess))
     return found if simpler is None else simpler
 
 
-def _pruned(extremal: Extremal, *, least: float) -> tuple[Sequence, bool]:
+def _pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> tuple[Sequence, bool]:
     sequence = extremal.sequence
     pieces: list[Piece] = []
     for piece in sequence.pieces:
@@ -445,7 +476,7 @@ def _pruned(extremal: Extremal, *, least: float) -> tuple[Sequence, bool]:
     wanted = tuple(at for at in contacts if weights.get(at.remaining, 0.0) * at.side >= 0.0)
     t_f = sum(piece.duration for piece in pieces)
     inside = tuple(at for at in wanted if 0.0 < at.remaining < t_f)
-    pruned = Sequence(pieces=tuple(pieces), touches=place_touches(tuple(pieces), inside))
+    pruned = Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
     return pruned, len(pieces) < len(sequence.pieces) or len(inside) < len(contacts)
 
 
