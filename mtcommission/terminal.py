@@ -170,7 +170,11 @@ def describe_limits(machine: Machine, part: LimitsPart) -> Group:
         _heading("Limits"),
         Text(f"Bound by: {best['bound_by']}."),
         table,
-        Text(f"Rule of thumb: {rule['formula']}. {rule['text']} Valid for {rule['valid_for']}."),
+        Text(
+            f"By hand, with the commissioning rule ({rule['chosen']}): "
+            f"a = {printed.quantity(rule['acceleration'], f'{length}/s^2')}, "
+            f"j = {printed.quantity(rule['jerk'], f'{length}/s^3')}."
+        ),
     )
 
 

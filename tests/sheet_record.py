@@ -284,6 +284,18 @@ def _limits() -> Any:
             "text": "One ramp lasts one period.",
             "formula": "j = a f / k",
             "valid_for": "ζ ≤ 0.05 and Δv ≥ a/f",
+            "acceleration": 1.4,
+            "jerk": 24.0,
+            "jerk_time": 1.4 / 24.0,
+            "chosen": "t_j = 3/f (base)",
+            "bound_by": "band",
+            "predicted_settling_time": 0.14,
+            "predicted_residual": 4.9e-6,
+            "steps": [
+                {"name": "t_j", "formula": "3 / f", "value": 0.06, "unit": "s"},
+                {"name": "V (base)", "formula": "R(f t_j)", "value": 0.4, "unit": "1"},
+            ],
+            "warnings": [],
         },
         "landscape": {
             "acceleration": [1.0, 2.0, 3.0],

@@ -554,6 +554,15 @@ GERMAN = Labels(
     recommended="Empfohlen",
     rule_heading="Regel",
     rule_valid="Gültig für: {range}",
+    rule_result=(
+        "Von Hand: a = {acceleration}, j = {jerk} ({chosen}), vorhergesagte bleibende Abweichung "
+        "{residual}. Die Suche oben braucht keine Regel; sie dient zur Kontrolle mit dem "
+        "Taschenrechner."
+    ),
+    rule_steps_caption="Die Regel, von Hand auf diese Maschine angewandt",
+    rule_step="Schritt",
+    rule_how="Formel",
+    rule_value="Wert",
     rules_heading="Vergleich mit Faustregeln",
     rules_caption=(
         "Regeln von Herstellern und Lehrbüchern, in derselben Simulation (ungünstigste Bewegung, "

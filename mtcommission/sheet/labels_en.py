@@ -171,6 +171,14 @@ class Labels:
     recommended: str = "Recommended"
     rule_heading: str = "Rule"
     rule_valid: str = "Valid for: {range}"
+    rule_result: str = (
+        "By hand: a = {acceleration}, j = {jerk} ({chosen}), predicted residual deviation "
+        "{residual}. The search above needs no rule; this is to check it with a calculator."
+    )
+    rule_steps_caption: str = "The rule, applied to this machine by hand"
+    rule_step: str = "Step"
+    rule_how: str = "Formula"
+    rule_value: str = "Value"
     rules_heading: str = "Comparison with rules of thumb"
     rules_caption: str = (
         "Rules of makers and textbooks, in the same simulation (worst move, worst corner)"

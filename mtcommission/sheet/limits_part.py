@@ -60,10 +60,44 @@ def limits(record: Record, f: Formatter) -> Section:
             _machining_modes(record, f),
             Subheading(text=text.rule_heading),
             Paragraph(text=text.say(rule["text"])),
-            Paragraph(text=rule["formula"], tone=Tone.FORMULA),
+            Paragraph(text=_rule_result(record, f)),
+            Paragraph(text=rule["formula"]),
+            _rule_steps(record, f),
             Paragraph(
                 text=text.rule_valid.format(range=text.say(rule["valid_for"])), tone=Tone.NOTE
             ),
+            *(Paragraph(text=text.say(line), tone=Tone.NOTE) for line in rule["warnings"]),
+        ),
+    )
+
+
+def _rule_result(record: Record, f: Formatter) -> str:
+    text, rule, length = f.labels, record["limits"]["rule"], motion_unit("m", rotary=f.rotary)
+    return text.rule_result.format(
+        acceleration=f.quantity(rule["acceleration"], f"{length}/s^2"),
+        jerk=f.quantity(rule["jerk"], f"{length}/s^3"),
+        chosen=text.say(rule["chosen"]),
+        residual=f.quantity(rule["predicted_residual"], length, missing=text.not_settled),
+    )
+
+
+def _rule_steps(record: Record, f: Formatter) -> Table:
+    """Return the hand calculation, one line a step."""
+    text = f.labels
+    return Table(
+        caption=text.rule_steps_caption,
+        columns=(
+            Column(head=text.rule_step, width=1.6),
+            Column(head=text.rule_how, width=2.6),
+            Column(head=text.rule_value, width=1.0, is_number=True),
+        ),
+        rows=tuple(
+            (
+                text.say(step["name"]),
+                step["formula"],
+                f.quantity(step["value"], motion_unit(step["unit"].strip("1 "), rotary=f.rotary)),
+            )
+            for step in record["limits"]["rule"]["steps"]
         ),
     )
 
