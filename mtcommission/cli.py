@@ -388,11 +388,18 @@ def sheet(
 
     loaded = load_record(record)
     before = load_record(compare) if compare else None
-    with _progress() as progress:
-        progress("sheet")
-        files = {"sheet.html": print_html(loaded, language=language, before=before).encode()}
-        if not no_pdf:
-            files["sheet.pdf"] = print_pdf(loaded, language=language, before=before)
+    try:
+        with _progress() as progress:
+            progress("sheet")
+            files = {"sheet.html": print_html(loaded, language=language, before=before).encode()}
+            if not no_pdf:
+                files["sheet.pdf"] = print_pdf(loaded, language=language, before=before)
+    except KeyError as error:
+        message = (
+            f"this record lacks {error}: another version of mtcommission wrote it; "
+            "run the profile again, or print it with that version"
+        )
+        raise InputError([Fault(where=str(record), message=message)]) from error
     write_files(output, files)
     sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
     _finish(loaded)

@@ -21,6 +21,10 @@ from mtcommission.machine import Move, Positioning, VelocityStep
 
 Array = NDArray[np.float64]
 
+NUDGES = (0.0, 1e-9, 1e-7, 1e-5)
+"""Shares by which the acceleration is lowered in turn where Ruckig finds no profile: it fails on
+the exact border at which a phase vanishes, and next to it it does not."""
+
 INSTANT = 1e-9
 """Times closer than this are one instant [s]: whether a sample that falls on a knot sees the
 jerk before or after it must not hang on the last bit of a sum."""
@@ -117,19 +121,25 @@ def plan_setpoint(move: Move, limits: MotionLimits, *, moving_average: float = 0
     else:
         request.target_position = [move.distance]
         request.max_velocity = [move.max_velocity]
-    request.max_acceleration = [limits.acceleration]
     request.max_jerk = [limits.jerk]
     trajectory = ruckig.Trajectory(1)
-    detail = (
-        f"{move} with a = {limits.acceleration:.6g} m/s^2, j = {limits.jerk:.6g} m/s^3 "
-        "(rad instead of m on a rotary axis)"
-    )
-    try:
-        result = ruckig.Ruckig(1).calculate(request, trajectory)
-    except ruckig.RuckigError as error:
-        raise ComputationError(Outcome.SETPOINT_FAILED, f"{detail}: {error}") from error
-    if result not in (ruckig.Result.Working, ruckig.Result.Finished):
-        raise ComputationError(Outcome.SETPOINT_FAILED, f"{detail}: {result}")
+    complaint = ""
+    for nudge in NUDGES:
+        request.max_acceleration = [limits.acceleration * (1.0 - nudge)]
+        try:
+            result = ruckig.Ruckig(1).calculate(request, trajectory)
+        except ruckig.RuckigError as error:
+            complaint = complaint or str(error).strip().partition("\n")[0]
+            continue
+        if result in (ruckig.Result.Working, ruckig.Result.Finished):
+            break
+        complaint = complaint or str(result)
+    else:
+        detail = (
+            f"{move} with a = {limits.acceleration:.6g} m/s^2, j = {limits.jerk:.6g} m/s^3 "
+            f"(rad instead of m on a rotary axis): {complaint}"
+        )
+        raise ComputationError(Outcome.SETPOINT_FAILED, detail)
     profile = trajectory.profiles[0][0]
     durations, jerks = np.array(profile.t), np.array(profile.j)
     used = durations > 0.0

@@ -89,6 +89,18 @@ def test_moving_average_is_the_average_of_the_unfiltered_setpoint() -> None:
         assert sample_setpoint(filtered, np.array([t]))[0, 1] == pytest.approx(mean, rel=1e-6)
 
 
+def test_border_on_which_ruckig_fails_is_stepped_over() -> None:
+    """The commissioning rule aims at whole periods, so it hits such borders exactly."""
+    move = Positioning(distance=0.05, max_velocity=0.5)
+    limits = MotionLimits(acceleration=2.290509129054942, jerk=21.92441611715322)
+    found = plan_setpoint(move, limits)
+    ours = jerk_steps(
+        move, acceleration=np.array([limits.acceleration]), jerk=np.array([limits.jerk])
+    )
+    assert found.duration == pytest.approx(ours.duration[0], rel=1e-5)
+    assert sample_setpoint(found, np.array([found.duration]))[0, 0] == 0.05
+
+
 def test_ruckigs_refusal_becomes_a_named_outcome() -> None:
     with pytest.raises(ComputationError, match="setpoint failed"):
         plan_setpoint(VelocityStep(velocity_step=0.1), MotionLimits(acceleration=-1.0, jerk=1.0))
