@@ -13,8 +13,8 @@ import argparse
 import csv
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, fields
-from math import isfinite
+from dataclasses import asdict, dataclass, fields, replace
+from math import hypot, isfinite, nan
 from pathlib import Path
 from time import perf_counter
 
@@ -22,11 +22,11 @@ import numpy as np
 
 from mtcommission.choose import choose_limits
 from mtcommission.errors import ComputationError
-from mtcommission.estimate import ramp_vibration
+from mtcommission.estimate import averages, estimate_axis, ramp_vibration, servo_parts, vibrations
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Positioning, corners, moving_mass
-from mtcommission.plant import build_plant
+from mtcommission.loop.tuning import TunedLoop, tune_loop
+from mtcommission.machine import Machine, Positioning, corners, moving_mass
+from mtcommission.plant import Plant, build_plant
 from mtcommission.population import random_machine
 from mtcommission.rule import apply_commissioning_rule
 from mtcommission.rules import dominant_mode
@@ -46,76 +46,80 @@ class Row:
     payload_share: float
     spread: float
     visible_share: float
-    rule_met: bool
-    rule_time: float
-    rule_residual: float
-    rule_force: float
-    rule_cycles: float
-    rule_chosen: str
-    rule_bound_by: str
-    search_met: bool
-    search_time: float
-    textbook_met: bool
-    textbook_time: float
+    rule_met: bool = False
+    rule_time: float = nan
+    rule_residual: float = nan
+    rule_estimate: float = nan
+    rule_force: float = nan
+    rule_chosen: str = ""
+    rule_bound_by: str = ""
+    search_met: bool = False
+    search_time: float = nan
+    search_binding: str = ""
+    textbook_met: bool = False
+    textbook_time: float = nan
 
 
 def validate(seed: int) -> Row:
     """Return what rule, search and j = a f do on one machine."""
     machine = random_machine(seed)
     plant = build_plant(machine)
-    facts = {
-        "seed": seed,
-        "is_positioning": isinstance(machine.moves[0], Positioning),
-        "n_modes": len(plant.modes),
-        "payload_share": machine.requirements.payload[1] / moving_mass(machine),
-        "spread": machine.requirements.frequency_spread,
-        "visible_share": moving_mass(machine) * sum(mode.measured_gain for mode in plant.modes),
-    }
-    nan = float("nan")
     try:
         tuned = tune_loop(machine)
     except ComputationError as error:
-        return Row(
-            outcome=error.outcome.name,
-            rule_met=False,
-            rule_time=nan,
-            rule_residual=nan,
-            rule_force=nan,
-            rule_cycles=nan,
-            rule_chosen="",
-            rule_bound_by="",
-            search_met=False,
-            search_time=nan,
-            textbook_met=False,
-            textbook_time=nan,
-            **facts,
-        )
+        return describe(seed, machine, plant, outcome=error.outcome.name)
+    limits = choose_limits(machine, plant, tuned).limits
+    return compare(describe(seed, machine, plant, outcome=""), machine, plant, tuned, limits)
+
+
+def describe(seed: int, machine: Machine, plant: Plant, *, outcome: str) -> Row:
+    mass = moving_mass(machine)
+    return Row(
+        seed=seed,
+        outcome=outcome,
+        is_positioning=isinstance(machine.moves[0], Positioning),
+        n_modes=len(plant.modes),
+        payload_share=machine.requirements.payload[1] / mass,
+        spread=machine.requirements.frequency_spread,
+        visible_share=mass * sum(mode.measured_gain for mode in plant.modes),
+    )
+
+
+def compare(
+    row: Row, machine: Machine, plant: Plant, tuned: TunedLoop, searched: MotionLimits
+) -> Row:
     found = apply_commissioning_rule(machine, plant, tuned)
     by_rule = judge(machine, plant, tuned, "rule", "", found.limits)
-    limits = choose_limits(machine, plant, tuned).limits
-    by_search = judge(machine, plant, tuned, "search", "", limits)
-    frequency = dominant_mode(plant).frequency_hz
+    by_search = judge(machine, plant, tuned, "search", "", searched)
     heaviest = max(moving_mass(machine) + corner.payload for corner in corners(machine))
     a = machine.drive.motion_force / (1.2 * heaviest)
-    textbook = judge(
-        machine, plant, tuned, "j = a f", "", MotionLimits(acceleration=a, jerk=a * frequency)
-    )
+    naive = MotionLimits(acceleration=a, jerk=a * dominant_mode(plant).frequency_hz)
+    textbook = judge(machine, plant, tuned, "j = a f", "", naive)
     values = {check.name: check.value / check.limit for check in by_rule.assessment.checks}
-    return Row(
-        outcome="",
+    return replace(
+        row,
         rule_met=by_rule.assessment.is_met,
         rule_time=by_rule.settling_time,
         rule_residual=values["residual deviation"],
+        rule_estimate=found.predicted_residual / machine.requirements.tcp_deviation,
         rule_force=values["set force"],
-        rule_cycles=found.limits.jerk_time * plant.modes[0].frequency_hz,
         rule_chosen=found.chosen.split(",")[0].split(" of ")[0],
         rule_bound_by=found.bound_by,
         search_met=by_search.assessment.is_met,
         search_time=by_search.settling_time,
+        search_binding=largest_part(machine, plant, tuned, searched),
         textbook_met=textbook.assessment.is_met,
         textbook_time=textbook.settling_time,
-        **facts,
     )
+
+
+def largest_part(machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits) -> str:
+    """The part of the estimated residual that is largest at these limits."""
+    axis = estimate_axis(machine, plant, tuned.controller)
+    servo, payload = servo_parts(axis, limits.jerk_time)
+    modes = vibrations(axis, averages(machine.moves[0], limits))
+    parts = {"servo": servo, "payload": payload, "vibration": hypot(*modes)}
+    return max(parts, key=lambda name: parts[name])
 
 
 def run(count: int, *, workers: int, first: int) -> list[Row]:
@@ -173,6 +177,18 @@ def summarise(rows: Sequence[Row]) -> Iterator[str]:
             f"| time above the optimum where met, {share} % of machines below | "
             f"{100 * (np.quantile(ratios, share / 100) - 1):+.0f} % |"
         )
+    true = np.array([row.rule_residual / row.rule_estimate for row in possible])
+    low, middle, high = np.quantile(true, [0.05, 0.5, 0.95])
+    yield (
+        "| simulated over estimated residual at the rule's limits: 5 %, 50 %, 95 % quantile | "
+        f"{low:.2f}, {middle:.2f}, {high:.2f} |"
+    )
+    times = np.log([[row.rule_time, row.search_time] for row in possible if row.rule_met])
+    fit = np.corrcoef(times.T)[0, 1] ** 2
+    yield f"| share of the variance of log settling time that the rule explains | {fit:.3f} |"
+    for part_name in ("vibration", "servo", "payload"):
+        share = _share([row.search_binding == part_name for row in possible])
+        yield f"| largest part of the residual at the searched optimum: {part_name} | {share} |"
     for name, part in _groups(possible):
         if part:
             more = 100 * (np.median(_ratios(part)) - 1)
@@ -203,6 +219,10 @@ def _groups(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
         ("encoder sees no mode", [row for row in rows if row.visible_share == 0]),
         ("encoder sees little, sum m c < 0.5", [r for r in rows if 0 < r.visible_share < 0.5]),
         ("encoder sees much, sum m c >= 0.5", [r for r in rows if r.visible_share >= 0.5]),
+        *(
+            (f"optimum bound by {k}", [r for r in rows if r.search_binding == k])
+            for k in ("vibration", "servo", "payload")
+        ),
         *((f"chosen: {k}", [r for r in rows if r.rule_chosen == k]) for k in _chosen(rows)),
         *(
             (f"bound by {k}", [r for r in rows if r.rule_bound_by == k])
