@@ -497,6 +497,9 @@ GERMAN = Labels(
         "{move}: zeitoptimaler Vergleichswert, exakte Ruhe: {optimum}; empfohlen: {settling}, "
         "{less} weniger, da am Band und nicht an exakter Ruhe gemessen."
     ),
+    reference_composed=(
+        "{optimum} (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter {bound})"
+    ),
     reference_note=(
         "Der Vergleichswert bringt die Nennmaschine mit idealer Steuerung in exakte Ruhe; die "
         "Empfehlung ist eingeschwungen, sobald das Werkzeug in der zulässigen Abweichung bleibt."

@@ -111,6 +111,7 @@ class Labels:
         "{move}: time-optimal reference, exact rest: {optimum}; recommended: {settling}, "
         "{less} less, since it is judged by the band and not by exact rest."
     )
+    reference_composed: str = "{optimum} (composed with a cruise; proved: not below {bound})"
     reference_note: str = (
         "The reference moves the nominal machine to exact rest with ideal control; the "
         "recommendation is settled when the tool stays within the permitted deviation."

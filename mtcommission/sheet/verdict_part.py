@@ -112,8 +112,11 @@ def reference_sentence(record: Record, number: int, f: Formatter) -> str:
     """
     text, move = f.labels, record["moves"][number - 1]
     title = move_title(move["move"], number, f)
-    least = record["optima"][number - 1]["time"]["t_f"]
+    best = record["optima"][number - 1]["time"]
+    least, bound = best["t_f"], best["certificate"].get("t_f_lower_bound")
     settling, optimal = move["response"]["settling_time"], f.quantity(least, "s")
+    if best["method"] == "composed" and isinstance(bound, float):
+        optimal = text.reference_composed.format(optimum=optimal, bound=f.quantity(bound, "s"))
     if settling is None:
         return text.reference_unsettled.format(move=title, optimum=optimal)
     share = settling / least - 1.0
