@@ -22,7 +22,7 @@ import numpy as np
 
 from mtcommission.choose import choose_limits
 from mtcommission.errors import ComputationError
-from mtcommission.estimate import averages, estimate_axis, ramp_vibration, servo_parts, vibrations
+from mtcommission.estimate import estimate_axis, ramp_vibration, servo_parts, vibrations
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Machine, Positioning, corners, moving_mass
@@ -103,7 +103,7 @@ def compare(
         rule_residual=values["residual deviation"],
         rule_estimate=found.predicted_residual / machine.requirements.tcp_deviation,
         rule_force=values["set force"],
-        rule_chosen=found.chosen.split(",")[0].split(" of ")[0],
+        rule_chosen=found.chosen.split(" of ")[0],
         rule_bound_by=found.bound_by,
         search_met=by_search.assessment.is_met,
         search_time=by_search.settling_time,
@@ -117,7 +117,7 @@ def largest_part(machine: Machine, plant: Plant, tuned: TunedLoop, limits: Motio
     """The part of the estimated residual that is largest at these limits."""
     axis = estimate_axis(machine, plant, tuned.controller)
     servo, payload = servo_parts(axis, limits.jerk_time)
-    modes = vibrations(axis, averages(machine.moves[0], limits))
+    modes = vibrations(axis, limits.jerk_time, largest=limits.acceleration)
     parts = {"servo": servo, "payload": payload, "vibration": hypot(*modes)}
     return max(parts, key=lambda name: parts[name])
 
@@ -226,7 +226,7 @@ def _groups(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
         *((f"chosen: {k}", [r for r in rows if r.rule_chosen == k]) for k in _chosen(rows)),
         *(
             (f"bound by {k}", [r for r in rows if r.rule_bound_by == k])
-            for k in ("force", "reach", "band", "second zero")
+            for k in ("force", "reach", "band")
         ),
     ]
 

@@ -2,8 +2,7 @@
 
 The deviation of the tool after the end of a setpoint, per jerk, in parts:
 
-- each mode: m |g|/ω³ times R = |1 - exp(p t)| for each of the moving averages a/j, v/a and L/v
-  that make the setpoint out of a jerk step,
+- each mode: m |g|/ω³ times R = |1 - exp(p t_j)| of the last ramp times the echo of the others,
 - the servo: the lag and hold of the feed-forward force and the share of the modes that the
   encoder sees, divided by ω_v = Kp/m,
 - the mass that the feed-forward does not know.
@@ -14,7 +13,7 @@ Derived, fitted and validated in ``docs/commissioning-rule.md``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, floor, pi, prod, sin, sqrt
+from math import exp, floor, pi, sin, sqrt
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from mtcommission.limits import MotionLimits
 from mtcommission.loop.controller import Controller, filter_delay
 from mtcommission.machine import Machine, Move, VelocityStep, corners, moving_mass, vary
 from mtcommission.plant import Plant, PlantMode
-from mtcommission.setpoint import JerkSteps, jerk_steps
+from mtcommission.setpoint import jerk_steps
 
 LAG_SHARE = 0.4
 """Servo tail of a jerk step behind a force lag, times ω_v/(j T²) (fitted, see the docs)."""
@@ -233,60 +232,37 @@ def servo_parts(axis: AxisEstimate, jerk_time: float) -> list[float]:
     return [servo.compliance, drag]
 
 
-def vibrations(axis: AxisEstimate, boxes: tuple[float, ...]) -> list[float]:
+def vibrations(axis: AxisEstimate, jerk_time: float, *, largest: float) -> list[float]:
     """Return the vibration of each mode after a setpoint, per jerk.
 
     Parameters
     ----------
     axis
         The axis.
-    boxes
-        Lengths of the moving averages that make the setpoint, from ``averages`` [s].
+    jerk_time
+        t_j [s].
+    largest
+        Acceleration that the setpoint does not exceed [m/s²].
 
     Returns
     -------
     list of float
-        m |g|/ω³ times R of each average [s³].
+        m |g|/ω³ R(f t_j) times the echo of the earlier ramps [s³].
     """
     return [
         mode.compliance
-        * prod(
-            ramp_vibration(mode.frequency_hz * box, damping=mode.damping, spread=mode.spread)
-            for box in boxes
-        )
+        * ramp_vibration(mode.frequency_hz * jerk_time, damping=mode.damping, spread=mode.spread)
+        * echo(axis.machine, mode, largest)
         for mode in axis.modes
     ]
 
 
-def averages(move: Move, limits: MotionLimits) -> tuple[float, ...]:
-    """Return the moving averages that make a setpoint out of a jerk step.
-
-    Parameters
-    ----------
-    move, limits
-        The move and its limits.
-
-    Returns
-    -------
-    tuple of float
-        a/j, v/a and, for positioning, L/v, with the a and v that are reached [s].
-
-    Source: Biagiotti & Melchiorri 2008, the profile as a chain of averages.
-    """
-    times = _steps(move, limits).times[0]
-    inner = (float(times[1]), float(times[2]))
-    return inner if isinstance(move, VelocityStep) else (*inner, float(times[4]))
-
-
 def duration(move: Move, limits: MotionLimits) -> float:
     """Return the end t_e of a setpoint [s]."""
-    return float(_steps(move, limits).duration[0])
-
-
-def _steps(move: Move, limits: MotionLimits) -> JerkSteps:
-    return jerk_steps(
+    steps = jerk_steps(
         move, acceleration=np.array([limits.acceleration]), jerk=np.array([limits.jerk])
     )
+    return float(steps.duration[0])
 
 
 def force_acceleration(axis: AxisEstimate, jerk_time: float) -> float:
