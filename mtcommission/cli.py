@@ -245,7 +245,8 @@ def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOpt
     if json_file:
         write_text(json_file, dump_json(limits_part(found)))
     if json_file != "-":
-        show(describe_limits(found.machine, limits_part(found)))
+        met = found.assessment.is_met
+        show(describe_limits(found.machine, limits_part(found), met=met))
     raise typer.Exit(0 if found.assessment.is_met else 1)
 
 

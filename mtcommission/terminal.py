@@ -144,26 +144,26 @@ def describe_optimum(
     return Group(_heading(f"{kind} control"), *map(Text, lines), arcs, peaks)
 
 
-def describe_limits(machine: Machine, part: LimitsPart) -> Group:
+def describe_limits(machine: Machine, part: LimitsPart, *, met: bool) -> Group:
     """Return the recommendation, the optima's bounds and the rules of thumb."""
     printed, length = _formatter(machine), _length(machine)
     best = part["recommended"]
     table = _table("Limits", "a", "j", "Settling", "Residual", "Met")
-    entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool | None]]
-    entries = [("recommended", best, None)]
+    entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
+    entries = [("recommended", best, met)]
     for mode in part["modes"]:
         name = f"{mode['name']} ({printed.quantity(mode['band'], length)})"
         entries.append((name, mode, mode["meets_requirements"]))
     for other in (*part["alternatives"], *part["rules"]):
         entries.append((other["name"], other, other["meets_requirements"]))
-    for name, entry, met in entries:
+    for name, entry, keeps in entries:
         table.add_row(
             escape(name),
             printed.quantity(entry["acceleration"], f"{length}/s^2"),
             printed.quantity(entry["jerk"], f"{length}/s^3"),
             printed.quantity(entry["settling_time"], "s", missing="not settled"),
             printed.quantity(entry["residual_deviation"], length, missing="not settled"),
-            "" if met is None else "yes" if met else "no",
+            "yes" if keeps else "no",
         )
     rule = part["rule"]
     return Group(

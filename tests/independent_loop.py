@@ -360,7 +360,7 @@ def judge(run: Run, profile: Profile, *, tau: float, band: float, dwell: float) 
     e = np.abs(run.tool - run.reference)
     after = bisect_left(run.t.tolist(), begin - 1e-12)
     settling = begin
-    for i in range(len(e) - 1, 0, -1):
+    for i in range(len(e) - 1, after, -1):
         if e[i - 1] > band >= e[i]:
             h = run.t[i] - run.t[i - 1]
             crossing = float(run.t[i - 1] + h * (e[i - 1] - band) / (e[i - 1] - e[i]))

@@ -245,7 +245,9 @@ def _advance_linear(
 
 
 def _settling_time(t: Array, deviation: Array, until: float, band: float) -> float:
-    outside = np.flatnonzero(np.abs(deviation) > band)
+    # Samples before t_e + τ belong to the move: a crossing between the last of them and the
+    # first one after would contradict a residual deviation within the band.
+    outside = np.flatnonzero((np.abs(deviation) > band) & (t >= until - 1e-12))
     if not outside.size:
         return until
     last = int(outside[-1])

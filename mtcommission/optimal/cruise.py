@@ -67,7 +67,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     >>> move = Positioning(distance=0.02, max_velocity=0.1)
     >>> found = compose_cruise(build_plant(paper_machine()), move, force_limit=2e3)
     >>> round(found.t_f, 6), found.certificate.t_f_lower_bound < found.t_f
-    (0.243581, True)
+    (0.24352, True)
     """
     V, L = move.max_velocity, move.distance
     name = plant.states[plant.velocity]

@@ -6,7 +6,7 @@ from math import isfinite, pi
 
 from mtcommission.machine import Machine, Manipulator, Modal, Motion, Move, VelocityStep
 from mtcommission.plant import Plant
-from mtcommission.profile_lines import find_comments
+from mtcommission.profile_lines import KeyPath, find_comments, find_key_lines
 from mtcommission.record.schema import Quantity
 
 
@@ -68,7 +68,8 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
     -------
     list of Quantity
         Data of plant and drive have the machine's source, moves and requirements the profile
-        itself, unless a comment behind the value says "illustrative".
+        itself, unless a comment behind the value says "illustrative"; what the profile does
+        not state is a default.
     """
     length, force, mass = (
         ("m", "N", "kg") if machine.motion is Motion.LINEAR else ("rad", "N m", "kg m^2")
@@ -119,31 +120,34 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
     ]
     units = dict(zip(plant.signals, plant.signal_units, strict=True))
     rows += [(f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks]
-    illustrative = _illustrative_keys(machine, profile_text)
+    given = {_spelt(machine, path) for path in find_key_lines(profile_text).lines}
+    illustrative = {
+        _spelt(machine, path)
+        for path, comment in find_comments(profile_text).items()
+        if "illustrative" in comment.lower()
+    }
     return [
-        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, illustrative))
+        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, given, illustrative))
         for key, value, unit in rows
         if not isinstance(value, float) or isfinite(value)
     ]
 
 
-def _illustrative_keys(machine: Machine, profile_text: str) -> set[str]:
-    """Keys, spelt as in the list of data, whose comment in the profile says illustrative."""
-    found = set()
-    for path, comment in find_comments(profile_text).items():
-        if "illustrative" not in comment.lower():
-            continue
-        match path:
-            case ("moves", int(index), key):
-                found.add(f"moves[{index + 1}].{key}")
-            case ("plant", "modes", int(index), key) if isinstance(machine.mechanics, Modal):
-                found.add(f"plant.modes.{machine.mechanics.modes[index].name}.{key}")
-            case _:
-                found.add(".".join(map(str, path)))
-    return found
+def _spelt(machine: Machine, path: KeyPath) -> str:
+    """A key of the profile as the list of data spells it."""
+    match path:
+        case ("moves", int(index), key):
+            return f"moves[{index + 1}].{key}"
+        case ("plant", "modes", int(index), key) if isinstance(machine.mechanics, Modal):
+            return f"plant.modes.{machine.mechanics.modes[index].name}.{key}"
+        case _:
+            return ".".join(map(str, path))
 
 
-def _source(machine: Machine, key: str, illustrative: set[str]) -> str:
-    if key.partition(" (")[0] in illustrative:
+def _source(machine: Machine, key: str, given: set[str], illustrative: set[str]) -> str:
+    plain = key.partition(" (")[0]
+    if plain in illustrative:
         return "illustrative"
+    if plain not in given:
+        return "default"
     return machine.source if key.startswith(("plant.", "drive.")) else "stated in the profile"
