@@ -359,17 +359,26 @@ def judge(run: Run, profile: Profile, *, tau: float, band: float, dwell: float) 
     begin = profile.end + tau
     e = np.abs(run.tool - run.reference)
     after = bisect_left(run.t.tolist(), begin - 1e-12)
+    # Between the samples about t_e + tau the tool is a line, the setpoint rests or coasts.
+    t_0, t_1 = run.t[after - 1], run.t[after]
+    coast = (run.reference[-1] - run.reference[-2]) / (run.t[-1] - run.t[-2])
+    late = run.reference[after] - coast * (t_1 - t_0)
+    d_0, d_1 = run.tool[after - 1] - late, run.tool[after] - run.reference[after]
+    at_end = abs(d_0 + (begin - t_0) / (t_1 - t_0) * (d_1 - d_0))
+    judged_t = np.concatenate([[begin], run.t[after:]])
+    judged = np.concatenate([[at_end], e[after:]])
     settling = begin
-    for i in range(len(e) - 1, after, -1):
-        if e[i - 1] > band >= e[i]:
-            h = run.t[i] - run.t[i - 1]
-            crossing = float(run.t[i - 1] + h * (e[i - 1] - band) / (e[i - 1] - e[i]))
-            settling = max(begin, crossing)
+    for i in range(len(judged) - 1, 0, -1):
+        if judged[i - 1] > band >= judged[i]:
+            h = judged_t[i] - judged_t[i - 1]
+            settling = float(
+                judged_t[i - 1] + h * (judged[i - 1] - band) / (judged[i - 1] - judged[i])
+            )
             break
     window = profile.end + dwell
     F = np.interp(np.linspace(0, window, 20001), run.t, run.states[:, -1], right=0.0)
     rms = sqrt(np.trapezoid(F**2, dx=window / 20000) / window)
-    return Judgement(settling, float(np.max(e[after:])), float(np.max(e)), rms)
+    return Judgement(settling, float(np.max(judged)), float(np.max(e)), rms)
 
 
 def quiet_copy(machine: Machine, **changes: object) -> Machine:

@@ -114,16 +114,25 @@ def simulate(
     states = outputs[:, 3:]
     signals = np.hstack([states, states @ loop.plant.C.T])
     after = t >= until - 1e-12
+    begin = int(np.argmax(after))
+    # The judgement begins between two samples: there the tool is interpolated against the
+    # setpoint that by then rests or coasts.
+    end, speed = sample_setpoint(setpoint, np.array([setpoint.duration]))[0, :2]
+    before = outputs[begin - 1, 0] - end - speed * (t[begin - 1] - until)
+    share = (until - t[begin - 1]) / (t[begin] - t[begin - 1])
+    at_end = before + share * (deviation[begin] - before)
+    judged_t = np.concatenate([[until], t[begin:]])
+    judged = np.abs(np.concatenate([[at_end], deviation[begin:]]))
     return LoopResponse(
         t=t,
         deviation=deviation,
         force=outputs[:, 2],
         states=states,
         t_end=until,
-        settling_time=_settling_time(t, deviation, until, band) if decayed else inf,
-        residual_deviation=float(np.max(np.abs(deviation[after]))) if decayed else inf,
+        settling_time=_settling_time(judged_t, judged, band) if decayed else inf,
+        residual_deviation=float(np.max(judged)) if decayed else inf,
         peak_deviation=float(np.max(np.abs(deviation))),
-        mode_amplitudes=_mode_amplitudes(loop, states[int(np.argmax(after))]),
+        mode_amplitudes=_mode_amplitudes(loop, states[begin]),
         peaks=np.max(np.abs(signals), axis=0),
         max_force=max_force,
         rms_force=_rms_force(t, states[:, -1], setpoint, drive.static_load),
@@ -244,18 +253,16 @@ def _advance_linear(
     return X, history @ lifted.C.T + references @ lifted.D.T
 
 
-def _settling_time(t: Array, deviation: Array, until: float, band: float) -> float:
-    # Samples before t_e + τ belong to the move: a crossing between the last of them and the
-    # first one after would contradict a residual deviation within the band.
-    outside = np.flatnonzero((np.abs(deviation) > band) & (t >= until - 1e-12))
+def _settling_time(t: Array, deviation: Array, band: float) -> float:
+    """Last crossing into the band, of samples that begin at t_e + τ."""
+    outside = np.flatnonzero(deviation > band)
     if not outside.size:
-        return until
+        return float(t[0])
     last = int(outside[-1])
     if last == len(t) - 1:
         return inf
-    here, following = abs(deviation[last]), abs(deviation[last + 1])
-    crossing = t[last] + (t[last + 1] - t[last]) * (here - band) / (here - following)
-    return max(until, float(crossing))
+    here, following = deviation[last], deviation[last + 1]
+    return float(t[last] + (t[last + 1] - t[last]) * (here - band) / (here - following))
 
 
 def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:

@@ -255,24 +255,30 @@ def _settle_chunk(
     order = tables.order
     velocity = np.sum(steps * (t_e[:, None] - times) ** (order - 1), axis=1) / factorial(order - 1)
     e += np.outer(velocity, steady).astype(e.dtype)
-    np.abs(e, out=e)
 
-    # Before t_e + τ the delayed setpoint still moves; those samples do not count.
+    # Before t_e + τ the delayed setpoint still moves; those samples do not count. The last of
+    # them becomes the deviation at t_e + τ itself, between two samples.
     until = t_e + tables.reference_delay
     begin = np.searchsorted(instants, until - end * T - INSTANT)
+    rows, prior = np.arange(len(e)), np.maximum(begin - 1, 0)
+    gap = np.where(begin > 0, instants[begin] - instants[prior], 1.0)
+    share = np.where(begin > 0, (until - end * T - instants[prior]) / gap, 0.0)
+    at_end = e[rows, prior] + share * (e[rows, begin] - e[rows, prior])
+    np.abs(e, out=e)
     head = int(begin.max()) + 1
     e[:, :head][np.arange(e.shape[1])[:head] < begin[:, None]] = 0.0
+    e[rows, prior] = np.where(begin > 0, np.abs(at_end), e[rows, prior])
     residual = e.max(axis=1)
     outside = e > band
     n = e.shape[1]
     last = n - 1 - np.argmax(outside[:, ::-1], axis=1)
     settled = ~outside.any(axis=1)
     following = np.minimum(last + 1, n - 1)
-    rows = np.arange(len(e))
     here, there = e[rows, last], e[rows, following]
+    start = np.where(last == begin - 1, until - end * T, instants[last])
     with np.errstate(divide="ignore", invalid="ignore"):
         share = (here - band) / (here - there)
-        crossing = end * T + instants[last] + share * (instants[following] - instants[last])
+        crossing = end * T + start + share * (instants[following] - start)
     settling = np.where(settled, until, np.maximum(until, crossing))
     settling[~settled & (last == n - 1)] = np.inf
     return settling, residual
