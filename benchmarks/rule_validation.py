@@ -1,6 +1,6 @@
 """The commissioning rule on random machines, against the searched optimum.
 
-    python benchmarks/rule_validation.py --count 1000 --workers 2 --output docs
+    python -m benchmarks.rule_validation --count 1000 --workers 2 --output docs
 
 Writes docs/commissioning-rule-validation.csv, -validation.md (the printed table) and the
 figures. Each machine: tune the cascade, apply the rule, search the optimum, and simulate both
