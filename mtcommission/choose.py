@@ -47,8 +47,9 @@ class SearchSettings:
         As a share of F_max/m [-].
     least_jerk_time
         [s].
-    longest_jerk_time
-        In periods of the slowest mode [-].
+    longest_jerk_time, slow_jerk_time
+        In periods of the slowest mode [-], and [s]: the longer one ends the search. On a stiff
+        axis the servo tail wants longer ramps than any mode.
     grid
         Points in each direction, logarithmic.
     coarse_grid
@@ -62,6 +63,7 @@ class SearchSettings:
     least_acceleration: float = 0.05
     least_jerk_time: float = 0.5e-3
     longest_jerk_time: float = 3.0
+    slow_jerk_time: float = 0.05
     grid: int = 64
     coarse_grid: int = 12
     seeds: int = 24
@@ -173,7 +175,10 @@ def choose_limits(
     a_axis = np.geomspace(settings.least_acceleration * a_max, a_max, settings.grid)
     t_axis = np.geomspace(
         settings.least_jerk_time,
-        settings.longest_jerk_time * min(longest_period(plant), 1.0),
+        max(
+            settings.longest_jerk_time * min(longest_period(plant), 1.0),
+            settings.slow_jerk_time,
+        ),
         settings.grid,
     )
     bench = _build_bench(machine, plant, tuned, float(a_axis[0]), float(t_axis[-1]))
