@@ -1,6 +1,15 @@
-"""One thread for all small matrices: as the command line does, and repeatable."""
+"""Tests repeat: one thread for small matrices, as on the command line, and the same examples.
+
+`HYPOTHESIS_PROFILE=explore python -m pytest` draws new examples at each run instead.
+"""
 
 import os
 
+from hypothesis import settings
+
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+
+settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
+settings.register_profile("explore", deadline=None)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))

@@ -46,8 +46,12 @@ def test_closed_form_agrees_with_ruckig(
     x = (age**3 / 6) @ ours.steps[0]
     v = (age**2 / 2) @ ours.steps[0]
     ruckig = sample_setpoint(setpoint, times)
-    assert np.allclose(v, ruckig[:, 1], atol=1e-8 * np.max(ruckig[:, 1]))
-    assert np.allclose(x, ruckig[:, 0], atol=1e-8 * np.max(ruckig[:, 0]))
+    # The sum over jerk steps cancels terms as large as j T²/2 and j T³/6: in a long cruise
+    # their rounding, not the motion, sets what can be compared.
+    rounding = 64 * np.finfo(float).eps * limits.jerk * setpoint.duration**2 / 2
+    assert np.allclose(v, ruckig[:, 1], atol=rounding + 1e-8 * np.max(ruckig[:, 1]))
+    rounding *= setpoint.duration / 3
+    assert np.allclose(x, ruckig[:, 0], atol=rounding + 1e-8 * np.max(ruckig[:, 0]))
     assert np.max(np.abs(ruckig[:, 2])) <= a * (1 + 1e-9)
 
 
