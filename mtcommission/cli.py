@@ -237,8 +237,8 @@ def optimal(
 def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOption = "") -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
     from mtcommission.files import write_text
-    from mtcommission.record.build import limits_part
     from mtcommission.record.files import dump_json
+    from mtcommission.record.limits import limits_part
     from mtcommission.terminal import describe_limits, show
 
     found = _compute(profile, f_max)
@@ -265,8 +265,8 @@ def simulate(
     from mtcommission.optima import require_force
     from mtcommission.options import read_limits
     from mtcommission.plant import build_plant
-    from mtcommission.record.build import simulation_part
     from mtcommission.record.files import dump_json
+    from mtcommission.record.moves import simulation_part
     from mtcommission.terminal import describe_simulation, show
     from mtcommission.trials import run_moves
 

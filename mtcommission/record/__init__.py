@@ -1,7 +1,8 @@
 """Commissioning <-> JSON: the record that stays, and that every sheet is printed from.
 
 schema.py   the exact shape
-build.py    Commissioning -> Record, with data.py and optima.py
+build.py    Commissioning -> Record, one part each by data.py, optima.py, limits.py, loop.py,
+            moves.py, comparisons.py
 files.py    Record <-> text
 
 Nothing is imported here: reading a record must not load the solvers.

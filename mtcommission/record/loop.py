@@ -1,0 +1,111 @@
+"""Commissioning -> the feedback loop as the record holds it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.commission import Commissioning
+from mtcommission.loop_choice import LoopVariant
+from mtcommission.plant import Plant
+from mtcommission.record.optima import finite_or_none
+from mtcommission.record.schema import ClosedLoop, LoopPart, ObserverEntry, Series, VariantEntry
+
+Array = NDArray[np.float64]
+
+
+def loop_part(commissioning: Commissioning) -> LoopPart:
+    """Return controller, margins, closed-loop matrices and frequency responses."""
+    tuned, plant = commissioning.tuned, commissioning.plant
+    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.lifted[0]
+    bode = tuned.responses[0]
+    gains = controller.state_gains
+    return LoopPart(
+        Kv=controller.position_gain,
+        Kp=controller.velocity_gain,
+        Tn=controller.integral_time,
+        reference_delay=controller.reference_delay,
+        state_feedback={
+            state: float(gain) for state, gain in zip(plant.states, gains, strict=True) if gain
+        },
+        feedforward={
+            "velocity": controller.velocity_feedforward,
+            "acceleration": controller.acceleration_feedforward,
+            "jerk": controller.jerk_feedforward,
+            "mass": controller.feedforward_mass,
+        },
+        position_cycle=controller.position_cycle,
+        velocity_cycle=controller.velocity_cycle,
+        sensors=list(controller.sensors),
+        observer=ObserverEntry(
+            states=[plant.states[i] for i in controller.observer.states],
+            sensors=list(controller.sensors),
+            A=controller.observer.A.tolist(),
+            B=controller.observer.B.tolist(),
+            C=controller.observer.C.tolist(),
+            L=controller.observer.L.tolist(),
+        ),
+        closed_loop=ClosedLoop(
+            A=lifted.A.tolist(),
+            B=lifted.B.tolist(),
+            C=lifted.C.tolist(),
+            D=lifted.D.tolist(),
+            dt=lifted.dt,
+            states=list(lifted.states),
+            inputs=list(lifted.inputs),
+            outputs=list(lifted.outputs),
+        ),
+        poles=[[float(pole.real), float(pole.imag)] for pole in nominal.poles],
+        gain_margin_db=finite_or_none(nominal.gain_margin_db),
+        phase_margin_deg=finite_or_none(nominal.phase_margin_deg),
+        sensitivity_peak=nominal.sensitivity_peak,
+        bandwidth_hz=finite_or_none(nominal.bandwidth_hz),
+        dynamic_stiffness=nominal.dynamic_stiffness,
+        weakest_frequency_hz=nominal.weakest_frequency_hz,
+        mode_damping=_by_mode(plant, nominal.mode_damping),
+        variants=[_variant_entry(plant, variant) for variant in commissioning.loop.variants],
+        worst_corner={
+            "gain_margin_db": finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
+            "phase_margin_deg": finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
+            "sensitivity_peak": max(a.sensitivity_peak for a in tuned.analyses),
+            "bandwidth_hz": finite_or_none(min(a.bandwidth_hz for a in tuned.analyses)),
+        },
+        bode=Series(
+            t=bode.frequency_hz.tolist(),
+            signals={
+                "open_loop_db": (20 * np.log10(np.abs(bode.open_loop))).tolist(),
+                "open_loop_deg": _phase_deg(bode.open_loop).tolist(),
+                "closed_velocity_db": (20 * np.log10(np.abs(bode.closed_velocity_loop))).tolist(),
+            },
+        ),
+        remarks=list(tuned.remarks),
+    )
+
+
+def _phase_deg(response: NDArray[np.complex128]) -> Array:
+    """Unwrapped phase that starts in (-360, 0], as drive engineers draw it [degrees]."""
+    phase = np.degrees(np.unwrap(np.angle(response)))
+    return np.asarray(phase - 360.0 * np.ceil(phase[0] / 360.0))
+
+
+def _by_mode(plant: Plant, values: Array) -> dict[str, float]:
+    return {mode.name: float(value) for mode, value in zip(plant.modes, values, strict=True)}
+
+
+def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
+    nominal, trial = variant.tuned.nominal, variant.trial
+    force = next(check for check in trial.assessment.checks if check.name == "set force")
+    return VariantEntry(
+        name=variant.name,
+        used=variant.is_used,
+        mode_damping=_by_mode(plant, nominal.mode_damping),
+        gain_margin_db=finite_or_none(nominal.gain_margin_db),
+        phase_margin_deg=finite_or_none(nominal.phase_margin_deg),
+        sensitivity_peak=nominal.sensitivity_peak,
+        bandwidth_hz=finite_or_none(nominal.bandwidth_hz),
+        dynamic_stiffness=nominal.dynamic_stiffness,
+        weakest_frequency_hz=nominal.weakest_frequency_hz,
+        settling_time=finite_or_none(trial.settling_time),
+        residual_deviation=finite_or_none(trial.residual_deviation),
+        max_force=force.value,
+    )

@@ -1,0 +1,126 @@
+"""Moves through the loop -> their entries in the record, and the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mtcommission.assess import Assessment, assess
+from mtcommission.loop.response import LoopResponse
+from mtcommission.loop.tuning import TunedLoop
+from mtcommission.machine import Corner, Machine
+from mtcommission.plant import Plant
+from mtcommission.record.data import describe_move
+from mtcommission.record.optima import finite_or_none, series_entry
+from mtcommission.record.schema import (
+    AssessmentPart,
+    Check,
+    MoveEntry,
+    ResponseEntry,
+    Segment,
+    SetpointEntry,
+    SimulationPart,
+)
+from mtcommission.setpoint import sample_setpoint
+from mtcommission.trials import MoveResult
+
+PLOT_STEP = 0.25e-3
+"""Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""
+
+PLOT_TAIL = 0.15
+"""What a plot shows after the end of the setpoint [s]."""
+
+
+def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
+    """Return one move with its limits, as ``simulate --json`` prints it."""
+    setpoint, nominal = result.setpoint, result.responses[0]
+    filtered = setpoint.duration - float(np.sum(setpoint.segment_durations))
+    every = max(1, round(PLOT_STEP / tuned.controller.velocity_cycle))
+    shown = nominal.t <= nominal.t_end + PLOT_TAIL
+    shown[:] &= np.arange(len(shown)) % every == 0
+    t = nominal.t[shown]
+    delayed = sample_setpoint(setpoint, t - tuned.controller.reference_delay)
+    now = sample_setpoint(setpoint, t)
+    extra = {
+        "x_ref_delayed": delayed[:, 0],
+        "v_ref": now[:, 1],
+        "a_ref": now[:, 2],
+        "j_ref": now[:, 3],
+        "deviation": nominal.deviation[shown],
+        "F_set": nominal.force[shown],
+    }
+    return MoveEntry(
+        move=describe_move(setpoint.move),
+        setpoint=SetpointEntry(
+            duration=setpoint.duration,
+            moving_average=max(filtered, 0.0) if filtered > 1e-12 else 0.0,
+            segments=[
+                Segment(duration=duration, jerk=jerk)
+                for duration, jerk in zip(
+                    setpoint.segment_durations.tolist(),
+                    setpoint.segment_jerks.tolist(),
+                    strict=True,
+                )
+            ],
+        ),
+        response=_response_entry(plant, tuned.corners[0], nominal),
+        corners=[
+            _response_entry(plant, corner, response)
+            for corner, response in zip(tuned.corners, result.responses, strict=True)
+        ],
+        series=series_entry(plant, t, nominal.states[shown], extra),
+    )
+
+
+def _response_entry(plant: Plant, corner: Corner, response: LoopResponse) -> ResponseEntry:
+    return ResponseEntry(
+        payload=corner.payload,
+        frequency_factor=corner.frequency_factor,
+        damping_factor=corner.damping_factor,
+        settling_time=finite_or_none(response.settling_time),
+        residual_deviation=finite_or_none(response.residual_deviation),
+        peak_deviation=response.peak_deviation,
+        mode_amplitudes={
+            mode.name: float(amplitude)
+            for mode, amplitude in zip(plant.modes, response.mode_amplitudes, strict=True)
+        },
+        peaks=dict(zip(plant.signals, response.peaks.tolist(), strict=True)),
+        max_force=response.max_force,
+        rms_force=response.rms_force,
+        saturated=response.saturated,
+    )
+
+
+def simulation_part(
+    machine: Machine, plant: Plant, tuned: TunedLoop, results: Sequence[MoveResult]
+) -> SimulationPart:
+    """Return what ``simulate --json`` prints, judged like a recommendation."""
+    entries = [move_entry(plant, tuned, result) for result in results]
+    verdict = assess(machine, plant, tuned.corners, [result.responses for result in results])
+    return SimulationPart(
+        setpoint=entries[0]["setpoint"],
+        response=entries[0]["response"],
+        corners=entries[0]["corners"],
+        moves=entries,
+        assessment=assessment_part(verdict),
+    )
+
+
+def assessment_part(assessment: Assessment) -> AssessmentPart:
+    """Return the verdict as the record holds it."""
+    return AssessmentPart(
+        met=assessment.is_met,
+        checks=[
+            Check(
+                name=check.name,
+                value=finite_or_none(check.value),
+                limit=check.limit,
+                unit=check.unit,
+                met=check.is_met,
+                where=check.where,
+            )
+            for check in assessment.checks
+        ],
+        obstacle=assessment.obstacle,
+    )
