@@ -26,6 +26,63 @@ MOTION_SAMPLES = 2000
 """Samples of an optimal control in its CSV file, besides the switches."""
 
 
+def require_folder(folder: Path) -> None:
+    """Raise before anything is computed if files cannot be written into a folder.
+
+    Parameters
+    ----------
+    folder
+        May be missing; nothing is made yet.
+
+    Raises
+    ------
+    InputError
+        If it is a file, or may not be written to.
+    """
+    place = folder
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    if not place.is_dir():
+        reason = f"{place} is a file" if place != folder else "this is a file"
+    elif not os.access(place, os.W_OK | os.X_OK):
+        reason = f"no right to write into {place}"
+    else:
+        return
+    message = f"cannot write there ({reason}); give another folder with -o"
+    raise InputError([Fault(where=str(folder), message=message)])
+
+
+def require_writable(*names: str) -> None:
+    """Raise before anything is computed if a text cannot be written to one of these files.
+
+    Parameters
+    ----------
+    names
+        File names; "" and "-" (standard output) are always good.
+
+    Raises
+    ------
+    InputError
+        With a fault for each that is a folder or whose folder is missing or write-protected.
+    """
+    faults = []
+    for name in names:
+        path = Path(name)
+        if name in ("", "-"):
+            continue
+        if path.is_dir():
+            reason = "is a folder; give a file name"
+        elif not path.parent.is_dir():
+            reason = f"there is no folder {path.parent}; make it first, or give another name"
+        elif not os.access(path.parent, os.W_OK | os.X_OK):
+            reason = f"no right to write into {path.parent}; give another name"
+        else:
+            continue
+        faults.append(Fault(where=name, message=reason))
+    if faults:
+        raise InputError(faults)
+
+
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write files into a folder, each under a temporary name first.
 

@@ -8,8 +8,9 @@
 from mtcommission.export.write import (
     Export,
     control_keys,
+    describe_controls,
     export_record,
     parameter_list,
 )
 
-__all__ = ["Export", "control_keys", "export_record", "parameter_list"]
+__all__ = ["Export", "control_keys", "describe_controls", "export_record", "parameter_list"]

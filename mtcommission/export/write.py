@@ -73,6 +73,18 @@ def control_keys() -> tuple[str, ...]:
     return tuple(CONTROLS)
 
 
+def describe_controls() -> str:
+    """Return name and title of every control, a line each.
+
+    Examples
+    --------
+    >>> print(describe_controls().splitlines()[0])
+    sinumerik   SINUMERIK 840D / 828D / ONE
+    """
+    width = max(map(len, CONTROLS)) + 2
+    return "".join(f"{key:<{width}}{control.title}\n" for key, control in CONTROLS.items())
+
+
 def export_record(record: Record, *, control: str) -> Export:
     """Return the recommended limits of a record for a control.
 

@@ -1,0 +1,81 @@
+"""The command line: ``machines``, ``compute``, ``records`` and ``batch`` hold the commands.
+
+Each command is a few lines: read the input, call one verb, write the result. Heavy imports sit
+inside the commands, so that ``--help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Annotated, NoReturn
+
+import typer
+
+from mtcommission import __version__
+from mtcommission.cli.batch import sweep, validate
+from mtcommission.cli.compute import limits, optimal, run, simulate
+from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
+from mtcommission.cli.records import export, sheet
+from mtcommission.errors import MtcommissionError
+
+app = typer.Typer(
+    name="mtcommission",
+    help="Acceleration and jerk limits for machine tool axes, from the mechanical model.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+for command in (wizard, check, run, limits, optimal, simulate, export, sheet, sweep, validate):
+    app.command()(command)
+
+profiles = typer.Typer(help="The example machines that come with the program.")
+profiles.command("list")(list_profiles)
+profiles.command("show")(show_profile)
+profiles.command("copy")(copy_profile)
+app.add_typer(profiles, name="profiles", no_args_is_help=True)
+
+
+def main() -> NoReturn:
+    """Run the command line; every error becomes a message and an exit code."""
+    # Matrices here have some ten rows: threads cost more than they give, and the order of
+    # summation would change from run to run.
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(encoding="utf-8", errors="replace")
+    try:
+        app()
+    except MtcommissionError as error:
+        _fail(str(error), error.exit_code)
+    except KeyboardInterrupt:
+        _fail("interrupted; nothing was written", 3)
+    except BrokenPipeError:
+        os._exit(0)  # the reader of our output has gone: nobody to tell
+    except OSError as error:
+        _fail(f"{error.filename or 'file system'}: {error.strerror or error}", 2)
+    except Exception as error:
+        _fail(f"internal error, please report it with the profile: {error!r}", 3)
+    sys.exit(0)
+
+
+def _fail(message: str, code: int) -> NoReturn:
+    sys.stderr.write(message + "\n")
+    sys.exit(code)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        sys.stdout.write(f"mtcommission {__version__}\n")
+        raise typer.Exit
+
+
+@app.callback()
+def start(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Version.")
+    ] = False,
+) -> None:
+    """Acceleration and jerk limits for machine tool axes, from the mechanical model."""

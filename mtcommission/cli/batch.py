@@ -1,0 +1,127 @@
+"""Commands that compute many cases: sweep and validate."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
+from mtcommission.cli.inputs import now, read_machine
+from mtcommission.cli.progress import show_bar, show_stage
+
+
+def sweep(
+    profile: ProfileArgument,
+    output: FolderOption,
+    f_max: Annotated[
+        str, typer.Option("--f-max", metavar="RANGE", help="E.g. 0.5kN:4kN:100, log:300:20e3:50.")
+    ] = "",
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="KEY=RANGE", help="E.g. plant.slider_mass=600:900:7."),
+    ] = None,
+    cases: Annotated[
+        Path | None, typer.Option("--cases", metavar="FILE", help="CSV: keys, then a case a line.")
+    ] = None,
+    paired: Annotated[
+        bool, typer.Option("--paired", help="Ranges go together instead of each with each.")
+    ] = False,
+    quantity: Annotated[
+        str, typer.Option("--quantity", metavar="optimal|limits|run", help="What to compute.")
+    ] = "optimal",
+    limit: Annotated[
+        list[str] | None,
+        typer.Option("--limit", metavar="NAME=VALUE", help="For optimal, e.g. v_phi=5mrad/s."),
+    ] = None,
+    move: Annotated[
+        int, typer.Option("--move", metavar="N", help="Which of the profile's moves (optimal).")
+    ] = 1,
+    workers: Annotated[
+        int, typer.Option("--workers", metavar="N", min=0, help="Processes; 0: one per core.")
+    ] = 0,
+    scheduler: Annotated[
+        str, typer.Option("--scheduler", metavar="ADDRESS", help="Dask, e.g. tcp://host:8786.")
+    ] = "",
+    resume: Annotated[bool, typer.Option("--resume", help="Continue what is in DIR.")] = False,
+) -> None:
+    """Compute many cases; writes rows.parquet, rows.csv and sweep.html."""
+    from mtcommission.files import require_folder
+    from mtcommission.options import read_optimal_request
+    from mtcommission.plant import build_plant
+    from mtcommission.sweep.engine import Engine, run_sweep
+    from mtcommission.sweep.page import print_sweep
+    from mtcommission.sweep.request import read_plan
+    from mtcommission.sweep.table import read_table, summarise_table, write_safely, write_table
+
+    require_folder(output)
+    machine = read_machine(profile, "")
+    request = read_optimal_request(
+        machine,
+        build_plant(machine),
+        kind="time",
+        method="exact",
+        t_f="",
+        limits=limit or [],
+        velocity_step="",
+        distance="",
+        move=move,
+        scheme="gauss",
+        intervals=1000,
+    )
+    plan = read_plan(
+        profile,
+        f_max=f_max,
+        vary=vary or [],
+        cases=cases,
+        is_paired=paired,
+        quantity=quantity,
+        bounds=request.bounds,
+        move=move,
+        created=now(),
+    )
+    engine = Engine(workers=workers or os.cpu_count() or 1, scheduler=scheduler)
+    with show_bar(plan.count) as progress:
+        store = run_sweep(plan, folder=output, engine=engine, resume=resume, progress=progress)
+    table = read_table(plan, store)
+    write_table(table, output)
+    page = print_sweep(plan, table, created=store.created)
+    write_safely(output / "sweep.html", lambda file: file.write(page.encode()))
+    summary = summarise_table(table)
+    sys.stdout.write(summary.text + "\n")
+    names = ("rows.parquet", "rows.csv", "sweep.html")
+    sys.stdout.write("written: " + ", ".join(str(output / name) for name in names) + "\n")
+    raise typer.Exit(0 if summary.is_met else 1 if summary.done else 3)
+
+
+def validate(
+    json_file: JsonOption = "",
+    output: Annotated[
+        str, typer.Option("-o", "--output", metavar="DIR", help="Write validation.html there.")
+    ] = "",
+) -> None:
+    """Put the paper's numbers and claims beside ours; exit 1 if one is out of tolerance."""
+    from mtcommission.files import require_folder, require_writable, write_files, write_text
+    from mtcommission.record.files import dump_json
+    from mtcommission.terminal import show
+    from mtcommission.validate.page import print_validation
+    from mtcommission.validate.report import validate as compare
+    from mtcommission.validate.report import validation_entry
+    from mtcommission.validate.table import describe_validation
+
+    require_writable(json_file)
+    if output:
+        require_folder(Path(output))
+    with show_stage() as progress:
+        found = compare(progress)
+    if json_file:
+        write_text(json_file, dump_json(validation_entry(found)))
+    if output:
+        page = print_validation(found, created=now())
+        write_files(Path(output), {"validation.html": page.encode()})
+    if json_file != "-":
+        show(describe_validation(found))
+    raise typer.Exit(0 if found.is_met else 1)

@@ -1,0 +1,200 @@
+"""Commands that compute from a profile: run, optimal, limits, simulate."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mtcommission.cli.arguments import (
+    CsvOption,
+    FolderOption,
+    ForceOption,
+    JsonOption,
+    LanguageOption,
+    NoPdfOption,
+    ProfileArgument,
+)
+from mtcommission.cli.inputs import (
+    describe_profile,
+    list_warnings,
+    now,
+    parse_machine,
+    read_machine,
+)
+from mtcommission.cli.progress import show_stage
+
+
+def run(
+    profile: ProfileArgument,
+    output: FolderOption = Path("commissioning"),
+    f_max: ForceOption = "",
+    language: LanguageOption = "en",
+    no_pdf: NoPdfOption = False,
+) -> None:
+    """Compute limits and write record.json, sheet.html, sheet.pdf and setpoint.csv."""
+    from mtcommission.commission import commission
+    from mtcommission.files import require_folder, setpoint_csv, write_files
+    from mtcommission.record.build import build_record
+    from mtcommission.record.files import dump_json
+    from mtcommission.sheet import print_html, print_pdf, summarise
+    from mtcommission.sheet.languages import find_labels
+    from mtcommission.terminal import show
+
+    find_labels(language)
+    require_folder(output)
+    source = describe_profile(profile)
+    machine = parse_machine(source, f_max, where=profile)
+    with show_stage() as progress:
+        found = commission(machine, progress=progress)
+    record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
+    with show_stage() as progress:
+        progress("sheet")
+        files = {
+            "record.json": dump_json(record).encode(),
+            "sheet.html": print_html(record, language=language).encode(),
+        }
+        if not no_pdf:
+            files["sheet.pdf"] = print_pdf(record, language=language)
+        for number, move in enumerate(found.moves, start=1):
+            name = "setpoint.csv" if number == 1 else f"setpoint-{number}.csv"
+            cycle = found.tuned.controller.position_cycle
+            files[name] = setpoint_csv(move.setpoint, step=cycle).encode()
+    write_files(output, files)
+    show(summarise(record, language=language))
+    sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
+    raise typer.Exit(0 if record["assessment"]["met"] else 1)
+
+
+def optimal(
+    profile: ProfileArgument,
+    kind: Annotated[str, typer.Option("--kind", metavar="time|damping", help="What to minimise.")],
+    t_f: Annotated[
+        str, typer.Option("--t-f", metavar="S", help="Final time (damping), e.g. 52.2ms.")
+    ] = "",
+    limit: Annotated[
+        list[str] | None,
+        typer.Option("--limit", metavar="NAME=VALUE", help="E.g. v_phi=5mrad/s; repeatable."),
+    ] = None,
+    f_max: ForceOption = "",
+    velocity_step: Annotated[
+        str, typer.Option("--velocity-step", metavar="V", help="Move instead of the profile's.")
+    ] = "",
+    distance: Annotated[
+        str, typer.Option("--distance", metavar="L", help="Move instead of the profile's.")
+    ] = "",
+    move: Annotated[
+        int, typer.Option("--move", metavar="N", help="Which of the profile's moves.")
+    ] = 1,
+    method: Annotated[
+        str, typer.Option("--method", metavar="exact|transcription", help="Way of solving.")
+    ] = "exact",
+    scheme: Annotated[
+        str, typer.Option("--scheme", metavar="NAME", help="Transcription: euler or gauss.")
+    ] = "gauss",
+    intervals: Annotated[
+        int, typer.Option("--intervals", metavar="N", help="Transcription: intervals.")
+    ] = 1000,
+    json_file: JsonOption = "",
+    csv_file: CsvOption = "",
+) -> None:
+    """Compute one optimal control."""
+    from time import perf_counter
+
+    from mtcommission.files import motion_csv, require_writable, write_text
+    from mtcommission.options import OptimalRequest, read_optimal_request, solve
+    from mtcommission.plant import build_plant
+    from mtcommission.record.files import dump_json
+    from mtcommission.record.optima import optimum_entry
+    from mtcommission.terminal import describe_optimum, show
+
+    require_writable(json_file, csv_file)
+    machine = read_machine(profile, f_max)
+    plant = build_plant(machine)
+    request: OptimalRequest = read_optimal_request(
+        machine,
+        plant,
+        kind=kind,
+        method=method,
+        t_f=t_f,
+        limits=limit or [],
+        velocity_step=velocity_step,
+        distance=distance,
+        move=move,
+        scheme=scheme,
+        intervals=intervals,
+    )
+    with show_stage() as progress:
+        progress(f"{kind}-optimal control")
+        begun = perf_counter()
+        solution = solve(machine, plant, request)
+        elapsed = perf_counter() - begun
+    entry = {**optimum_entry(plant, solution), "solve_time": elapsed}
+    entry.pop("series")
+    if json_file:
+        write_text(json_file, dump_json(entry))
+    if csv_file:
+        write_text(csv_file, motion_csv(plant, solution))
+    if "-" not in (json_file, csv_file):
+        show(describe_optimum(machine, plant, solution))
+
+
+def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOption = "") -> None:
+    """Recommend acceleration and jerk; rules of thumb beside them."""
+    from mtcommission.commission import commission
+    from mtcommission.files import require_writable, write_text
+    from mtcommission.record.files import dump_json
+    from mtcommission.record.limits import limits_part
+    from mtcommission.terminal import describe_limits, show
+
+    require_writable(json_file)
+    machine = read_machine(profile, f_max)
+    with show_stage() as progress:
+        found = commission(machine, progress=progress)
+    if json_file:
+        write_text(json_file, dump_json(limits_part(found)))
+    if json_file != "-":
+        met = found.assessment.is_met
+        show(describe_limits(found.machine, limits_part(found), met=met))
+    raise typer.Exit(0 if found.assessment.is_met else 1)
+
+
+def simulate(
+    profile: ProfileArgument,
+    acceleration: Annotated[str, typer.Option("--acceleration", metavar="A", help="E.g. 2m/s^2.")],
+    jerk: Annotated[str, typer.Option("--jerk", metavar="J", help="E.g. 100m/s^3.")],
+    f_max: ForceOption = "",
+    json_file: JsonOption = "",
+    csv_file: CsvOption = "",
+) -> None:
+    """Run one setpoint through the loop and judge it."""
+    from mtcommission.files import require_writable, response_csv, write_text
+    from mtcommission.loop_choice import Settings, settle_on_loop
+    from mtcommission.optima import require_force
+    from mtcommission.options import read_limits
+    from mtcommission.plant import build_plant
+    from mtcommission.record.files import dump_json
+    from mtcommission.record.moves import simulation_part
+    from mtcommission.terminal import describe_simulation, show
+    from mtcommission.trials import run_moves
+
+    require_writable(json_file, csv_file)
+    machine = read_machine(profile, f_max)
+    chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
+    require_force(machine)
+    plant = build_plant(machine)
+    with show_stage() as progress:
+        progress("feedback loop")
+        tuned = settle_on_loop(machine, plant, Settings()).tuned
+        progress("response")
+        moves = run_moves(machine, tuned, chosen)
+    part = simulation_part(machine, plant, tuned, moves)
+    if json_file:
+        write_text(json_file, dump_json(part))
+    if csv_file:
+        write_text(csv_file, response_csv(plant, moves[0]))
+    if "-" not in (json_file, csv_file):
+        show(describe_simulation(machine, part))
+    raise typer.Exit(0 if part["assessment"]["met"] else 1)

@@ -1,0 +1,99 @@
+"""Commands about the machine itself: wizard, check, and the example machines."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mtcommission.cli.compute import run
+from mtcommission.cli.inputs import list_warnings
+from mtcommission.errors import Fault, InputError
+
+
+def wizard(
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FILE", help="Profile to write or change.")
+    ] = Path("machine.toml"),
+    answers: Annotated[
+        Path | None,
+        typer.Option("--answers", metavar="FILE", help="Answers (TOML, the profile's own keys)."),
+    ] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Take defaults for what is open instead of asking.")
+    ] = False,
+    run_after: Annotated[bool, typer.Option("--run", help="Go on to run.")] = False,
+) -> None:
+    """Ask for the machine and write a commented profile."""
+    from mtcommission.files import require_writable
+    from mtcommission.wizard import Ending, open_console, run_wizard
+
+    require_writable(str(output))
+    session = run_wizard(
+        output,
+        console=open_console(),
+        answers_file=answers,
+        take_defaults=yes,
+        offers_run=not run_after,
+    )
+    if session.ending is Ending.WRITTEN and (run_after or session.wants_run):
+        run(profile=output)
+
+
+def check(
+    profile: Annotated[
+        Path | None, typer.Argument(metavar="PROFILE", help="Machine profile (TOML).")
+    ] = None,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of profiles instead.")
+    ] = False,
+) -> None:
+    """Validate a profile; print modes, rigid-body limits and warnings."""
+    if schema:
+        from mtcommission.profile import profile_schema
+
+        sys.stdout.write(profile_schema().rstrip() + "\n")
+        return
+    if profile is None:
+        raise InputError([Fault(where="check", message="got no profile; give a TOML file")])
+    from mtcommission.plant import build_plant
+    from mtcommission.profile import read_profile
+    from mtcommission.terminal import describe_machine, show
+
+    machine = read_profile(profile)
+    show(describe_machine(machine, build_plant(machine), list_warnings(machine)))
+
+
+def list_profiles() -> None:
+    """List the example machines with the source of their numbers."""
+    from mtcommission.shipped import describe_shipped, read_shipped, shipped_names
+
+    sys.stdout.write("".join(describe_shipped(read_shipped(name)) for name in shipped_names()))
+
+
+def show_profile(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
+) -> None:
+    """Print an example machine."""
+    from mtcommission.shipped import read_shipped
+
+    sys.stdout.write(read_shipped(name).text)
+
+
+def copy_profile(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
+    file: Annotated[str, typer.Argument(metavar="[FILE]", help="Default: NAME.toml here.")] = "",
+) -> None:
+    """Copy an example machine to start from; never overwrites a file."""
+    from mtcommission.files import write_text
+    from mtcommission.shipped import read_shipped
+
+    found = read_shipped(name)
+    target = file or f"{found.name}.toml"
+    if target != "-" and Path(target).exists():
+        raise InputError([Fault(where=target, message="exists already; give another name")])
+    write_text(target, found.text)
+    if target != "-":
+        sys.stdout.write(f"written: {target}\n")

@@ -1,0 +1,48 @@
+"""What a terminal shows while something is computed; a pipe sees nothing of it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def show_stage() -> Iterator[Callable[[str], None]]:
+    """Show the running stage on the error stream; silent where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("") as status:
+        yield lambda stage: status.update(f"{stage} …")
+
+
+@contextmanager
+def show_bar(total: int) -> Iterator[Callable[[int, int, int], None]]:
+    """Show cases done, their rate, the remaining time and failures; silent when piped."""
+    if not sys.stderr.isatty():
+        yield lambda done, total, failures: None
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    layout = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]:.3g}/s"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[failures]} failed"),
+    )
+    with Progress(*layout, console=Console(stderr=True)) as bar:
+        task = bar.add_task("cases", total=total, rate=0.0, failures=0)
+        yield lambda done, total, failures: bar.update(
+            task, completed=done, rate=bar.tasks[0].speed or 0.0, failures=failures
+        )

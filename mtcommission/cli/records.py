@@ -1,0 +1,79 @@
+"""Commands that only need the record of a run: sheet and export."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mtcommission.cli.arguments import FolderOption, LanguageOption, NoPdfOption, RecordArgument
+from mtcommission.cli.progress import show_stage
+from mtcommission.errors import Fault, InputError
+
+
+def sheet(
+    record: RecordArgument,
+    output: FolderOption,
+    compare: Annotated[
+        Path | None,
+        typer.Option("--compare", metavar="BEFORE", help="Earlier record.json: say what changed."),
+    ] = None,
+    language: LanguageOption = "en",
+    no_pdf: NoPdfOption = False,
+) -> None:
+    """Print the sheet again from the record alone."""
+    from mtcommission.files import require_folder, write_files
+    from mtcommission.record.files import load_record
+    from mtcommission.sheet import print_html, print_pdf
+
+    require_folder(output)
+    loaded = load_record(record)
+    before = load_record(compare) if compare else None
+    try:
+        with show_stage() as progress:
+            progress("sheet")
+            files = {"sheet.html": print_html(loaded, language=language, before=before).encode()}
+            if not no_pdf:
+                files["sheet.pdf"] = print_pdf(loaded, language=language, before=before)
+    except KeyError as error:
+        message = (
+            f"this record lacks {error}: another version of mtcommission wrote it; "
+            "run the profile again, or print it with that version"
+        )
+        raise InputError([Fault(where=str(record), message=message)]) from error
+    write_files(output, files)
+    sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
+    raise typer.Exit(0 if loaded["assessment"]["met"] else 1)
+
+
+def export(
+    control: Annotated[
+        str, typer.Option("--control", metavar="NAME", help="E.g. sinumerik; ? lists all.")
+    ],
+    record: Annotated[
+        Path | None, typer.Argument(metavar="RECORD", help="record.json of a run.")
+    ] = None,
+    output: Annotated[
+        str, typer.Option("-o", "--output", metavar="FILE", help="- for the screen.")
+    ] = "-",
+    as_csv: Annotated[
+        bool, typer.Option("--csv", help="Parameter list to tick off instead.")
+    ] = False,
+) -> None:
+    """Write the limits in a control's own names, units and syntax: text, to be verified."""
+    from mtcommission.export import describe_controls, export_record, parameter_list
+    from mtcommission.files import require_writable, write_text
+    from mtcommission.record.files import load_record
+
+    if control.strip() == "?":
+        sys.stdout.write(describe_controls())
+        return
+    if record is None:
+        message = "got no record; give the record.json of a run, or --control ? for the list"
+        raise InputError([Fault(where="export", message=message)])
+    require_writable(output)
+    found = export_record(load_record(record), control=control)
+    write_text(output, parameter_list(found) if as_csv else found.text)
+    raise typer.Exit(0 if found.meets_requirements else 1)
