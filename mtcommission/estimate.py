@@ -36,10 +36,6 @@ to one of the peak of the loop's impulse response, as for the lag)."""
 OVERSHOOT = 1.3
 """Peak deviation after a step of missing force over its value without overshoot (fitted)."""
 
-EARLY_CYCLES = 0.5
-"""By how many velocity cycles the held velocity setpoint is compared too early: its hold is
-sampled at the velocity cycle, so it delays by (T_p - T_v)/2."""
-
 FORCE_RESERVE = 1.1
 """Factor on the inertial force for what the loop adds (fitted: exceeded by 1 % of machines)."""
 
@@ -199,8 +195,7 @@ def _servo_numbers(machine: Machine, plant: Plant, controller: Controller) -> Se
     tail = max(LAG_SHARE * left * (2.0 - left) * lag**2, HOLD_SHARE * controller.position_cycle**2)
     pushed = controller.acceleration_feedforward * m
     return ServoEstimate(
-        compliance=(tail + DEFLECTION_SHARE * seen) / omega_v
-        + EARLY_CYCLES * controller.velocity_cycle / Kv**2,
+        compliance=(tail + DEFLECTION_SHARE * seen) / omega_v,
         missing=max(abs(pushed - mass) / mass for mass in masses),
         ramp_drag=Tn / (omega_v * Kv),
         step_drag=OVERSHOOT / (omega_v * (Kv + 1.0 / Tn)),

@@ -264,7 +264,7 @@ def _hand_calculation(axis: AxisEstimate, best: RuleCandidate) -> tuple[RuleStep
         ("speed loop omega_v", "Kp / m", omega_v, "1/s"),
         (
             "servo compliance C_S",
-            "(max(0.4 T^2, 0.18 T_p^2) + 0.8 sum m c/omega^2) / omega_v + T_v/(2 Kv^2)",
+            "(max(0.4 T^2, 0.18 T_p^2) + 0.8 sum m c/omega^2) / omega_v",
             axis.servo.compliance,
             "s^3",
         ),

@@ -270,7 +270,7 @@ def run(
         if i % gains.cycles == 0:
             now = i * h
             handed = waiting
-            late = delayed(profile, now - max(tau - 1.5 * T_p, 0.0), T_p)
+            late = delayed(profile, now - max(tau - T_p - (T_p - h) / 2, 0.0), T_p)
             error = delayed(profile, now - tau, T_p)[0] - axis.encoder
             v_set = gains.velocity_feedforward * late[1]
             _, _, a, j = profile.at(now)

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from mtcommission.estimate import EARLY_CYCLES, duration, echo, estimate_axis, ramp_vibration
+from mtcommission.estimate import duration, echo, estimate_axis, ramp_vibration
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.response import simulate
 from mtcommission.loop.tuning import TunedLoop, tune_loop
@@ -126,8 +126,8 @@ def test_servo_compliance_against_the_loop(
     assert 0.25 * predicted < response.residual_deviation < 1.15 * predicted
 
 
-def test_velocity_setpoint_is_compared_half_a_velocity_cycle_early() -> None:
-    """If it failed, EARLY_CYCLES would no longer describe the loop and must follow it."""
+def test_velocity_setpoint_meets_the_encoder_while_accelerating() -> None:
+    """Half a velocity cycle too early would drag a T_v/(2 Kv), which the rule does not know."""
     machine = stiff_axis(lag=1.5e-3, position_cycle=4e-3, velocity_cycle=500e-6)
     tuned = tune_loop(machine)
     move = VelocityStep(velocity_step=2.0)
@@ -136,8 +136,8 @@ def test_velocity_setpoint_is_compared_half_a_velocity_cycle_early() -> None:
     late = response.t - tuned.controller.reference_delay
     drag = response.deviation[(late > 0.7) & (late < 0.9)]
     assert np.all(sample_setpoint(setpoint, np.array([0.7, 0.9]))[:, 2] == pytest.approx(2.0))
-    expected = 2.0 * EARLY_CYCLES * 500e-6 / tuned.controller.position_gain
-    assert float(np.mean(drag)) == pytest.approx(expected, abs=0.05 * 2.0 * 500e-6 / 20.0)
+    half_a_cycle = 2.0 * 250e-6 / tuned.controller.position_gain
+    assert abs(float(np.mean(drag))) < 0.02 * half_a_cycle
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 5])

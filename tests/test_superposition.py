@@ -144,7 +144,7 @@ def test_doubling_every_limit_and_the_move_doubles_the_deviation() -> None:
 
 def test_a_slow_tail_is_not_taken_for_settled() -> None:
     """A deviation inside the band at the end of a short look may leave it again later."""
-    soft = quiet_copy(paper_machine(), position_gain=4.0, integral_time=0.4, feedforward_mass=700.0)
+    soft = quiet_copy(paper_machine(), position_gain=4.0, integral_time=0.4, feedforward_mass=600.0)
     tuned = tune_loop(soft)
     move = VelocityStep(velocity_step=0.1)
     steps = jerk_steps(move, acceleration=np.array([1.0]), jerk=np.array([50.0]))

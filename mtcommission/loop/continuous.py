@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.controller import (
-    POSITION_PATH_CYCLES,
     Controller,
     filter_polynomials,
     reference_state,
@@ -64,7 +63,7 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
     control.StateSpace
         4 inputs, 3 outputs.
     """
-    held = POSITION_PATH_CYCLES * controller.position_cycle
+    held = controller.handing_down_delay
     arrival = max(controller.reference_delay, held)
     m = controller.feedforward_mass
     state = controller.state_gains @ reference_state(model, controller)

@@ -12,10 +12,6 @@ from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 
-POSITION_PATH_CYCLES = 1.5
-"""Delay of whatever the position cycle hands down, in position cycles: one cycle of dead time
-and half a cycle of zero-order hold."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Observer:
@@ -89,6 +85,23 @@ class Controller:
         """T_p [s]."""
         return self.cycles * self.velocity_cycle
 
+    @property
+    def handing_down_delay(self) -> float:
+        """How old what the position cycle hands down is, on average, when it is used [s].
+
+        One position cycle of dead time, and the hold as the velocity cycle samples it,
+        T_p + (T_p - T_v)/2.
+        """
+        return 0.5 * (3.0 * self.position_cycle - self.velocity_cycle)
+
+    @property
+    def reference_age(self) -> float:
+        """How long ago the setpoint was from which velocity and wanted state are taken [s].
+
+        So that they are compared τ late, like the position; 0 where τ is shorter than the path.
+        """
+        return max(self.reference_delay - self.handing_down_delay, 0.0)
+
 
 def no_observer(*, n_sensors: int) -> Observer:
     """Return the observer of a loop without state feedback: no states, whatever is measured."""
@@ -123,8 +136,9 @@ def feedforward_delay(
     Returns
     -------
     float
-        1.5 T_p (dead time and hold) + T_v (dead time) + (1 - jerk_feedforward) T + the
-        low-frequency delay of the filters [s].
+        T_p + (T_p - T_v)/2 (dead time, hold until the velocity cycle takes it) + 1.5 T_v (dead
+        time and hold of the force) + (1 - jerk_feedforward) T + the low-frequency delay of the
+        filters [s].
 
     Source: first-order (low-frequency) delay of each block.
 
@@ -135,7 +149,7 @@ def feedforward_delay(
     5.625
     """
     filters = sum(filter_delay(item) for item in force_filters)
-    own = POSITION_PATH_CYCLES * position_cycle + velocity_cycle
+    own = 1.5 * position_cycle + velocity_cycle
     return own + (1.0 - jerk_feedforward) * force_lag + filters
 
 

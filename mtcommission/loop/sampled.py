@@ -3,9 +3,10 @@
 Which path carries which dead time:
 
 - The position controller samples the encoder at the position cycle and hands its velocity
-  setpoint down one position cycle later; it is held for that cycle (zero-order hold).
+  setpoint down one position cycle later; it is held for that cycle (zero-order hold), so it
+  is T_p + (T_p - T_v)/2 old, on average, when the velocity controller samples it.
 - Feed-forward of velocity, force and reference state goes the same way. Velocity and
-  reference state are taken from the setpoint τ - 1.5 T_p ago, so that they arrive at their
+  reference state are taken from the setpoint τ less that age ago, so that they arrive at their
   comparison τ late, like the position that the position controller compares.
 - The velocity controller samples at the velocity cycle; its force acts one velocity cycle
   later and is held.
@@ -25,7 +26,6 @@ from scipy.linalg import expm
 from scipy.signal import cont2discrete, tf2ss
 
 from mtcommission.loop.controller import (
-    POSITION_PATH_CYCLES,
     Controller,
     filter_polynomials,
     reference_state,
@@ -138,7 +138,7 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     SampledLoop
     """
     T_p, tau = controller.position_cycle, controller.reference_delay
-    arrival = max(tau - POSITION_PATH_CYCLES * T_p, 0.0)
+    arrival = controller.reference_age
     delays = max(ceil(tau / T_p - 1e-9), ceil(arrival / T_p - 1e-9))
     filters = tuple(discretise_filter(item, controller) for item in controller.force_filters)
     names = [f"plant.{name}" for name in plant.states]
