@@ -66,7 +66,7 @@ def _modes(plant: Plant) -> tuple[Row, ...]:
         rows += [
             number_row(
                 "Table 1, implied",
-                f"eigenfrequency of the {name}",
+                f"eigenfrequency of the {name} (closed form from Table 1)",
                 unit="Hz",
                 printed=frequency,
                 ours=float(abs(found)) / (2.0 * pi),
@@ -75,7 +75,7 @@ def _modes(plant: Plant) -> tuple[Row, ...]:
             ),
             number_row(
                 "Table 1, implied",
-                f"damping ratio of the {name}",
+                f"damping ratio of the {name} (closed form from Table 1)",
                 printed=ratio,
                 ours=float(-found.real / abs(found)),
                 tolerance=ROUNDING,
@@ -84,7 +84,7 @@ def _modes(plant: Plant) -> tuple[Row, ...]:
         ]
     lag = number_row(
         "Table 1, implied",
-        "pole of the force lag",
+        "pole of the force lag (-1/T, Table 1)",
         unit="1/s",
         printed=-1.0 / FORCE_LAG,
         ours=float(poles.real.min()),
