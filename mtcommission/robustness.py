@@ -1,64 +1,53 @@
-"""How the recommended limits fare on thousands of machines inside the stated spread.
+"""How the recommended limits fare where the machine or the typed values differ a little.
 
-Only the plant differs from one sample to the next, so the loops of all samples advance
-together: their plants are discretised in one go (Taylor series, converged to rounding at the
-velocity cycle), lifted to the position cycle, and driven by the same setpoint.
+Three views: thousands of machines drawn from the stated spread, all frequencies off by a common
+error, and small changes of each limit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from math import ceil, inf
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.response import DECAYED, HORIZON
-from mtcommission.loop.sampled import SampledLoop
 from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import Corner, Machine, Manipulator, corners
+from mtcommission.machine import Corner, Machine, corners
 from mtcommission.plant import Plant
-from mtcommission.rules import longest_period
-from mtcommission.setpoint import Setpoint, plan_setpoint, sample_setpoint
+from mtcommission.variations import (
+    Variations,
+    as_variations,
+    draw_variations,
+    scale_variations,
+)
+from mtcommission.varied_response import VariedResponse, respond_to_variations
 
 Array = NDArray[np.float64]
 
-TAYLOR_TERMS = 18
-"""Of the matrix exponential: poles times velocity cycle stay below 2, and 2^18/18! < 1e-10;
-typical axes (below 0.5) reach rounding."""
 
-CHUNK = 1000
-"""Samples advanced at once: keeps their matrices in the cache (measured)."""
-
-EARLIEST_STOP = 0.02
-"""Shortest stretch of free motion after which a sample may count as decayed [s]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Variations:
-    """Machines that differ from the nominal one.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobustnessSettings:
+    """How closely to look.
 
     Parameters
     ----------
-    payload
-        Shape (n_samples,) [kg].
-    frequency_factor, damping_factor
-        Factors on all eigenfrequencies and damping ratios, shape (n_samples,) [-].
+    samples
+        Machines drawn from the stated spread (1000: half a second, and a share to within one
+        or two per cent; a study may take 10 000).
+    seed
+        Of the generator.
+    frequency_range
+        Least range of the frequency error looked at, to either side [-]; the stated spread,
+        doubled, where that is more.
+    frequency_points
+        To either side.
     """
 
-    payload: Array
-    frequency_factor: Array
-    damping_factor: Array
-
-    def corner(self, index: int) -> Corner:
-        """Return one sample as a corner."""
-        return Corner(
-            payload=float(self.payload[index]),
-            frequency_factor=float(self.frequency_factor[index]),
-            damping_factor=float(self.damping_factor[index]),
-        )
+    samples: int = 1000
+    seed: int = 0
+    frequency_range: float = 0.1
+    frequency_points: int = 40
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,10 +60,10 @@ class MonteCarlo:
         The machines drawn.
     settling_time, residual_deviation
         Of the slowest move and the worst move, shape (n_samples,) [s, m]; inf: not settled.
-    share_in_band
-        Share of samples whose residual deviation is within the band [-].
-    worst
-        The sample with the largest residual deviation.
+    share_met, share_in_band
+        Share of samples that keep all requirements, and the band alone [-].
+    worst, slowest
+        The samples with the largest residual deviation and the longest settling time.
     seed
         Of the generator.
     """
@@ -82,9 +71,33 @@ class MonteCarlo:
     variations: Variations
     settling_time: Array
     residual_deviation: Array
+    share_met: float
     share_in_band: float
     worst: Corner
+    slowest: Corner
     seed: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FrequencyError:
+    """What the same limits do where all eigenfrequencies are off by a common factor.
+
+    Parameters
+    ----------
+    factor
+        Frequencies over those of the profile, rising, shape (n,) [-].
+    settling_time, residual_deviation
+        Worst over moves and over the ends of payload and damping, shape (n,) [s, m].
+    kept_from, kept_to
+        Ends of the range about 1 within which every requirement is kept at all points [-];
+        both nan if not even at 1.
+    """
+
+    factor: Array
+    settling_time: Array
+    residual_deviation: Array
+    kept_from: float
+    kept_to: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,6 +112,8 @@ class Sensitivity:
         After the change [s, m].
     settling_change, residual_change
         Relative to the unchanged ones [-]; inf or nan where a response does not settle.
+    is_met
+        Whether every requirement still holds.
     """
 
     change: str
@@ -106,42 +121,59 @@ class Sensitivity:
     residual_deviation: float
     settling_change: float
     residual_change: float
+    is_met: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class VariedResponse:
-    """What limits do on many machines.
+class Robustness:
+    """All three views.
 
     Parameters
     ----------
-    settling_time
-        Slowest move, shape (n_samples,) [s]; inf where it has not decayed within the horizon.
-    residual_deviation
-        Worst move, shape (n_samples,) [m].
+    monte_carlo
+        None where the profile states no spread and no range of payload: nothing to draw.
+    frequency_error, sensitivities
+        See the classes.
     """
 
-    settling_time: Array
-    residual_deviation: Array
+    monte_carlo: MonteCarlo | None
+    frequency_error: FrequencyError
+    sensitivities: tuple[Sensitivity, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Lifted:
-    """Loops of many samples at the position cycle, without the kept setpoint samples.
+def examine_robustness(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    *,
+    settings: RobustnessSettings,
+) -> Robustness:
+    """Return how limits fare where machine or limits differ a little.
 
-    X⁺ = A X + input, tool at velocity cycle i of it: tool[:, i] X.
+    Parameters
+    ----------
+    machine, plant, tuned
+        The nominal machine, its plant and its loop.
+    limits
+        Acceleration and jerk.
+    settings
+        How closely to look.
+
+    Returns
+    -------
+    Robustness
     """
-
-    A: Array
-    tool: Array
-
-
-@dataclass(slots=True, kw_only=True, eq=False)
-class _Progress:
-    """What is known so far of the free motion of one chunk."""
-
-    settling: Array
-    residual: Array
-    last: Array = field(default_factory=lambda: np.zeros(0))
+    monte_carlo = None
+    if len(corners(machine)) > 1:
+        monte_carlo = run_monte_carlo(
+            machine, plant, tuned, limits, samples=settings.samples, seed=settings.seed
+        )
+    return Robustness(
+        monte_carlo=monte_carlo,
+        frequency_error=find_frequency_error(machine, plant, tuned, limits, settings=settings),
+        sensitivities=find_sensitivities(machine, plant, tuned, limits),
+    )
 
 
 def run_monte_carlo(
@@ -174,7 +206,6 @@ def run_monte_carlo(
     Returns
     -------
     MonteCarlo
-        Force and peaks are not judged here.
     """
     variations = draw_variations(machine, samples=samples, seed=seed)
     found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
@@ -183,38 +214,68 @@ def run_monte_carlo(
         variations=variations,
         settling_time=found.settling_time,
         residual_deviation=found.residual_deviation,
+        share_met=float(np.mean(found.meets(machine))),
         share_in_band=float(np.mean(found.residual_deviation <= band)),
         worst=variations.corner(int(np.argmax(found.residual_deviation))),
+        slowest=variations.corner(int(np.argmax(found.settling_time))),
         seed=seed,
     )
 
 
-def draw_variations(machine: Machine, *, samples: int, seed: int) -> Variations:
-    """Return machines drawn uniformly from the stated ranges.
+def find_frequency_error(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    *,
+    settings: RobustnessSettings,
+) -> FrequencyError:
+    """Return settling time and residual deviation over a common error of all frequencies.
 
     Parameters
     ----------
-    machine
-        Its requirements state payload and spreads.
-    samples
-        How many.
-    seed
-        Of the generator.
+    machine, plant, tuned
+        The nominal machine, its plant and its loop.
+    limits
+        Acceleration and jerk.
+    settings
+        Range and number of points.
 
     Returns
     -------
-    Variations
+    FrequencyError
     """
-    generator, needs = np.random.default_rng(seed), machine.requirements
-
-    def factor(spread: float) -> Array:
-        return generator.uniform(1.0 - spread, 1.0 + spread, samples)
-
-    return Variations(
-        payload=generator.uniform(*needs.payload, samples),
-        frequency_factor=factor(needs.frequency_spread),
-        damping_factor=factor(needs.damping_spread),
+    needs = machine.requirements
+    known = replace(machine, requirements=replace(needs, frequency_spread=0.0))
+    places = corners(known)
+    reach = max(settings.frequency_range, min(2.0 * needs.frequency_spread, 0.5))
+    middle = settings.frequency_points
+    factor = 1.0 + reach * np.linspace(-1.0, 1.0, 2 * middle + 1)
+    each = as_variations(places)
+    variations = Variations(
+        payload=np.tile(each.payload, len(factor)),
+        frequency_factor=np.repeat(factor, len(places)),
+        damping_factor=np.tile(each.damping_factor, len(factor)),
     )
+    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    shape = (len(factor), len(places))
+    kept = np.all(found.meets(machine).reshape(shape), axis=1)
+    low, high = _stretch_about(kept, middle)
+    return FrequencyError(
+        factor=factor,
+        settling_time=found.settling_time.reshape(shape).max(axis=1),
+        residual_deviation=found.residual_deviation.reshape(shape).max(axis=1),
+        kept_from=float(factor[low]) if kept[middle] else np.nan,
+        kept_to=float(factor[high]) if kept[middle] else np.nan,
+    )
+
+
+def _stretch_about(kept: NDArray[np.bool_], middle: int) -> tuple[int, int]:
+    """First and last index of the unbroken stretch of kept points about the middle."""
+    before, after = kept[:middle][::-1], kept[middle + 1 :]
+    down = int(np.argmin(before)) if not before.all() else len(before)
+    up = int(np.argmin(after)) if not after.all() else len(after)
+    return middle - down, middle + up
 
 
 def find_sensitivities(
@@ -244,242 +305,32 @@ def find_sensitivities(
         ("jerk -10 %", MotionLimits(acceleration=a, jerk=0.9 * j), places),
         ("acceleration +10 %", MotionLimits(acceleration=1.1 * a, jerk=j), places),
         ("acceleration -10 %", MotionLimits(acceleration=0.9 * a, jerk=j), places),
-        ("frequencies +1 %", limits, _scaled(places, frequency=1.01)),
-        ("frequencies -1 %", limits, _scaled(places, frequency=0.99)),
-        ("damping -10 %", limits, _scaled(places, damping=0.9)),
+        ("frequencies +1 %", limits, scale_variations(places, frequency=1.01)),
+        ("frequencies -1 %", limits, scale_variations(places, frequency=0.99)),
+        ("damping -10 %", limits, scale_variations(places, damping=0.9)),
     ]
-    base = _worst(machine, plant, tuned, limits, places)
-    found = []
-    for change, varied, variations in cases:
-        settling, residual = _worst(machine, plant, tuned, varied, variations)
-        found.append(
-            Sensitivity(
-                change=change,
-                settling_time=settling,
-                residual_deviation=residual,
-                settling_change=settling / base[0] - 1.0,
-                residual_change=residual / base[1] - 1.0,
-            )
+    base = respond_to_variations(machine, plant, tuned, limits, variations=places)
+    return tuple(
+        _compare(
+            machine,
+            change,
+            base,
+            respond_to_variations(machine, plant, tuned, varied, variations=variations),
         )
-    return tuple(found)
-
-
-def _worst(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    limits: MotionLimits,
-    variations: Variations,
-) -> tuple[float, float]:
-    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
-    return float(found.settling_time.max()), float(found.residual_deviation.max())
-
-
-def as_variations(places: Sequence[Corner]) -> Variations:
-    """Return corners as variations, in the same order."""
-    return Variations(
-        payload=np.array([corner.payload for corner in places]),
-        frequency_factor=np.array([corner.frequency_factor for corner in places]),
-        damping_factor=np.array([corner.damping_factor for corner in places]),
+        for change, varied, variations in cases
     )
 
 
-def _scaled(variations: Variations, *, frequency: float = 1.0, damping: float = 1.0) -> Variations:
-    return replace(
-        variations,
-        frequency_factor=variations.frequency_factor * frequency,
-        damping_factor=variations.damping_factor * damping,
+def _compare(
+    machine: Machine, change: str, base: VariedResponse, found: VariedResponse
+) -> Sensitivity:
+    settling = float(found.settling_time.max())
+    residual = float(found.residual_deviation.max())
+    return Sensitivity(
+        change=change,
+        settling_time=settling,
+        residual_deviation=residual,
+        settling_change=settling / float(base.settling_time.max()) - 1.0,
+        residual_change=residual / float(base.residual_deviation.max()) - 1.0,
+        is_met=bool(found.meets(machine).all()),
     )
-
-
-def respond_to_variations(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    limits: MotionLimits,
-    *,
-    variations: Variations,
-) -> VariedResponse:
-    """Return settling time and residual deviation of the same limits on many machines.
-
-    Parameters
-    ----------
-    machine, plant
-        The nominal machine and its plant.
-    tuned
-        Its loop; the force is not saturated here.
-    limits
-        Acceleration and jerk.
-    variations
-        The machines.
-
-    Returns
-    -------
-    VariedResponse
-    """
-    time = machine.control.moving_average_time
-    setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
-    return follow_setpoints(machine, plant, tuned, setpoints, variations=variations)
-
-
-def follow_setpoints(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    setpoints: Sequence[Setpoint],
-    *,
-    variations: Variations,
-) -> VariedResponse:
-    """Return settling time and residual deviation of given setpoints on many machines.
-
-    Parameters
-    ----------
-    machine, plant
-        The nominal machine and its plant.
-    tuned
-        Its loop; the force is not saturated here.
-    setpoints
-        One for each move, filters included.
-    variations
-        The machines.
-
-    Returns
-    -------
-    VariedResponse
-        Worst over the setpoints.
-    """
-    count = len(variations.payload)
-    settling, residual = np.zeros(count), np.zeros(count)
-    for start in range(0, count, CHUNK):
-        part = slice(start, start + CHUNK)
-        A, B = _discretise_all(machine, plant, tuned, variations, part)
-        lifted = _lift_all(tuned.loops[0], A, B)
-        for setpoint in setpoints:
-            found = _respond(machine, plant, tuned.loops[0], lifted, setpoint)
-            settling[part] = np.maximum(settling[part], found.settling)
-            residual[part] = np.maximum(residual[part], found.residual)
-    return VariedResponse(settling_time=settling, residual_deviation=residual)
-
-
-def _discretise_all(
-    machine: Machine, plant: Plant, tuned: TunedLoop, variations: Variations, part: slice
-) -> tuple[Array, Array]:
-    """Zero-order-hold plants of the samples over a velocity cycle, (n_samples, n, n), (…, n)."""
-    payload = variations.payload[part]
-    s, d = variations.frequency_factor[part], variations.damping_factor[part]
-    n = plant.order
-    joint = np.zeros((len(payload), n + 1, n + 1))
-    joint[:, :n, :n], joint[:, :n, n] = plant.A, plant.B
-    joint[:, plant.velocity, plant.force] = 1.0 / (plant.moving_mass + payload)
-    for mode in plant.modes:
-        loosened = _inertia_ratio(machine, mode.name, payload)
-        joint[:, mode.rate, mode.deflection] *= s**2 * loosened
-        joint[:, mode.rate, mode.rate] *= s * d * loosened
-        joint[:, mode.rate, plant.force] *= loosened
-    joint *= tuned.controller.velocity_cycle
-    eye = np.eye(n + 1)
-    result = np.broadcast_to(eye, joint.shape)
-    for k in range(TAYLOR_TERMS, 0, -1):
-        result = eye + (joint / k) @ result
-    return result[:, :n, :n], result[:, :n, n]
-
-
-def _inertia_ratio(machine: Machine, mode: str, payload: Array) -> Array:
-    """Rotary inertia without payload over that with it; 1 for all modes but the tower's."""
-    mechanics = machine.mechanics
-    if not isinstance(mechanics, Manipulator) or mode != "rotation":
-        return np.ones_like(payload)
-    J = mechanics.rotary_inertia
-    return np.asarray(J / (J + payload * machine.requirements.payload_radius**2))
-
-
-def _lift_all(loop: SampledLoop, A: Array, B: Array) -> _Lifted:
-    """The lifted loops; the rows of the controller do not depend on the sample."""
-    n, z, size = loop.plant.order, loop.integrator, _own_size(loop)
-    cycle = np.repeat(loop.step[None, :size, :size], len(A), axis=0)
-    cycle[:, :n, :n], cycle[:, :n, z + 1] = A, B
-    cycle[:, z] += loop.integration[:size]
-    cycle[:, z + 1] = loop.demand[:size]
-    row = np.repeat(loop.observation[:1, :size][None], len(A), axis=0)
-    tool = []
-    for _ in range(loop.controller.cycles):
-        tool.append(row)
-        row = row @ cycle
-    lifted = np.linalg.matrix_power(cycle, loop.controller.cycles)
-    lifted[:, loop.held :] = loop.handed_down[:, :size]
-    return _Lifted(A=lifted, tool=np.concatenate(tool, axis=1))
-
-
-def _own_size(loop: SampledLoop) -> int:
-    """Number of loop states up to the held values, without the kept setpoint samples."""
-    return loop.held + len(loop.handed_down)
-
-
-def _handed_down(loop: SampledLoop, setpoint: Setpoint, cycles: int) -> Array:
-    """What the setpoint alone hands down at each position cycle, shape (cycles, n_held)."""
-    rows = loop.handed_down[:, _own_size(loop) :]
-    kept = (rows.shape[1] - 4) // 4
-    T_p = loop.controller.position_cycle
-    times = np.arange(-kept, cycles, dtype=np.float64) * T_p
-    references = sample_setpoint(setpoint, times)
-    now = references[kept:] @ rows[:, -4:].T
-    for back in range(1, kept + 1):
-        columns = rows[:, 4 * (back - 1) : 4 * back]
-        now += references[kept - back : len(references) - back] @ columns.T
-    return np.asarray(now)
-
-
-def _respond(
-    machine: Machine, plant: Plant, loop: SampledLoop, lifted: _Lifted, setpoint: Setpoint
-) -> _Progress:
-    """Settling time and residual of one setpoint on all samples of a chunk."""
-    T_p, tau = loop.controller.position_cycle, loop.controller.reference_delay
-    until = setpoint.duration + tau
-    first = int(until / T_p)
-    stretch = ceil(max(min(longest_period(plant), 0.2), EARLIEST_STOP) / T_p)
-    last = first + ceil(HORIZON / T_p)
-    fed = _handed_down(loop, setpoint, last + stretch)
-    A, tool, held = lifted.A, lifted.tool, loop.held
-    X = np.zeros((len(A), A.shape[1], 1))
-    for k in range(first):
-        X = A @ X
-        X[:, held:, 0] += fed[k]
-    progress = _Progress(settling=np.full(len(A), until), residual=np.zeros(len(A)))
-    alive = np.arange(len(A))
-    band, step = machine.requirements.tcp_deviation, loop.controller.velocity_cycle
-    for start in range(first, last, stretch):
-        pieces = []
-        for k in range(start, start + stretch):
-            pieces.append((tool @ X)[:, :, 0])
-            X = A @ X
-            X[:, held:, 0] += fed[k]
-        t = start * T_p + step * np.arange(stretch * tool.shape[1])
-        tip = np.concatenate(pieces, axis=1) - sample_setpoint(setpoint, t - tau)[:, 0]
-        moving = _note(progress, alive, t, np.abs(tip), until=until, band=band)
-        alive, A, tool, X = alive[moving], A[moving], tool[moving], X[moving]
-        if not alive.size:
-            return progress
-        progress.last = progress.last[moving]
-    progress.settling[alive], progress.residual[alive] = inf, inf
-    return progress
-
-
-def _note(
-    progress: _Progress, alive: NDArray[np.intp], t: Array, e: Array, *, until: float, band: float
-) -> NDArray[np.bool_]:
-    """Add a stretch of |e| to what is known; return which samples have not decayed yet."""
-    e[:, t < until - 1e-12] = 0.0
-    progress.residual[alive] = np.maximum(progress.residual[alive], e.max(axis=1))
-    step = t[1] - t[0]
-    if progress.last.size:  # a crossing may lie between two stretches
-        e = np.hstack([progress.last[:, None], e])
-        t = np.concatenate([[t[0] - step], t])
-    outside = e > band
-    row = np.flatnonzero(outside.any(axis=1))
-    final = e.shape[1] - 1 - np.argmax(outside[row, ::-1], axis=1)
-    following = np.minimum(final + 1, e.shape[1] - 1)
-    here, there = e[row, final], e[row, following]
-    share = np.where(following > final, (here - band) / np.maximum(here - there, 1e-300), 0.0)
-    progress.settling[alive[row]] = np.maximum(until, t[final] + step * share)
-    progress.last = e[:, -1]
-    return np.asarray(e.max(axis=1) > DECAYED * band)

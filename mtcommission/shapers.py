@@ -21,10 +21,11 @@ from mtcommission.loop.response import simulate
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine, Move, moving_mass
 from mtcommission.plant import Plant, PlantMode
-from mtcommission.robustness import as_variations, follow_setpoints
 from mtcommission.rules import NO_JERK_LIMIT, dominant_mode
 from mtcommission.setpoint import Setpoint, plan_setpoint
 from mtcommission.trials import Trial
+from mtcommission.variations import as_variations
+from mtcommission.varied_response import follow_setpoints
 
 Array = NDArray[np.float64]
 

@@ -16,14 +16,13 @@ from mtcommission.machine import Control, Machine, Positioning, StateFeedback, v
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
 from mtcommission.robustness import (
-    Variations,
-    draw_variations,
     find_sensitivities,
-    respond_to_variations,
     run_monte_carlo,
 )
 from mtcommission.setpoint import plan_setpoint
 from mtcommission.trials import judge
+from mtcommission.variations import Variations, draw_variations
+from mtcommission.varied_response import respond_to_variations
 from tests.machines import paper_machine
 
 
