@@ -6,6 +6,7 @@ from copy import deepcopy
 from math import exp, pi, sin
 from typing import Any
 
+from mtcommission.record.files import find_checksum
 from mtcommission.record.schema import Record
 
 HOSTILE = '<script>alert("1")</script> #set text(red) [bold]x[/bold] $x_1$ \\u{41} &amp; ÄÖÜß µ'
@@ -29,9 +30,15 @@ REFERENCES = ["x_ref_delayed", "v_ref", "a_ref", "j_ref", "deviation"]
 
 
 def example_record() -> Record:
-    """One move, one corner, all requirements met."""
+    """One move, one corner, all requirements met; sealed as a run does it."""
+    record = _unsealed_record()
+    return {**record, "checksum": find_checksum(record)}
+
+
+def _unsealed_record() -> Record:
     return {
         "schema": 1,
+        "checksum": "",
         "tool": {"name": "mtcommission", "version": "0.1.0", "libraries": {"numpy": "2.3.4"}},
         "created": "2026-03-04T05:06:07+00:00",
         "profile": {"name": "mill.toml", "sha256": "0123456789abcdef" * 4, "text": "schema = 1\n"},

@@ -7,11 +7,13 @@ import csv
 import io
 import json
 import re
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -391,6 +393,41 @@ def test_record_with_another_gain_than_its_loop_is_refused(paper: Case) -> None:
         export_record(record, control="fanuc")
 
 
+def test_edited_profile_is_not_exported_under_the_old_hash(paper: Case) -> None:
+    """The hash in the header would vouch for numbers that nobody computed."""
+    record = deepcopy(paper.record)
+    record["profile"]["text"] += "# just a remark\n"
+    with pytest.raises(InputError, match=r"profile\.text: the profile in this record was edited"):
+        export_record(record, control="fanuc")
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda record: record["limits"]["recommended"].update(jerk=1e3),
+        lambda record: record["limits"]["modes"][0].update(acceleration="much"),
+        lambda record: record["machine"].update(name="Another machine"),
+        lambda record: record["assessment"].update(met=[]),
+        lambda record: record["profile"].update(sha256="0" * 64),
+        lambda record: record.update(moves=None),
+        lambda record: record.update(added=1),
+        lambda record: record.pop("checksum"),
+    ],
+)
+def test_edited_record_is_refused(
+    edit: Callable[[Any], object], paper: Case, tmp_path: Path
+) -> None:
+    """Numbers changed by hand after the run would be printed as computed ones."""
+    record = json.loads(json.dumps(paper.record))
+    path = tmp_path / "record.json"
+    path.write_text(json.dumps(record, indent=3), "utf-8")
+    assert load_record(path) == paper.record  # another layout is no edit
+    edit(record)
+    path.write_text(json.dumps(record), "utf-8")
+    with pytest.raises(InputError, match="checksum"):
+        load_record(path)
+
+
 def test_limits_that_miss_a_requirement_say_so(paper: Case) -> None:
     record = deepcopy(paper.record)
     record["limits"]["recommended"]["jerk"] *= 3.0
@@ -422,7 +459,8 @@ def test_unknown_control_is_refused_with_a_proposal(paper: Case) -> None:
 
 def test_axis_that_a_control_cannot_name_is_refused(paper: Case) -> None:
     record = deepcopy(paper.record)
-    record["profile"]["text"] = PAPER.replace('axis = "X"', 'axis = "Loader"')
+    text = PAPER.replace('axis = "X"', 'axis = "Loader"')
+    record["profile"] |= {"text": text, "sha256": profile_text_hash(text.encode())}
     with pytest.raises(InputError, match="--control generic"):
         export_record(record, control="klipper")
     assert "cLoader_Jerk" in export_record(record, control="plcopen").text
@@ -508,8 +546,12 @@ def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
     out = tmp_path / "axis.ini"
     assert run("export", record, "--control", "linuxcnc", "-o", out) == 0
     assert "MAX_JERK" in _ini(out.read_text("utf-8"))["JOINT_0"]
-    assert run("export", record, "--control", "?") == 0
-    assert capsys.readouterr().out.split() == list(control_keys())
+    capsys.readouterr()
+    assert run("export", "--control", "?") == 0  # nobody has a record yet who asks this
+    listed = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in listed] == list(control_keys())
+    assert run("export", "--control", "isg") == 2
+    assert "got no record" in capsys.readouterr().err
     assert run("export", record, "--control", "nothing") == 2
     assert run("export", tmp_path / "none.json", "--control", "isg") == 2
     record.write_text("{}", "utf-8")

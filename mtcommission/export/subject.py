@@ -19,7 +19,7 @@ from mtcommission.loop.response import simulate
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Machine, Motion, StateFeedback, StateGain
 from mtcommission.plant import Plant, PlantMode, build_plant
-from mtcommission.profile import parse_profile
+from mtcommission.profile import parse_profile, profile_text_hash
 from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.rules import dominant_mode, peak_velocity
 from mtcommission.setpoint import Setpoint, plan_setpoint
@@ -27,6 +27,9 @@ from mtcommission.setpoint import Setpoint, plan_setpoint
 REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what
 counts as zero beside its largest entry: versions of the linear algebra may differ by so much."""
+
+BYTE_ORDER_MARK = "\ufeff"
+"""Some editors begin a file with it; the hash counts it, the text in the record lacks it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,6 +113,7 @@ def build_subject(record: Record) -> Subject:
     InputError
         If the record does not belong to its own profile text.
     """
+    _require_own_profile(record)
     machine = _as_recorded(record)
     recommended = record["limits"]["recommended"]
     subject = Subject(
@@ -205,6 +209,18 @@ def judge_setpoints(subject: Subject, setpoints: Sequence[Setpoint]) -> Verdict:
 
 def _or_infinite(value: float | None) -> float:
     return inf if value is None else value
+
+
+def _require_own_profile(record: Record) -> None:
+    """The header prints the hash: it must be that of the text which the loop is built from."""
+    profile = record["profile"]
+    texts = (profile["text"], f"{BYTE_ORDER_MARK}{profile['text']}")
+    if profile["sha256"] not in (profile_text_hash(text.encode()) for text in texts):
+        message = (
+            "the profile in this record was edited: it does not have the hash of the run; "
+            "run the changed profile instead"
+        )
+        raise InputError([Fault(where="record", key="profile.text", message=message)])
 
 
 def _as_recorded(record: Record) -> Machine:

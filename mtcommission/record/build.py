@@ -13,10 +13,12 @@ from mtcommission.optima import Optima
 from mtcommission.plant import Plant, kalman_rank
 from mtcommission.record.comparisons import comparison_entry
 from mtcommission.record.data import describe_move, list_assumptions, list_data
+from mtcommission.record.files import find_checksum
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
 from mtcommission.record.moves import assessment_part, move_entry
 from mtcommission.record.optima import optimum_entry
+from mtcommission.record.robustness import robustness_part
 from mtcommission.record.schema import (
     SCHEMA,
     ModeEntry,
@@ -49,8 +51,9 @@ def build_record(
     Record
     """
     machine, plant = commissioning.machine, commissioning.plant
-    return Record(
+    record = Record(
         schema=SCHEMA,
+        checksum="",
         tool=Tool(name="mtcommission", version=__version__, libraries=_library_versions()),
         created=created,
         profile=profile,
@@ -71,8 +74,10 @@ def build_record(
         loop=loop_part(commissioning),
         moves=[move_entry(plant, commissioning.tuned, result) for result in commissioning.moves],
         comparisons=[comparison_entry(plant, item) for item in commissioning.comparisons],
+        robustness=robustness_part(machine, commissioning.robustness),
         assessment=assessment_part(commissioning.assessment),
     )
+    return {**record, "checksum": find_checksum(record)}
 
 
 def _settings_entry(commissioning: Commissioning) -> dict[str, float | str]:

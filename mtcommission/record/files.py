@@ -1,8 +1,10 @@
-"""Records as text and files: JSON without infinities."""
+"""Records as text and files: JSON without infinities, sealed by a checksum."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from hashlib import sha256
 from math import isfinite
 from pathlib import Path
 from typing import cast
@@ -14,6 +16,30 @@ from mtcommission.record.schema import SCHEMA, Record
 def dump_json(value: object) -> str:
     """Return JSON text without infinities (they are null), ready to be written."""
     return json.dumps(_finite(value), allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+
+
+def find_checksum(record: Mapping[str, object]) -> str:
+    """Return the SHA-256 of everything in a record but its checksum.
+
+    Whoever exports a record or prints it again must know that nobody edited it since the run.
+
+    Parameters
+    ----------
+    record
+        Fresh, or as read from its file.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits; order and layout of the keys do not matter.
+
+    Examples
+    --------
+    >>> find_checksum({"a": 1, "b": 2}) == find_checksum({"b": 2, "checksum": "", "a": 1})
+    True
+    """
+    rest = _finite({key: value for key, value in record.items() if key != "checksum"})
+    return sha256(json.dumps(rest, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
 def load_record(path: Path) -> Record:
@@ -36,7 +62,7 @@ def load_record(path: Path) -> Record:
     try:
         text = path.read_text("utf-8")
         data = json.loads(text)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         message = f"not a record of mtcommission run: {error}"
         raise InputError([Fault(where=str(path), message=message)]) from error
     missing = (
@@ -51,6 +77,12 @@ def load_record(path: Path) -> Record:
             "run the profile again, or print it with the version that wrote it"
         )
         raise InputError([Fault(where=str(path), key="schema", message=message)])
+    if data["checksum"] != find_checksum(data):
+        message = (
+            "its contents are not those that mtcommission run wrote: it was edited or damaged; "
+            "change the profile instead, and run it again"
+        )
+        raise InputError([Fault(where=str(path), key="checksum", message=message)])
     return cast(Record, data)
 
 

@@ -389,10 +389,111 @@ class SimulationPart(TypedDict):
     assessment: AssessmentPart
 
 
+class Quantile(TypedDict):
+    """The least value that so many of the samples do not exceed; null: not settled."""
+
+    share: float
+    value: float | None
+
+
+class HistogramEntry(TypedDict):
+    """Samples between ``edges[i]`` and ``edges[i + 1]``: ``counts[i]``.
+
+    One bin without width where all samples are alike; empty where none settles.
+    """
+
+    edges: list[float]
+    counts: list[int]
+
+
+class DistributionEntry(TypedDict):
+    """One quantity over the samples, in ``unit``.
+
+    ``quantiles`` are over all samples (share 0: the least, 1: the largest), the histogram over
+    those that settle; ``not_settled`` counts the others.
+    """
+
+    unit: str
+    quantiles: list[Quantile]
+    histogram: HistogramEntry
+    not_settled: int
+
+
+class SampleEntry(TypedDict):
+    """One machine that was drawn [kg, -, -], and what the limits do on it [s, m]."""
+
+    payload: float
+    frequency_factor: float
+    damping_factor: float
+    settling_time: float | None
+    residual_deviation: float | None
+
+
+class MonteCarloEntry(TypedDict):
+    """The recommended limits on machines drawn from the stated spread.
+
+    Payload, frequency factor and damping factor are drawn uniformly and independently.
+    ``share_met``: of samples that keep every requirement (band, settling time, force, peaks,
+    RMS force); ``share_in_band``: the band alone [-]. ``worst`` has the largest residual
+    deviation, ``slowest`` the longest settling time; worst over the moves each.
+    """
+
+    samples: int
+    seed: int
+    share_met: float
+    share_in_band: float
+    settling_time: DistributionEntry
+    residual_deviation: DistributionEntry
+    worst: SampleEntry
+    slowest: SampleEntry
+
+
+class FrequencyErrorEntry(TypedDict):
+    """The recommended limits where all eigenfrequencies are off by a common factor [-].
+
+    Settling time [s] and residual deviation [m], worst over moves and over the ends of payload
+    and damping. Every requirement is kept from ``kept_from`` to ``kept_to`` (both null if not
+    even at factor 1); an end that is the first or last ``factor`` may lie further out.
+    """
+
+    factor: list[float]
+    settling_time: list[float | None]
+    residual_deviation: list[float | None]
+    kept_from: float | None
+    kept_to: float | None
+
+
+class SensitivityEntry(TypedDict):
+    """What a small change of limits or machine costs, worst over moves and corners.
+
+    ``change`` is e.g. "jerk +10 %"; values after it [s, m] and relative to before [-]; null:
+    not settled.
+    """
+
+    change: str
+    settling_time: float | None
+    residual_deviation: float | None
+    settling_change: float | None
+    residual_change: float | None
+    meets_requirements: bool
+
+
+class RobustnessPart(TypedDict):
+    """How the recommended limits fare where machine or limits differ a little.
+
+    ``monte_carlo`` is null where the profile states neither spread nor a range of payload.
+    """
+
+    monte_carlo: MonteCarloEntry | None
+    frequency_error: FrequencyErrorEntry
+    sensitivities: list[SensitivityEntry]
+
+
 class Record(TypedDict):
-    """A whole commissioning."""
+    """A whole commissioning; ``checksum`` is the SHA-256 of all the rest."""
 
     schema: int
+    checksum: str
     tool: Tool
     created: str
     profile: Profile
@@ -407,4 +508,5 @@ class Record(TypedDict):
     loop: LoopPart
     moves: list[MoveEntry]
     comparisons: list[ComparisonEntry]
+    robustness: RobustnessPart
     assessment: AssessmentPart
