@@ -12,8 +12,9 @@ from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Positioning, VelocityStep
-from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch, solve_sequence
+from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
 from mtcommission.optimal.bounded_dual import Atom, dual_value, lower_bound, stretches
+from mtcommission.optimal.bounded_newton import solve_sequence
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
     bounded_problem,

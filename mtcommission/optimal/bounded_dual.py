@@ -35,6 +35,11 @@ Array = NDArray[np.float64]
 CELLS_PER_RADIAN = 4
 """First cells of the integral of |σ|; cells that may hide a zero are halved."""
 
+DENSITY_CELLS_PER_RADIAN = 16
+"""Samples of a density: its sign changes are located to a sample."""
+SMALL_DENSITY = 1e-8
+"""Share of the largest density below which a wrong sign is rounding."""
+
 HALVINGS = 14
 BISECTIONS = 36
 """A zero off by δ costs σ' δ² of the integral: far below rounding."""
@@ -326,17 +331,8 @@ def _density(problem: BoundedProblem, part: Stretch) -> Integral:
         / factorial(j + 1)
         for j in range(limit.order)
     )
-    n = problem.plant.order
-    joint = np.zeros((n + 1, n + 1))
-    joint[:n, :n], joint[:n, n] = limit.adjoint_flow, limit.density_column
-    count = int(np.ceil(part.length * problem.rate * CELLS_PER_RADIAN)) + 1
-    flow = expm(joint * (part.length / count))
-    row, primitive = np.append(part.adjoint, 0.0), [0.0]
-    density = [float(part.adjoint @ limit.density_column)]
-    for _ in range(count):
-        row = row @ flow
-        primitive.append(float(row[n]))
-        density.append(float(row[:n] @ limit.density_column))
+    density, primitive = _densities(problem, part)
+    count = density.size - 1
     changes = np.abs(np.diff(np.sign(density))) == 2.0
     # Where the density changes sign, its swing bounds what the difference of primitives hides.
     swing = np.abs(np.diff(density))[changes].sum() * part.length / count
@@ -346,6 +342,78 @@ def _density(problem: BoundedProblem, part: Stretch) -> Integral:
         allowance=problem.force_limit * left_over + 2.0 * float(swing),
         zeros=np.empty(0),
     )
+
+
+def _densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
+    """Return the density of a core and its primitive at even distances from its end."""
+    limit, n = problem.limits[part.limit], problem.plant.order
+    joint = np.zeros((n + 1, n + 1))
+    joint[:n, :n], joint[:n, n] = limit.adjoint_flow, limit.density_column
+    count = int(np.ceil(part.length * problem.rate * DENSITY_CELLS_PER_RADIAN)) + 1
+    flow = expm(joint * (part.length / count))
+    rows = [np.append(part.adjoint, 0.0)]
+    for _ in range(count):
+        rows.append(rows[-1] @ flow)
+    followed = np.array(rows)
+    return followed[:, :n] @ limit.density_column, followed[:, n]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DensityZone:
+    """Where the density of a multiplier has the wrong sign on a core.
+
+    Parameters
+    ----------
+    start, end
+        Remaining times, start > end [s].
+    lowest
+        Where it is most wrong [s].
+    depth
+        The density there, negative.
+    """
+
+    start: float
+    end: float
+    lowest: float
+    depth: float
+
+
+def negative_zones(problem: BoundedProblem, measure: Measure) -> tuple[DensityZone, ...]:
+    """Return where holding a bound costs time: the density has the wrong sign.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    measure
+        Dual point.
+
+    Returns
+    -------
+    tuple of DensityZone
+        Ends known to a sample of the density.
+    """
+    zones: list[DensityZone] = []
+    for part in stretches(problem, measure):
+        if part.limit < 0:
+            continue
+        middle = 0.5 * (part.start + part.end)
+        side = next(core.side for core in measure.cores if core.holds(middle))
+        density = side * _densities(problem, part)[0]
+        tau = np.linspace(part.end, part.start, density.size)
+        wrong = np.concatenate([[False], density < -SMALL_DENSITY * np.abs(density).max(), [False]])
+        edges = np.nonzero(np.diff(wrong.astype(np.int8)))[0]
+        for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            low = first + int(np.argmin(density[first:stop]))
+            zones.append(
+                DensityZone(
+                    start=float(tau[stop - 1]),
+                    end=float(tau[first]),
+                    lowest=float(tau[low]),
+                    depth=float(density[low]),
+                )
+            )
+    return tuple(zones)
 
 
 def lower_bound(problem: BoundedProblem, measure: Measure) -> float:

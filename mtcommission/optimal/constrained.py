@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.bounded_accept import Found
 from mtcommission.optimal.bounded_dual import adjoint_before, dual_value, stretches
 from mtcommission.optimal.bounded_grid import solve_grid_time
+from mtcommission.optimal.bounded_layout import first_sight
 from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem, impulse_response
-from mtcommission.optimal.bounded_search import Found, search
+from mtcommission.optimal.bounded_search import search
 from mtcommission.optimal.solution import Bound, Certificate, TimeOptimum, TouchPoint
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import Plant
@@ -80,7 +82,7 @@ def solve_bounded_time_optimal(
     if not active:
         return _with_bounds(free, every)
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
-    found = search(problem, solve_grid_time(problem, t_free=free.t_f))
+    found = search(problem, first_sight(problem, solve_grid_time(problem, t_free=free.t_f)))
     if found is None:
         names = ", ".join(f"|{bound.name}| <= {bound.value:.6g}" for bound in every)
         raise ComputationError(

@@ -1,0 +1,162 @@
+"""Accepting a control: the motion keeps everything, and the multipliers prove its time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.bounded_dual import Measure, lower_bound
+from mtcommission.optimal.bounded_edit import touch_contacts
+from mtcommission.optimal.bounded_exchange import BROKEN, EXCHANGES, LEAST_SLOPE, broken, later
+from mtcommission.optimal.bounded_mesh import Contact, MeshOptimum, settled, solve_mesh
+from mtcommission.optimal.bounded_motion import Motion, follow, mesh_arcs, sequence_arcs
+from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal
+from mtcommission.optimal.bounded_problem import BoundedProblem
+
+Array = NDArray[np.float64]
+
+GAP = 1e-6
+"""Largest relative distance of t_f from its proved lower bound."""
+LOOSE_GAP = 1e-4
+"""The same for a control on a mesh, which is returned with the gap that it has."""
+EXCESS = 1e-9
+"""Largest relative excess over a bound or the force limit."""
+TERMINAL = 1e-9
+"""Largest terminal error of a state against its peak."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Found:
+    """An accepted control with its proof.
+
+    Parameters
+    ----------
+    motion
+        The control and what it does.
+    measure
+        The dual point that proves it.
+    t_f, t_lower
+        Achieved and excluded time [s].
+    touches
+        Touch points.
+    exact
+        Whether the arcs are exact; otherwise they are cells of a mesh.
+    """
+
+    motion: Motion
+    measure: Measure
+    t_f: float
+    t_lower: float
+    touches: tuple[Contact, ...]
+    exact: bool
+
+    @property
+    def gap(self) -> float:
+        """(t_f - t_lower) / t_f."""
+        return (self.t_f - self.t_lower) / self.t_f
+
+
+def accepted(problem: BoundedProblem, extremal: Extremal) -> Found | None:
+    """Return the control of a solved sequence with its proof, or None.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        As Newton's method left it.
+
+    Returns
+    -------
+    Found or None
+        None if it is not solved, breaks a bound, or its multipliers prove too little.
+    """
+    sequence = extremal.sequence
+    if extremal.residual > RESIDUAL or min(p.duration for p in sequence.pieces) <= 0.0:
+        return None
+    motion = follow(problem.plant, sequence_arcs(problem, sequence), rate=problem.rate)
+    return _proved(problem, motion, extremal.measure, touch_contacts(sequence), exact=True)
+
+
+def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> Found | None:
+    """Return the mesh control itself, slowed down until it keeps the bounds everywhere.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    kept
+        The restriction, whose control it is.
+    relaxed
+        The relaxation, whose multipliers prove it.
+
+    Returns
+    -------
+    Found or None
+    """
+    layout, found = kept.layout, kept
+    for attempt in range(EXCHANGES + 2):
+        motion = _followed(problem, found)
+        # A reach short of 1 has raised all levels by its inverse: that is lateness, not excess.
+        excess = max(_levels(problem, motion)[:-1]) * found.reach - 1.0
+        late = 1.0 - found.reach
+        if excess < EXCESS and -1e-8 < late <= 0.0:
+            touches = tuple(at for at in found.contacts if at.weight > 0.0)
+            return _proved(problem, motion, relaxed.measure, touches, exact=False)
+        t_f = later(layout, found) + 2e-10 / max(found.slope, LEAST_SLOPE / layout.t_f)
+        worse = broken(problem, found, tolerance=BROKEN)
+        margin = layout.margin + (1.1 * excess if excess > 0.0 and (attempt or not worse) else 0.0)
+        contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
+        layout = replace(layout, t_f=t_f, contacts=contacts, margin=margin)
+        following = solve_mesh(problem, layout, relaxed=False)
+        if following is None:
+            return None
+        found = following
+    return None
+
+
+def _followed(problem: BoundedProblem, found: MeshOptimum) -> Motion:
+    """Return the motion of a mesh control whose terminal error is taken back once."""
+    miss = np.zeros(problem.fixed.size)
+    for _ in range(2):
+        exact = settled(problem, found, miss=miss)
+        motion = follow(problem.plant, mesh_arcs(problem, exact), rate=problem.rate)
+        miss += (motion.final - problem.target)[problem.fixed]
+    return motion
+
+
+def _levels(problem: BoundedProblem, motion: Motion) -> list[float]:
+    """Return the peaks of the bounded signals and of the force, relative to their bounds."""
+    signals = problem.plant.signals
+    peaks = [
+        float(motion.peaks[signals.index(limit.bound.name)]) / limit.bound.value
+        for limit in problem.limits
+    ]
+    return [*peaks, motion.force_peak / problem.force_limit]
+
+
+def _proved(
+    problem: BoundedProblem,
+    motion: Motion,
+    measure: Measure,
+    touches: tuple[Contact, ...],
+    *,
+    exact: bool,
+) -> Found | None:
+    """Return the control with its proof if the motion keeps everything, else None."""
+    error = np.abs(motion.final - problem.target)[problem.fixed]
+    share = error / motion.peaks[: problem.plant.order][problem.fixed]
+    if max(_levels(problem, motion)) > 1.0 + EXCESS or float(share.max()) > TERMINAL:
+        return None
+    t_f = motion.arcs[-1].t_end
+    found = Found(
+        motion=motion,
+        measure=measure,
+        t_f=t_f,
+        t_lower=min(lower_bound(problem, measure), t_f),
+        touches=touches,
+        exact=exact,
+    )
+    return found if found.gap <= (GAP if exact else LOOSE_GAP) else None

@@ -1,0 +1,252 @@
+"""Edits of a solved sequence whose motion or multipliers break a condition of the optimum.
+
+- A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign: taken out.
+- A bound exceeded inside a piece: a touch point is put in.
+- A boundary arc whose multiplier has a density of the wrong sign somewhere: there it pays to
+  leave the bound for a while. A *dip* is put in: away from the bound, towards it, and (order 2)
+  away again.
+
+How long a dip is follows from the multipliers alone. Inside it μ = 0, so σ^(r) is the density ν
+that the arc would have, ν ∝ s² - z² about the middle of the wrong zone of half-width z. For
+order 2 the force is turned at a quarter and three quarters of the dip, and σ = 0 there and at
+its ends: its length is sqrt(19.2) z. For order 1 it is turned in the middle: sqrt(12) z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch, flow_bang, piece_states
+from mtcommission.optimal.bounded_dual import DensityZone, negative_zones
+from mtcommission.optimal.bounded_mesh import Contact
+from mtcommission.optimal.bounded_newton import Extremal
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_reading import place_touches
+
+Array = NDArray[np.float64]
+
+VANISHED = 1e-8
+"""Share of t_f below which a piece is taken out."""
+RADIANS_PER_SAMPLE = 0.05
+"""Samples that look for excesses of a solved sequence."""
+EXCESS = 1e-9
+"""Relative excess over a bound that counts."""
+DIP_LENGTH = {1: sqrt(12.0), 2: sqrt(19.2)}
+"""Length of a dip over half the width of the zone of wrong density, by order."""
+DIP_PATTERN = {1: (-1, 1), 2: (-1, 1, -1)}
+"""Directions of the force in a dip: +1 is towards the bound."""
+DIP_STEPS = 8
+"""Newton steps for the shares of a dip; it is left at once where they do not converge."""
+DIFFERENCE = 1e-6
+"""Relative step of the difference quotients of a dip, which is only a guess."""
+ROOM = 0.95
+"""Largest share of a boundary arc beside the middle of a zone that half a dip may take."""
+
+
+def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
+    """Return the sequence without vanishing pieces and wrong touch points; None if it has none.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved, or as far as the iteration came.
+    least
+        Share of t_f below which a piece is taken out.
+
+    Returns
+    -------
+    Sequence or None
+    """
+    sequence = extremal.sequence
+    pieces: list[Piece] = []
+    for piece in sequence.pieces:
+        if piece.duration <= least * sequence.t_f:
+            continue
+        same = pieces and (pieces[-1].limit, pieces[-1].side) == (piece.limit, piece.side)
+        if same:
+            pieces[-1] = replace(pieces[-1], duration=pieces[-1].duration + piece.duration)
+        else:
+            pieces.append(piece)
+    contacts = touch_contacts(sequence)
+    weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
+    t_f = sum(piece.duration for piece in pieces)
+    inside = tuple(
+        at
+        for at in contacts
+        if weights.get(at.remaining, 0.0) * at.side >= 0.0 and 0.0 < at.remaining < t_f
+    )
+    if len(pieces) == len(sequence.pieces) and len(inside) == len(contacts):
+        return None
+    return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
+
+
+def touch_contacts(sequence: Sequence) -> tuple[Contact, ...]:
+    """Return the touch points of a sequence by remaining time."""
+    ends = np.cumsum([piece.duration for piece in sequence.pieces])
+    starts = ends - [piece.duration for piece in sequence.pieces]
+    return tuple(
+        Contact(
+            remaining=float(ends[-1] - (starts[touch.piece] + touch.offset)),
+            limit=touch.limit,
+            side=touch.side,
+        )
+        for touch in sequence.touches
+    )
+
+
+def with_touches(problem: BoundedProblem, sequence: Sequence) -> Sequence | None:
+    """Return the sequence with a touch point wherever it runs through a bound; None if nowhere.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    sequence
+        Solved.
+
+    Returns
+    -------
+    Sequence or None
+    """
+    rows, state = problem.rows, np.zeros(problem.plant.order)
+    touches = list(sequence.touches)
+    for index, piece in enumerate(sequence.pieces):
+        count = int(np.ceil(piece.duration * problem.rate / RADIANS_PER_SAMPLE)) + 4
+        tau = np.linspace(0.0, piece.duration, count)
+        states = piece_states(problem, piece, state, tau)
+        levels, state = states @ rows.T, states[-1]
+        magnitude = np.abs(levels)
+        inner = magnitude[1:-1]
+        peaks = (inner > 1.0 + EXCESS) & (inner >= magnitude[:-2]) & (inner > magnitude[2:])
+        for at, k in zip(*np.nonzero(peaks), strict=True):
+            if k != piece.limit:
+                side = int(np.sign(levels[at + 1, k]))
+                offset = float(tau[at + 1])
+                touches.append(Touch(piece=index, offset=offset, limit=int(k), side=side))
+    if len(touches) == len(sequence.touches):
+        return None
+    return Sequence(pieces=sequence.pieces, touches=tuple(touches))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Place:
+    """Index and start of a piece, middle and half-length of the dip in it [s]."""
+
+    index: int
+    start: float
+    middle: float
+    half: float
+
+
+def with_dip(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with a dip where the density of a multiplier is most wrong.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved.
+
+    Returns
+    -------
+    Sequence or None
+        None if no density has the wrong sign, or there is no room for a dip.
+    """
+    zones = negative_zones(problem, extremal.measure)
+    if not zones:
+        return None
+    worst = min(zones, key=lambda zone: zone.depth)
+    place = _place(problem, extremal.sequence, worst)
+    if place is None:
+        return None
+    piece = extremal.sequence.pieces[place.index]
+    state = _state_at(problem, extremal.sequence, place.middle - place.half)
+    lengths = _dip(problem, piece, state, 2.0 * place.half)
+    if lengths is None:
+        return None
+    return _inserted(problem, extremal.sequence, place, lengths)
+
+
+def _place(problem: BoundedProblem, sequence: Sequence, zone: DensityZone) -> _Place | None:
+    ends = np.cumsum([piece.duration for piece in sequence.pieces])
+    middle = float(ends[-1]) - zone.lowest
+    index = int(np.searchsorted(ends, middle))
+    piece = sequence.pieces[index]
+    start = float(ends[index]) - piece.duration
+    order = 0 if piece.limit < 0 else problem.limits[piece.limit].order
+    if order not in DIP_LENGTH:
+        return None
+    room = ROOM * min(middle - start, float(ends[index]) - middle)
+    half = 0.25 * DIP_LENGTH[order] * (zone.start - zone.end)
+    return _Place(index=index, start=start, middle=middle, half=min(half, room))
+
+
+def _state_at(problem: BoundedProblem, sequence: Sequence, t: float) -> Array:
+    state, left = np.zeros(problem.plant.order), t
+    for piece in sequence.pieces:
+        span = min(piece.duration, left)
+        state = piece_states(problem, piece, state, np.array([0.0, span]))[-1]
+        left -= span
+        if left <= 0.0:
+            break
+    return state
+
+
+def _dip(problem: BoundedProblem, piece: Piece, state: Array, length: float) -> Array | None:
+    """Return the durations of a dip of given length that ends on the bound, or None."""
+    limit = problem.limits[piece.limit]
+    sides = [piece.side * int(np.sign(limit.gain)) * way for way in DIP_PATTERN[limit.order]]
+    level = np.zeros(limit.order)
+    level[0] = piece.side
+
+    def miss(first: Array) -> Array:
+        after = state
+        for side, span in zip(sides, [*first.tolist(), length - float(first.sum())], strict=True):
+            after = flow_bang(problem, after, side, span)
+        return np.asarray(limit.output_chain @ after - level)
+
+    shares = np.full(len(sides), 0.5)
+    shares[[0, -1]] = 0.5 / limit.order
+    return _solved_dip(miss, shares[:-1] * length, length)
+
+
+def _solved_dip(miss: Callable[[Array], Array], first: Array, length: float) -> Array | None:
+    """Return all durations by Newton's method on all but the last, or None."""
+    step = DIFFERENCE * length
+    for _ in range(DIP_STEPS):
+        value = miss(first)
+        columns = [(miss(first + step * unit) - value) / step for unit in np.eye(first.size)]
+        first = first - np.linalg.lstsq(np.column_stack(columns), value, rcond=None)[0]
+    lengths = np.append(first, length - float(first.sum()))
+    return lengths if np.all(lengths > 0.0) else None
+
+
+def _inserted(
+    problem: BoundedProblem, sequence: Sequence, place: _Place, lengths: Array
+) -> Sequence:
+    piece, added = sequence.pieces[place.index], 1 + lengths.size
+    limit = problem.limits[piece.limit]
+    sides = [piece.side * int(np.sign(limit.gain)) * way for way in DIP_PATTERN[limit.order]]
+    before = place.middle - place.half - place.start
+    after = piece.duration - before - float(lengths.sum())
+    dip = [
+        Piece(limit=-1, side=side, duration=span)
+        for side, span in zip(sides, lengths.tolist(), strict=True)
+    ]
+    pieces = [replace(piece, duration=before), *dip, replace(piece, duration=after)]
+    return Sequence(
+        pieces=(*sequence.pieces[: place.index], *pieces, *sequence.pieces[place.index + 1 :]),
+        touches=tuple(
+            replace(touch, piece=touch.piece + added) if touch.piece > place.index else touch
+            for touch in sequence.touches
+            if touch.piece != place.index
+        ),
+    )

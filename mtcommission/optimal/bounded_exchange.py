@@ -1,0 +1,83 @@
+"""The program on one mesh, with the points where its motion breaks a bound put in one by one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.bounded_mesh import Contact, Layout, MeshOptimum, off_cores, solve_mesh
+from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+
+Array = NDArray[np.float64]
+
+EXCHANGES = 6
+"""Solutions of the program on one mesh, each with the points where the last broke a bound."""
+BROKEN = 1e-6
+"""Relative excess over a bound that calls for another point of the program; what is left is
+covered by a margin."""
+LEAST_SLOPE = 0.3
+"""Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
+LARGEST_CHANGE = 0.02
+"""Largest relative change of t_f on one mesh."""
+
+
+def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
+    """Return the solution on the mesh with t_f such that the reach is 1."""
+    found: MeshOptimum | None = None
+    # While the mesh is coarse, more exactness at the bounds would be wasted.
+    tolerance = max(BROKEN, 0.3 * float(np.diff(layout.mesh).min()) / layout.t_f)
+    for _ in range(EXCHANGES):
+        found = solve_mesh(problem, layout, relaxed=False)
+        if found is None:
+            return None
+        worse = broken(problem, found, tolerance=tolerance)
+        in_time = abs(found.reach - 1.0) < 1e-4
+        if not worse and in_time:
+            break
+        contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
+        t_f = layout.t_f
+        if not in_time:
+            t_f = later(layout, found)
+        last = float(layout.mesh[-1]) if layout.mesh.size else 0.0
+        layout = replace(layout, contacts=contacts, t_f=max(t_f, last * (1.0 + 1e-6)))
+    return found
+
+
+def later(layout: Layout, found: MeshOptimum) -> float:
+    """Return the t_f at which the reach should be 1, no further away than is safe."""
+    change = (1.0 - found.reach) / max(found.slope * layout.t_f, LEAST_SLOPE)
+    return layout.t_f * (1.0 + float(np.clip(change, -LARGEST_CHANGE, LARGEST_CHANGE)))
+
+
+def broken(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> list[Contact]:
+    """Return where the motion of a mesh solution exceeds a bound by a relative tolerance."""
+    plant, rows = problem.plant, problem.rows
+    cells = [segment for segment in found.segments if segment.limit < 0]
+    starts = np.array([found.state(cell.first) for cell in cells])
+    force = found.unknowns[[cell.column for cell in cells]] * problem.force_limit
+    lengths = np.array([cell.start - cell.end for cell in cells])
+    shares = np.linspace(0.0, 1.0, 9)
+    tau = lengths[:, np.newaxis] * shares
+    states = np.einsum("ctij,cj->cti", transition(plant, tau), starts)
+    states += step_response(plant, tau) * force[:, np.newaxis, np.newaxis]
+    levels = states @ rows.T
+    worst = np.abs(levels).argmax(axis=1)
+    over = []
+    for cell, k in zip(*np.nonzero(np.abs(levels).max(axis=1) > 1.0 + tolerance), strict=True):
+        at = worst[cell, k]
+        t = _peak_time(levels[cell, :, k], int(at)) * lengths[cell] / (shares.size - 1)
+        side = int(np.sign(levels[cell, at, k]))
+        remaining = max(float(cells[cell].start - t), cells[cell].end)
+        over.append(Contact(remaining=remaining, limit=int(k), side=side))
+    return list(off_cores(problem, tuple(over), found.layout.cores))
+
+
+def _peak_time(levels: Array, at: int) -> float:
+    """Return the vertex of the parabola through the largest sample and its neighbours."""
+    if at in (0, levels.size - 1):
+        return float(at)
+    before, here, after = levels[at - 1 : at + 2]
+    bend = before - 2.0 * here + after
+    return float(at + 0.5 * (before - after) / bend) if bend else float(at)
