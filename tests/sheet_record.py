@@ -8,6 +8,7 @@ from typing import Any
 
 from mtcommission.record.files import find_checksum
 from mtcommission.record.schema import Record
+from mtcommission.rule import VALIDITY
 
 HOSTILE = '<script>alert("1")</script> #set text(red) [bold]x[/bold] $x_1$ \\u{41} &amp; ÄÖÜß µ'
 """Markup of every printer at once, 80 characters or so, with umlauts."""
@@ -58,7 +59,7 @@ def _unsealed_record() -> Record:
             _datum("requirements.frequency_spread", 0.052, "-"),
             _datum("requirements.peaks.v_phi", 0.0053, "SI"),
         ],
-        "settings": {"tuning.gain_margin_db": 6.1, "tuning.mode_damping": "0.2, 0.1"},
+        "settings": {"tuning.gain_margin_db": 6.1, "tuning.mode_weights": "0.2, 0.1"},
         "assumptions": ["The force loop is a first-order lag."],
         "warnings": ["The encoder does not see mode rotation."],
         "plant": {
@@ -288,19 +289,35 @@ def _limits() -> Any:
         "alternatives": [_trial("gentler", 0.8)],
         "rules": [_trial("j = a f", 1.3), _trial("j = 10 a", 1.7)],
         "rule": {
-            "text": "One ramp lasts one period.",
-            "formula": "j = a f / k",
-            "valid_for": "ζ ≤ 0.05 and Δv ≥ a/f",
+            "text": "A rule to apply by hand: each jerk step leaves a vibration in every mode and "
+            "a tail of the servo loop, both in proportion to the jerk; ramps of whole periods "
+            "cancel the vibration. Of the ramps tried, the one with the shortest motion is taken.",
+            "formula": "j root(C_S^2 + sum (C_i V_i)^2) <= band, with C_i = m |g_i|/omega_i^3 and "
+            "R(x) = |1 - exp(2 pi x (i - zeta))| within the spread; v/a >= t_j. Try t_j = 1, 2 "
+            "periods of each mode, and the t_j that needs no cancelling (R = 2); take the shortest "
+            "motion; j = a/t_j.",
+            "valid_for": VALIDITY,
             "acceleration": 1.4,
             "jerk": 24.0,
             "jerk_time": 1.4 / 24.0,
-            "chosen": "t_j = 3/f (base)",
+            "chosen": "3 periods of base",
             "bound_by": "band",
             "predicted_settling_time": 0.14,
             "predicted_residual": 4.9e-6,
             "steps": [
-                {"name": "t_j", "formula": "3 / f", "value": 0.06, "unit": "s"},
-                {"name": "V (base)", "formula": "R(f t_j)", "value": 0.4, "unit": "1"},
+                {"name": "speed loop omega_v", "formula": "Kp / m", "value": 170.97, "unit": "1/s"},
+                {
+                    "name": "jerk time t_j",
+                    "formula": "3 periods of base",
+                    "value": 0.06,
+                    "unit": "s",
+                },
+                {
+                    "name": "vibration V of mode base",
+                    "formula": "R(f t_j)",
+                    "value": 0.4,
+                    "unit": "1",
+                },
             ],
             "warnings": [],
         },

@@ -6,6 +6,7 @@ from mtcommission.record.schema import ComparedEntry, FedForwardEntry, Record
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import Block, Column, Paragraph, Section, Subheading, Table, Tone
 from mtcommission.sheet.motion_part import flexible_rates
+from mtcommission.sheet.phrases import polish
 from mtcommission.sheet.verdict_part import move_title
 
 
@@ -39,7 +40,7 @@ def _controls(record: Record, controls: list[ComparedEntry], move: str, f: Forma
     heads = (
         text.transfer_time,
         text.overshoot,
-        *(text.peak_of.format(name=rate) for rate in rates),
+        *(text.peak_of.format(name=polish(rate)) for rate in rates),
         text.max_force,
         text.heat,
         text.work,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from mtcommission.record.schema import Record
 from mtcommission.sheet.comparison_part import comparisons
 from mtcommission.sheet.difference_part import differences
-from mtcommission.sheet.evidence_part import certificates, entry_form, versions
+from mtcommission.sheet.entry_part import parameters, signatures
+from mtcommission.sheet.evidence_part import certificates, versions
 from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.limits_part import landscape, limits, rules
@@ -14,6 +15,7 @@ from mtcommission.sheet.machine_part import machine_data, requirements
 from mtcommission.sheet.measure_part import measurements
 from mtcommission.sheet.model import Document
 from mtcommission.sheet.motion_part import first_look, motions
+from mtcommission.sheet.rule_part import rule
 from mtcommission.sheet.verdict_part import verdict
 
 HASH_DIGITS = 12
@@ -62,15 +64,17 @@ def compose(record: Record, labels: Labels, *, before: Record | None = None) -> 
             machine_data(record, f),
             requirements(record, f),
             limits(record, f),
+            rule(record, f),
             rules(record, f),
-            landscape(record, f),
             motions(record, f),
             comparisons(record, f),
-            loop(record, f),
+            landscape(record, f),
             corner_tables(record, f),
+            loop(record, f),
+            parameters(record, f),
             measurements(record, f),
             certificates(record, f),
             versions(record, f),
-            entry_form(record, f),
+            signatures(record, f),
         ),
     )

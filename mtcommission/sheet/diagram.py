@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from mtcommission.sheet.model import Box, Diagram, Wire
+from mtcommission.sheet.plot_model import Box, Diagram, Wire
 
 SIZE, LEADING, SUM_RADIUS, MARGIN = 9.5, 12.0, 7.0, 4.0
 """Font size, distance of lines, radius of a summing point and room beside text [drawing units]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mtcommission.record.schema import Record
 from mtcommission.sheet.diagram import SUM_RADIUS
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import Box, Diagram, Wire, Word
+from mtcommission.sheet.plot_model import Box, Diagram, Wire, Word
 
 WIDTH, HEIGHT = 740.0, 262.0
 MAIN, AHEAD, BACK = 120.0, 32.0, 236.0

@@ -1,17 +1,13 @@
-"""Certificates, assumptions, settings, versions, and what is filled in by hand."""
+"""Certificates, assumptions, warnings, and the versions that computed."""
 
 from __future__ import annotations
 
-from math import pi
-
 from mtcommission.record.schema import OptimumEntry, Record
 from mtcommission.sheet.format import Formatter
-from mtcommission.sheet.loop_part import gain_rows
 from mtcommission.sheet.model import (
     Block,
     Bullets,
     Column,
-    Form,
     Paragraph,
     Preformatted,
     Section,
@@ -20,10 +16,9 @@ from mtcommission.sheet.model import (
     Tone,
 )
 from mtcommission.sheet.motion_part import named_optima
-from mtcommission.sheet.verdict_part import acceleration, jerk, move_title
-
-KV_UNIT = 1000.0 / 60.0
-"""Kv of 1 (m/min)/mm in 1/s."""
+from mtcommission.sheet.phrases import polish
+from mtcommission.sheet.settings_part import settings
+from mtcommission.sheet.verdict_part import move_title
 
 
 def certificates(record: Record, f: Formatter) -> Section:
@@ -35,10 +30,6 @@ def certificates(record: Record, f: Formatter) -> Section:
         for name, _, optimum in named_optima(optima, f):
             caption = text.certificate_caption.format(move=title, what=name)
             tables.append(_pairs(caption, text.quantity, _certificate_rows(optimum, f), f))
-    settings = [
-        (text.say(_setting_name(key)), _setting(value, f))
-        for key, value in [*record["settings"].items(), *record["limits"]["search"].items()]
-    ]
     return Section(
         key="certificates",
         heading=text.evidence_heading,
@@ -48,7 +39,7 @@ def certificates(record: Record, f: Formatter) -> Section:
             Subheading(text=text.warnings),
             _sentences(record["warnings"], Tone.WARNING, f),
             *tables,
-            _pairs(text.settings_caption, text.setting, settings, f),
+            *settings(record, f),
         ),
     )
 
@@ -73,65 +64,6 @@ def versions(record: Record, f: Formatter) -> Section:
             ),
         ),
     )
-
-
-def entry_form(record: Record, f: Formatter) -> Section:
-    """Return the table of parameters with empty columns, and the signature block."""
-    text = f.labels
-    limits, kv = record["limits"]["recommended"], record["loop"]["Kv"]
-    kv_text = f.with_unit(f.number(kv / KV_UNIT), "(m/min)/mm")
-    rows = [
-        (text.acceleration, acceleration(record, f), _other_unit(limits["acceleration"], "s²", f)),
-        (text.jerk, jerk(record, f), _other_unit(limits["jerk"], "s³", f)),
-        (text.jerk_time, f.quantity(limits["jerk_time"], "s"), ""),
-    ]
-    for name, value in gain_rows(record, f):
-        rows.append((name, value, kv_text if name == text.name("Kv") else ""))
-    heads = (text.old_value, text.new_value, text.entered_by, text.verified)
-    table = Table(
-        caption=text.entry_caption,
-        columns=(
-            Column(head=text.parameter, width=1.9),
-            Column(head=text.value, width=1.3, is_number=True),
-            Column(head=text.also, width=1.4, is_number=True),
-            *(Column(head=head) for head in heads),
-        ),
-        rows=tuple((*row, *("" for _ in heads)) for row in rows),
-        strong_rows=(0, 1, 2),
-        is_form=True,
-    )
-    return Section(
-        key="entry",
-        heading=text.entry_heading,
-        blocks=(
-            table,
-            Paragraph(text=f"{text.entry_note} {text.disclaimer}", tone=Tone.NOTE),
-            Form(fields=text.signature_fields),
-        ),
-        is_together=True,
-    )
-
-
-def _setting_name(key: str) -> str:
-    """Return e.g. "tuning: sensitivity peak" for ``tuning.sensitivity_peak``."""
-    return key.replace(".", ": ").replace("_", " ")
-
-
-def _setting(value: float | str, f: Formatter) -> str:
-    """Return one number, or several that the record separates by commas; words as they are."""
-    if not isinstance(value, str):
-        return f.number(value)
-    try:
-        return "; ".join(f.number(float(part)) for part in value.split(","))
-    except ValueError:
-        return value
-
-
-def _other_unit(value: float, per: str, f: Formatter) -> str:
-    """Return acceleration or jerk in the unit that many controls want: mm, or turns."""
-    if f.rotary:
-        return f.quantity(value / (2 * pi), f"rev/{per}")
-    return f.with_unit(f.number(value * 1e3), f"mm/{per}")
 
 
 def _certificate_rows(optimum: OptimumEntry, f: Formatter) -> list[tuple[str, str]]:
@@ -177,7 +109,7 @@ def _evidence(
 
 
 def _listed(values: dict[str, float], f: Formatter) -> str:
-    return "; ".join(f"{name} = {f.number(value)}" for name, value in values.items())
+    return "; ".join(f"{polish(name)} = {f.number(value)}" for name, value in values.items())
 
 
 def _sentences(items: list[str], tone: Tone, f: Formatter) -> Block:

@@ -13,7 +13,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, NullLocator
 
-from mtcommission.sheet.model import Contour, HeatMap, Line, LinePlot, Plot, PointPlot
+from mtcommission.sheet.plot_model import Contour, HeatMap, Line, LinePlot, Plot, PointPlot
 
 WIDTH = 6.7
 """Width of a plot on the A4 page [inch]."""
@@ -84,7 +84,7 @@ def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
 
     Examples
     --------
-    >>> from mtcommission.sheet.model import Panel
+    >>> from mtcommission.sheet.plot_model import Panel
     >>> panel = Panel(y_label="a in m/s²", lines=())
     >>> plot = LinePlot(key="k", caption="c", alt="a", x_label="t in ms", x_is_log=False,
     ...     link="k", panels=(panel,))

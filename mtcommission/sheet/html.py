@@ -14,7 +14,10 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from mtcommission.sheet.diagram import draw_diagram
-from mtcommission.sheet.model import Document, HeatMap, LinePlot, Plot, PointPlot
+from mtcommission.sheet.formula import parse_formula
+from mtcommission.sheet.mathml import write_mathml
+from mtcommission.sheet.model import Document
+from mtcommission.sheet.plot_model import HeatMap, LinePlot, Plot, PointPlot
 
 FOLDER = Path(__file__).parent
 DIGITS = 5
@@ -54,8 +57,16 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
         style=Markup(style),
         script=Markup(script),
         draw=lambda diagram: Markup(draw_diagram(diagram)),
+        set_formula=lambda formula: Markup(write_mathml(formula.tree, is_block=True)),
+        set_cell=_set_cell,
         plots=_json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
     )
+
+
+def _set_cell(words: str) -> Markup | str:
+    """Return the formula in a cell; a text that is none stays text, to be escaped."""
+    tree = parse_formula(words)
+    return words if tree is None else Markup(write_mathml(tree, is_block=False))
 
 
 def _policy(style: str, script: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from mtcommission.sheet.phrases import Phrases, translate
+from mtcommission.sheet.phrases import Phrases, polish, translate
 
 NAMES: Mapping[str, str] = MappingProxyType(
     {
@@ -170,16 +170,40 @@ class Labels:
     alternatives_caption: str = "Recommendation and alternatives, in the same simulation"
     limits_name: str = "Limits"
     recommended: str = "Recommended"
-    rule_heading: str = "Rule"
+    rule_heading: str = "Commissioning rule, applied by hand"
     rule_valid: str = "Valid for: {range}"
     rule_result: str = (
-        "By hand: a = {acceleration}, j = {jerk} ({chosen}), predicted residual deviation "
-        "{residual}. The search above needs no rule; this is to check it with a calculator."
+        "By hand: a = {acceleration}, j = {jerk} (ramp: {chosen}; bound by: {bound}), predicted "
+        "residual deviation {residual}. The search needs no rule; this is to check it with a "
+        "calculator."
     )
-    rule_steps_caption: str = "The rule, applied to this machine by hand"
+    rule_steps_caption: str = "The rule, step by step"
+    rule_symbols_caption: str = "Symbols of the rule (index i: a mode; values by mode: {modes})"
+    rule_symbols: Mapping[str, str] = field(
+        default_factory=lambda: {
+            "a": "Acceleration by the rule",
+            "j": "Jerk by the rule",
+            "t_j": "Jerk time by the rule, a/j",
+            "band": "Permitted TCP deviation",
+            "F": "Force left for motion",
+            "v": "Change of velocity, or largest velocity, of each move",
+            "m": "Moving mass; in the force condition with the largest payload",
+            "m_ff": "Mass in the feed-forward",
+            "T": "Time constant of the force loop",
+            "f": "Natural frequency of a mode",
+            "omega": "Natural angular frequency of a mode",
+            "zeta": "Damping ratio of a mode",
+            "g": "Share of a mode at the tool, by itself or beside the encoder; the larger one",
+            "c": "Share of a mode at the encoder",
+            "R": "Share of a mode's vibration that a ramp leaves",
+            "x": "Length of a ramp in periods of a mode, f t_j",
+            "i": "Imaginary unit (as an index: number of the mode)",
+        }
+    )
+    symbol: str = "Symbol"
+    meaning: str = "Meaning"
     rule_step: str = "Step"
     rule_how: str = "Formula"
-    rule_value: str = "Value"
     rules_heading: str = "Comparison with rules of thumb"
     rules_caption: str = (
         "Rules of makers and textbooks, in the same simulation (worst move, worst corner)"
@@ -346,7 +370,29 @@ class Labels:
     weights: str = "Weights"
     assumptions: str = "Assumptions"
     warnings: str = "Warnings"
-    settings_caption: str = "Numerical settings"
+    settings_caption: str = "Numerical settings: {names}"
+    setting_names: Mapping[str, str] = field(
+        default_factory=lambda: {
+            "gain_margin_db": "Gain margin demanded",
+            "phase_margin_deg": "Phase margin demanded",
+            "reserve_deg": "Phase kept in reserve for the state feedback",
+            "sensitivity_peak": "Sensitivity peak allowed",
+            "mode_weights": "Weights of the mode tried for the state feedback",
+            "reduction": "Factor from one try of Kp to the next",
+            "force_noise": "Force noise of the observer, relative to F_max",
+            "position_noise": "Encoder noise of the observer",
+            "least_acceleration": "Least acceleration, relative to F_max/m",
+            "least_jerk_time": "Shortest jerk time",
+            "longest_jerk_time": "Longest jerk time, in periods of the slowest mode",
+            "slow_jerk_time": "Longest jerk time on a stiff axis, at least",
+            "grid": "Grid points in each direction",
+            "coarse_grid": "Grid points at which the force is simulated",
+            "seeds": "Cells refined at once",
+            "refinements": "Refinements, each halves a cell",
+            "digits": "Significant digits of the result",
+            "evaluations": "Limits judged in every corner",
+        }
+    )
     setting: str = "Setting"
     versions_heading: str = "Versions and profile"
     versions_caption: str = "Calculated with"
@@ -386,7 +432,7 @@ class Labels:
     )
 
     # 7 entry and signature
-    entry_heading: str = "Parameters to enter and signature"
+    entry_heading: str = "Parameters for the control"
     entry_caption: str = "Values for the control"
     parameter: str = "Parameter"
     also: str = "In other units"
@@ -395,6 +441,8 @@ class Labels:
     entered_by: str = "Entered by"
     verified: str = "Verified"
     entry_note: str = "Verify before use. Never round the jerk up or the jerk time down."
+    signature_heading: str = "Signature"
+    signed_values: str = "{machine}, axis {axis}: acceleration {acceleration}, jerk {jerk}."
     signature_fields: tuple[str, ...] = (
         "Machine number, place",
         "Entered on the control (date, name, signature)",
@@ -411,9 +459,9 @@ class Labels:
         'fast [?]'
         """
         found = translate(text, self.phrases, decimal_mark=self.decimal_mark)
-        if found is not None or not text:
-            return found or text
-        return self.original.format(text=text)
+        if found is None and text:
+            found = self.original.format(text=text)
+        return polish(found or text)
 
     def say_if_known(self, text: str) -> str:
         """Return a text in this language; one of the user's own stays as it is."""

@@ -8,20 +8,8 @@ from numpy.typing import NDArray
 
 from mtcommission.record.schema import Alternative, LimitsEntry, Record, RuleResult
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import (
-    Block,
-    Border,
-    Column,
-    Contour,
-    HeatMap,
-    Mark,
-    Paragraph,
-    PointPlot,
-    Section,
-    Subheading,
-    Table,
-    Tone,
-)
+from mtcommission.sheet.model import Block, Column, Paragraph, Section, Table, Tone
+from mtcommission.sheet.plot_model import Border, Contour, HeatMap, Mark, PointPlot
 from mtcommission.sheet.verdict_part import acceleration, band
 
 Array = NDArray[np.float64]
@@ -37,9 +25,9 @@ RECOMMENDED, ALTERNATIVE, RULE = 0, 1, 2
 
 
 def limits(record: Record, f: Formatter) -> Section:
-    """Return the recommendation, what bound it, its alternatives, and the rule applied."""
+    """Return the recommendation, what bound it and its alternatives."""
     text, part = f.labels, record["limits"]
-    recommended, rule = part["recommended"], part["rule"]
+    recommended = part["recommended"]
     head = (text.recommended, *_numbers(recommended, f), _met(record["assessment"]["met"], f))
     rows = [
         (text.say(item["name"]), *_numbers(item, f), _met(item["meets_requirements"], f))
@@ -58,46 +46,6 @@ def limits(record: Record, f: Formatter) -> Section:
             Paragraph(text=text.values_bound_by.format(bound=text.say(recommended["bound_by"]))),
             table,
             _machining_modes(record, f),
-            Subheading(text=text.rule_heading),
-            Paragraph(text=text.say(rule["text"])),
-            Paragraph(text=_rule_result(record, f)),
-            Paragraph(text=rule["formula"]),
-            _rule_steps(record, f),
-            Paragraph(
-                text=text.rule_valid.format(range=text.say(rule["valid_for"])), tone=Tone.NOTE
-            ),
-            *(Paragraph(text=text.say(line), tone=Tone.NOTE) for line in rule["warnings"]),
-        ),
-    )
-
-
-def _rule_result(record: Record, f: Formatter) -> str:
-    text, rule, length = f.labels, record["limits"]["rule"], motion_unit("m", rotary=f.rotary)
-    return text.rule_result.format(
-        acceleration=f.quantity(rule["acceleration"], f"{length}/s^2"),
-        jerk=f.quantity(rule["jerk"], f"{length}/s^3"),
-        chosen=text.say(rule["chosen"]),
-        residual=f.quantity(rule["predicted_residual"], length, missing=text.not_settled),
-    )
-
-
-def _rule_steps(record: Record, f: Formatter) -> Table:
-    """Return the hand calculation, one line a step."""
-    text = f.labels
-    return Table(
-        caption=text.rule_steps_caption,
-        columns=(
-            Column(head=text.rule_step, width=1.6),
-            Column(head=text.rule_how, width=2.6),
-            Column(head=text.rule_value, width=1.0, is_number=True),
-        ),
-        rows=tuple(
-            (
-                text.say(step["name"]),
-                step["formula"],
-                f.quantity(step["value"], motion_unit(step["unit"].strip("1 "), rotary=f.rotary)),
-            )
-            for step in record["limits"]["rule"]["steps"]
         ),
     )
 

@@ -12,18 +12,16 @@ from mtcommission.sheet.diagram_part import structure
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import (
     Block,
-    Border,
     Bullets,
     Column,
-    Line,
-    LinePlot,
-    Panel,
     Paragraph,
     Section,
     Subheading,
     Table,
     Tone,
 )
+from mtcommission.sheet.phrases import polish
+from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.verdict_part import move_title
 
 Array = NDArray[np.float64]
@@ -37,7 +35,9 @@ def loop(record: Record, f: Formatter) -> Section:
     text, part = f.labels, record["loop"]
     sentences = [text.sensors.format(names=", ".join(map(text.say, part["sensors"])))]
     if part["observer"]["states"]:
-        sentences.append(text.observed.format(names=", ".join(part["observer"]["states"])))
+        sentences.append(
+            text.observed.format(names=", ".join(map(polish, part["observer"]["states"])))
+        )
     if not part["state_feedback"]:
         sentences.append(text.no_state_feedback)
     gains = Table(
@@ -83,7 +83,7 @@ def gain_rows(record: Record, f: Formatter) -> tuple[tuple[str, str], ...]:
         rows.append((text.feedforward.format(name=text.say(name)), f.quantity(value, unit)))
     for state, gain in part["state_feedback"].items():
         unit = f"{units['F']}/({units[state]})" if state in units else ""
-        rows.append((text.state_feedback.format(name=state), f.quantity(gain, unit)))
+        rows.append((text.state_feedback.format(name=polish(state)), f.quantity(gain, unit)))
     rows.append((text.position_cycle, f.quantity(part["position_cycle"], "s")))
     rows.append((text.velocity_cycle, f.quantity(part["velocity_cycle"], "s")))
     return tuple(rows)

@@ -9,19 +9,8 @@ from numpy.typing import NDArray
 
 from mtcommission.record.schema import MoveEntry, OptimaEntry, OptimumEntry, Record, Series
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import (
-    Block,
-    Border,
-    Column,
-    Line,
-    LinePlot,
-    Panel,
-    Paragraph,
-    Section,
-    Subheading,
-    Table,
-    Tone,
-)
+from mtcommission.sheet.model import Block, Column, Paragraph, Section, Subheading, Table, Tone
+from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.verdict_part import band, move_title, reference_sentence
 
 Array = NDArray[np.float64]

@@ -15,7 +15,10 @@ import typst
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.figures import draw_svg
-from mtcommission.sheet.model import Block, Diagram, Document, HeatMap, LinePlot, PointPlot
+from mtcommission.sheet.formula import parse_formula
+from mtcommission.sheet.model import Block, Document, Formula, Table
+from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
+from mtcommission.sheet.typst_math import write_typst
 
 PLOTS = (LinePlot, PointPlot, HeatMap)
 
@@ -101,10 +104,24 @@ def _as_json(document: Document) -> str:
 def _as_data(block: Block) -> dict[str, Any]:
     if isinstance(block, (*PLOTS, Diagram)):
         return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
+    if isinstance(block, Formula):
+        set_as = write_typst(block.tree)
+        return {"type": "Formula", "math": set_as, "alt": block.source, "aside": block.aside}
     values = asdict(
         block,
         dict_factory=lambda pairs: {
             name: value.value if isinstance(value, Enum) else value for name, value in pairs
         },
     )
+    if isinstance(block, Table):
+        values["rows"] = [_cells(block, row) for row in block.rows]
     return {"type": type(block).__name__} | values
+
+
+def _cells(table: Table, row: tuple[str, ...]) -> list[str | dict[str, str]]:
+    """Return the cells of a row; a formula as what the typesetter evaluates, and as text."""
+    cells: list[str | dict[str, str]] = []
+    for column, words in zip(table.columns, row, strict=True):
+        tree = parse_formula(words) if column.is_formula else None
+        cells.append(words if tree is None else {"math": write_typst(tree), "alt": words})
+    return cells

@@ -13,6 +13,24 @@ from functools import cache
 PLACE = re.compile(r"\{(-?)(\w+)\}")
 NUMBER = r"[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|inf|nan)"
 
+SIGNS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
+    (re.compile(pattern), sign)
+    for pattern, sign in (
+        (r"(?<=\d) um\b", " µm"),
+        (r"(?<=[a-z])\^2\b", "²"),
+        (r"(?<=[a-z])\^3\b", "³"),
+        (r"<=", "≤"),
+        (r">=", "≥"),
+        (r" x (?=\d)", " × "),
+        (r"(?<![\w-])-(?=\d)", "−"),
+        (r"\b(v_|)phi\b", r"\1φ"),
+        (r"\bomega(?=_|\b)", "ω"),
+        (r"\beps\b", "ε"),
+        (r"\bT_sigma\b", "T_σ"),
+    )
+)
+"""What one types, as a pattern, and what one prints; names of machines and keys have none."""
+
 Phrases = Sequence[tuple[str, str]]
 
 
@@ -48,6 +66,19 @@ def translate(text: str, phrases: Phrases, *, decimal_mark: str) -> str | None:
         if filled is not None:
             return _put(target, filled)
     return _sentence_by_sentence(text, phrases, decimal_mark)
+
+
+def polish(text: str) -> str:
+    """Return a sentence of the record with the signs that print has and a keyboard has not.
+
+    Examples
+    --------
+    >>> polish("2 to 50 um, v_phi <= 5 rad/s^2, frequencies x 0.95")
+    '2 to 50 µm, v_φ ≤ 5 rad/s², frequencies × 0.95'
+    """
+    for pattern, sign in SIGNS:
+        text = pattern.sub(sign, text)
+    return text
 
 
 def _put(target: str, values: dict[str, str]) -> str:

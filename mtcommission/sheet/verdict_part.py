@@ -6,16 +6,8 @@ from math import inf
 
 from mtcommission.record.schema import Check, Record
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import (
-    BigValue,
-    Column,
-    Headline,
-    LinePlot,
-    Paragraph,
-    Section,
-    Table,
-    Tone,
-)
+from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Section, Table, Tone
+from mtcommission.sheet.plot_model import LinePlot
 
 
 def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:

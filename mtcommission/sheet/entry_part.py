@@ -1,0 +1,75 @@
+"""What is entered by hand on the control and on paper: parameters, and the signatures."""
+
+from __future__ import annotations
+
+from math import pi
+
+from mtcommission.record.schema import Record
+from mtcommission.sheet.format import Formatter
+from mtcommission.sheet.loop_part import gain_rows
+from mtcommission.sheet.model import Column, Form, Paragraph, Section, Table, Tone
+from mtcommission.sheet.verdict_part import acceleration, jerk
+
+KV_UNIT = 1000.0 / 60.0
+"""Kv of 1 (m/min)/mm in 1/s."""
+
+
+def parameters(record: Record, f: Formatter) -> Section:
+    """Return the parameters for the control, with empty columns."""
+    text = f.labels
+    limits, kv = record["limits"]["recommended"], record["loop"]["Kv"]
+    kv_text = f.with_unit(f.number(kv / KV_UNIT), "(m/min)/mm")
+    rows = [
+        (text.acceleration, acceleration(record, f), _other_unit(limits["acceleration"], "s²", f)),
+        (text.jerk, jerk(record, f), _other_unit(limits["jerk"], "s³", f)),
+        (text.jerk_time, f.quantity(limits["jerk_time"], "s"), ""),
+    ]
+    for name, value in gain_rows(record, f):
+        rows.append((name, value, kv_text if name == text.name("Kv") else ""))
+    heads = (text.old_value, text.new_value, text.entered_by, text.verified)
+    table = Table(
+        caption=text.entry_caption,
+        columns=(
+            Column(head=text.parameter, width=1.9),
+            Column(head=text.value, width=1.3, is_number=True),
+            Column(head=text.also, width=1.4, is_number=True),
+            *(Column(head=head) for head in heads),
+        ),
+        rows=tuple((*row, *("" for _ in heads)) for row in rows),
+        strong_rows=(0, 1, 2),
+        is_form=True,
+    )
+    return Section(
+        key="parameters",
+        heading=text.entry_heading,
+        blocks=(table, Paragraph(text=text.entry_note, tone=Tone.NOTE)),
+        is_together=True,
+    )
+
+
+def signatures(record: Record, f: Formatter) -> Section:
+    """Return the block to be signed, with the values that are signed for."""
+    text = f.labels
+    values = text.signed_values.format(
+        machine=record["machine"]["name"],
+        axis=record["machine"]["axis"],
+        acceleration=acceleration(record, f),
+        jerk=jerk(record, f),
+    )
+    return Section(
+        key="signature",
+        heading=text.signature_heading,
+        blocks=(
+            Paragraph(text=values),
+            Paragraph(text=text.disclaimer, tone=Tone.NOTE),
+            Form(fields=text.signature_fields),
+        ),
+        is_together=True,
+    )
+
+
+def _other_unit(value: float, per: str, f: Formatter) -> str:
+    """Return acceleration or jerk in the unit that many controls want: mm, or turns."""
+    if f.rotary:
+        return f.quantity(value / (2 * pi), f"rev/{per}")
+    return f.with_unit(f.number(value * 1e3), f"mm/{per}")

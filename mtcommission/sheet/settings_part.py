@@ -1,0 +1,79 @@
+"""The numerical settings of a computation, one table for each kind, with their units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from mtcommission.record.schema import Record
+from mtcommission.sheet.format import Formatter
+from mtcommission.sheet.model import Column, Table
+
+UNITS: Mapping[str, str] = MappingProxyType(
+    {
+        "gain_margin_db": "dB",
+        "phase_margin_deg": "°",
+        "reserve_deg": "°",
+        "position_noise": "m",
+        "least_jerk_time": "s",
+        "slow_jerk_time": "s",
+    }
+)
+"""SI units of the settings that have one; the others are counts or ratios, as their names say."""
+
+
+def settings(record: Record, f: Formatter) -> tuple[Table, ...]:
+    """Return one table for each group of settings that the record names before the dot."""
+    groups: dict[str, dict[str, float | str]] = {}
+    for key, value in record["settings"].items():
+        group, _, name = key.rpartition(".")
+        groups.setdefault(group, {})[name] = value
+    for name, count in record["limits"]["search"].items():
+        groups.setdefault("search", {})[name] = count
+    return tuple(_table(names, [groups[name] for name in names], f) for names in _alike(groups))
+
+
+def _alike(groups: Mapping[str, Mapping[str, object]]) -> list[list[str]]:
+    """Return the names of the groups; those that share settings stand beside each other."""
+    found: list[list[str]] = []
+    for name, group in groups.items():
+        for others in found:
+            if set(group) & set(groups[others[0]]):
+                others.append(name)
+                break
+        else:
+            found.append([name])
+    return found
+
+
+def _table(names: list[str], groups: list[dict[str, float | str]], f: Formatter) -> Table:
+    text = f.labels
+    keys = list(dict.fromkeys(key for group in groups for key in group))
+    heads = [text.say(name.replace("_", " ")) if name else text.value for name in names]
+    return Table(
+        caption=text.settings_caption.format(names=", ".join(heads)),
+        columns=(
+            Column(head=text.setting, width=1.6),
+            *(Column(head=head, is_number=True) for head in heads),
+        ),
+        rows=tuple(
+            (
+                text.setting_names.get(key, text.say(key.replace("_", " "))),
+                *(_shown(key, group.get(key), f) for group in groups),
+            )
+            for key in keys
+        ),
+    )
+
+
+def _shown(key: str, value: float | str | None, f: Formatter) -> str:
+    """Return one number, or several that the record separates by commas; words as they are."""
+    if value is None:
+        return "–"
+    unit = UNITS.get(key, "")
+    if not isinstance(value, str):
+        return f.quantity(value, unit)
+    try:
+        return "; ".join(f.quantity(float(part), unit) for part in value.split(","))
+    except ValueError:
+        return value
