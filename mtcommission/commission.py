@@ -20,6 +20,7 @@ from mtcommission.loop_choice import LoopChoice, Settings, settle_on_loop
 from mtcommission.machine import Machine
 from mtcommission.optima import Optima, condense_optima, find_optima, require_force
 from mtcommission.plant import Plant, build_plant
+from mtcommission.robustness import Robustness, examine_robustness
 from mtcommission.rule import RuleResult, apply_commissioning_rule
 from mtcommission.rules import apply_rules
 from mtcommission.shapers import compare_shapers
@@ -99,6 +100,8 @@ class Commissioning:
         Limits for the three machining modes.
     rule
         The commissioning rule by hand, applied to this machine.
+    robustness
+        The recommended limits where machine or limits differ a little.
     """
 
     machine: Machine
@@ -114,6 +117,7 @@ class Commissioning:
     comparisons: tuple[MoveComparison, ...]
     modes: tuple[ModeLimits, ...]
     rule: RuleResult
+    robustness: Robustness
 
     @property
     def tuned(self) -> TunedLoop:
@@ -184,6 +188,10 @@ def commission(
         compare(machine, plant, tuned, item, result)
         for item, result in zip(optima, moves, strict=True)
     )
+    progress("robustness")
+    robustness = examine_robustness(
+        machine, plant, tuned, choice.limits, settings=settings.robustness
+    )
     return Commissioning(
         machine=machine,
         plant=plant,
@@ -198,6 +206,7 @@ def commission(
         comparisons=comparisons,
         modes=modes,
         rule=rule,
+        robustness=robustness,
     )
 
 

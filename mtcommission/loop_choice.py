@@ -9,6 +9,7 @@ from mtcommission.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning import TunedLoop, TuningSettings, tune_loop
 from mtcommission.machine import Machine, StateFeedback
 from mtcommission.plant import Plant
+from mtcommission.robustness import RobustnessSettings
 from mtcommission.trials import Trial, judge
 
 
@@ -22,6 +23,8 @@ class Settings:
         Of the loop's tuning and of the choice of limits.
     comparison
         The coarser search that decides whether state feedback pays.
+    robustness
+        How closely the recommendation is looked at where machine or limits differ.
     """
 
     tuning: TuningSettings = field(default_factory=TuningSettings)
@@ -29,6 +32,7 @@ class Settings:
     comparison: SearchSettings = field(
         default_factory=lambda: SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)
     )
+    robustness: RobustnessSettings = field(default_factory=RobustnessSettings)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

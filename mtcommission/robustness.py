@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import Corner, Machine, corners
+from mtcommission.machine import Machine, corners
 from mtcommission.plant import Plant
 from mtcommission.variations import (
     Variations,
@@ -62,8 +62,6 @@ class MonteCarlo:
         Of the slowest move and the worst move, shape (n_samples,) [s, m]; inf: not settled.
     share_met, share_in_band
         Share of samples that keep all requirements, and the band alone [-].
-    worst, slowest
-        The samples with the largest residual deviation and the longest settling time.
     seed
         Of the generator.
     """
@@ -73,9 +71,17 @@ class MonteCarlo:
     residual_deviation: Array
     share_met: float
     share_in_band: float
-    worst: Corner
-    slowest: Corner
     seed: int
+
+    @property
+    def worst(self) -> int:
+        """The sample with the largest residual deviation."""
+        return int(np.argmax(self.residual_deviation))
+
+    @property
+    def slowest(self) -> int:
+        """The sample with the longest settling time."""
+        return int(np.argmax(self.settling_time))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -216,8 +222,6 @@ def run_monte_carlo(
         residual_deviation=found.residual_deviation,
         share_met=float(np.mean(found.meets(machine))),
         share_in_band=float(np.mean(found.residual_deviation <= band)),
-        worst=variations.corner(int(np.argmax(found.residual_deviation))),
-        slowest=variations.corner(int(np.argmax(found.settling_time))),
         seed=seed,
     )
 

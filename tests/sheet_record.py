@@ -85,6 +85,7 @@ def _unsealed_record() -> Record:
         "loop": _loop(),
         "moves": [_move({"velocity_step": 0.102})],
         "comparisons": [_comparison()],
+        "robustness": _robustness(),
         "assessment": {
             "met": True,
             "checks": [
@@ -122,6 +123,7 @@ def unsettled_record() -> Record:
         item["settling_time"] = None
     for comparison in record["comparisons"][0]["controls"]:
         comparison["transfer_time"] = None
+    record["robustness"] = _unsettled_robustness()
     record["assessment"] = {
         "met": False,
         "checks": [
@@ -405,6 +407,88 @@ def _variant(name: str, scale: float, *, used: bool) -> Any:
         "residual_deviation": 4.582e-6 * scale,
         "max_force": 1730.0 * scale,
     }
+
+
+def _robustness() -> Any:
+    factor = [0.9 + 0.0025 * k for k in range(81)]
+    residual = [4.61e-6 + 41e-6 * abs(value - 1.0) for value in factor]
+    kept = [value for value, one in zip(factor, residual, strict=True) if one <= 5.1e-6]
+    worst = {
+        "payload": 87.3,
+        "frequency_factor": 0.9517,
+        "damping_factor": 1.0,
+        "settling_time": 0.1391,
+        "residual_deviation": 6.62e-6,
+    }
+    shares = [0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0]
+    return {
+        "monte_carlo": {
+            "samples": 1013,
+            "seed": 17,
+            "share_met": 0.841,
+            "share_in_band": 0.852,
+            "settling_time": {
+                "unit": "s",
+                "quantiles": [
+                    {"share": share, "value": 0.1161 + 0.023 * share**3} for share in shares
+                ],
+                "histogram": {"edges": [0.1161, 0.1281, 0.1391], "counts": [861, 152]},
+                "not_settled": 0,
+            },
+            "residual_deviation": {
+                "unit": "m",
+                "quantiles": [
+                    {"share": share, "value": 3.02e-6 + 3.6e-6 * share} for share in shares
+                ],
+                "histogram": {
+                    "edges": [3.02e-6 + 0.15e-6 * k for k in range(25)],
+                    "counts": [3 + 4 * k for k in range(12)] + [130 - 7 * k for k in range(12)],
+                },
+                "not_settled": 0,
+            },
+            "worst": worst,
+            "slowest": {**worst, "settling_time": 0.1393, "residual_deviation": 6.51e-6},
+        },
+        "frequency_error": {
+            "factor": factor,
+            "settling_time": [0.1161 if one <= 5.1e-6 else 0.1347 for one in residual],
+            "residual_deviation": residual,
+            "kept_from": kept[0],
+            "kept_to": kept[-1],
+        },
+        "sensitivities": [
+            {
+                "change": change,
+                "settling_time": 0.1162 * (1.0 + settling),
+                "residual_deviation": 4.582e-6 * (1.0 + residual_change),
+                "settling_change": settling,
+                "residual_change": residual_change,
+                "meets_requirements": is_met,
+            }
+            for change, settling, residual_change, is_met in (
+                ("jerk +10 %", 0.159, 0.253, False),
+                ("jerk -10 %", 0.0499, -0.073, True),
+                ("acceleration +10 %", 0.179, 0.176, False),
+                ("acceleration -10 %", 0.194, 0.102, False),
+                ("frequencies +1 %", 0.0, -0.029, True),
+                ("frequencies -1 %", 0.16, 0.035, False),
+                ("damping -10 %", 0.0, -0.001, True),
+            )
+        ],
+    }
+
+
+def _unsettled_robustness() -> Any:
+    """No spread stated, and nothing settles anywhere."""
+    found = _robustness()
+    error = found["frequency_error"]
+    error["settling_time"] = error["residual_deviation"] = [None for _ in error["factor"]]
+    error["kept_from"] = error["kept_to"] = None
+    for item in found["sensitivities"]:
+        item.update(dict.fromkeys(("settling_time", "residual_deviation")))
+        item.update(dict.fromkeys(("settling_change", "residual_change")))
+        item["meets_requirements"] = False
+    return {**found, "monte_carlo": None}
 
 
 def _comparison() -> Any:

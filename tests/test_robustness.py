@@ -122,9 +122,9 @@ def test_worst_case_and_share_agree_with_the_samples() -> None:
     assert 0.0 < found.share_in_band < 1.0
     assert found.share_in_band == np.count_nonzero(found.residual_deviation <= band) / 300
     worst = Variations(
-        payload=np.array([found.worst.payload]),
-        frequency_factor=np.array([found.worst.frequency_factor]),
-        damping_factor=np.array([found.worst.damping_factor]),
+        payload=np.array([found.variations.corner(found.worst).payload]),
+        frequency_factor=np.array([found.variations.corner(found.worst).frequency_factor]),
+        damping_factor=np.array([found.variations.corner(found.worst).damping_factor]),
     )
     alone = respond_to_variations(machine, plant, tuned, limits, variations=worst)
     assert alone.residual_deviation[0] == pytest.approx(found.residual_deviation.max(), rel=1e-9)

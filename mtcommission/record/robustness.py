@@ -1,0 +1,130 @@
+"""Robustness of the recommendation -> its entry in the record."""
+
+from __future__ import annotations
+
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.machine import Machine, Motion
+from mtcommission.record.optima import finite_or_none
+from mtcommission.record.schema import (
+    DistributionEntry,
+    FrequencyErrorEntry,
+    HistogramEntry,
+    MonteCarloEntry,
+    Quantile,
+    RobustnessPart,
+    SampleEntry,
+    SensitivityEntry,
+)
+from mtcommission.robustness import FrequencyError, MonteCarlo, Robustness
+
+Array = NDArray[np.float64]
+
+SHARES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
+"""Quantiles in the record, least and largest included."""
+
+BINS = 24
+"""Of a histogram, over all samples that settle."""
+
+ALIKE = 1e-9
+"""Relative difference below which samples are the same: a setpoint that leaves the band nowhere
+settles at its end on every machine."""
+
+
+def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
+    """Return all about robustness.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its units count.
+    robustness
+        Of the recommended limits.
+
+    Returns
+    -------
+    RobustnessPart
+    """
+    drawn = robustness.monte_carlo
+    return RobustnessPart(
+        monte_carlo=None if drawn is None else _monte_carlo_entry(machine, drawn),
+        frequency_error=_frequency_error_entry(robustness.frequency_error),
+        sensitivities=[
+            SensitivityEntry(
+                change=item.change,
+                settling_time=finite_or_none(item.settling_time),
+                residual_deviation=finite_or_none(item.residual_deviation),
+                settling_change=finite_or_none(item.settling_change),
+                residual_change=finite_or_none(item.residual_change),
+                meets_requirements=item.is_met,
+            )
+            for item in robustness.sensitivities
+        ],
+    )
+
+
+def _monte_carlo_entry(machine: Machine, drawn: MonteCarlo) -> MonteCarloEntry:
+    length = "m" if machine.motion is Motion.LINEAR else "rad"
+    return MonteCarloEntry(
+        samples=len(drawn.settling_time),
+        seed=drawn.seed,
+        share_met=drawn.share_met,
+        share_in_band=drawn.share_in_band,
+        settling_time=_distribution(drawn.settling_time, "s"),
+        residual_deviation=_distribution(drawn.residual_deviation, length),
+        worst=_sample_entry(drawn, drawn.worst),
+        slowest=_sample_entry(drawn, drawn.slowest),
+    )
+
+
+def _distribution(values: Array, unit: str) -> DistributionEntry:
+    ordered = np.sort(values)
+    settled = ordered[np.isfinite(ordered)]
+    return DistributionEntry(
+        unit=unit,
+        quantiles=[
+            # The least value that so many samples do not exceed: a sample, no mean of two.
+            Quantile(
+                share=share,
+                value=finite_or_none(float(ordered[max(ceil(share * len(ordered)), 1) - 1])),
+            )
+            for share in SHARES
+        ],
+        histogram=_histogram(settled),
+        not_settled=len(ordered) - len(settled),
+    )
+
+
+def _histogram(ordered: Array) -> HistogramEntry:
+    """Of rising values; one bin without width where all are alike."""
+    if not ordered.size:
+        return HistogramEntry(edges=[], counts=[])
+    low, high = float(ordered[0]), float(ordered[-1])
+    if high - low <= ALIKE * high:
+        return HistogramEntry(edges=[low, high], counts=[len(ordered)])
+    counts, edges = np.histogram(ordered, bins=BINS)
+    return HistogramEntry(edges=edges.tolist(), counts=counts.tolist())
+
+
+def _sample_entry(drawn: MonteCarlo, index: int) -> SampleEntry:
+    corner = drawn.variations.corner(index)
+    return SampleEntry(
+        payload=corner.payload,
+        frequency_factor=corner.frequency_factor,
+        damping_factor=corner.damping_factor,
+        settling_time=finite_or_none(float(drawn.settling_time[index])),
+        residual_deviation=finite_or_none(float(drawn.residual_deviation[index])),
+    )
+
+
+def _frequency_error_entry(error: FrequencyError) -> FrequencyErrorEntry:
+    return FrequencyErrorEntry(
+        factor=error.factor.tolist(),
+        settling_time=[finite_or_none(value) for value in error.settling_time.tolist()],
+        residual_deviation=[finite_or_none(value) for value in error.residual_deviation.tolist()],
+        kept_from=finite_or_none(error.kept_from),
+        kept_to=finite_or_none(error.kept_to),
+    )
