@@ -123,7 +123,7 @@ def test_both_printers_set_the_same_signs():
     assert write_typst(tree) == (
         '- 2 thin sqrt(lr(| a |)) ≤ "min" lr((frac(a, "Kp"), sum_i C_(i)^(2)))'
     )
-    marks = write_mathml(tree, is_block=True)
+    marks = write_mathml(tree)
     for mark in ("<mo>−</mo>", "<msqrt>", "<mo>≤</mo>", "<mfrac>", "<mo>∑</mo>", "<msub>"):
         assert mark in marks
     assert marks.count("<mrow>") == marks.count("</mrow>")

@@ -48,6 +48,7 @@ from mtcommission.plant import build_plant
 from mtcommission.plausibility import check_plausibility
 from mtcommission.profile import read_profile
 from mtcommission.record.data import list_assumptions, list_data
+from mtcommission.record.files import find_checksum
 from mtcommission.rule import FORMULA
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
@@ -982,6 +983,7 @@ def retuned(record):
     later["limits"]["recommended"] |= {"acceleration": 2.41 * 1.2, "bound_by": "force limit"}
     later["limits"]["recommended"]["settling_time"] = None
     later["loop"]["Kv"] *= 0.9
+    later["checksum"] = find_checksum(later)
     return later
 
 

@@ -10,11 +10,12 @@ from mtcommission.sheet.evidence_part import certificates, versions
 from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.limits_part import landscape, limits, rules
-from mtcommission.sheet.loop_part import corner_tables, loop
+from mtcommission.sheet.loop_part import loop
 from mtcommission.sheet.machine_part import machine_data, requirements
 from mtcommission.sheet.measure_part import measurements
 from mtcommission.sheet.model import Document
 from mtcommission.sheet.motion_part import first_look, motions
+from mtcommission.sheet.robustness_part import robustness
 from mtcommission.sheet.rule_part import rule
 from mtcommission.sheet.verdict_part import verdict
 
@@ -69,7 +70,7 @@ def compose(record: Record, labels: Labels, *, before: Record | None = None) -> 
             motions(record, f),
             comparisons(record, f),
             landscape(record, f),
-            corner_tables(record, f),
+            robustness(record, f),
             loop(record, f),
             parameters(record, f),
             measurements(record, f),

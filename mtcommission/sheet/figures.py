@@ -1,71 +1,81 @@
-"""Plots of the document as SVG for print, drawn by matplotlib."""
+"""Plots of the document as SVG for print."""
 
 from __future__ import annotations
 
-import re
-from io import BytesIO
-from typing import Any
+from dataclasses import dataclass
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
-from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, NullLocator
+from numpy.typing import NDArray
 
-from mtcommission.sheet.plot_model import Contour, HeatMap, Line, LinePlot, Plot, PointPlot
+from mtcommission.sheet.axes import Axis, span
+from mtcommission.sheet.canvas import GRID, INK, SIZE, Canvas, corner_points, text_width
+from mtcommission.sheet.format import tick_text
+from mtcommission.sheet.placement import place_labels
+from mtcommission.sheet.plot_model import HeatMap, Line, LinePlot, Panel, Plot, PointPlot
 
-WIDTH = 6.7
-"""Width of a plot on the A4 page [inch]."""
+Array = NDArray[np.float64]
 
-LEFT, RIGHT, TOP, EDGE, BOTTOM, GAP = 0.55, 0.1, 0.35, 0.08, 0.4, 0.2
-"""Room around and between axes [inch]; fixed, since an automatic layout takes half of the time."""
+WIDTH, LEFT, RIGHT = 482.0, 42.0, 8.0
+"""Width of a plot on the A4 page, and the room beside its axes [pt]."""
 
-LONG_NAME = 60
-"""Characters of a name that takes a line of the legend to itself."""
+PANEL, TITLE, SQUARE, FOOT, ROW = 56.0, 13.0, 138.0, 26.0, 11.0
+"""Heights of a panel, its title, a single pair of axes, the x labels and a legend row [pt]."""
 
-PANEL, SQUARE = 0.8, 1.9
-"""Heights of a panel and of a single pair of axes [inch]."""
+SCALE_ROOM = 66.0
+"""Room for the grey scale to the right of a map [pt]."""
 
-STYLE: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 7.0,
-    # A machine may be called "$x$".
-    "text.parse_math": False,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "mtcommission",
-    "axes.grid": True,
-    "axes.linewidth": 0.6,
-    "axes.unicode_minus": True,
-    "grid.linewidth": 0.4,
-    "grid.color": "#cccccc",
-    "legend.frameon": False,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-}
-"""Text stays text: the PDF embeds the same font once for page and plots."""
+SAMPLE, SPACE = 24.0, 14.0
+"""Length of the line in a legend, and the space behind an entry [pt]."""
 
-BORDER: dict[str, Any] = {"color": "black", "linewidth": 0.7, "linestyle": (0, (2, 2))}
-"""How a limit is drawn."""
+BORDER_DASHES, CURSOR = (2.0, 2.0), 0.7
+"""How a limit is drawn: dashes and width [pt]."""
 
-LINES: tuple[tuple[str, Any, float], ...] = (
-    ("#7f7f7f", (0, (1.0, 1.0)), 1.4),
-    ("#c44e00", (0, (5.0, 1.5)), 1.0),
-    ("#00795c", (0, (4.0, 1.2, 1.0, 1.2)), 1.0),
-    ("#7a3e9d", (0, (7.0, 1.2, 1.0, 1.2, 1.0, 1.2)), 1.0),
-    ("#0b4f9e", "solid", 1.2),
+ALONG = 12
+"""Steps along a plot, at most."""
+
+LINES: tuple[tuple[str, tuple[float, ...], float], ...] = (
+    ("#7f7f7f", (1.4, 1.4), 1.4),
+    ("#c44e00", (5.0, 1.5), 1.0),
+    ("#00795c", (4.0, 1.2, 1.0, 1.2), 1.0),
+    ("#7a3e9d", (7.0, 1.2, 1.0, 1.2, 1.0, 1.2), 1.0),
+    ("#0b4f9e", (), 1.2),
 )
 """Colour, dashes and width by style; dashes tell the lines apart in a black-and-white print."""
 
-TICK = re.compile(rb"(>[^<>]?\d+)\.(\d+)(?=</text>)")
-"""A number that stands alone, as those at the axes do."""
-
-SYMBOLS: tuple[tuple[str, str, float], ...] = (
-    ("*", "#0b4f9e", 110.0),
-    ("s", "#00795c", 24.0),
-    ("o", "#c44e00", 24.0),
+STAR = corner_points(5, 6.5, inner=0.4)
+SYMBOLS: tuple[tuple[str, Array], ...] = (
+    ("#0b4f9e", STAR),
+    ("#00795c", np.array([[-2.6, -2.6], [2.6, -2.6], [2.6, 2.6], [-2.6, 2.6]])),
+    ("#c44e00", corner_points(8, 2.8)),
 )
-"""Symbol, colour and size by style of a mark."""
+"""Colour and shape by style of a mark."""
+
+CHOSEN = "#d00000"
+LIGHTEST, DARKEST = 0.04, 0.94
+"""Share of black at the least and the largest value of a map."""
+
+PIXELS = (480, 240)
+"""Columns and rows of a map; its cells need not be equally wide."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """An entry of a legend: a line's style, or a mark's style.
+
+    Parameters
+    ----------
+    label
+        Words.
+    line, mark
+        Style of a line or of a mark, or -1; both -1: a limit.
+    color
+        Of the mark; "" for its usual one.
+    """
+
+    label: str
+    line: int = -1
+    mark: int = -1
+    color: str = ""
 
 
 def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
@@ -84,154 +94,283 @@ def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
 
     Examples
     --------
-    >>> from mtcommission.sheet.plot_model import Panel
     >>> panel = Panel(y_label="a in m/s²", lines=())
     >>> plot = LinePlot(key="k", caption="c", alt="a", x_label="t in ms", x_is_log=False,
     ...     link="k", panels=(panel,))
     >>> draw_svg(plot) == draw_svg(plot)
     True
     """
-    with mpl.rc_context(STYLE):
-        if isinstance(plot, LinePlot):
-            figure = _line_plot(plot)
-        elif isinstance(plot, PointPlot):
-            figure = _point_plot(plot)
-        else:
-            figure = _heat_map(plot)
-        stream = BytesIO()
-        # No date and no producer: the PDF must be the same bytes tomorrow.
-        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
-    # Matplotlib takes the mark from the machine's locale; so the numbers are marked here.
-    return TICK.sub(rf"\1{decimal_mark}\2".encode(), stream.getvalue())
+    if isinstance(plot, LinePlot):
+        return _line_plot(plot, decimal_mark)
+    if isinstance(plot, PointPlot):
+        return _point_plot(plot, decimal_mark)
+    return _heat_map(plot, decimal_mark)
 
 
-def _line_plot(plot: LinePlot) -> Figure:
-    count = len(plot.panels)
-    height = TOP + count * (PANEL + GAP) - GAP + BOTTOM
-    figure = Figure(figsize=(WIDTH, height))
-    grid = figure.subplots(
-        count,
-        1,
-        sharex=True,
-        squeeze=False,
-        gridspec_kw={
-            "left": LEFT / WIDTH,
-            "right": 1.0 - RIGHT / WIDTH,
-            "top": 1.0 - TOP / height,
-            "bottom": BOTTOM / height,
-            "hspace": GAP / PANEL,
-        },
-    )[:, 0]
-    named: dict[str, Any] = {}
-    for axes, panel in zip(grid, plot.panels, strict=True):
-        for line in panel.lines:
-            named.setdefault(line.label, _draw_line(axes, line))
-        for border in panel.borders:
-            axes.axhline(border.y, **BORDER)
-        axes.set_title(panel.y_label, loc="left", fontsize=7.0, pad=3.0)
-        if plot.x_is_log:
-            axes.set_xscale("log")
-            axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
-        axes.margins(x=0.01)
-    grid[-1].set_xlabel(plot.x_label)
-    figure.legend(
-        named.values(), named.keys(), loc="upper right", ncols=len(named) or 1, borderaxespad=0.1
+def _line_plot(plot: LinePlot, decimal_mark: str) -> bytes:
+    named = {line.label: line.style for panel in plot.panels for line in panel.lines}
+    rows = _legend_rows([Entry(label=label, line=style) for label, style in named.items()])
+    top = len(rows) * ROW
+    height = top + len(plot.panels) * (TITLE + PANEL) + FOOT
+    canvas = Canvas(WIDTH, height)
+    _draw_legend(canvas, rows, right=WIDTH - RIGHT)
+    everything = [line.x for panel in plot.panels for line in panel.lines]
+    low, high = span(everything, is_log=plot.x_is_log, room=0.01)
+    x = Axis(low=low, high=high, begin=LEFT, end=WIDTH - RIGHT, is_log=plot.x_is_log)
+    for panel in plot.panels:
+        canvas.text(LEFT, top + TITLE - 4.0, panel.y_label)
+        top += TITLE
+        _draw_panel(canvas, panel, x, top, decimal_mark)
+        top += PANEL
+    _label_x(canvas, x, top, plot.x_label, decimal_mark)
+    return canvas.finish()
+
+
+def _draw_panel(canvas: Canvas, panel: Panel, x: Axis, top: float, decimal_mark: str) -> None:
+    values = [line.y for line in panel.lines] + [np.array([b.y]) for b in panel.borders]
+    low, high = span(values, is_log=False)
+    y = Axis(low=low, high=high, begin=top + PANEL, end=top)
+    _draw_grid(canvas, x, y, decimal_mark)
+    box = (x.begin, y.end, x.end, y.begin)
+    canvas.clip(*box)
+    for border in panel.borders:
+        _draw_border(canvas, x, y, border.y)
+    for line in panel.lines:
+        color, dashes, width = LINES[line.style]
+        canvas.line(_course(line, x, y), color=color, dashes=dashes, width=width)
+    canvas.unclip()
+    canvas.frame(*box)
+
+
+def _course(line: Line, x: Axis, y: Axis) -> Array:
+    """Return the points of a curve on paper, shape (n, 2); those that change nothing left out."""
+    px, py = x.at(line.x), y.at(line.y)
+    if line.is_stepped:
+        px, py = np.repeat(px, 2)[1:], np.repeat(py, 2)[:-1]
+    return drop_straight(np.column_stack([px, py]))
+
+
+def drop_straight(points: Array, *, tolerance: float = 0.02) -> Array:
+    """Return a line without the points that lie on the straight between their neighbours.
+
+    Parameters
+    ----------
+    points
+        Shape (n, 2) [pt].
+    tolerance
+        Of the place [pt]; far below what a printer resolves.
+
+    Examples
+    --------
+    >>> drop_straight(np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 0.0]]))
+    array([[0., 0.],
+           [2., 2.],
+           [3., 0.]])
+    """
+    if len(points) < 3:
+        return points
+    ahead, back = points[2:] - points[1:-1], points[:-2] - points[1:-1]
+    cross = np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0])
+    length = np.hypot(*(points[2:] - points[:-2]).T)
+    # A spike that turns back on itself is straight, too, but must stay.
+    turns = np.sum(ahead * back, axis=1) > 0.0
+    keep = turns | (cross > tolerance * length)
+    # Of a gentle bend every other point would go again and again: only lone points go.
+    keep[1:] |= ~keep[:-1] & (cross[1:] > 0.1 * tolerance * length[1:])
+    return np.asarray(points[np.concatenate([[True], keep, [True]])])
+
+
+def _point_plot(plot: PointPlot, decimal_mark: str) -> bytes:
+    entries = [
+        Entry(label=f"{k} {mark.label}" if k else mark.label, mark=mark.style)
+        for k, mark in enumerate(plot.marks)
+    ]
+    rows = _legend_rows([*entries, Entry(label=plot.border.label)], columns=2)
+    bottom = TITLE + SQUARE
+    canvas = Canvas(WIDTH, bottom + FOOT + len(rows) * ROW + 6.0)
+    canvas.text(LEFT, TITLE - 4.0, plot.y_label)
+    places = np.array([[mark.x, mark.y] for mark in plot.marks])
+    x_low, x_high = span([places[:, 0]], is_log=True)
+    y_low, y_high = span([places[:, 1], np.array([plot.border.y])], is_log=True)
+    x = Axis(low=x_low, high=x_high, begin=LEFT, end=WIDTH - RIGHT, is_log=True)
+    y = Axis(low=y_low, high=y_high, begin=bottom, end=TITLE, is_log=True)
+    _draw_grid(canvas, x, y, decimal_mark)
+    _draw_border(canvas, x, y, plot.border.y)
+    canvas.frame(x.begin, y.end, x.end, y.begin)
+    points = np.column_stack([x.at(places[:, 0]), y.at(places[:, 1])])
+    _number_points(canvas, points, x, y)
+    for mark, point in zip(plot.marks, points, strict=True):
+        _draw_mark(canvas, mark.style, point)
+    _label_x(canvas, x, bottom, plot.x_label, decimal_mark)
+    for k, row in enumerate(rows):
+        for column, entry in enumerate(row):
+            place = LEFT + column * (WIDTH - LEFT) / 2
+            _draw_entry(canvas, entry, place, bottom + FOOT + (k + 1) * ROW)
+    return canvas.finish()
+
+
+def _number_points(canvas: Canvas, points: Array, x: Axis, y: Axis) -> None:
+    """Write its number beside every point but the first, joined to it where it stands off."""
+    corner = np.array([x.begin, y.end])
+    sizes = np.array([[text_width(str(k)) if k else 0.0, SIZE] for k in range(len(points))])
+    centres = corner + place_labels(
+        points - corner, sizes, width=x.end - x.begin, height=y.begin - y.end, gap=3.0
     )
-    return figure
+    for k in range(1, len(points)):
+        if np.hypot(*(centres[k] - points[k])) > 2.0 * SIZE:
+            canvas.line(np.vstack([points[k], centres[k]]), color="#888888", width=0.4)
+    for k in range(1, len(points)):
+        half = np.array([text_width(str(k)), SIZE]) / 2
+        low, high = centres[k] - half, centres[k] + half
+        box = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
+        canvas.area(box, color="white")
+        canvas.text(centres[k, 0], centres[k, 1] + 0.36 * SIZE, str(k), anchor="middle")
 
 
-def _draw_line(axes: Axes, line: Line) -> Any:
-    color, dashes, width = LINES[line.style]
-    drawstyle = "steps-post" if line.is_stepped else "default"
-    (artist,) = axes.plot(
-        line.x, line.y, color=color, linestyle=dashes, linewidth=width, drawstyle=drawstyle
-    )
-    return artist
+def _heat_map(plot: HeatMap, decimal_mark: str) -> bytes:
+    entries = [Entry(label=item.label, line=item.style) for item in plot.contours]
+    entries.append(Entry(label=plot.chosen.label, mark=plot.chosen.style, color=CHOSEN))
+    rows = _legend_rows(entries)
+    top = len(rows) * ROW + TITLE
+    bottom = top + SQUARE
+    canvas = Canvas(WIDTH, bottom + FOOT)
+    _draw_legend(canvas, rows, right=WIDTH - RIGHT)
+    columns, lines = edges(plot.x), edges(plot.y)
+    x = Axis(low=columns[0], high=columns[-1], begin=LEFT, end=WIDTH - SCALE_ROOM)
+    y = Axis(low=lines[0], high=lines[-1], begin=bottom, end=top)
+    box = (x.begin, y.end, x.end, y.begin)
+    canvas.text(LEFT, top - 4.0, plot.y_label)
+    canvas.text(WIDTH - RIGHT, top - 4.0, plot.value_label, anchor="end")
+    canvas.hatch(*box)
+    known = plot.values[np.isfinite(plot.values)]
+    if known.size:
+        low, high = float(known.min()), max(float(known.max()), 1.001 * float(known.min()))
+        share = np.log(plot.values / low) / np.log(high / low)
+        grey = LIGHTEST + (DARKEST - LIGHTEST) * share
+        canvas.picture(
+            *box, grey[np.ix_(_cells(lines, PIXELS[1])[::-1], _cells(columns, PIXELS[0]))]
+        )
+        _draw_scale(canvas, low, high, y, decimal_mark)
+    canvas.clip(*box)
+    for contour in plot.contours:
+        color, dashes, width = LINES[contour.style]
+        for path in contour.paths:
+            points = np.column_stack([x.at(path[:, 0]), y.at(path[:, 1])])
+            # A white edge, so that the line is seen on every shade.
+            canvas.line(points, color="white", width=width + 1.6)
+            canvas.line(points, color=color, dashes=dashes, width=width)
+    star = np.array([float(x.at(plot.chosen.x)), float(y.at(plot.chosen.y))])
+    canvas.area(STAR + star, color=CHOSEN, edge=INK)
+    canvas.unclip()
+    canvas.frame(*box)
+    _label_ticks(canvas, x, y, decimal_mark)
+    _label_x(canvas, x, bottom, plot.x_label, decimal_mark)
+    return canvas.finish()
 
 
-def _point_plot(plot: PointPlot) -> Figure:
-    # The legend names every point below the axes.
-    columns = 2 if max(len(mark.label) for mark in plot.marks) < LONG_NAME else 1
-    legend = 0.16 * -(-(len(plot.marks) + 1) // columns) + 0.1
-    height = EDGE + SQUARE + BOTTOM + legend
-    figure = Figure(figsize=(WIDTH, height))
-    axes = figure.add_axes(_frame(height, bottom=BOTTOM + legend, right=RIGHT))
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    for number, mark in enumerate(plot.marks):
-        symbol, color, size = SYMBOLS[mark.style]
-        name = f"{number} {mark.label}" if number else mark.label
-        axes.scatter([mark.x], [mark.y], marker=symbol, color=color, s=size, label=name)
-        if number:
-            place = (mark.x, mark.y)
-            # Up and down in turn, so that neighbours keep their numbers apart.
-            beside = (4, 3) if number % 2 else (4, -9)
-            axes.annotate(str(number), place, xytext=beside, textcoords="offset points")
-    axes.axhline(plot.border.y, label=plot.border.label, **BORDER)
-    axes.set_xlabel(plot.x_label)
-    axes.set_ylabel(plot.y_label)
-    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
-        subdivisions = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) if high < 30.0 * low else (1.0,)
-        axis.set_major_locator(LogLocator(subs=subdivisions))
-        axis.set_major_formatter(FormatStrFormatter("%.6g"))
-        axis.set_minor_formatter(NullFormatter())
-    figure.legend(loc="lower left", ncols=columns, fontsize=6.5, borderaxespad=0.2)
-    return figure
+def edges(values: Array) -> Array:
+    """Return the edges of the cells about some values, shape (n + 1,).
+
+    Examples
+    --------
+    >>> edges(np.array([1.0, 2.0, 4.0]))
+    array([0.5, 1.5, 3. , 5. ])
+    """
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middle = (values[:-1] + values[1:]) / 2
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def _heat_map(plot: HeatMap) -> Figure:
-    height = (TOP if plot.contours else EDGE) + SQUARE + BOTTOM
-    figure = Figure(figsize=(WIDTH, height))
-    axes = figure.add_axes(_frame(height, bottom=BOTTOM, right=1.0))
-    # White is the best value of the map, so what did not settle is hatched.
-    axes.patch.set(hatch="////", edgecolor="#888888", linewidth=0.0)
-    values = np.ma.masked_invalid(plot.values)
-    if not values.count():
-        axes.set_xlim(plot.x.min(), plot.x.max())
-        axes.set_ylim(plot.y.min(), plot.y.max())
+def _cells(borders: Array, count: int) -> NDArray[np.intp]:
+    """Return which cell each of so many equal steps lies in."""
+    centres = borders[0] + (borders[-1] - borders[0]) * (np.arange(count) + 0.5) / count
+    return np.asarray(np.clip(np.searchsorted(borders, centres) - 1, 0, borders.size - 2))
+
+
+def _draw_scale(canvas: Canvas, low: float, high: float, y: Axis, decimal_mark: str) -> None:
+    left = WIDTH - SCALE_ROOM + 12.0
+    steps = np.linspace(DARKEST, LIGHTEST, PIXELS[1])[:, None]
+    canvas.picture(left, y.end, left + 11.0, y.begin, steps)
+    canvas.frame(left, y.end, left + 11.0, y.begin)
+    for share in np.linspace(0.0, 1.0, 6):
+        value, place = low * (high / low) ** share, y.begin + share * (y.end - y.begin)
+        words = tick_text(float(f"{value:.3g}"), decimal_mark)
+        canvas.text(left + 15.0, place + 0.36 * SIZE, words)
+
+
+def _draw_grid(canvas: Canvas, x: Axis, y: Axis, decimal_mark: str) -> None:
+    for tick in x.ticks(most=ALONG):
+        place = float(x.at(tick))
+        canvas.line(np.array([[place, y.begin], [place, y.end]]), color=GRID, width=0.4)
+    for tick in y.ticks():
+        place = float(y.at(tick))
+        canvas.line(np.array([[x.begin, place], [x.end, place]]), color=GRID, width=0.4)
+    _label_ticks(canvas, x, y, decimal_mark)
+
+
+def _label_ticks(canvas: Canvas, x: Axis, y: Axis, decimal_mark: str) -> None:
+    for tick in y.ticks():
+        words = tick_text(tick, decimal_mark)
+        canvas.text(x.begin - 3.0, float(y.at(tick)) + 0.36 * SIZE, words, anchor="end")
+
+
+def _label_x(canvas: Canvas, x: Axis, bottom: float, label: str, decimal_mark: str) -> None:
+    for tick in x.ticks(most=ALONG):
+        canvas.text(float(x.at(tick)), bottom + 9.0, tick_text(tick, decimal_mark), anchor="middle")
+    canvas.text((x.begin + x.end) / 2, bottom + 20.0, label, anchor="middle")
+
+
+def _draw_border(canvas: Canvas, x: Axis, y: Axis, value: float) -> None:
+    place = float(y.at(value))
+    canvas.line(np.array([[x.begin, place], [x.end, place]]), dashes=BORDER_DASHES, width=CURSOR)
+
+
+def _draw_mark(canvas: Canvas, style: int, place: Array, *, color: str = "") -> None:
+    usual, shape = SYMBOLS[style]
+    canvas.area(shape + place, color=color or usual, edge=INK if color else "none")
+
+
+def _legend_rows(entries: list[Entry], *, columns: int = 0) -> list[list[Entry]]:
+    """Return the rows of a legend: as many entries as fit, or as there are columns."""
+    room = WIDTH - LEFT - RIGHT
+    if columns:
+        longest = max(_entry_width(entry) for entry in entries)
+        count = columns if longest < room / columns else 1
+        return [entries[i : i + count] for i in range(0, len(entries), count)]
+    rows: list[list[Entry]] = []
+    used = room + 1.0
+    for entry in entries:
+        width = _entry_width(entry)
+        if used + width > room:
+            rows.append([])
+            used = 0.0
+        rows[-1].append(entry)
+        used += width
+    return rows
+
+
+def _entry_width(entry: Entry) -> float:
+    return SAMPLE + 4.0 + text_width(entry.label) + SPACE
+
+
+def _draw_legend(canvas: Canvas, rows: list[list[Entry]], *, right: float) -> None:
+    for k, row in enumerate(rows):
+        place = right - sum(map(_entry_width, row)) + SPACE
+        for entry in row:
+            _draw_entry(canvas, entry, place, (k + 1) * ROW - 3.0)
+            place += _entry_width(entry)
+
+
+def _draw_entry(canvas: Canvas, entry: Entry, left: float, base: float) -> None:
+    middle = base - 0.36 * SIZE
+    sample = np.array([[left, middle], [left + SAMPLE, middle]])
+    if entry.mark >= 0:
+        place = np.array([left + SAMPLE / 2, middle])
+        _draw_mark(canvas, entry.mark, place, color=entry.color)
+    elif entry.line >= 0:
+        color, dashes, width = LINES[entry.line]
+        canvas.line(sample, color=color, dashes=dashes, width=width)
     else:
-        low, high = float(values.min()), float(values.max())
-        mesh = axes.pcolormesh(
-            plot.x,
-            plot.y,
-            values,
-            cmap="Greys",
-            norm=LogNorm(vmin=low, vmax=max(high, 1.001 * low)),
-            shading="nearest",
-            rasterized=True,
-        )
-        scale = figure.add_axes((1.0 - 0.9 / WIDTH, BOTTOM / height, 0.15 / WIDTH, SQUARE / height))
-        ticks = np.geomspace(low, max(high, 1.001 * low), 6)
-        bar = figure.colorbar(mesh, cax=scale, label=plot.value_label, ticks=ticks, format="%.3g")
-        bar.ax.yaxis.set_minor_locator(NullLocator())
-    x_range, y_range = axes.get_xlim(), axes.get_ylim()
-    named = {contour.label: _draw_contour(axes, contour) for contour in plot.contours}
-    axes.set(xlim=x_range, ylim=y_range)
-    mark = plot.chosen
-    axes.scatter(
-        [mark.x], [mark.y], marker="*", color="#d00000", edgecolor="black", s=150, zorder=3
-    )
-    if named:
-        figure.legend(
-            named.values(), named.keys(), loc="upper right", ncols=len(named), borderaxespad=0.1
-        )
-    axes.set_xlabel(plot.x_label)
-    axes.set_ylabel(plot.y_label)
-    axes.grid(False)
-    return figure
-
-
-def _draw_contour(axes: Axes, contour: Contour) -> Any:
-    """Draw a border on a white edge, so that it is seen on every shade."""
-    color, dashes, width = LINES[contour.style]
-    for path in contour.paths:
-        axes.plot(path[:, 0], path[:, 1], color="white", linewidth=width + 1.6)
-        (artist,) = axes.plot(
-            path[:, 0], path[:, 1], color=color, linestyle=dashes, linewidth=width
-        )
-    return artist
-
-
-def _frame(height: float, *, bottom: float, right: float) -> tuple[float, float, float, float]:
-    """Return a frame of the usual size, as shares of the figure."""
-    return (LEFT / WIDTH, bottom / height, 1.0 - (LEFT + right) / WIDTH, SQUARE / height)
+        canvas.line(sample, dashes=BORDER_DASHES, width=CURSOR)
+    canvas.text(left + SAMPLE + 4.0, base, entry.label)

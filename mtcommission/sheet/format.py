@@ -50,6 +50,8 @@ _LADDERS: dict[str, tuple[Scale, ...]] = {
     "N s/m": (Scale(1e3, "kN·s/m"), Scale(1.0, "N·s/m")),
     "N m/rad": (Scale(1e6, "MN·m/rad"), Scale(1e3, "kN·m/rad"), Scale(1.0, "N·m/rad")),
     "N m s/rad": (Scale(1e3, "kN·m·s/rad"), Scale(1.0, "N·m·s/rad")),
+    "N^2 s": (Scale(1e6, "kN²·s", 0.1), Scale(1.0, "N²·s")),
+    "N^2 m^2 s": (Scale(1e6, "kN²·m²·s", 0.1), Scale(1.0, "N²·m²·s")),
     "Hz": (Scale(1e3, "kHz"), Scale(1.0, "Hz")),
     "rad": (Scale(1.0, "rad"), Scale(1e-3, "mrad"), Scale(1e-6, "µrad")),
     "rad/s": (Scale(1.0, "rad/s"), Scale(1e-3, "mrad/s"), Scale(1e-6, "µrad/s")),
@@ -204,6 +206,20 @@ def pretty_unit(unit: str) -> str:
     text = re.sub(r"\^(-?\d)", lambda match: match[1].translate(SUPERSCRIPTS), unit.strip())
     text = re.sub(r"\((\w+)\)", r"\1", text)
     return "" if text == "-" else text.replace(" ", "·")
+
+
+def tick_text(value: float, decimal_mark: str) -> str:
+    """Return the number at a tick of a plot.
+
+    Examples
+    --------
+    >>> [tick_text(x, ",") for x in (-0.25, 1000.0, 0.1 + 0.2, 2e-7)]
+    ['−0,25', '1000', '0,3', '2×10⁻⁷']
+    """
+    digits, _, power = f"{value:.6g}".partition("e")
+    if power:
+        digits += f"×10{str(int(power)).translate(SUPERSCRIPTS)}"
+    return digits.replace("-", "−").replace(".", decimal_mark)
 
 
 def motion_unit(unit: str, *, rotary: bool) -> str:

@@ -13,15 +13,20 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from mtcommission.sheet.axes import Axis, span
 from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.formula import parse_formula
 from mtcommission.sheet.mathml import write_mathml
 from mtcommission.sheet.model import Document
+from mtcommission.sheet.placement import place_labels
 from mtcommission.sheet.plot_model import HeatMap, LinePlot, Plot, PointPlot
 
 FOLDER = Path(__file__).parent
 DIGITS = 5
 """Significant digits of plotted values; finer than a pixel, a third of the bytes."""
+
+FRAME = (824.0, 340.0)
+"""Width and height of the axes of a point plot, as page.js draws it [px]."""
 
 
 def set_html(document: Document, *, decimal_mark: str) -> str:
@@ -57,7 +62,7 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
         style=Markup(style),
         script=Markup(script),
         draw=lambda diagram: Markup(draw_diagram(diagram)),
-        set_formula=lambda formula: Markup(write_mathml(formula.tree, is_block=True)),
+        set_formula=lambda formula: Markup(write_mathml(formula.tree)),
         set_cell=_set_cell,
         plots=_json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
     )
@@ -66,7 +71,7 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
 def _set_cell(words: str) -> Markup | str:
     """Return the formula in a cell; a text that is none stays text, to be escaped."""
     tree = parse_formula(words)
-    return words if tree is None else Markup(write_mathml(tree, is_block=False))
+    return words if tree is None else Markup(write_mathml(tree))
 
 
 def _policy(style: str, script: str) -> str:
@@ -118,8 +123,14 @@ def _plot_data(plot: Plot) -> dict[str, Any]:
             "y_label": plot.y_label,
             "border": {"label": plot.border.label, "y": plot.border.y},
             "marks": [
-                {"label": mark.label, "x": mark.x, "y": mark.y, "style": mark.style}
-                for mark in plot.marks
+                {
+                    "label": mark.label,
+                    "x": mark.x,
+                    "y": mark.y,
+                    "style": mark.style,
+                    "beside": beside,
+                }
+                for mark, beside in zip(plot.marks, _label_offsets(plot), strict=True)
             ],
         }
     return {
@@ -139,8 +150,27 @@ def _plot_data(plot: Plot) -> dict[str, Any]:
             }
             for contour in plot.contours
         ],
-        "chosen": {"x": plot.chosen.x, "y": plot.chosen.y, "style": plot.chosen.style},
+        "chosen": {
+            "label": plot.chosen.label,
+            "x": plot.chosen.x,
+            "y": plot.chosen.y,
+            "style": plot.chosen.style,
+        },
     }
+
+
+def _label_offsets(plot: PointPlot) -> list[list[float]]:
+    """Return where each number stands beside its point [px], before the reader zooms."""
+    x, y = (np.array([getattr(mark, name) for mark in plot.marks]) for name in "xy")
+    (left, right), (low, high) = (
+        span([values], is_log=True) for values in (x, np.append(y, plot.border.y))
+    )
+    across = Axis(low=left, high=right, begin=0.0, end=FRAME[0], is_log=True)
+    down = Axis(low=low, high=high, begin=FRAME[1], end=0.0, is_log=True)
+    points = np.column_stack([across.at(x), down.at(y)])
+    sizes = np.array([[8.0 * len(str(k)), 13.0] for k in range(len(points))])
+    centres = place_labels(points, sizes, width=FRAME[0], height=FRAME[1], gap=7.0)
+    return [_rounded(offset) for offset in np.round(centres - points, 1)]  # type: ignore[misc]
 
 
 def _rounded(values: NDArray[np.float64]) -> list[float | None]:

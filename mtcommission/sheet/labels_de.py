@@ -90,6 +90,7 @@ GERMAN = Labels(
     not_met="NICHT ERFÜLLT",
     not_settled="nicht eingeschwungen",
     unlimited="unbegrenzt",
+    no_jerk_limit="ohne Grenze",
     none="Keine.",
     move="Bewegung {number}",
     velocity_step="Geschwindigkeitssprung {velocity}",
@@ -372,7 +373,6 @@ GERMAN = Labels(
     poles_caption="Pole des geschlossenen Kreises, langsamste zuerst",
     real_part="Realteil",
     remarks="Bemerkungen",
-    corners_heading="Eckfälle",
     corners_caption="{move}: Antwort in jedem Eckfall",
     payload="Zuladung",
     frequencies="Frequenzen",
@@ -380,6 +380,54 @@ GERMAN = Labels(
     max_force="Größte Sollkraft",
     rms_force="Effektivkraft",
     saturated="Gesättigt",
+    # robustness
+    robustness_heading="Robustheit",
+    kept_between=(
+        "Weichen alle Eigenfrequenzen um denselben Faktor ab, sind alle Anforderungen von {low} "
+        "bis {high} eingehalten."
+    ),
+    kept_at_least=(
+        "Weichen alle Eigenfrequenzen um denselben Faktor ab, sind alle Anforderungen mindestens "
+        "von {low} bis {high} eingehalten; weiter außen wurde nichts versucht."
+    ),
+    kept_nowhere=(
+        "Die Anforderungen sind schon mit den Eigenfrequenzen des Profils nicht eingehalten; für "
+        "einen Frequenzfehler bleibt nichts übrig."
+    ),
+    frequency_error="Fehler aller Eigenfrequenzen in %",
+    frequency_error_caption=(
+        "Restabweichung und Einschwingzeit über dem Fehler der Eigenfrequenzen, ungünstigste "
+        "Zuladung und Dämpfung"
+    ),
+    frequency_error_alt=(
+        "Zwei Kurven über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt "
+        "zwischen {least} und {most}; zulässig sind {band}."
+    ),
+    nothing_drawn=(
+        "Das Profil nennt weder eine Streuung von Frequenz oder Dämpfung noch einen Bereich der "
+        "Zuladung; daher wurden keine Maschinen ausgelost."
+    ),
+    drawn=(
+        "{samples} aus der angegebenen Streuung ausgeloste Maschinen (Zuladung, Frequenzen und "
+        "Dämpfung je gleichverteilt und unabhängig; Startwert {seed}): {met} halten alle "
+        "Anforderungen ein, {band} das Band."
+    ),
+    machines="Ausgeloste Maschinen",
+    least="kleinster Wert",
+    largest="größter Wert",
+    share_of_machines="{share} liegen nicht darüber",
+    quantiles_caption="Verteilung über die ausgelosten Maschinen, ungünstigste Bewegung",
+    histogram_caption="{name} der ausgelosten Maschinen",
+    histogram_alt=(
+        "Histogramm: Werte von {low} bis {high}; die meisten Maschinen, {most}, bei {place}."
+    ),
+    worst_machine="größte Restabweichung",
+    slowest_machine="längste Einschwingzeit",
+    extremes_caption="Die ungünstigsten der ausgelosten Maschinen",
+    sensitivities_caption=(
+        "Was eine kleine Änderung kostet, ungünstigste Bewegung, ungünstigster Eckfall"
+    ),
+    what_changes="Was sich ändert",
     # evidence
     evidence_heading="Nachweise und Annahmen",
     certificate_caption="{move}: {what}",

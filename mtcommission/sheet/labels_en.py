@@ -71,6 +71,7 @@ class Labels:
     not_met: str = "NOT MET"
     not_settled: str = "not settled"
     unlimited: str = "unlimited"
+    no_jerk_limit: str = "no limit"
     none: str = "None."
     move: str = "Move {number}"
     velocity_step: str = "velocity step {velocity}"
@@ -350,7 +351,6 @@ class Labels:
     poles_caption: str = "Poles of the closed loop, slowest first"
     real_part: str = "Real part"
     remarks: str = "Remarks"
-    corners_heading: str = "Corners"
     corners_caption: str = "{move}: response in every corner"
     payload: str = "Payload"
     frequencies: str = "Frequencies"
@@ -358,6 +358,52 @@ class Labels:
     max_force: str = "Largest set force"
     rms_force: str = "RMS force"
     saturated: str = "Saturated"
+
+    # robustness
+    robustness_heading: str = "Robustness"
+    kept_between: str = (
+        "With all eigenfrequencies off by a common factor, every requirement is kept from {low} "
+        "to {high}."
+    )
+    kept_at_least: str = (
+        "With all eigenfrequencies off by a common factor, every requirement is kept at least from "
+        "{low} to {high}; nothing further out was tried."
+    )
+    kept_nowhere: str = (
+        "The requirements are not kept even with the eigenfrequencies of the profile, so there is "
+        "no frequency error to allow."
+    )
+    frequency_error: str = "Error of all eigenfrequencies in %"
+    frequency_error_caption: str = (
+        "Residual deviation and settling time over the error of the eigenfrequencies, worst "
+        "payload and damping"
+    )
+    frequency_error_alt: str = (
+        "Two curves over the common error of all eigenfrequencies. The residual deviation lies "
+        "between {least} and {most}; permitted are {band}."
+    )
+    nothing_drawn: str = (
+        "The profile states no spread of frequency or damping and no range of payload, so no "
+        "machines were drawn at random."
+    )
+    drawn: str = (
+        "{samples} machines drawn from the stated spread (payload, frequencies and damping each "
+        "uniform and independent; seed {seed}): {met} keep every requirement, {band} the band."
+    )
+    machines: str = "Machines drawn"
+    least: str = "least"
+    largest: str = "largest"
+    share_of_machines: str = "{share} are not above"
+    quantiles_caption: str = "Distribution over the machines drawn, worst move"
+    histogram_caption: str = "{name} of the machines drawn"
+    histogram_alt: str = (
+        "Histogram: values from {low} to {high}; most machines, {most}, about {place}."
+    )
+    worst_machine: str = "largest residual deviation"
+    slowest_machine: str = "longest settling time"
+    extremes_caption: str = "The worst of the machines drawn"
+    sensitivities_caption: str = "What a small change costs, worst move and worst corner"
+    what_changes: str = "What changes"
 
     # 6 evidence
     evidence_heading: str = "Certificates and assumptions"

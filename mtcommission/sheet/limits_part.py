@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 RESIDUAL_BORDER, USAGE_BORDER = 1, 4
 """Line styles of the borders in the map: dashed and solid."""
 
+UNSEEN = 0.1
+"""Share of a velocity cycle below which a ramp is a step to the drive."""
+
 SMALLEST = 1e-12
 """Stands for zero in a logarithm; far below any share of a limit that matters."""
 
@@ -28,9 +31,13 @@ def limits(record: Record, f: Formatter) -> Section:
     """Return the recommendation, what bound it and its alternatives."""
     text, part = f.labels, record["limits"]
     recommended = part["recommended"]
-    head = (text.recommended, *_numbers(recommended, f), _met(record["assessment"]["met"], f))
+    head = (
+        text.recommended,
+        *_numbers(recommended, record, f),
+        _met(record["assessment"]["met"], f),
+    )
     rows = [
-        (text.say(item["name"]), *_numbers(item, f), _met(item["meets_requirements"], f))
+        (text.say(item["name"]), *_numbers(item, record, f), _met(item["meets_requirements"], f))
         for item in part["alternatives"]
     ]
     table = Table(
@@ -95,7 +102,7 @@ def rules(record: Record, f: Formatter) -> Section:
             (
                 text.say(item["name"]),
                 text.say(item["source"]),
-                *_numbers(item, f),
+                *_numbers(item, record, f),
                 _met(item["meets_requirements"], f),
             )
             for item in part["rules"]
@@ -261,19 +268,27 @@ def _comparison(record: Record, f: Formatter) -> tuple[PointPlot, ...]:
 def _number_columns(f: Formatter) -> tuple[Column, ...]:
     text = f.labels
     heads = (text.acceleration, text.jerk, text.settling_time, text.residual, text.peak_deviation)
-    # Jerks without a limit to speak of have long numbers.
-    columns = tuple(
-        Column(head=head, width=1.75 if head == text.jerk else 1.25, is_number=True)
-        for head in heads
-    )
+    columns = tuple(Column(head=head, width=1.25, is_number=True) for head in heads)
     return (*columns, Column(head=text.meets, width=0.8))
 
 
-def _numbers(item: LimitsEntry | Alternative | RuleResult, f: Formatter) -> tuple[str, ...]:
-    length = motion_unit("m", rotary=f.rotary)
+def shown_jerk(acceleration: float, jerk: float, cycle: float, f: Formatter) -> str:
+    """Return a jerk limit; in words where its ramp is far shorter than a velocity cycle [s].
+
+    Shapers and steps of acceleration stand in the record with a jerk that limits nothing.
+    """
+    if acceleration < UNSEEN * cycle * jerk:
+        return f.labels.no_jerk_limit
+    return f.quantity(jerk, motion_unit("m/s^3", rotary=f.rotary))
+
+
+def _numbers(
+    item: LimitsEntry | Alternative | RuleResult, record: Record, f: Formatter
+) -> tuple[str, ...]:
+    length, cycle = motion_unit("m", rotary=f.rotary), record["loop"]["velocity_cycle"]
     return (
         f.quantity(item["acceleration"], f"{length}/s^2"),
-        f.quantity(item["jerk"], f"{length}/s^3"),
+        shown_jerk(item["acceleration"], item["jerk"], cycle, f),
         f.settling(item["settling_time"]),
         f.quantity(item["residual_deviation"], length, missing=f.labels.not_settled),
         f.quantity(item["peak_deviation"], length),

@@ -1,4 +1,4 @@
-"""The control loop: gains, margins, frequency response, poles, and the corners."""
+"""The control loop: gains, margins, frequency response and poles."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from math import hypot, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.record.schema import LoopPart, MoveEntry, Record, VariantEntry
+from mtcommission.record.schema import LoopPart, Record, VariantEntry
 from mtcommission.sheet.diagram_part import structure
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import (
@@ -22,7 +22,6 @@ from mtcommission.sheet.model import (
 )
 from mtcommission.sheet.phrases import polish
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
-from mtcommission.sheet.verdict_part import move_title
 
 Array = NDArray[np.float64]
 
@@ -87,19 +86,6 @@ def gain_rows(record: Record, f: Formatter) -> tuple[tuple[str, str], ...]:
     rows.append((text.position_cycle, f.quantity(part["position_cycle"], "s")))
     rows.append((text.velocity_cycle, f.quantity(part["velocity_cycle"], "s")))
     return tuple(rows)
-
-
-def corner_tables(record: Record, f: Formatter) -> Section:
-    """Return the response of each move in every corner."""
-    text = f.labels
-    return Section(
-        key="corners",
-        heading=text.corners_heading,
-        blocks=tuple(
-            _corners(move, move_title(move["move"], number, f), record["plant"]["units"]["F"], f)
-            for number, move in enumerate(record["moves"], start=1)
-        ),
-    )
 
 
 def _margins(record: Record, f: Formatter) -> Table:
@@ -257,42 +243,4 @@ def _poles(record: Record, f: Formatter) -> Table:
             Column(head=text.damping_ratio, is_number=True),
         ),
         rows=tuple(rows),
-    )
-
-
-def _corners(move: MoveEntry, title: str, force_unit: str, f: Formatter) -> Table:
-    text = f.labels
-    length = motion_unit("m", rotary=f.rotary)
-    rows = tuple(
-        (
-            f.quantity(corner["payload"], motion_unit("kg", rotary=f.rotary)),
-            f.percent(corner["frequency_factor"]),
-            f.percent(corner["damping_factor"]),
-            f.settling(corner["settling_time"]),
-            f.quantity(corner["residual_deviation"], length, missing=text.not_settled),
-            f.quantity(corner["peak_deviation"], length),
-            f.quantity(corner["max_force"], force_unit),
-            f.quantity(corner["rms_force"], force_unit),
-            text.yes if corner["saturated"] else text.no,
-        )
-        for corner in move["corners"]
-    )
-    heads = (
-        text.payload,
-        text.frequencies,
-        text.dampings,
-        text.settling_time,
-        text.residual,
-        text.peak_deviation,
-        text.max_force,
-        text.rms_force,
-        text.saturated,
-    )
-    return Table(
-        caption=text.corners_caption.format(move=title),
-        columns=tuple(Column(head=head, is_number=head != text.saturated) for head in heads),
-        rows=rows,
-        strong_rows=tuple(
-            i for i, corner in enumerate(move["corners"]) if corner["settling_time"] is None
-        ),
     )

@@ -22,23 +22,20 @@ from mtcommission.sheet.formula import (
 THIN = '<mspace width="0.17em"></mspace>'
 
 
-def write_mathml(tree: Expression, *, is_block: bool) -> str:
-    """Return a formula as a ``math`` element.
+def write_mathml(tree: Expression) -> str:
+    """Return a formula as a ``math`` element with fractions of full size.
 
     Parameters
     ----------
     tree
         The formula.
-    is_block
-        Whether it stands in a line of its own.
 
     Examples
     --------
-    >>> write_mathml(Symbol("t", "j"), is_block=False)
-    '<math><msub><mi>t</mi><mi>j</mi></msub></math>'
+    >>> write_mathml(Symbol("t", "j"))
+    '<math displaystyle="true"><msub><mi>t</mi><mi>j</mi></msub></math>'
     """
-    display = ' display="block"' if is_block else ""
-    return f"<math{display}>{_mark(tree)}</math>"
+    return f'<math displaystyle="true">{_mark(tree)}</math>'
 
 
 def _mark(tree: Expression) -> str:

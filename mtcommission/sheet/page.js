@@ -98,15 +98,30 @@ function path(line, x, y) {
   return d;
 }
 
-function drawLegend(svg, plot) {
-  const named = new Map();
-  for (const panel of plot.panels) for (const line of panel.lines) named.set(line.label, line.style);
-  let place = LEFT;
-  for (const [label, style] of named) {
-    add(svg, "path", {class: `curve s${style}`, d: `M${place} 12h34`});
-    add(svg, "text", {x: place + 40, y: 16}, label);
-    place += 62 + 7.2 * label.length;
+function namesOf(lines) {
+  return [...new Map(lines.map(line => [line.label, line.style]))];
+}
+
+function legendRows(named, extra) {
+  const rows = [];
+  let used = Infinity;
+  for (const entry of [...named, ...extra]) {
+    const width = 62 + 7.2 * entry[0].length;
+    if (used + width > WIDTH - LEFT) { rows.push([]); used = 0; }
+    rows.at(-1).push([...entry, LEFT + used]);
+    used += width;
   }
+  return rows;
+}
+
+function drawLegend(svg, rows) {
+  rows.forEach((row, k) => row.forEach(([label, style, left]) => {
+    const down = 12 + LEGEND * k;
+    if (style !== null) add(svg, "path", {class: `curve s${style}`, d: `M${left} ${down}h34`});
+    else drawMark(svg, {style: 0}, left + 17, down).setAttribute("class", "chosen");
+    add(svg, "text", {x: left + 40, y: down + 4}, label);
+  }));
+  return LEGEND * rows.length;
 }
 
 function wholeLines(plot) {
@@ -119,11 +134,10 @@ function wholeLines(plot) {
 }
 
 function drawLines(svg, plot, view, key) {
-  const height = LEGEND + plot.panels.length * (TITLE + PANEL) + FOOT;
-  svg.setAttribute("viewBox", `0 0 ${WIDTH} ${height}`);
-  drawLegend(svg, plot);
+  const head = drawLegend(svg, legendRows(namesOf(plot.panels.flatMap(panel => panel.lines)), []));
+  svg.setAttribute("viewBox", `0 0 ${WIDTH} ${head + plot.panels.length * (TITLE + PANEL) + FOOT}`);
   const x = scale(...view.x, LEFT, WIDTH - RIGHT, plot.x_is_log), titles = [];
-  let top = LEGEND;
+  let top = head;
   plot.panels.forEach((panel, i) => {
     let low = Infinity, high = -Infinity;
     for (const line of panel.lines) {
@@ -152,7 +166,7 @@ function drawLines(svg, plot, view, key) {
   const cursor = add(svg, "path", {class: "cursor"});
   const point = place => {
     const isInside = place !== null && place >= x.low && place <= x.high;
-    cursor.setAttribute("d", isInside ? `M${x.at(place)} ${LEGEND + TITLE}V${top}` : "");
+    cursor.setAttribute("d", isInside ? `M${x.at(place)} ${head + TITLE}V${top}` : "");
     plot.panels.forEach((panel, i) => {
       titles[i].textContent = panel.y_label;
       if (!isInside) return;
@@ -163,7 +177,7 @@ function drawLines(svg, plot, view, key) {
       }
     });
   };
-  return {x, point};
+  return {x, point, head};
 }
 
 function span(values, extra) {
@@ -196,7 +210,9 @@ function drawPoints(svg, plot, view, key) {
   add(inside, "path", {class: "border", d: `M${x.from} ${y.at(plot.border.y)}H${x.to}`});
   plot.marks.forEach((mark, i) => {
     drawMark(inside, mark, x.at(mark.x), y.at(mark.y));
-    if (i) add(inside, "text", {x: x.at(mark.x) + 8, y: y.at(mark.y) + (i % 2 ? -5 : 14)}, i);
+    const [dx, dy] = mark.beside, px = x.at(mark.x), py = y.at(mark.y);
+    if (i && Math.hypot(dx, dy) > 20) add(inside, "path", {class: "grid", d: `M${px} ${py}L${px + dx} ${py + dy}`});
+    if (i) add(inside, "text", {x: px + dx, y: py + dy + 4, "text-anchor": "middle"}, i);
     const left = LEFT + (i % columns) * (WIDTH - LEFT) / 2, down = bottom + FOOT + 18 * Math.floor(i / columns) + 8;
     drawMark(svg, mark, left, down - 4);
     add(svg, "text", {x: left + 14, y: down}, i ? `${i} ${mark.label}` : mark.label);
@@ -226,12 +242,12 @@ function wholeMap(plot) {
 }
 
 function drawMap(svg, plot, view, key) {
-  const top = TITLE + (plot.contours.length ? LEGEND : 0), bottom = top + SQUARE, right = WIDTH - 110;
+  const head = drawLegend(svg, legendRows(namesOf(plot.contours), [[plot.chosen.label, null]]));
+  const top = TITLE + head, bottom = top + SQUARE, right = WIDTH - 110;
   svg.setAttribute("viewBox", `0 0 ${WIDTH} ${bottom + FOOT}`);
   const hatch = add(svg, "pattern", {id: "hatch", width: 6, height: 6, patternUnits: "userSpaceOnUse"});
   add(hatch, "path", {class: "hatch", d: "M0 6L6 0"});
   const x = scale(...view.x, LEFT, right, false), y = scale(...view.y, bottom, top, false);
-  drawLegend(svg, {panels: [{lines: plot.contours}]});
   const xs = edges(plot.x), ys = edges(plot.y), known = plot.values.flat().filter(value => value !== null);
   const low = Math.log(Math.min(...known)), high = Math.log(Math.max(...known)) + 1e-9;
   const shade = value => 0.04 + 0.9 * (Math.log(value) - low) / (high - low);
@@ -305,7 +321,7 @@ function listen(svg, me, group) {
     all(other => other.point(now.x, now.y));
     if (!begun) return;
     brush?.remove();
-    const {y} = me.drawn, [top, bottom] = y ? [Math.min(begun.py, now.py), Math.abs(now.py - begun.py)] : [LEGEND, svg.viewBox.baseVal.height - LEGEND - FOOT];
+    const {y} = me.drawn, [top, bottom] = y ? [Math.min(begun.py, now.py), Math.abs(now.py - begun.py)] : [me.drawn.head, svg.viewBox.baseVal.height - me.drawn.head - FOOT];
     brush = add(svg, "rect", {class: "brush", x: Math.min(begun.px, now.px), y: top, width: Math.abs(now.px - begun.px), height: bottom});
   });
   svg.addEventListener("pointerup", event => {

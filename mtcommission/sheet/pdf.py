@@ -6,10 +6,10 @@ import json
 from dataclasses import asdict
 from datetime import UTC, datetime
 from enum import Enum
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import typst
 
 from mtcommission.errors import ComputationError, Outcome
@@ -59,12 +59,10 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
         for block in section.blocks
         if isinstance(block, Diagram)
     }
-    # matplotlib brings DejaVu Sans along; the fonts inside typst have no sans-serif.
-    fonts = Path(mpl.get_data_path()) / "fonts" / "ttf"
     try:
         pdf = typst.compile(
             TEMPLATE,
-            font_paths=[fonts],
+            font_paths=[_font_folder()],
             ignore_system_fonts=True,
             sys_inputs={"document": _as_json(document), "plots": json.dumps(plots)},
             format="pdf",
@@ -74,6 +72,17 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
     except typst.TypstError as error:
         raise ComputationError(Outcome.PRINTING_FAILED, str(error)) from error
     return pdf
+
+
+def _font_folder() -> Path:
+    """Where matplotlib brings DejaVu Sans along; the fonts inside typst have no sans-serif.
+
+    It is found without being loaded, which would take as long as the typesetting.
+    """
+    package = find_spec("matplotlib")
+    if package is None or package.origin is None:
+        raise ComputationError(Outcome.PRINTING_FAILED, "matplotlib, which brings the fonts")
+    return Path(package.origin).with_name("mpl-data") / "fonts" / "ttf"
 
 
 def _timestamp(created: str) -> datetime:

@@ -156,6 +156,11 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "bounds on peaks or RMS force are not in the rule",
         "Grenzen für Höchstwerte oder Effektivkraft kennt die Regel nicht",
     ),
+    # small changes
+    ("jerk {1} %", "Ruck {1} %"),
+    ("acceleration {1} %", "Beschleunigung {1} %"),
+    ("frequencies {1} %", "Frequenzen {1} %"),
+    ("damping {1} %", "Dämpfung {1} %"),
     # assumptions
     (
         "The machine data are illustrative, not those of a real machine.",
