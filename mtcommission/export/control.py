@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from mtcommission.export.rounding import Coding, Typed
+from mtcommission.export.gains import NO_GAINS, GainUnits
+from mtcommission.export.modes import Values
+from mtcommission.export.rounding import Coding
 from mtcommission.export.subject import Subject
 
 
@@ -72,8 +74,12 @@ class Control:
         The parameters in the control's syntax, as lines.
     comment
         A line of text as a comment of that syntax.
-    position_gain
-        Unit of the position gain that is exported with the limits [1/s]; 0 for none.
+    gains
+        Units of the gains that are exported with the limits.
+    has_modes
+        Whether it takes limits by machining mode.
+    in_degrees
+        Whether its angles are degrees, not radians.
     alternatives
         Further blocks, e.g. with the control's jerk filter.
     notes
@@ -83,23 +89,28 @@ class Control:
     key: str
     title: str
     coding: Callable[[Subject], Coding]
-    describe: Callable[[Subject, Typed], tuple[Entry, ...]]
+    describe: Callable[[Subject, Values], tuple[Entry, ...]]
     layout: Callable[[Sequence[Entry]], list[str]]
     comment: Callable[[str], str]
-    position_gain: float = 0.0
-    alternatives: Callable[[Subject, Typed], tuple[Block, ...]] = lambda _subject, _typed: ()
-    notes: Callable[[Subject], tuple[str, ...]] = lambda _subject: ()
+    gains: GainUnits = NO_GAINS
+    has_modes: bool = False
+    in_degrees: bool = True
+    alternatives: Callable[[Subject, Values], tuple[Block, ...]] = lambda _subject, _values: ()
+    notes: Callable[[Subject, Values], tuple[str, ...]] = lambda _subject, _values: ()
 
 
 BLANK = "__________"
 """Room for the old value, to be filled in by hand."""
+
+DOUBT = "(?)"
+"""Mark of what was not read in a maker's text; the header says what it means."""
 
 UNVERIFIED = "check against the list manual of your software version"
 
 
 def remark(entry: Entry) -> str:
     """Return unit, room for the old value and meaning of a parameter, for a comment."""
-    doubt = "" if entry.is_verified else f" (?) {UNVERIFIED}"
+    doubt = "" if entry.is_verified else f" {DOUBT}"
     unit = f"[{entry.unit}] " if entry.unit else ""
     return f"{unit}old: {BLANK}  {entry.meaning}{doubt}"
 
@@ -138,7 +149,7 @@ def table_layout(entries: Sequence[Entry]) -> list[str]:
     lines = []
     for entry in (head, *entries):
         old = "old value" if entry is head else BLANK
-        doubt = "" if entry.is_verified else f" (?) {UNVERIFIED}"
+        doubt = "" if entry.is_verified else f" {DOUBT}"
         lines.append(
             f"{entry.name:<{names}} | {entry.value:>{values}} | {entry.unit:<{units}} | "
             f"{old:<{len(BLANK)}} | {entry.meaning}{doubt}"
@@ -198,7 +209,7 @@ def hash_comment(text: str) -> str:
 
 
 def bracket_comment(text: str) -> str:
-    """Return a comment of ISG lists: everything behind an opening parenthesis."""
+    """Return a comment behind a value of an ISG list: everything from the parenthesis on."""
     return f"( {text}".rstrip()
 
 

@@ -16,11 +16,12 @@ from mtcommission.export.control import (
     unverified,
     yaml_layout,
 )
-from mtcommission.export.numeric import DEGREE, MILLI
+from mtcommission.export.modes import Values
 from mtcommission.export.plc import identifier
 from mtcommission.export.rounding import Coding, JerkForm, Typed
 from mtcommission.export.shaping import Shaper
 from mtcommission.export.subject import Subject
+from mtcommission.export.wording import DEGREE, MILLI
 
 LETTERS = "XYZABCUVW"
 """Axis letters in the order in which these controls number them."""
@@ -78,7 +79,8 @@ def _shaped_coding(subject: Subject, *, control: str) -> Coding:
     return Coding(acceleration_unit=MILLI, jerk_form=JerkForm.NONE, shapers=shapers)
 
 
-def _linuxcnc_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+def _linuxcnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
+    typed = values.recommended
     letter = _letter(subject, LETTERS, "LinuxCNC")
     unit = _unit(subject)[0]
     joint = f"JOINT_{LETTERS.index(letter)}"
@@ -105,7 +107,7 @@ def _linuxcnc_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
     return (planner, path, *limits)
 
 
-def _linuxcnc_notes(subject: Subject) -> tuple[str, ...]:
+def _linuxcnc_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
     return (
         "For LinuxCNC 2.10 and newer; machine units are taken to be mm and degrees.",
         "Joint numbers assume trivial kinematics: X Y Z A B C U V W are joints 0 to 8.",
@@ -113,7 +115,8 @@ def _linuxcnc_notes(subject: Subject) -> tuple[str, ...]:
     )
 
 
-def _grblhal_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+def _grblhal_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
+    typed = values.recommended
     index = LETTERS.index(_letter(subject, LETTERS[:6], "grblHAL"))
     unit = _unit(subject)[0]
     return (
@@ -127,7 +130,7 @@ def _grblhal_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
     )
 
 
-def _grblhal_notes(_subject: Subject) -> tuple[str, ...]:
+def _grblhal_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
     return (
         "The jerk settings exist only in builds with ENABLE_JERK_ACCELERATION.",
         "$11 (junction deviation) sets how fast corners are taken and is not part of this.",
@@ -138,7 +141,8 @@ def _settings_layout(entries: Sequence[Entry]) -> list[str]:
     return line_layout("{name}={value}", semicolon_comment, entries)
 
 
-def _fluidnc_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+def _fluidnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
+    typed = values.recommended
     letter = _letter(subject, LETTERS[:6], "FluidNC").lower()
     entry = Entry(
         name="acceleration_mm_per_sec2",
@@ -150,11 +154,32 @@ def _fluidnc_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
     return (entry,)
 
 
-def _fluidnc_notes(_subject: Subject) -> tuple[str, ...]:
-    return ("FluidNC has released no jerk limit, so the acceleration had to make up for it.",)
+def _fluidnc_notes(subject: Subject, values: Values) -> tuple[str, ...]:
+    degrees = "The name says mm, but a rotary axis counts in degrees: the value is in deg/s^2."
+    return (
+        "FluidNC has released no jerk limit.",
+        _make_up(subject, values.recommended),
+        *((degrees,) if subject.is_rotary else ()),
+    )
 
 
-def _klipper_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+def _make_up(subject: Subject, typed: Typed) -> str:
+    """What the acceleration had to give for the missing jerk limit."""
+    share = typed.limits.acceleration / subject.limits.acceleration
+    helper = "with the shaper" if typed.shaper else "without one"
+    if not typed.verdict.assessment.is_met:
+        return (
+            "NO ACCELERATION MEETS THE REQUIREMENTS HERE: the value is the one of those tried, "
+            f"{100.0 * share:.3g} % of the recommendation, that leaves least vibration {helper}."
+        )
+    return (
+        f"To meet the requirements {helper}, the acceleration is {100.0 * share:.3g} % of the "
+        "recommendation."
+    )
+
+
+def _klipper_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
+    typed = values.recommended
     letter = _letter(subject, "XYZ", "Klipper").lower()
     entries = [
         Entry(
@@ -189,14 +214,16 @@ def _klipper_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
     return tuple(entries)
 
 
-def _klipper_notes(subject: Subject) -> tuple[str, ...]:
+def _klipper_notes(subject: Subject, values: Values) -> tuple[str, ...]:
     return (
         "Klipper has no jerk limit; its square_corner_velocity is a velocity step, no jerk.",
+        _make_up(subject, values.recommended),
         f"The shaper quiets mode {subject.mode.name}; it makes each move longer by its own length.",
     )
 
 
-def _marlin_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+def _marlin_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
+    typed = values.recommended
     letter = _letter(subject, "XYZ", "Marlin")
     entries = [
         Entry(
@@ -222,9 +249,10 @@ def _marlin_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
     return tuple(entries)
 
 
-def _marlin_notes(_subject: Subject) -> tuple[str, ...]:
+def _marlin_notes(subject: Subject, values: Values) -> tuple[str, ...]:
     return (
         'What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.',
+        _make_up(subject, values.recommended),
         "M493 needs a build with FT_MOTION; M500 keeps the values.",
     )
 
@@ -233,7 +261,8 @@ def _gcode_layout(entries: Sequence[Entry]) -> list[str]:
     return line_layout("{name}{value}", semicolon_comment, entries)
 
 
-def _ros_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+def _ros_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
+    typed = values.recommended
     length = "rad" if subject.is_rotary else "m"
     section = f"joint_limits/{identifier(subject)}"
     rows = (
@@ -305,5 +334,6 @@ OPEN_CONTROLS = (
         describe=_ros_entries,
         layout=yaml_layout,
         comment=hash_comment,
+        in_degrees=False,
     ),
 )

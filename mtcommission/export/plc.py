@@ -12,9 +12,18 @@ from mtcommission.export.control import (
     structured_text_comment,
     table_layout,
 )
-from mtcommission.export.numeric import DEGREE, MILLI
-from mtcommission.export.rounding import Coding, Typed, round_down, round_up, type_number
+from mtcommission.export.gains import GainUnits
+from mtcommission.export.modes import Values
+from mtcommission.export.rounding import (
+    Coding,
+    Typed,
+    round_down,
+    round_up,
+    round_up_digits,
+    type_number,
+)
 from mtcommission.export.subject import Subject
+from mtcommission.export.wording import DEGREE, MICRO, MILLI
 
 INLINE = "NC program"
 """Section of what stands in the part program instead of the PLC."""
@@ -50,8 +59,8 @@ def _constants(subject: Subject, typed: Typed, *, length: str) -> tuple[Entry, .
     )
 
 
-def _twincat_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
-    length = _small_unit(subject)[0]
+def _twincat_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
+    typed, length = values.recommended, _small_unit(subject)[0]
     path = Entry(
         name="#set paramPathDynamics",
         value=f"{typed.acceleration};{typed.acceleration};{typed.jerk}",
@@ -62,8 +71,8 @@ def _twincat_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
     return (*_constants(subject, typed, length=length), path)
 
 
-def _plcopen_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
-    return _constants(subject, typed, length=_small_unit(subject)[0])
+def _plcopen_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
+    return _constants(subject, values.recommended, length=_small_unit(subject)[0])
 
 
 def _structured_text(entries: Sequence[Entry]) -> list[str]:
@@ -91,7 +100,7 @@ def _real(text: str) -> str:
     return text if "." in text else f"{text}.0"
 
 
-def _twincat_notes(subject: Subject) -> tuple[str, ...]:
+def _twincat_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
     return (
         "MC_MoveAbsolute of TF5200 takes the jerk in mm/s^3, the TwinCAT 2 CNC took m/s^3: look "
         "at the block that you call.",
@@ -99,7 +108,7 @@ def _twincat_notes(subject: Subject) -> tuple[str, ...]:
     )
 
 
-def _plcopen_notes(subject: Subject) -> tuple[str, ...]:
+def _plcopen_notes(subject: Subject, _values: Values) -> tuple[str, ...]:
     length = "degree" if subject.is_rotary else "mm"
     return (
         f"The unit u of the axis is taken to be 1 {length}: check the axis's scaling, and multiply "
@@ -112,24 +121,30 @@ def _si_coding(_subject: Subject) -> Coding:
     return Coding(acceleration_unit=1.0)
 
 
-def _generic_entries(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
+def _generic_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     length, force = ("rad", "N m") if subject.is_rotary else ("m", "N")
-    loop = subject.record["loop"]
+    typed, gains = values.recommended, subject.gains
+    delay = subject.tuned.controller.reference_delay
     rows = (
         ("acceleration", typed.acceleration, f"{length}/s^2", "limit"),
         ("jerk", typed.jerk, f"{length}/s^3", "limit"),
         (
             "jerk time",
-            type_number(round_up(typed.limits.jerk_time / 1e-6)),
+            type_number(round_up(typed.limits.jerk_time / MICRO)),
             "us",
             "acceleration / jerk, rounded up",
         ),
-        ("Kv", type_number(round_down(loop["Kv"])), "1/s", "position gain of this loop"),
-        ("Kp", type_number(round_down(loop["Kp"])), f"{force} s/{length}", "velocity gain"),
-        ("Tn", type_number(round_up(loop["Tn"] / 1e-6)), "us", "integral time, rounded up"),
+        ("Kv", type_number(round_down(gains.position)), "1/s", "position gain of this loop"),
+        ("Kp", type_number(round_down(gains.velocity)), f"{force} s/{length}", "velocity gain"),
+        (
+            "Tn",
+            type_number(round_up_digits(gains.integral_time / MICRO)),
+            "us",
+            "integral time, rounded up",
+        ),
         (
             "reference delay",
-            type_number(round_up(loop["reference_delay"] / 1e-6)),
+            type_number(round_up(delay / MICRO)),
             "us",
             "delay of the reference path",
         ),
@@ -166,6 +181,7 @@ PLC_CONTROLS = (
         describe=_generic_entries,
         layout=table_layout,
         comment=hash_comment,
-        position_gain=1.0,
+        gains=GainUnits(position=1.0, velocity=1.0, integral_time=MICRO),
+        in_degrees=False,
     ),
 )

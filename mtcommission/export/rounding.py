@@ -14,10 +14,10 @@ from enum import Enum
 from itertools import product
 from math import inf
 
+from mtcommission.errors import Fault, InputError
 from mtcommission.export.shaping import Shaper, shape_setpoint, shaper_impulses
 from mtcommission.export.subject import Subject, Verdict, judge_setpoints, plan_moves
 from mtcommission.limits import MotionLimits
-from mtcommission.rules import NO_JERK_LIMIT
 
 DIGITS = 4
 """Significant digits of what is typed in: a tenth of the digits by which valleys differ."""
@@ -66,6 +66,8 @@ class Coding:
         One unit of the typed number in SI [m/s², m/s³ or s].
     time_step
         Whole steps of a jerk time, in its unit.
+    is_whole
+        Whether the control takes the acceleration as a whole number only.
     rapid
         Velocity that a rise time belongs to [m/s].
     shapers
@@ -77,6 +79,7 @@ class Coding:
     acceleration_form: AccelerationForm = AccelerationForm.VALUE
     jerk_form: JerkForm = JerkForm.VALUE
     time_step: int = 1
+    is_whole: bool = False
     rapid: float = inf
     shapers: tuple[Shaper, ...] = ()
 
@@ -114,7 +117,9 @@ class _Pair:
     shaper: Shaper | None = None
 
 
-def round_down(value: float, *, digits: int = DIGITS, steps: int = 0) -> Decimal:
+def round_down(
+    value: float, *, digits: int = DIGITS, steps: int = 0, is_whole: bool = False
+) -> Decimal:
     """Return the number with few significant digits at or below a value.
 
     Parameters
@@ -125,6 +130,8 @@ def round_down(value: float, *, digits: int = DIGITS, steps: int = 0) -> Decimal
         Significant digits.
     steps
         Last digits to go further down.
+    is_whole
+        Whether only a whole number will do.
 
     Returns
     -------
@@ -134,9 +141,12 @@ def round_down(value: float, *, digits: int = DIGITS, steps: int = 0) -> Decimal
     --------
     >>> round_down(1.68 / 1e-3), round_down(47.0888), round_down(47.0888, steps=2)
     (Decimal('1680'), Decimal('47.08'), Decimal('47.06'))
+    >>> round_down(47.0888, is_whole=True)
+    Decimal('47')
     """
     exact = Decimal(value) * (1 + SAME)
     quantum = Decimal(1).scaleb(exact.adjusted() - digits + 1)
+    quantum = max(quantum, Decimal(1)) if is_whole else quantum
     return (exact / quantum).to_integral_value(ROUND_FLOOR) * quantum - steps * quantum
 
 
@@ -150,6 +160,19 @@ def round_up(value: float, *, step: int = 1) -> int:
     """
     exact = Decimal(value) * (1 - SAME)
     return int((exact / step).to_integral_value(ROUND_CEILING)) * step
+
+
+def round_up_digits(value: float, *, digits: int = DIGITS) -> Decimal:
+    """Return the number with few significant digits at or above a value > 0.
+
+    Examples
+    --------
+    >>> round_up_digits(23.3601), round_up_digits(23.36)
+    (Decimal('23.37'), Decimal('23.36'))
+    """
+    exact = Decimal(value) * (1 - SAME)
+    quantum = Decimal(1).scaleb(exact.adjusted() - digits + 1)
+    return (exact / quantum).to_integral_value(ROUND_CEILING) * quantum
 
 
 def type_number(number: Decimal | int) -> str:
@@ -177,16 +200,44 @@ def type_limits(subject: Subject, coding: Coding) -> Typed:
     Returns
     -------
     Typed
-        Where no pair meets the requirements, the nearest one; its verdict says so.
+        Where no pair meets the requirements, the nearest one, or without a jerk limit the one
+        that leaves least vibration; its verdict says so.
+
+    Raises
+    ------
+    InputError
+        If the control has no number that small.
     """
-    nearest, *others = _pairs(subject, coding)
-    typed = _judge(subject, nearest)
-    if typed.verdict.assessment.is_met or not subject.is_met:
+    pairs = list(_pairs(subject, coding))
+    if not pairs:
+        message = (
+            f"the acceleration of {subject.limits.acceleration:.3g} {subject.length}/s^2 is less "
+            "than one unit of this control; use --control generic"
+        )
+        raise InputError([Fault(where="--control", message=message)])
+    typed = _judge(subject, pairs[0])
+    is_jerkless = coding.jerk_form is JerkForm.NONE
+    if typed.verdict.assessment.is_met or not (subject.is_met or is_jerkless):
         return typed
     # A longer ramp settles later but for the valleys, so the first good one is about the best.
-    others.sort(key=lambda pair: _ramp(subject, pair))
-    judged = (_judge(subject, pair) for pair in others)
-    return next((found for found in judged if found.verdict.assessment.is_met), typed)
+    others = sorted(pairs[1:], key=lambda pair: _ramp(subject, pair))
+    tried = [typed]
+    for pair in others:
+        tried.append(_judge(subject, pair))
+        if tried[-1].verdict.assessment.is_met:
+            return tried[-1]
+    # Full acceleration without a jerk limit would shake the machine most of all.
+    return min(tried, key=lambda one: one.verdict.residual_deviation) if is_jerkless else typed
+
+
+def without_jerk_limit(subject: Subject, acceleration: float) -> MotionLimits:
+    """Return limits for a control that sets the acceleration from one cycle to the next.
+
+    Such a step still takes the one position cycle between two setpoints.
+    """
+    return MotionLimits(
+        acceleration=acceleration, jerk=acceleration / subject.machine.control.position_cycle
+    )
 
 
 def _ramp(subject: Subject, pair: _Pair) -> float:
@@ -243,7 +294,7 @@ def _with_jerk_time(subject: Subject, coding: Coding) -> Iterator[_Pair]:
 def _without_jerk(subject: Subject, coding: Coding) -> Iterator[_Pair]:
     accelerations = _accelerations(subject, coding, WIDE)
     for (text, a), shaper in product(accelerations, coding.shapers or (None,)):
-        limits = MotionLimits(acceleration=a, jerk=a / NO_JERK_LIMIT)
+        limits = without_jerk_limit(subject, a)
         yield _Pair(acceleration=text, jerk="", limits=limits, shaper=shaper)
 
 
@@ -257,7 +308,8 @@ def _accelerations(
             number = Decimal(round_up(coding.rapid / a / unit))
             meaning = coding.rapid / (float(number) * unit)
         else:
-            number = round_down(a / unit)
+            number = round_down(a / unit, is_whole=coding.is_whole)
             meaning = float(number) * unit
-        found.append((type_number(number), meaning))
+        if number > 0:
+            found.append((type_number(number), meaning))
     return list(dict.fromkeys(found))

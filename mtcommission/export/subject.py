@@ -32,6 +32,25 @@ BYTE_ORDER_MARK = "\ufeff"
 """Some editors begin a file with it; the hash counts it, the text in the record lacks it."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gains:
+    """Gains of the cascade.
+
+    Parameters
+    ----------
+    position
+        Kv [1/s].
+    velocity
+        Kp [N s/m].
+    integral_time
+        Tn [s].
+    """
+
+    position: float
+    velocity: float
+    integral_time: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Subject:
     """An axis with its recommended limits, ready to be written for a control.
@@ -62,6 +81,21 @@ class Subject:
     def is_rotary(self) -> bool:
         """Whether the axis turns."""
         return self.machine.motion is Motion.ROTARY
+
+    @property
+    def length(self) -> str:
+        """SI unit of a position."""
+        return "rad" if self.is_rotary else "m"
+
+    @property
+    def gains(self) -> Gains:
+        """Gains of the loop that limits are judged in."""
+        controller = self.tuned.controller
+        return Gains(
+            position=controller.position_gain,
+            velocity=controller.velocity_gain,
+            integral_time=controller.integral_time,
+        )
 
     @property
     def axis(self) -> str:
@@ -129,9 +163,14 @@ def build_subject(record: Record) -> Subject:
     return subject
 
 
-def with_position_gain(subject: Subject, gain: float) -> Subject:
-    """Return the subject with another position gain Kv [1/s] in its loop."""
-    control = replace(subject.machine.control, position_gain=gain)
+def with_gains(subject: Subject, gains: Gains) -> Subject:
+    """Return the subject with other gains in its loop."""
+    control = replace(
+        subject.machine.control,
+        position_gain=gains.position,
+        velocity_gain=gains.velocity,
+        integral_time=gains.integral_time,
+    )
     machine = replace(subject.machine, control=control)
     return replace(subject, machine=machine, tuned=tune_loop(machine))
 

@@ -7,16 +7,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from io import StringIO
-from math import isfinite
 from textwrap import wrap
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.export.control import UNVERIFIED, Block, Control
+from mtcommission.export.control import DOUBT, UNVERIFIED, Block, Control
+from mtcommission.export.gains import round_gains
+from mtcommission.export.modes import Values, type_modes
 from mtcommission.export.numeric import NUMERIC_CONTROLS
 from mtcommission.export.open_source import OPEN_CONTROLS
 from mtcommission.export.plc import PLC_CONTROLS
-from mtcommission.export.rounding import Typed, round_down, type_limits
-from mtcommission.export.subject import Subject, build_subject, with_position_gain
+from mtcommission.export.rounding import type_limits
+from mtcommission.export.subject import Subject, build_subject, with_gains
+from mtcommission.export.wording import show_value
 from mtcommission.limits import MotionLimits
 from mtcommission.record.schema import Record
 
@@ -49,7 +51,8 @@ class Export:
     limits
         What the control makes of the typed numbers [SI].
     meets_requirements
-        Whether exactly these numbers meet all requirements in every corner.
+        Whether exactly these numbers meet all requirements in every corner, and none had to be
+        left out.
     text
         The file.
     """
@@ -107,21 +110,24 @@ def export_record(record: Record, *, control: str) -> Export:
     """
     target = _find(control)
     subject = build_subject(record)
-    if target.position_gain:
-        typed_gain = round_down(record["loop"]["Kv"] / target.position_gain)
-        subject = with_position_gain(subject, float(typed_gain) * target.position_gain)
-    typed = type_limits(subject, target.coding(subject))
-    blocks = (
-        Block(title="", entries=target.describe(subject, typed)),
-        *target.alternatives(subject, typed),
+    if target.gains.position:
+        subject = with_gains(subject, round_gains(subject, target.gains))
+    coding = target.coding(subject)
+    values = Values(
+        recommended=type_limits(subject, coding),
+        modes=type_modes(subject, coding) if target.has_modes else (),
     )
-    header = _header(subject, target, typed)
+    blocks = (
+        Block(title="", entries=target.describe(subject, values)),
+        *target.alternatives(subject, values),
+    )
+    header = _header(subject, target, values)
     return Export(
         control=target.key,
         header=header,
         blocks=blocks,
-        limits=typed.limits,
-        meets_requirements=typed.verdict.assessment.is_met,
+        limits=values.recommended.limits,
+        meets_requirements=values.meets_requirements,
         text=_write(target, header, blocks),
     )
 
@@ -147,7 +153,7 @@ def parameter_list(export: Export) -> str:
     for block in export.blocks:
         for entry in block.entries:
             section = " / ".join(part for part in (block.title, entry.section) if part)
-            doubt = "read in the maker's text" if entry.is_verified else f"(?) {UNVERIFIED}"
+            doubt = "read in the maker's text" if entry.is_verified else f"{DOUBT} {UNVERIFIED}"
             writer.writerow(
                 (section, entry.name, entry.unit, "", entry.value, "", "", entry.meaning, doubt)
             )
@@ -164,7 +170,7 @@ def _find(name: str) -> Control:
     raise InputError([Fault(where="--control", message=message)])
 
 
-def _header(subject: Subject, control: Control, typed: Typed) -> tuple[str, ...]:
+def _header(subject: Subject, control: Control, values: Values) -> tuple[str, ...]:
     record = subject.record
     profile = record["profile"]
     sentences = [
@@ -175,9 +181,9 @@ def _header(subject: Subject, control: Control, typed: Typed) -> tuple[str, ...]
         f"Profile SHA-256 {profile['sha256']}",
         "VERIFY BEFORE USE. Calculated, not measured: not an acceptance test (ISO 230). Enter by "
         "hand, note the old values, try at reduced override.",
-        _verdict(subject, control, typed),
+        _verdict(subject, control, values),
         "Each limit is rounded to the safe side. Units stand beside the values.",
-        *control.notes(subject),
+        *control.notes(subject, values),
     ]
     average = subject.machine.control.moving_average_time
     if average > 0.0:
@@ -185,34 +191,33 @@ def _header(subject: Subject, control: Control, typed: Typed) -> tuple[str, ...]
             f"These limits go with a moving-average setpoint filter of {1e3 * average:.4g} ms in "
             "the control (the profile's setpoint_filter); without it they are not valid."
         )
-    sentences.append(f"(?) means: name or unit not verified, {UNVERIFIED}.")
+    sentences.append(f"{DOUBT} means: name or unit not verified, {UNVERIFIED}.")
     return tuple(_one_line(sentence) for sentence in sentences)
 
 
-def _verdict(subject: Subject, control: Control, typed: Typed) -> str:
-    length = "urad" if subject.is_rotary else "um"
-    verdict = typed.verdict
+def _verdict(subject: Subject, control: Control, values: Values) -> str:
+    def show(value: float, unit: str) -> str:
+        return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
+
+    verdict = values.recommended.verdict
     count = len(subject.tuned.corners)
     place = "the nominal machine" if count == 1 else f"{count} corners"
-    settling = _milliseconds(verdict.settling_time)
-    gain = " and this Kv" if control.position_gain else ""
+    gains = " and these gains" if control.gains.velocity else " and this Kv"
     judged = (
-        f"Simulated with exactly these limits{gain} in {place}: settling time {settling}, residual "
-        f"deviation {1e6 * verdict.residual_deviation:.4g} {length} (recommended limits: "
-        f"{_milliseconds(subject.settling_time)})"
+        f"Simulated with exactly these limits{gains if control.gains.position else ''} in {place}: "
+        f"settling time {show(verdict.settling_time, 's')}, residual deviation "
+        f"{show(verdict.residual_deviation, subject.length)} (recommended limits: "
+        f"{show(subject.settling_time, 's')})"
     )
-    if verdict.assessment.is_met:
-        return f"{judged}; all requirements met."
-    missed = "; ".join(
-        f"{check.name} {check.value:.4g} {check.unit} > {check.limit:.4g} {check.unit}"
+    missed = [
+        f"{check.name} {show(check.value, check.unit)}, allowed {show(check.limit, check.unit)}"
         for check in verdict.assessment.checks
         if not check.is_met
-    )
-    return f"{judged}; REQUIREMENTS NOT MET: {missed}."
-
-
-def _milliseconds(value: float) -> str:
-    return f"{1e3 * value:.4g} ms" if isfinite(value) else "not settled"
+    ]
+    missed += [f"no limits for machining mode {mode.name}" for mode in values.left_out]
+    if not missed:
+        return f"{judged}; all requirements met."
+    return f"{judged}; REQUIREMENTS NOT MET: {'; '.join(missed)}."
 
 
 def _one_line(text: str) -> str:
