@@ -1,0 +1,4 @@
+"""The search behind ``choose``: where (``region``), what (``bench``), how (``explore``, ``typed``).
+
+Nothing is imported here; ``choose.choose_limits`` is the door.
+"""
