@@ -391,7 +391,7 @@ def negative_zones(problem: BoundedProblem, measure: Measure) -> tuple[DensityZo
     Returns
     -------
     tuple of DensityZone
-        Ends known to a sample of the density.
+        Ends interpolated between samples of the density.
     """
     zones: list[DensityZone] = []
     for part in stretches(problem, measure):
@@ -407,13 +407,21 @@ def negative_zones(problem: BoundedProblem, measure: Measure) -> tuple[DensityZo
             low = first + int(np.argmin(density[first:stop]))
             zones.append(
                 DensityZone(
-                    start=float(tau[stop - 1]),
-                    end=float(tau[first]),
+                    start=_crossing(tau, density, stop - 1, stop),
+                    end=_crossing(tau, density, first, first - 1),
                     lowest=float(tau[low]),
                     depth=float(density[low]),
                 )
             )
     return tuple(zones)
+
+
+def _crossing(tau: Array, density: Array, wrong: int, right: int) -> float:
+    """Return where the density changes sign between two samples; the first where there is one."""
+    if not 0 <= right < tau.size:
+        return float(tau[wrong])
+    share = density[wrong] / (density[wrong] - density[right])
+    return float(tau[wrong] + np.clip(share, 0.0, 1.0) * (tau[right] - tau[wrong]))
 
 
 def lower_bound(problem: BoundedProblem, measure: Measure) -> float:

@@ -11,21 +11,23 @@ from mtcommission.optimal.bounded_dual import Core
 from mtcommission.optimal.bounded_grid import SATURATED, GridOptimum
 from mtcommission.optimal.bounded_mesh import Contact, Layout, off_cores
 from mtcommission.optimal.bounded_problem import BoundedProblem
-from mtcommission.optimal.bounded_reading import Reading, read_contacts
+from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts
 
 Array = NDArray[np.float64]
 
 SHRINK = 5.0
-"""Factor between the finest cells of two rounds."""
+"""Factor between the cells at a feature of two rounds."""
 BACKGROUND = 80
 """Cells of the background mesh."""
 GROWTH = 1.7
 """Ratio of neighbouring cells away from a feature."""
 CORE_MARGINS = (3.0, 15.0)
-"""Distance of a core from the ends of its arc, in finest cells of the round before: for orders 1
+"""Distance of a core from the ends of its arc, in cells of the round before: for orders 1
 and 2, and for higher orders, where touch points that crowd towards an arc look like its end."""
 MARGIN = 1e-9
 """Relative distance from the bounds kept on a mesh."""
+THINNING = 0.4
+"""Share of its cell that a point keeps from its neighbour."""
 SHORT_ARC_POINTS = 60
 """Most points on an arc too short for a core."""
 
@@ -38,18 +40,22 @@ class Sight:
     ----------
     t_f
         [s].
-    finest
-        Smallest cell on which it was seen [s].
+    mesh
+        Remaining times between the cells on which it was seen, ascending, with even points in
+        the cores [s]: a feature is known to one of its cells.
     reading
         Arcs and touch points.
     switches
         Remaining times of the switches off the arcs [s].
+    room
+        Factor on the distance between a core and the ends of its arc.
     """
 
     t_f: float
-    finest: float
+    mesh: Array
     reading: Reading
     switches: Array
+    room: float = 1.0
 
 
 def first_sight(problem: BoundedProblem, grid: GridOptimum) -> Sight:
@@ -79,26 +85,16 @@ def first_sight(problem: BoundedProblem, grid: GridOptimum) -> Sight:
     switches = (remaining + 0.5 * cell)[loose | turning]
     return Sight(
         t_f=grid.t_f,
-        finest=cell,
+        mesh=np.append(remaining[::-1], grid.t_f),
         reading=reading,
-        switches=off_arcs(switches, reading, cell),
+        switches=off_arcs(switches, reading, room=cell),
     )
 
 
-def off_arcs(switches: Array, reading: Reading, room: float) -> Array:
+def off_arcs(switches: Array, reading: Reading, *, room: float | Array) -> Array:
     """Return the switches that are further than ``room`` [s] from all arcs."""
     inside = [(arc.end - room < switches) & (switches < arc.start + room) for arc in reading.arcs]
     return np.asarray(switches[~np.any([np.zeros(switches.size, dtype=bool), *inside], axis=0)])
-
-
-def narrowed(problem: BoundedProblem, sight: Sight) -> Reading:
-    """Return the arcs, each shorter by its room at both ends; the short ones are left out."""
-    arcs = tuple(
-        replace(arc, start=arc.start - room, end=arc.end + room)
-        for arc in sight.reading.arcs
-        if arc.start - arc.end > 3.0 * (room := _room(problem, arc, sight))
-    )
-    return replace(sight.reading, arcs=arcs)
 
 
 def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
@@ -114,26 +110,23 @@ def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
     Returns
     -------
     Layout
-        Cells graded towards switches, touch points and ends of arcs.
+        Cells graded towards switches, touch points and ends of arcs, where they are a fifth of
+        those on which the feature was seen.
     """
-    finest, background = sight.finest / SHRINK, sight.t_f / BACKGROUND
-    cores = tuple(
-        replace(arc, start=arc.start - room, end=arc.end + room)
-        for arc in sight.reading.arcs
-        if arc.start - arc.end > 2.0 * (room := _room(problem, arc, sight)) + 4.0 * finest
-    )
-    points = [np.arange(1, BACKGROUND) * background]
-    ends = [end for arc in sight.reading.arcs for end in (arc.start, arc.end)]
+    arcs, background = sight.reading.arcs, sight.t_f / BACKGROUND
+    cores = _cores(problem, sight)
+    even = np.arange(1, BACKGROUND) * background
+    clouds = [np.column_stack([even, np.full(even.size, background)])]
+    ends = [end for arc in arcs for end in (arc.start, arc.end)]
     centres = [*sight.switches, *ends, *(touch.remaining for touch in sight.reading.touches)]
-    points += [_graded(centre, finest, background) for centre in centres]
-    for arc in sight.reading.arcs:
+    clouds += [_graded(at, local_cell(sight.mesh, at) / SHRINK, background) for at in centres]
+    for arc in arcs:
         if not any(core.start < arc.start and core.end > arc.end for core in cores):
-            count = min(int((arc.start - arc.end) / (2.0 * finest)) + 3, SHORT_ARC_POINTS)
-            points.append(np.linspace(arc.end, arc.start, count))
-    mesh = _thinned(np.concatenate(points), 0.4 * finest, sight.t_f)
-    near = 0.3 * finest
-    clear = [(mesh < core.end - near) | (mesh > core.start + near) for core in cores]
-    mesh = mesh[np.all([np.ones(mesh.size, dtype=bool), *clear], axis=0)]
+            clouds.append(_spread(arc, local_cell(sight.mesh, arc.start) / SHRINK))
+    mesh = _thinned(np.vstack(clouds), sight.t_f)
+    for core in cores:
+        near = 0.3 * local_cell(sight.mesh, core.start) / SHRINK
+        mesh = mesh[(mesh < core.end - near) | (mesh > core.start + near)]
     return Layout(
         t_f=sight.t_f,
         mesh=mesh,
@@ -143,45 +136,73 @@ def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
     )
 
 
-def _room(problem: BoundedProblem, arc: Core, sight: Sight) -> float:
-    """Return the distance of a core from the ends of its arc [s]."""
+def _cores(problem: BoundedProblem, sight: Sight) -> tuple[Core, ...]:
+    cores = []
+    for arc in sight.reading.arcs:
+        early, late = _rooms(problem, arc, sight)
+        if arc.start - arc.end > early + late + 0.8 * local_cell(sight.mesh, arc.start):
+            cores.append(replace(arc, start=arc.start - early, end=arc.end + late))
+    return tuple(cores)
+
+
+def _rooms(problem: BoundedProblem, arc: Core, sight: Sight) -> tuple[float, float]:
+    """Return the distances of a core from the start and the end of its arc [s]."""
+    early = sight.room * local_cell(sight.mesh, arc.start)
+    late = sight.room * local_cell(sight.mesh, arc.end)
     if problem.limits[arc.limit].order <= 2:
-        return CORE_MARGINS[0] * sight.finest
-    return min(CORE_MARGINS[1] * sight.finest, 0.25 * (arc.start - arc.end))
+        return CORE_MARGINS[0] * early, CORE_MARGINS[0] * late
+    most = 0.25 * (arc.start - arc.end)
+    return min(CORE_MARGINS[1] * early, most), min(CORE_MARGINS[1] * late, most)
 
 
 def _graded(centre: float, finest: float, background: float) -> Array:
+    """Return points on both sides of a centre with the cells that they bound, shape (k, 2)."""
     count = int(np.ceil(np.log(2.4 * background / finest) / np.log(GROWTH)))
-    offsets = 0.5 * finest * GROWTH ** np.arange(count)
-    return np.concatenate([centre - offsets, centre + offsets])
+    cells = finest * GROWTH ** np.arange(max(count, 1))
+    offsets = 0.5 * cells
+    return np.column_stack(
+        [np.concatenate([centre - offsets, centre + offsets]), np.tile((GROWTH - 1.0) * offsets, 2)]
+    )
 
 
-def _thinned(points: Array, distance: float, t_f: float) -> Array:
-    ordered = np.unique(points[(points > distance) & (points < t_f - distance)])
-    kept = [float(ordered[0])]
-    for point in ordered[1:].tolist():
-        if point - kept[-1] > distance:
+def _spread(arc: Core, finest: float) -> Array:
+    """Return even points on an arc too short for a core, shape (k, 2)."""
+    count = min(int((arc.start - arc.end) / (2.0 * finest)) + 3, SHORT_ARC_POINTS)
+    points = np.linspace(arc.end, arc.start, count)
+    return np.column_stack([points, np.full(count, points[1] - points[0])])
+
+
+def _thinned(cloud: Array, t_f: float) -> Array:
+    """Return the points that are further from the one before than a share of their cells."""
+    ordered = cloud[np.argsort(cloud[:, 0])]
+    kept = [0.0]
+    for point, cell in ordered.tolist():
+        if min(point - kept[-1], t_f - point) > THINNING * cell:
             kept.append(point)
-    return np.array(kept)
+    return np.array(kept[1:])
 
 
 def _contacts(
     problem: BoundedProblem, sight: Sight, mesh: Array, cores: tuple[Core, ...]
 ) -> tuple[Contact, ...]:
     """Return the mesh points where a bound may act: near arcs and touch points, ends of cores."""
-    zones = [(arc.end, arc.start, 6.0, arc.limit, arc.side) for arc in sight.reading.arcs]
-    zones += [
-        (touch.remaining, touch.remaining, 4.0, touch.limit, touch.side)
-        for touch in sight.reading.touches
-    ]
-    contacts = [
-        Contact(remaining=t, limit=limit, side=side)
-        for low, high, cells, limit, side in zones
-        for t in mesh[(mesh > low - cells * sight.finest) & (mesh < high + cells * sight.finest)]
-    ]
+    contacts: list[Contact] = []
+    for arc in sight.reading.arcs:
+        low = arc.end - 6.0 * local_cell(sight.mesh, arc.end)
+        high = arc.start + 6.0 * local_cell(sight.mesh, arc.start)
+        contacts += _points(mesh, low, high, limit=arc.limit, side=arc.side)
+    for touch in sight.reading.touches:
+        near = 4.0 * local_cell(sight.mesh, touch.remaining)
+        low, high = touch.remaining - near, touch.remaining + near
+        contacts += _points(mesh, low, high, limit=touch.limit, side=touch.side)
     contacts += [
         Contact(remaining=end, limit=core.limit, side=core.side)
         for core in cores
         for end in (core.start, core.end)
     ]
     return off_cores(problem, tuple(dict.fromkeys(contacts)), cores)
+
+
+def _points(mesh: Array, low: float, high: float, *, limit: int, side: int) -> list[Contact]:
+    inside = mesh[(mesh > low) & (mesh < high)].tolist()
+    return [Contact(remaining=t, limit=limit, side=side) for t in inside]

@@ -22,11 +22,11 @@ from mtcommission.optimal.bounded_dual import (
 )
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_touches
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
-from mtcommission.optimal.bounded_layout import SHRINK, Sight, lay_out, narrowed, off_arcs
-from mtcommission.optimal.bounded_mesh import Contact, MeshOptimum, solve_mesh
+from mtcommission.optimal.bounded_layout import SHRINK, Sight, lay_out, off_arcs
+from mtcommission.optimal.bounded_mesh import Contact, Layout, MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem
-from mtcommission.optimal.bounded_reading import Reading, read_contacts, read_sequence
+from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts, read_sequence
 
 Array = NDArray[np.float64]
 
@@ -34,6 +34,10 @@ ROUNDS = 5
 """Meshes tried; each is five times as fine at the features as the one before."""
 SHARPENINGS = 5
 """Solutions of the relaxation with the zeros of the last one as mesh points."""
+ROOMS = (1.0, 2.0, 4.0, 8.0)
+"""Factors tried on the distance between a core and the ends of its arc."""
+MOST_FILLED = 2000
+"""Most points with which a core is read."""
 EDITS = 30
 """Changes of a sequence in one round: pieces taken out, dips and touch points put in."""
 SLIVER = 1e-6
@@ -68,15 +72,13 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
     """
     nearest: _Enclosure | None = None
     for _ in range(ROUNDS):
-        kept = exchange(problem, lay_out(problem, sight))
+        kept = _kept(problem, sight)
         if kept is None:
-            # The cores reach beyond the arcs: look again with more room at their ends.
-            sight = replace(sight, reading=narrowed(problem, sight))
-            continue
+            break
         relaxed = solve_mesh(problem, replace(kept.layout, margin=0.0), relaxed=True)
         if relaxed is None:
             break
-        sight, guess = _look(problem, kept, relaxed, sight.finest / SHRINK)
+        sight, guess = _look(problem, kept, relaxed)
         exact = solve_exactly(problem, guess)
         if exact is not None:
             return exact
@@ -92,6 +94,15 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
             if found is not None and found.gap <= GAP:
                 return found
     return None if nearest is None else on_mesh(problem, nearest.kept, nearest.relaxed)
+
+
+def _kept(problem: BoundedProblem, sight: Sight) -> MeshOptimum | None:
+    """Return the restriction; where the cores reach beyond the arcs, with more room for them."""
+    for room in ROOMS:
+        kept = exchange(problem, lay_out(problem, replace(sight, room=room)))
+        if kept is not None:
+            return kept
+    return None
 
 
 def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> float:
@@ -127,40 +138,51 @@ def _has_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
 
 
 def _look(
-    problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum, finest: float
+    problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum
 ) -> tuple[Sight, Sequence]:
     """Return where the next mesh should be fine, and the sequence that the multipliers show."""
-    layout, measure = relaxed.layout, relaxed.measure
+    measure = relaxed.measure
     parts = stretches(problem, measure)
     zeros = dual_value(problem, parts, measure.atoms).zeros
-    ends = [end for core in layout.cores for end in (core.start, core.end)]
-    mesh = np.unique(np.concatenate([[0.0, layout.t_f], layout.mesh, ends]))
-    reading, fine_mesh = _read(relaxed, mesh, finest, ())
-    guess = read_sequence(problem, reading, parts, zeros, fine_mesh)
+    mesh = _filled(relaxed.layout)
+    reading = _read(relaxed, mesh, ())
+    guess = read_sequence(problem, reading, parts, zeros, mesh)
     # A core is opened where holding the bound costs time.
-    split, _ = _read(relaxed, mesh, finest, negative_zones(problem, measure))
-    switches = off_arcs(zeros, split, 1.5 * finest)
-    apart = np.append(True, np.diff(switches) > finest / SHRINK)[: switches.size]
-    sight = Sight(t_f=later(layout, kept), finest=finest, reading=split, switches=switches[apart])
+    split = _read(relaxed, mesh, negative_zones(problem, measure))
+    cells = np.array([local_cell(mesh, zero) for zero in zeros.tolist()])
+    switches = off_arcs(zeros, split, room=1.5 * cells)
+    apart = [
+        t
+        for i, t in enumerate(switches.tolist())
+        if not i or t - switches[i - 1] > local_cell(mesh, t) / SHRINK
+    ]
+    sight = Sight(t_f=later(kept.layout, kept), mesh=mesh, reading=split, switches=np.array(apart))
     return sight, guess
 
 
-def _read(
-    relaxed: MeshOptimum, mesh: Array, finest: float, zones: tuple[DensityZone, ...]
-) -> tuple[Reading, Array]:
-    """Return arcs and touch points, without the zones of cores, and the mesh they are read on."""
+def _filled(layout: Layout) -> Array:
+    """Return the mesh with even points in the cores, as close as the cells beside them."""
+    ends = [end for core in layout.cores for end in (core.start, core.end)]
+    mesh = np.unique(np.concatenate([[0.0, layout.t_f], layout.mesh, ends]))
+    inner = [mesh]
+    for core in layout.cores:
+        at = np.searchsorted(mesh, [core.end, core.start])
+        cell = min(mesh[at[0]] - mesh[at[0] - 1], mesh[at[1] + 1] - mesh[at[1]])
+        count = int((core.start - core.end) / cell) + 2
+        inner.append(np.linspace(core.end, core.start, min(count, MOST_FILLED))[1:-1])
+    return np.unique(np.concatenate(inner))
+
+
+def _read(relaxed: MeshOptimum, mesh: Array, zones: tuple[DensityZone, ...]) -> Reading:
+    """Return arcs and touch points, the zones of cores left out."""
     active = [contact for contact in relaxed.contacts if contact.weight > 0.0]
-    dense: list[Array] = [mesh]
     for core in relaxed.layout.cores:
-        inner = np.linspace(core.end, core.start, int((core.start - core.end) / finest) + 2)
-        dense.append(inner[1:-1])
         active += [
             Contact(remaining=t, limit=core.limit, side=core.side, weight=1.0)
-            for t in inner.tolist()
+            for t in mesh[(mesh >= core.end) & (mesh <= core.start)].tolist()
             if not any(zone.end <= t <= zone.start for zone in zones)
         ]
-    fine_mesh = np.unique(np.concatenate(dense))
-    return read_contacts(active, fine_mesh), fine_mesh
+    return read_contacts(active, mesh)
 
 
 def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
