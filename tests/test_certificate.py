@@ -13,10 +13,11 @@ from scipy.linalg import expm
 from mtcommission.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.certificate import Claim, adjoint, certify, terminal_jacobian
+from mtcommission.optimal.mesh import build_mesh
 from mtcommission.optimal.moments import MomentProblem, moment_problem
 from mtcommission.optimal.polish import BangBang, find_bang_bang
 from mtcommission.optimal.solution import constant_arc, propagate, sample_trajectory
-from mtcommission.optimal.switching import build_mesh, isolate_zeros
+from mtcommission.optimal.switching import isolate_zeros
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
@@ -55,7 +56,8 @@ def test_any_multipliers_prove_no_more_than_the_optimum(
     # A bound above t_f would refute a control that exists.
     problem, control = solved(move)
     factors = 1.0 + size * np.array(noise[: problem.size])
-    bound = prove_bound(problem, control.multipliers * factors, span=problem.target / FORCE)
+    span = problem.target / FORCE
+    bound = prove_bound(problem, control.multipliers * factors, span=span, near=control.horizon)
     assert bound <= control.horizon
 
 
@@ -63,7 +65,7 @@ def test_any_multipliers_prove_no_more_than_the_optimum(
 def test_bound_is_where_the_integral_of_sigma_reaches_the_span(move: Move) -> None:
     problem, control = solved(move)
     span = problem.target / FORCE
-    bound = prove_bound(problem, control.multipliers, span=span)
+    bound = prove_bound(problem, control.multipliers, span=span, near=control.horizon)
     tau, weight = gauss_legendre(0.0, bound, pieces=4000)
     sigma = problem.target_values(tau) - problem.values(tau) @ control.multipliers
     # Pieces that hold a zero are off by the square of their length.
@@ -83,7 +85,8 @@ def test_no_multipliers_prove_the_rigid_bound() -> None:
     # c = 0: m Δv / F_max for a velocity step, sqrt(2 m L / F_max) for positioning.
     for move, expected in ((STEP, 0.0375), (POSITIONING, np.sqrt(2.0 * 750.0 * 0.02 / FORCE))):
         problem = moment_problem(PAPER, move)
-        bound = prove_bound(problem, np.zeros(problem.size), span=problem.target / FORCE)
+        span = problem.target / FORCE
+        bound = prove_bound(problem, np.zeros(problem.size), span=span, near=0.05)
         assert bound == pytest.approx(expected, rel=1e-13)
         assert bound < expected
 

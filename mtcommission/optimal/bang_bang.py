@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine import Positioning
+from mtcommission.optimal.mesh import graded_nodes
 from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
-from mtcommission.optimal.switching import graded_nodes
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]

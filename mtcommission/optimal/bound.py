@@ -12,14 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.dual import MARGIN, evaluate_dual
+from mtcommission.optimal.dual import evaluate_dual
+from mtcommission.optimal.mesh import ROUNDOFF, build_mesh
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.switching import ROUNDOFF, build_mesh
 
 Array = NDArray[np.float64]
 Extended = NDArray[np.longdouble]
 
 EXTENDED_ROUNDOFF = float(np.finfo(np.longdouble).eps)
+MARGIN = 1.0 + 1e-6
+"""Length of a mesh against the time that it must hold."""
 LOWERINGS = 50
 """Attempts to lower the bound below the span; two or three are usual."""
 
@@ -43,7 +45,7 @@ class SwitchingIntegral:
     end_value: float
 
 
-def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float) -> float:
+def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float, near: float) -> float:
     """Return a time before which no admissible force reaches the target, whatever c is.
 
     Parameters
@@ -54,6 +56,8 @@ def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float) -> f
         c, shape (size,); any values give a valid bound.
     span
         target / F_max [s] or [s²].
+    near
+        Guess of the bound, which saves time only [s].
 
     Returns
     -------
@@ -62,8 +66,8 @@ def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float) -> f
 
     Source: docs/optimal-control.md, section 2.
     """
-    least = 2.0 * float(np.sqrt(span)) if problem.degree else span
-    point = evaluate_dual(build_mesh(problem, MARGIN * least), multipliers, span=span)
+    mesh = build_mesh(problem, MARGIN * near)
+    point = evaluate_dual(mesh, multipliers, span=span, near=near)
     doubt = point.doubt + 2.0 * ROUNDOFF * span
     bound = point.bound
     for attempt in range(LOWERINGS):

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.optimal.bound import prove_bound
+from mtcommission.optimal.mesh import ROUNDOFF, uniform_pieces
 from mtcommission.optimal.moments import MomentProblem, moment_rows
 from mtcommission.optimal.solution import Certificate
-from mtcommission.optimal.switching import ROUNDOFF, graded_pieces, values_and_slopes
+from mtcommission.optimal.switching import values_and_slopes
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -92,7 +93,8 @@ def certify(plant: Plant, problem: MomentProblem, claim: Claim) -> Certificate:
     force_limit = abs(claim.first_force)
     # The claim meets its target only to rounding, so the bound may exceed it by as little; what is
     # less is still a bound.
-    proved = prove_bound(problem, claim.multipliers, span=problem.target / force_limit)
+    span = problem.target / force_limit
+    proved = prove_bound(problem, claim.multipliers, span=span, near=claim.t_f)
     bound = min(proved, claim.t_f)
     zeros = claim.t_f - claim.switching_times
     at_switches, slopes, _ = values_and_slopes(problem, claim.multipliers, zeros)
@@ -177,7 +179,7 @@ def _law_holds(plant: Plant, problem: MomentProblem, claim: Claim, at_switches: 
     """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on the plant's A."""
     row = adjoint(plant, problem, claim, tau=0.0)
     tau, lambda_force = [], []
-    for piece in graded_pieces(problem, claim.t_f, radians=CHECK_RADIANS):
+    for piece in uniform_pieces(problem, claim.t_f, radians=CHECK_RADIANS):
         rows, transition = row[np.newaxis], expm(plant.A * piece.step)
         while rows.shape[0] <= piece.count:
             rows = np.vstack([rows, rows @ transition])

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError
 from mtcommission.optimal.curve_proof import prove_bounds
 from mtcommission.optimal.dual import sign_jumps
+from mtcommission.optimal.mesh import graded_nodes
 from mtcommission.optimal.moments import MomentProblem
 from mtcommission.optimal.polish import AGREEMENT, CONVERGED, TO_BOUNDARY, find_bang_bang
-from mtcommission.optimal.switching import graded_nodes
 
 Array = NDArray[np.float64]
 

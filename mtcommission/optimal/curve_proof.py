@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bound import EXTENDED_ROUNDOFF
+from mtcommission.optimal.mesh import ROUNDOFF, Mesh, build_mesh
 from mtcommission.optimal.moments import MomentProblem
 from mtcommission.optimal.switching import (
     MAX_HALVINGS,
-    ROUNDOFF,
-    Mesh,
-    _is_monotone,
-    _is_noise,
-    _may_vanish,
-    _quotient,
-    build_mesh,
+    crosses_zero,
+    halved,
+    is_monotone,
+    is_noise,
+    may_vanish,
+    newton_quotient,
 )
 
 Array = NDArray[np.float64]
@@ -102,15 +102,15 @@ def isolate_owned_zeros(mesh: Mesh, multipliers: Array, times: Array) -> OwnedZe
     doubt = np.zeros(times.size)
     found, owners = [np.empty((8, 0))], [np.empty(0, dtype=np.intp)]
     for _ in range(MAX_HALVINGS):
-        live = _may_vanish(cells)
+        live = may_vanish(cells)
         cells, owner = cells[:, live], owner[live]
         if not owner.size:
             break
-        monotone = _is_monotone(cells)
-        noise = _is_noise(cells) & ~monotone
+        monotone = is_monotone(cells)
+        noise = is_noise(cells) & ~monotone
         np.add.at(doubt, owner[noise], 4.0 * cells[1, noise] * cells[7, noise])
         settled = monotone | noise
-        crossing = settled & ((cells[2] > 0.0) != (cells[3] > 0.0))
+        crossing = settled & crosses_zero(cells)
         found.append(cells[:, crossing])
         owners.append(owner[crossing])
         cells, owner = _halve(mesh.problem, multipliers, cells[:, ~settled], owner[~settled])
@@ -139,8 +139,10 @@ def _first_cells(mesh: Mesh, multipliers: Array, times: Array) -> tuple[Array, I
     length = np.diff(nodes, axis=0)
     amplitudes = _amplitudes(problem, multipliers).T
     constant = np.abs(multipliers[:, -1]) if problem.degree else np.zeros(times.size)
-    rounding = mesh.rounding @ amplitudes
-    rounding += 8.0 * ROUNDOFF * (constant + problem.target_values(nodes[1:]))
+    turned = mesh.envelope @ (amplitudes * problem.magnitudes[:, np.newaxis])
+    rounding = mesh.envelope @ amplitudes + 0.25 * nodes[1:] * turned
+    rounding += constant + problem.target_values(nodes[1:])
+    rounding *= 8.0 * ROUNDOFF
     starts = np.broadcast_to(nodes[:-1], rounding.shape)
     cells = np.array(
         [
@@ -171,15 +173,9 @@ def _values_and_slopes(
 def _halve(
     problem: MomentProblem, multipliers: Array, cells: Array, owner: Index
 ) -> tuple[Array, Index]:
-    start, length, left, right, left_slope, right_slope, remainder, rounding = cells
-    half = 0.5 * length
-    middle = start + half
+    middle = cells[0] + 0.5 * cells[1]
     sigma, slope = _values_and_slopes(problem, multipliers[owner], middle)
-    slope = slope * half
-    rest = remainder / 16.0
-    first = np.array([start, half, left, sigma, 0.5 * left_slope, slope, rest, rounding])
-    second = np.array([middle, half, sigma, right, slope, 0.5 * right_slope, rest, rounding])
-    return np.concatenate([first, second], axis=1), np.concatenate([owner, owner])
+    return halved(cells, sigma, slope), np.concatenate([owner, owner])
 
 
 def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Array:
@@ -187,7 +183,7 @@ def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Arra
     tau = start + length * left / np.where(left == right, 1.0, left - right)
     for _ in range(6):
         sigma, slope = _values_and_slopes(problem, multipliers, tau)
-        tau = np.clip(tau - _quotient(sigma, slope), start, start + length)
+        tau = np.clip(tau - newton_quotient(sigma, slope), start, start + length)
     return np.asarray(tau)
 
 

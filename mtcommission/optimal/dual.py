@@ -15,13 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.optimal.mesh import Mesh, build_mesh
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.switching import (
-    Mesh,
-    build_mesh,
-    isolate_zeros,
-    values_and_slopes,
-)
+from mtcommission.optimal.switching import isolate_zeros, values_and_slopes
 
 Array = NDArray[np.float64]
 
@@ -31,8 +27,12 @@ LEAST_DAMPING = 1e-9
 DAMPING_LIMIT = 1e12
 """Levenberg damping, against the scaled Hessian: below the first it is dropped, beyond the
 second no ascent is left (empirical)."""
+FLATTEST = 1e-8
+"""Least scale of a multiplier against that of the others (empirical)."""
 LEVEL = 1e-15
 """Relative change of T' that rounding can feign."""
+LENGTHENINGS = 40
+"""Doublings of a mesh before a bound counts as unlimited."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -97,12 +97,13 @@ def sign_jumps(count: int, *, first_sign: float) -> Array:
     >>> sign_jumps(2, first_sign=1.0)
     array([ 2., -2.,  1.])
     """
-    jumps = 2.0 * first_sign * (-1.0) ** np.arange(count + 1)
+    jumps = np.full(count + 1, 2.0 * first_sign)
+    jumps[1::2] *= -1.0
     jumps[-1] *= 0.5
-    return np.asarray(jumps)
+    return jumps
 
 
-def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
+def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float, near: float) -> DualPoint:
     """Return T'(c) with what a Newton step needs.
 
     Parameters
@@ -113,6 +114,8 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
         c, shape (size,).
     span
         target / F_max [s] or [s²].
+    near
+        Guess of T'(c), which saves time only [s].
 
     Returns
     -------
@@ -124,12 +127,15 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
         NO_CONVERGENCE if T'(c) lies beyond 2^40 meshes.
     """
     problem = mesh.problem
-    for _ in range(40):
+    for _ in range(LENGTHENINGS):
         isolated = isolate_zeros(mesh, multipliers)
         zeros = isolated.tau
         ends = np.append(zeros, mesh.horizon)
-        primitive = problem.target_integrals(ends) - problem.integrals(ends) @ multipliers
-        reached = np.cumsum(np.abs(primitive - np.append(0.0, primitive[:-1])))
+        integrals = problem.integrals(ends)
+        primitive = problem.target_integrals(ends) - integrals @ multipliers
+        parts = np.abs(primitive)
+        parts[1:] = np.abs(primitive[1:] - primitive[:-1])
+        reached = np.cumsum(parts)
         if reached[-1] >= span:
             break
         mesh = build_mesh(problem, 2.0 * mesh.horizon)
@@ -138,17 +144,22 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float) -> DualPoint:
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     k = int(np.searchsorted(reached, span))
     start = float(zeros[k - 1]) if k else 0.0
+    base = float(primitive[k - 1]) if k else 0.0
     missing = span - (float(reached[k - 1]) if k else 0.0)
-    bound = _reach(problem, multipliers, start, float(ends[k]), missing)
-    return _dual_point(mesh, multipliers, zeros[:k], bound, isolated.doubt)
+    bound = _reach(problem, multipliers, (start, near, float(ends[k])), base, missing)
+    return _dual_point(mesh, multipliers, zeros[:k], integrals[:k], bound, isolated.doubt)
 
 
 def _reach(
-    problem: MomentProblem, multipliers: Array, start: float, end: float, missing: float
+    problem: MomentProblem,
+    multipliers: Array,
+    guesses: tuple[float, float, float],
+    base: float,
+    missing: float,
 ) -> float:
-    """Return τ in [start, end] with ∫_start^τ |σ| = missing; σ keeps its sign there."""
-    base, _ = problem.combination(multipliers, start)
-    low, high, tau = start, end, end
+    """Return τ between the first and last guess with ∫_first^τ |σ| = missing; σ keeps its sign."""
+    low, tau, high = guesses
+    tau = tau if low < tau < high else high
     for _ in range(100):
         primitive, sigma = problem.combination(multipliers, tau)
         excess = abs(primitive - base) - missing
@@ -162,22 +173,21 @@ def _reach(
 
 
 def _dual_point(
-    mesh: Mesh, multipliers: Array, zeros: Array, bound: float, doubt: float
+    mesh: Mesh, multipliers: Array, zeros: Array, integrals: Array, bound: float, doubt: float
 ) -> DualPoint:
     problem = mesh.problem
     _, end_value = problem.combination(multipliers, bound)
     first_sign = (1.0 if end_value >= 0.0 else -1.0) * (-1.0) ** zeros.size
-    integrals = problem.integrals(np.append(zeros, bound))
-    inside = mesh.nodes[:-1] < bound
-    cells = np.diff(mesh.nodes)[inside]
+    at_bound = problem.integrals(np.array([bound]))
+    inside = int(np.searchsorted(mesh.nodes[:-1], bound))
     return DualPoint(
         mesh=mesh,
         multipliers=multipliers,
         bound=bound,
         zeros=zeros,
         first_sign=first_sign,
-        moments=sign_jumps(zeros.size, first_sign=first_sign) @ integrals,
-        norms=cells @ np.abs(mesh.values[:-1][inside]),
+        moments=sign_jumps(zeros.size, first_sign=first_sign) @ np.vstack([integrals, at_bound]),
+        norms=mesh.lengths[:inside] @ np.abs(mesh.values[:inside]),
         end_value=abs(end_value),
         doubt=doubt,
     )
@@ -226,14 +236,18 @@ def ascend(ascent: Ascent, *, span: float) -> Ascent:
     _, slopes, phi = values_and_slopes(point.mesh.problem, point.multipliers, point.zeros)
     weighted = phi * np.sqrt(2.0 / np.maximum(np.abs(slopes), 1e-300))[:, np.newaxis]
     hessian = weighted.T @ weighted
-    scale = np.sqrt(np.diag(hessian)) + 1e-300
+    if not point.zeros.size:
+        return Ascent(point=point, damping=ascent.damping, stalled=True)
+    scale = np.sqrt(np.diag(hessian))
+    # A φ that has decayed at all zeros has next to no curvature; its step would overflow.
+    scale = np.maximum(scale, FLATTEST * point.norms * float((scale / point.norms).max()))
     values, vectors = np.linalg.eigh(hessian / scale[:, np.newaxis] / scale)
     along = vectors.T @ (point.moments / scale)
     values = np.maximum(values, 1e-15 * max(float(values[-1]), 1e-300))
     damping = ascent.damping
     while damping < DAMPING_LIMIT:
         step = vectors @ (along / (values + damping)) / scale
-        trial = evaluate_dual(point.mesh, point.multipliers + step, span=span)
+        trial = evaluate_dual(point.mesh, point.multipliers + step, span=span, near=point.bound)
         if trial.bound >= point.bound * (1.0 - LEVEL):
             eased = 0.1 * damping if damping == ascent.damping else damping
             level = trial.bound <= point.bound * (1.0 + LEVEL)

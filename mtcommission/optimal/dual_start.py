@@ -1,72 +1,94 @@
-"""A start for the dual ascent: forces that are constant on cells, a small linear program.
+"""A start for the search: the best force that is constant on cells, by an interior-point method.
 
-With the exact moments of each cell the program is the original problem for fewer forces. Its
-multipliers are near those of the optimum; where that is not near enough, cells in which σ may
-change sign are divided, and no others.
+The end of the move floats: at every step it is where ∫|σ| reaches the span, so one run finds
+multipliers and final time together. Where the result is not near enough to the optimum, cells in
+which σ may change sign are divided, and the run goes on from where it was.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesv
 
+from mtcommission.optimal.mesh import Mesh, build_mesh, tabulate
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.switching import graded_nodes
 
 Array = NDArray[np.float64]
 
-RADIANS_PER_CELL = 0.4
-"""First cells against the fastest live pole (empirical)."""
-LEAST_CELLS = 48
-"""Cells where the whole move is shorter than the fastest mode (empirical)."""
+MARGIN = 1.3
+"""Length of the mesh against the guessed final time (empirical)."""
+REBUILDS = 8
+"""Meshes tried; one is usual."""
+LEAST_SHARE = 0.6
+"""Final time against the mesh below which the mesh is too coarse (empirical)."""
 PARTS = 4
 """Cells into which one is divided."""
-INTERIOR_STEPS = 60
-INTERIOR_TOLERANCE = 1e-3
-"""Mean complementarity at which the first program is solved; a refinement squares the cells'
-share of it (empirical)."""
-CENTRING = 0.1
-BACK_OFF = 0.97
-"""Usual settings of interior-point methods."""
-HORIZON_STEPS = 30
-HORIZON_TOLERANCE = 0.2
-"""Error of the horizon against the shorter of horizon and fastest period (empirical)."""
+STEPS = 100
+"""Interior-point steps; some ten are usual."""
+CENTRING = 0.2
+"""Aim of a step, as a share of the mean complementarity (usual for such methods)."""
+RECENTRING = 0.5
+LONG_STEP = 0.3
+"""The aim after a step shorter than this share of a full one (empirical)."""
+BACK_OFF = 0.95
+"""Longest step, as a share of the one that makes a force reach its limit."""
+SHRINKING = 0.9
+"""Least horizon after a step against that before (empirical)."""
+SIDES = np.array([[1.0], [-1.0]])
+"""Two rows each: what is left to u = 1 and u = -1, and the parts of σ above and below 0."""
+GUESS_NODES = 64
+GUESS_TOLERANCE = 0.1
+"""Error of the logarithm of the span (empirical)."""
+GUESS_STEPS = 8
+MEAN_TO_SQUARE = 0.9
+"""Mean magnitude against root mean square of a sine."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CellSolution:
-    """The best force that is constant on cells, at the horizon where it reaches the target.
+class CellForce:
+    """A force that is constant on cells, on its way to the best one.
 
     Parameters
     ----------
-    nodes
-        Ends of the cells, from 0 to the horizon, shape (n_cells + 1,) [s].
-    multipliers
-        c of the program, shape (size,).
-    minimum
-        Σ |∫_cell σ_c| [s] or [s²].
-    end_value
-        |σ_c| at the horizon, the slope of the minimum over the horizon.
-    level
-        Number of refinements.
+    mesh
+        Its cells are those of the force; reaches beyond the horizon.
+    psi
+        Means of ψ over the cells, shape (n_cells,).
+    basis
+        Means of combinations of φ that are orthonormal on the mesh, shape (n_cells, size).
+    transform
+        Multipliers = transform @ coefficients, shape (size, size).
+    coefficients
+        Of the basis in σ, shape (size,).
+    force
+        In units of F_max, shape (n_cells,).
+    part
+        Parts of σ above and below 0, both positive, their difference σ; shape (2, n_cells).
+    horizon
+        Where ∫|σ| reaches the span [s].
     """
 
-    nodes: Array
-    multipliers: Array
-    minimum: float
-    end_value: float
-    level: int
+    mesh: Mesh
+    psi: Array
+    basis: Array
+    transform: Array
+    coefficients: Array
+    force: Array
+    part: Array
+    horizon: float
 
     @property
-    def horizon(self) -> float:
-        """Last node [s]."""
-        return float(self.nodes[-1])
+    def multipliers(self) -> Array:
+        """Return c, shape (size,)."""
+        return np.asarray(self.transform @ self.coefficients)
 
 
-def first_cells(problem: MomentProblem, *, span: float) -> CellSolution:
-    """Return the solution on the first, coarse cells.
+def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> CellForce:
+    """Return a force that is near the best one on cells of the first, coarse mesh.
 
     Parameters
     ----------
@@ -74,157 +96,186 @@ def first_cells(problem: MomentProblem, *, span: float) -> CellSolution:
         The moment problem.
     span
         target / F_max [s] or [s²].
+    tolerance
+        Mean complementarity against the mean of |σ|.
 
     Returns
     -------
-    CellSolution
+    CellForce
     """
-    horizon = _guess_horizon(problem, span)
-    return _fit_horizon(problem, _coarse_nodes(problem, horizon), span=span, level=0)
+    guess = guess_horizon(problem, span=span)
+    for _ in range(REBUILDS):
+        mesh = build_mesh(problem, MARGIN * guess)
+        found = improve(_fit_squares(mesh, guess), span=span, tolerance=tolerance)
+        if LEAST_SHARE * mesh.horizon < found.horizon < mesh.horizon:
+            break
+        guess = found.horizon
+    return found
 
 
-def refine_cells(problem: MomentProblem, coarse: CellSolution, *, span: float) -> CellSolution:
-    """Return the solution after dividing the cells in which σ may change sign.
+def refine_cells(coarse: CellForce) -> CellForce:
+    """Return the force on divided cells, where σ may change sign.
 
     Parameters
     ----------
-    problem
-        The moment problem.
     coarse
-        The solution so far; its σ is off by about the curvature of σ over a cell.
-    span
-        target / F_max [s] or [s²].
+        The force so far; its σ is off by about the curvature of σ over a cell.
 
     Returns
     -------
-    CellSolution
+    CellForce
+        Not improved yet.
     """
-    nodes, length = coarse.nodes, np.diff(coarse.nodes)
-    sigma = problem.target_values(nodes) - problem.values(nodes) @ coarse.multipliers
-    start = nodes[:-1, np.newaxis]
-    bend = np.exp(start * problem.rates.real) * (np.abs(problem.rates) * length[:, np.newaxis]) ** 2
-    doubt = bend @ problem.amplitudes(coarse.multipliers)
+    mesh, c = coarse.mesh, coarse.multipliers
+    sigma = mesh.problem.target_values(mesh.nodes) - mesh.values @ c
+    bend = mesh.envelope * (mesh.problem.magnitudes * mesh.lengths[:, np.newaxis]) ** 2
     low = np.minimum(np.abs(sigma[:-1]), np.abs(sigma[1:]))
-    divided = (low <= doubt) | (sigma[:-1] * sigma[1:] <= 0.0)
+    divided = (low <= bend @ mesh.problem.amplitudes(c)) | (sigma[:-1] * sigma[1:] <= 0.0)
     parts = np.where(divided, PARTS, 1)
     index = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-    cells = np.repeat(nodes[:-1], parts) + index * np.repeat(length / parts, parts)
-    return _fit_horizon(problem, np.append(cells, nodes[-1]), span=span, level=coarse.level + 1)
+    starts = np.repeat(mesh.nodes[:-1], parts) + index * np.repeat(mesh.lengths / parts, parts)
+    fine = tabulate(mesh.problem, np.append(starts, mesh.nodes[-1]))
+    phi, psi = _means(fine)
+    basis = phi @ coarse.transform
+    force, part = _central(fine, psi - basis @ coarse.coefficients, coarse.horizon)
+    return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force, part=part)
 
 
-def _coarse_nodes(problem: MomentProblem, horizon: float) -> Array:
-    nodes = graded_nodes(problem, horizon, radians=RADIANS_PER_CELL)
-    return nodes if nodes.size > LEAST_CELLS else np.linspace(0.0, horizon, LEAST_CELLS + 1)
+def guess_horizon(problem: MomentProblem, *, span: float) -> float:
+    """Return where the distance of ψ from the φ in the mean square is that of the span [s].
 
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    span
+        target / F_max [s] or [s²].
 
-def _fit_horizon(problem: MomentProblem, nodes: Array, *, span: float, level: int) -> CellSolution:
-    """Return the solution on the nodes, cut or continued until its minimum equals the span."""
-    fastest = 2.0 * np.pi / float(np.max(np.abs(problem.rates)))
-    low, high = 0.0, np.inf
-    cells = _solve_cells(problem, nodes, level=level)
-    for _ in range(HORIZON_STEPS):
-        horizon, ratio = cells.horizon, span / cells.minimum
-        error = abs(span - cells.minimum) / max(cells.end_value, cells.minimum / horizon)
-        if error <= HORIZON_TOLERANCE * PARTS**-level * min(horizon, fastest):
+    Returns
+    -------
+    float
+        Mostly within a tenth of the final time.
+    """
+    least = 2.0 * sqrt(span) if problem.degree else span
+    longest = least + 1.5 * float(np.sum(2.0 * np.pi / problem.magnitudes))
+    low, high = log(least), log(longest)
+    x = (np.arange(GUESS_NODES) + 0.5) / GUESS_NODES
+    guess, known = 0.5 * (low + high), [False, False]
+    error = [0.0, 0.0]
+    for _ in range(GUESS_STEPS):
+        tau = exp(guess) * x
+        phi = problem.values(tau)
+        columns = np.column_stack([phi / (np.abs(phi).max(axis=0) + 1e-300), 0.0 * tau])
+        columns[:, -1] = problem.target_values(tau)
+        corner = np.asarray(np.linalg.qr(columns, mode="r"))[-1, -1]
+        distance = abs(float(corner)) * exp(guess) / sqrt(GUESS_NODES)
+        now = log(max(MEAN_TO_SQUARE * distance, 1e-300) / span)
+        side = now > 0.0
+        known[side], error[side] = True, now
+        low, high = (low, guess) if side else (guess, high)
+        if abs(now) < GUESS_TOLERANCE or high - low < 0.5 * GUESS_TOLERANCE:
             break
-        low, high = (horizon, high) if ratio > 1.0 else (low, horizon)
-        # The minimum grows like a power of the horizon, with this exponent here.
-        exponent = max(horizon * cells.end_value / cells.minimum, 0.5)
-        wanted = horizon * float(np.clip(ratio ** (1.0 / exponent), 0.3, 3.0))
-        if not low < wanted < high:
-            wanted = 0.5 * (low + high)
-        cells = _solve_cells(problem, _resize(problem, cells.nodes, wanted), level=level)
-    return cells
+        share = error[0] / (error[0] - error[1]) if all(known) else 0.5
+        guess = low + min(max(share, 0.05), 0.95) * (high - low)
+    return exp(guess)
 
 
-def _resize(problem: MomentProblem, nodes: Array, horizon: float) -> Array:
-    if nodes.size <= LEAST_CELLS + 1:
-        return _coarse_nodes(problem, horizon)
-    kept = nodes[nodes < horizon * (1.0 - 1e-9)]
-    if horizon <= nodes[-1]:
-        return np.append(kept, horizon)
-    fresh = _coarse_nodes(problem, horizon)
-    return np.append(kept, fresh[fresh > kept[-1] * (1.0 + 1e-9)])
+def _means(mesh: Mesh) -> tuple[Array, Array]:
+    """Return the means of φ and ψ over the cells; those of φ by Hermite's rule."""
+    values, slopes, nodes = mesh.values, mesh.slopes, mesh.nodes
+    bent = (slopes[:-1] - slopes[1:]) * (mesh.lengths / 12.0)[:, np.newaxis]
+    phi = 0.5 * (values[:-1] + values[1:]) + bent
+    return phi, mesh.problem.target_values(0.5 * (nodes[:-1] + nodes[1:]))
 
 
-def _guess_horizon(problem: MomentProblem, span: float) -> float:
-    """Return where the distance in the mean square equals that of the span."""
-    least = 2.0 * np.sqrt(span) if problem.degree else span
-    longest = least + 1.5 * float(np.sum(2.0 * np.pi / np.abs(problem.rates)))
-    x = (np.arange(64) + 0.5) / 64
-    horizons = np.geomspace(least, longest, 17)
-    low, high = 0, 16
-    while high - low > 1:
-        middle = (low + high) // 2
-        horizon = float(horizons[middle])
-        phi, psi = problem.values(horizon * x), problem.target_values(horizon * x)
-        orthonormal, _ = np.linalg.qr(phi / (np.abs(phi).max(axis=0) + 1e-300))
-        distance = psi - orthonormal @ (orthonormal.T @ psi)
-        # 0.9: mean magnitude against root mean square of a sine.
-        reached = horizon * float(np.sqrt(np.mean(distance**2))) * 0.9
-        low, high = (low, middle) if reached > span else (middle, high)
-    return float(horizons[low])
-
-
-def _solve_cells(problem: MomentProblem, nodes: Array, *, level: int) -> CellSolution:
-    """Return the multipliers of max Σ ∫_cell ψ u, |u| <= 1, Σ u ∫_cell φ = 0."""
-    length = np.diff(nodes)
-    phi = np.diff(problem.integrals(nodes), axis=0) / length[:, np.newaxis]
-    psi = np.diff(problem.target_integrals(nodes)) / length
-    scale = length @ np.abs(phi) + 1e-300
-    root = np.sqrt(length)
-    orthonormal, triangle = np.linalg.qr(phi / scale * root[:, np.newaxis])
-    tolerance = INTERIOR_TOLERANCE * float(PARTS) ** (-2 * level)
-    c = _l1_fit(orthonormal / root[:, np.newaxis], psi, length, tolerance=tolerance)
-    multipliers = np.linalg.lstsq(triangle, c, rcond=None)[0] / scale
-    end = nodes[-1:]
-    end_value = (problem.target_values(end) - problem.values(end) @ multipliers)[0]
-    return CellSolution(
-        nodes=nodes,
-        multipliers=multipliers,
-        minimum=float(length @ np.abs(psi - phi @ multipliers)),
-        end_value=abs(float(end_value)),
-        level=level,
+def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
+    """Return the force that follows σ of the fit in the mean square up to the horizon."""
+    phi, psi = _means(mesh)
+    root = np.sqrt(mesh.lengths)[:, np.newaxis]
+    scale = np.abs(phi).max(axis=0) + 1e-300
+    orthonormal, triangle = np.linalg.qr(phi / scale * root)
+    basis = orthonormal / root
+    weight = np.minimum(np.maximum(horizon - mesh.nodes[:-1], 0.0), mesh.lengths)
+    weighted = basis.T * weight
+    coefficients = np.asarray(np.linalg.solve(weighted @ basis, weighted @ psi), dtype=np.float64)
+    force, part = _central(mesh, psi - basis @ coefficients, horizon)
+    return CellForce(
+        mesh=mesh,
+        psi=psi,
+        basis=basis,
+        transform=np.linalg.pinv(triangle, rcond=1e-15) / scale[:, np.newaxis],
+        coefficients=coefficients,
+        force=force,
+        part=part,
+        horizon=horizon,
     )
 
 
-def _l1_fit(basis: Array, psi: Array, weight: Array, *, tolerance: float) -> Array:
-    """Return c that minimises Σ w |ψ - basis c|; basis orthonormal under the weights.
+def _central(mesh: Mesh, sigma: Array, horizon: float) -> tuple[Array, Array]:
+    """Return force and parts of σ at the beginning of the central path, μ being the mean of |σ|."""
+    inside = mesh.nodes[:-1] < horizon
+    mean = float(mesh.lengths[inside] @ np.abs(sigma[inside])) / horizon + 1e-300
+    root = np.sqrt(mean * mean + sigma * sigma)
+    force = sigma / (mean + root)
+    return force, 0.5 * (mean + root + SIDES * sigma)
 
-    Source: Portnoy & Koenker 1997, the interior-point method for L1 regression.
+
+def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
+    """Return the force after enough steps along the central path.
+
+    Parameters
+    ----------
+    begun
+        Any force within the limits.
+    span
+        target / F_max [s] or [s²].
+    tolerance
+        Mean complementarity against the mean of |σ| at which to stop.
+
+    Returns
+    -------
+    CellForce
+
+    Source: Portnoy & Koenker 1997, the interior-point method for L1 regression; with a
+    floating end.
     """
-    c = basis.T @ (weight * psi)
-    sigma = psi - basis @ c
-    total = float(weight.sum())
-    mean = float(weight @ np.abs(sigma)) / total + 1e-300
-    # Two rows each: what is left to u = 1 and u = -1, and the parts of σ above and below 0.
-    side = np.array([[1.0], [-1.0]])
-    room = np.ones((2, psi.size))
-    part = np.maximum(side * sigma, 0.0) + mean
-    u = np.zeros_like(psi)
-    for _ in range(INTERIOR_STEPS):
-        gap = float((part * room).sum(axis=0) @ weight) / total
-        if gap < tolerance * mean:
+    nodes, lengths, basis = begun.mesh.nodes, begun.mesh.lengths, begun.basis
+    u, c, part = begun.force.copy(), begun.coefficients, begun.part.copy()
+    sigma, room = begun.psi - basis @ c, np.array([1.0 - u, 1.0 + u])
+    across, horizon, proved, share = basis.T.copy(), begun.horizon, 0.0, 1.0
+    for _ in range(STEPS):
+        reached = np.cumsum(lengths * np.abs(sigma))
+        # Any c proves its time; one that is far from the best may prove next to nothing.
+        proved = max(proved, float(np.interp(span, reached, nodes[1:])))
+        horizon = max(proved, SHRINKING * horizon)
+        k = int(np.searchsorted(nodes, horizon))
+        weight = lengths[:k].copy()
+        weight[-1] = horizon - nodes[k - 1]
+        left, half = room[:, :k], part[:, :k]
+        gap = float(((half * left) @ weight).sum())
+        if gap < tolerance * min(span, float(reached[k - 1])):
             break
-        ratio = part / room
-        barrier = 0.5 * CENTRING * gap / room
-        stiffness = weight / (ratio[0] + ratio[1])
-        pull = sigma - barrier[0] + barrier[1]
-        hessian = basis.T @ (basis * stiffness[:, np.newaxis])
-        step = np.linalg.solve(hessian, basis.T @ (weight * u + stiffness * pull))
+        aim = CENTRING if share > LONG_STEP else RECENTRING
+        barrier, ratio = (0.5 * aim * gap / horizon) / left, half / left
+        stiffness = 1.0 / (ratio[0] + ratio[1])
+        pull = sigma[:k] - barrier[0] + barrier[1]
+        hessian = (across[:, :k] * (weight * stiffness)) @ basis[:k]
+        _, _, step, info = dgesv(hessian, across[:, :k] @ (weight * (u[:k] + stiffness * pull)))
+        if info:
+            break
         change = basis @ step
-        du = stiffness / weight * (pull - change)
-        d_room = -side * du
-        d_part = barrier - ratio * d_room - part
-        primal, dual = _longest(d_room / room), _longest(d_part / part)
-        u += primal * du
-        room += primal * d_room
-        c += dual * step
-        sigma -= dual * change
-        part += dual * d_part
-    return np.asarray(c)
+        move = stiffness * (pull - change[:k])
+        spent = move * SIDES
+        gain = barrier + ratio * spent - half
+        primal, dual = _longest(spent / left), _longest(gain / -half)
+        share = min(primal, dual)
+        u[:k] += primal * move
+        left -= primal * spent
+        half += dual * gain
+        c, sigma = c + dual * step, sigma - dual * change
+    return replace(begun, coefficients=c, force=u, part=part, horizon=horizon)
 
 
-def _longest(relative: Array) -> float:
-    """Return the step that keeps 1 + step * relative positive."""
-    return min(1.0, BACK_OFF / max(-float(relative.min()), 1e-300))
+def _longest(spent: Array) -> float:
+    """Return the step that leaves some of everything, at most 1."""
+    return min(1.0, BACK_OFF / max(float(spent.max()), 1e-300))

@@ -49,10 +49,18 @@ class MomentProblem:
         """Number of moments that must vanish."""
         return 2 * self.rates.size - 1 + self.degree
 
+    @property
+    def magnitudes(self) -> Array:
+        """|p| of each rate, shape (n_modes + 1,) [1/s]."""
+        return np.asarray(np.abs(self.rates))
+
     def amplitudes(self, multipliers: Array) -> Array:
         """Return the magnitude of the multiplier of each rate, shape (n_modes + 1,)."""
-        modal = multipliers[: 2 * self.rates.size - 2]
-        return np.append(np.hypot(modal[0::2], modal[1::2]), abs(multipliers[modal.size]))
+        lag = 2 * self.rates.size - 2
+        found = np.empty(self.rates.size)
+        np.hypot(multipliers[0:lag:2], multipliers[1:lag:2], out=found[:-1])
+        found[-1] = abs(multipliers[lag])
+        return found
 
     def constant(self, multipliers: Array) -> float:
         """Return the multiplier of φ = 1; 0 for a velocity step."""
@@ -60,14 +68,28 @@ class MomentProblem:
 
     def values(self, tau: Array) -> Array:
         """Return φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
-        return self._real(np.exp(tau[:, np.newaxis] * self.rates), np.ones(tau.size))
+        return self._real(np.exp(tau[:, np.newaxis] * self.rates), 1.0)
 
     def values_and_slopes(self, tau: Array) -> tuple[Array, Array]:
         """Return φ and dφ/dτ at remaining times τ [s] of shape (k,), each of shape (k, size)."""
         exponentials = np.exp(tau[:, np.newaxis] * self.rates)
         return (
-            self._real(exponentials, np.ones(tau.size)),
-            self._real(exponentials * self.rates, np.zeros(tau.size)),
+            self._real(exponentials, 1.0),
+            self._real(exponentials * self.rates, 0.0),
+        )
+
+    def values_slopes_integrals(self, tau: Array) -> tuple[Array, Array, Array]:
+        """Return φ, dφ/dτ and ∫_0^τ φ, each of shape (k, size), from one set of exponentials.
+
+        A mode that has decayed is exact to the unit roundoff of 1, not of itself: enough for
+        equations that are scaled by ∫|φ|, not for the search for zeros.
+        """
+        less_one: Complex = np.expm1(tau[:, np.newaxis] * self.rates)
+        exponentials: Complex = less_one + 1.0
+        return (
+            self._real(exponentials, 1.0),
+            self._real(exponentials * self.rates, 0.0),
+            self._real(less_one / self.rates, tau),
         )
 
     def integrals(self, tau: Array) -> Array:
@@ -101,10 +123,14 @@ class MomentProblem:
         """Return ∫_0^τ ψ."""
         return 0.5 * tau * tau if self.degree else tau
 
-    def _real(self, modal: Complex, constant: Array) -> Array:
-        # The real view of (re, im) pairs; the lag's pole is real, so its last column is void.
-        columns = modal.view(np.float64)[:, : 2 * self.rates.size - 1]
-        return np.column_stack([columns, constant]) if self.degree else columns
+    def _real(self, modal: Complex, constant: Array | float) -> Array:
+        # The real view of (re, im) pairs; the lag's pole is real, so its last column is void, or
+        # room for φ = 1.
+        columns = modal.view(np.float64)
+        if not self.degree:
+            return columns[:, :-1]
+        columns[:, -1] = constant
+        return columns
 
 
 def moment_problem(plant: Plant, move: Move) -> MomentProblem:

@@ -7,29 +7,24 @@ arcs of any length converge; the number of zeros is that of the start.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesv
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.dual import (
-    MARGIN,
-    Ascent,
-    DualPoint,
-    ascend,
-    evaluate_dual,
-    sign_jumps,
-)
-from mtcommission.optimal.dual_start import CellSolution, first_cells, refine_cells
+from mtcommission.optimal.dual import Ascent, DualPoint, ascend, evaluate_dual, sign_jumps
+from mtcommission.optimal.dual_start import PARTS, CellForce, improve, refine_cells, start_force
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.switching import build_mesh, values_and_slopes
 
 Array = NDArray[np.float64]
 
 NEWTON_STEPS = 12
 CONVERGED = 1e-14
-"""Moments against ∫|φ| that count as zero; one more step follows (empirical: reaches 1e-16)."""
+"""Moments against ∫|φ| that count as zero (empirical: reaches 1e-16)."""
+ON_ZERO = 1e-12
+"""σ at the switches against its parts that counts as zero."""
 FEASIBLE = 1e-10
 """Moments against ∫|φ| at which a control counts as feasible; the state follows to 1e-9 of its
 peak, as the solver checks again."""
@@ -37,14 +32,18 @@ AGREEMENT = 1e-12
 """Relative distance of time and bound at which the search ends at once."""
 SUFFICIENT = 1e-10
 """Distance that no finer start is tried for: rounding, not the start, is what is left."""
-ASCENT_STEPS = 6
-"""From each start; mostly the first attempt succeeds."""
 LARGEST_MULTIPLIER = 1e14
 """|c| ∫|φ| against ∫|σ| beyond which σ is nothing but rounding."""
 EXCHANGES = 4
 """Changes of structure in a row; one is usual next to the birth of an arc."""
-REFINEMENTS = 8
-"""Starts; the last has cells of 1e-5 of the fastest period where σ is near zero."""
+TOLERANCE = 3e-4
+"""Complementarity of the first start, from which nine of ten attempts succeed (empirical)."""
+CLOSE = 1e-6
+"""Complementarity on the first cells before they are divided (empirical)."""
+ASCENT_STEPS = 6
+"""From each start."""
+REFINEMENTS = 9
+"""Divisions; the last has cells of 1e-5 of the fastest period where σ is near zero."""
 TO_BOUNDARY = 0.9
 """Longest step, as a share of the one that closes an arc."""
 
@@ -63,8 +62,6 @@ class BangBang:
         Sign of the force before the first zero, i.e. at the end of the move.
     multipliers
         c, shape (size,).
-    defect
-        Moments of the signs and the missing target, shape (size + 1,).
     residual
         Largest violated moment against ∫|φ|, and of the target against itself.
     """
@@ -73,18 +70,7 @@ class BangBang:
     horizon: float
     first_sign: float
     multipliers: Array
-    defect: Array
     residual: float
-
-
-def moment_defect(
-    problem: MomentProblem, zeros: Array, horizon: float, *, first_sign: float, span: float
-) -> Array:
-    """Return the moments of the signs and the missing target, shape (size + 1,)."""
-    ends = np.append(zeros, horizon)
-    jumps = sign_jumps(zeros.size, first_sign=first_sign)
-    reached = jumps @ problem.target_integrals(ends) - span
-    return np.append(jumps @ problem.integrals(ends), reached)
 
 
 def polish(point: DualPoint, *, span: float) -> BangBang:
@@ -104,65 +90,95 @@ def polish(point: DualPoint, *, span: float) -> BangBang:
 
     Source: docs/optimal-control.md, section 3.
     """
-    problem = point.mesh.problem
-    scale = np.append(point.norms, span)
-    current = BangBang(
-        zeros=point.zeros,
-        horizon=point.bound,
-        first_sign=point.first_sign,
-        multipliers=point.multipliers,
-        defect=np.append(point.moments, 0.0),
-        residual=point.residual,
-    )
-    last = False
+    problem, k = point.mesh.problem, point.zeros.size
+    scale = np.append(point.norms, span) + 1e-300
+    jumps = sign_jumps(k, first_sign=point.first_sign)
+    ends, c = np.append(point.zeros, point.bound), point.multipliers
+    best_ends, best_c, least = ends, c, inf
     for _ in range(NEWTON_STEPS):
-        following = _step(problem, current, scale=scale, span=span)
-        if last or not np.isfinite(following.residual):
-            return current if current.residual <= following.residual else following
-        last = following.residual <= CONVERGED
-        current = following
-    return current
-
-
-def _step(problem: MomentProblem, current: BangBang, *, scale: Array, span: float) -> BangBang:
-    zeros, n, k = current.zeros, problem.size, current.zeros.size
-    sigma, slopes, phi = values_and_slopes(problem, current.multipliers, zeros)
-    ends = np.append(zeros, current.horizon)
-    functions = np.column_stack([problem.values(ends), problem.target_values(ends)])
-    jumps = sign_jumps(k, first_sign=current.first_sign)
-    matrix = np.zeros((k + n + 1, k + n + 1))
-    matrix[np.arange(k), np.arange(k)] = slopes
-    matrix[:k, k + 1 :] = -phi / scale[:-1]
-    matrix[k:, : k + 1] = (functions * jumps[:, np.newaxis] / scale).T
-    right = -np.concatenate([sigma, current.defect / scale])
-    step = _solve(matrix, right)
-    share = _share(ends, step[: k + 1])
-    zeros = zeros + share * step[:k]
-    horizon = current.horizon + share * float(step[k])
-    left = moment_defect(problem, zeros, horizon, first_sign=current.first_sign, span=span)
-    scaled = current.multipliers * scale[:-1] / span + share * step[k + 1 :] / span
-    usable = bool(np.all(np.abs(scaled) < LARGEST_MULTIPLIER))
+        here = _equations(problem, ends, c, jumps=jumps, span=span)
+        defect = here.defect / scale
+        residual = float(np.abs(defect).max())
+        usable = float(np.abs(c * scale[:-1]).max()) < LARGEST_MULTIPLIER * span
+        if not (usable and isfinite(residual)):
+            break
+        if residual < least:
+            best_ends, best_c, least = ends, c, residual
+        off = float(np.abs(here.sigma[:k]).max()) if k else 0.0
+        if residual <= CONVERGED and off <= ON_ZERO * float(here.psi[-1]):
+            break
+        step = _solve(_matrix(here, jumps, scale), -np.concatenate([here.sigma[:k], defect]))
+        share = _share(ends, step[: k + 1])
+        ends = ends + share * step[: k + 1]
+        c = c + share * step[k + 1 :] / scale[:-1]
     return BangBang(
-        zeros=zeros,
-        horizon=horizon,
-        first_sign=current.first_sign,
-        multipliers=current.multipliers + share * step[k + 1 :] / scale[:-1],
-        defect=left,
-        residual=float(np.max(np.abs(left / scale))) if usable else inf,
+        zeros=best_ends[:-1],
+        horizon=float(best_ends[-1]),
+        first_sign=point.first_sign,
+        multipliers=best_c,
+        residual=least,
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Equations:
+    """What must vanish, and what its derivatives are made of, at zeros and final time.
+
+    Parameters
+    ----------
+    phi, psi
+        Shapes (k + 1, size) and (k + 1,).
+    sigma, slope
+        σ and dσ/dτ, shape (k + 1,).
+    defect
+        Moments of the signs and the missing target, shape (size + 1,).
+    """
+
+    phi: Array
+    psi: Array
+    sigma: Array
+    slope: Array
+    defect: Array
+
+
+def _equations(
+    problem: MomentProblem, ends: Array, multipliers: Array, *, jumps: Array, span: float
+) -> _Equations:
+    phi, slope, integrals = problem.values_slopes_integrals(ends)
+    psi = problem.target_values(ends)
+    missing = float(jumps @ problem.target_integrals(ends)) - span
+    return _Equations(
+        phi=phi,
+        psi=psi,
+        sigma=psi - phi @ multipliers,
+        slope=problem.degree - slope @ multipliers,
+        defect=np.append(jumps @ integrals, missing),
+    )
+
+
+def _matrix(here: _Equations, jumps: Array, scale: Array) -> Array:
+    """Return the derivatives of σ(τ_k), moments and target over τ_k, t_f and scaled c."""
+    k, size = jumps.size - 1, scale.size - 1
+    matrix = np.zeros((k + size + 1, k + size + 1))
+    matrix[np.arange(k), np.arange(k)] = here.slope[:k]
+    matrix[:k, k + 1 :] = here.phi[:k] / -scale[:-1]
+    matrix[k:-1, : k + 1] = (here.phi * jumps[:, np.newaxis] / scale[:-1]).T
+    matrix[-1, : k + 1] = here.psi * jumps / scale[-1]
+    return matrix
 
 
 def _solve(matrix: Array, right: Array) -> Array:
-    try:
-        return np.asarray(np.linalg.solve(matrix, right))
-    except np.linalg.LinAlgError:
+    _, _, step, info = dgesv(matrix, right)
+    if info:
         # Fewer switches than conditions leave multipliers undetermined: take the least step.
         return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
+    return np.asarray(step)
 
 
 def _share(ends: Array, step: Array) -> float:
-    lengths = ends - np.append(0.0, ends[:-1])
-    closing = np.append(0.0, step[:-1]) - step
+    lengths, closing = ends.copy(), -step
+    lengths[1:] -= ends[:-1]
+    closing[1:] += step[:-1]
     return min(1.0, TO_BOUNDARY / max(float((closing / lengths).max()), 1e-300))
 
 
@@ -189,30 +205,24 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
         NO_CONVERGENCE if no attempt is feasible to ``FEASIBLE``; how far the bound stays behind
         is left to the certificate.
     """
-    cells = first_cells(problem, span=span)
-    ascent = Ascent(point=_dual_start(problem, cells, span))
-    attempts = []
-    for _ in range(REFINEMENTS):
+    best = Attempt(control=None, gap=inf)
+    cells = start_force(problem, span=span, tolerance=TOLERANCE)
+    ascent = Ascent(point=_proved_by(cells, span))
+    for refinement in range(REFINEMENTS):
         for _ in range(ASCENT_STEPS):
-            attempts.append(_exchange(ascent.point, span))
-            if attempts[-1].gap <= AGREEMENT or ascent.stalled:
+            best = min(best, _exchange(ascent.point, span), key=lambda attempt: attempt.gap)
+            if best.gap <= AGREEMENT or ascent.stalled:
                 break
             ascent = ascend(ascent, span=span)
-        best = min(attempts, key=lambda attempt: attempt.gap)
         if best.gap <= SUFFICIENT:
-            return best.control
-        cells = refine_cells(problem, cells, span=span)
-        fresh = _dual_start(problem, cells, span)
-        if fresh.bound > ascent.point.bound:
-            ascent = Ascent(point=fresh)
-    if best.gap < inf:
-        return best.control
-    point = ascent.point
-    detail = (
-        f"bound {point.bound:.9g} s for span {span:.6g}, {point.zeros.size} switches, "
-        f"largest relative moment {point.residual:.2g}"
-    )
-    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+            break
+        finer = refine_cells(cells) if refinement else cells
+        cells = improve(finer, span=span, tolerance=CLOSE * PARTS**-refinement)
+        ascent = Ascent(point=_proved_by(cells, span))
+    if best.control is None:
+        detail = f"no control for span {span:.6g} next to {cells.horizon:.9g} s reaches rest"
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    return best.control
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -222,13 +232,17 @@ class Attempt:
     Parameters
     ----------
     control
-        The control.
+        The control; None if it is not feasible.
     gap
         Relative distance; inf for a control that is not feasible.
     """
 
-    control: BangBang
+    control: BangBang | None
     gap: float
+
+
+def _proved_by(cells: CellForce, span: float) -> DualPoint:
+    return evaluate_dual(cells.mesh, cells.multipliers, span=span, near=cells.horizon)
 
 
 def _exchange(point: DualPoint, span: float) -> Attempt:
@@ -236,20 +250,14 @@ def _exchange(point: DualPoint, span: float) -> Attempt:
 
     Next to the birth of an arc this is what adds or drops the two zeros.
     """
-    best = Attempt(control=polish(point, span=span), gap=inf)
-    control = best.control
+    best = Attempt(control=None, gap=inf)
     for _ in range(EXCHANGES):
+        control = polish(point, span=span)
         if control.residual > FEASIBLE:
             break
-        proof = evaluate_dual(point.mesh, control.multipliers, span=span)
-        gap = abs(control.horizon - proof.bound) / control.horizon
+        point = evaluate_dual(point.mesh, control.multipliers, span=span, near=control.horizon)
+        gap = abs(control.horizon - point.bound) / control.horizon
         best = Attempt(control=control, gap=gap) if gap < best.gap else best
-        if gap <= AGREEMENT or proof.zeros.size == control.zeros.size:
+        if gap <= AGREEMENT or point.zeros.size == control.zeros.size:
             break
-        control = polish(proof, span=span)
     return best
-
-
-def _dual_start(problem: MomentProblem, cells: CellSolution, span: float) -> DualPoint:
-    mesh = build_mesh(problem, MARGIN * cells.horizon)
-    return evaluate_dual(mesh, cells.multipliers, span=span)
