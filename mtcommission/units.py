@@ -10,11 +10,12 @@ from __future__ import annotations
 import re
 from collections import deque
 from dataclasses import dataclass
-from difflib import get_close_matches
 from fractions import Fraction
 from itertools import product
 from math import isfinite, pi
 from typing import NamedTuple
+
+from mtcommission.unit_advice import find_worth, list_candidates
 
 LONGEST_TEXT = 80
 """Characters of a quantity; keeps hostile input from costing time."""
@@ -251,10 +252,7 @@ def _word(word: str, power: int) -> tuple[Unit, ...]:
         return (SYMBOLS[word] ** power,)
     splits = _splits(word) if len(word) <= LONGEST_WORD else []
     if not splits:
-        same = [symbol for symbol in SYMBOLS if symbol.lower() == word.lower()]
-        close = same or get_close_matches(word, SYMBOLS, n=1, cutoff=0.6)
-        proposal = f' (did you mean "{close[0]}"?)' if close else ""
-        raise ValueError(f'unknown unit "{word}"{proposal}')
+        raise ValueError(f'unknown unit "{word}"')
     meanings = []
     for *first, last in splits:
         unit = SYMBOLS[last] ** power
@@ -317,14 +315,38 @@ def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = Fal
     try:
         meanings = read_unit(unit)
     except ValueError as error:
-        raise ValueError(f'got "{shown}": {error}; {_expected(dimension)}') from error
+        advice = _advise(unit, dimension)
+        raise ValueError(f'got "{shown}": {error}{advice}; {_expected(dimension)}') from error
     if not unit:
         return _value(number, ONE, shown)
     for meaning, form in product(meanings, dimension.forms):
         if meaning.exponents == form.exponents:
             return _value(number, meaning * form**-1, shown)
     hint = "; g is the gram here, write 9.81 m/s^2" if unit == "g" else ""
-    raise ValueError(f'got "{shown}", which is {_name(meanings[0])}; {_expected(dimension)}{hint}')
+    name = _name(meanings[0])
+    advice = _advise(unit, dimension) if name.startswith("a quantity in") else ""
+    raise ValueError(f'got "{shown}", which is {name}{advice}; {_expected(dimension)}{hint}')
+
+
+def _advise(unit: str, dimension: Dimension) -> str:
+    """Return what the unit is worth, or which one may have been meant that fits here."""
+    worth = find_worth(unit)
+    if worth:
+        return f" ({worth})"
+    usual = re.split(", | or ", dimension.usual.removeprefix("in "))
+    for candidate in list_candidates(unit, usual, tuple(SYMBOLS)):
+        if _fits(candidate, dimension):
+            return f' (did you mean "{candidate}"?)'
+    return ""
+
+
+def _fits(unit: str, dimension: Dimension) -> bool:
+    try:
+        meanings = read_unit(unit)
+    except ValueError:
+        return False
+    exponents = {form.exponents for form in dimension.forms}
+    return any(meaning.exponents in exponents for meaning in meanings)
 
 
 def _split_number(

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from math import isfinite, pi
 
 import pint
@@ -7,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mtcommission.unit_advice import FOREIGN
 from mtcommission.units import (
     ACCELERATION,
     ANGLE,
@@ -138,14 +140,24 @@ def test_a_factor_of_ten_costs_no_digit(number: object) -> None:
 
 
 MUST_BE_MASS = "; must be a mass, in kg, g or t"
+MEANT_KG = ' (did you mean "kg"?)' + MUST_BE_MASS
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("5 kg^2", 'got "5 kg^2", which is a quantity in kg^2' + MUST_BE_MASS),
-        ("5 Kg", 'got "5 Kg": unknown unit "Kg" (did you mean "kg"?)' + MUST_BE_MASS),
-        ("5 lbs", 'got "5 lbs": unknown unit "lbs"' + MUST_BE_MASS),
+        ("5 kg^2", 'got "5 kg^2", which is a quantity in kg^2' + MEANT_KG),
+        ("5 Kg", 'got "5 Kg": unknown unit "Kg"' + MEANT_KG),
+        ("5 lbs", 'got "5 lbs": unknown unit "lbs" (1 lb = 0.45359237 kg)' + MUST_BE_MASS),
+        ("5 kilo", 'got "5 kilo": unknown unit "kilo"' + MEANT_KG),
+        (
+            "5 kgg",
+            'got "5 kgg", which is a quantity in kg^2' + MEANT_KG,
+        ),
+        (
+            "5 kgs",
+            'got "5 kgs", which is a quantity in kg s' + MEANT_KG,
+        ),
         ("2,5 kg", 'got "2,5 kg" with a comma; write it with a point: "2.5 kg"'),
         ("1,000,000 kg", 'got "1,000,000 kg"; write the number without thousands separators'),
         ("nan", 'got "nan", must be a finite number' + MUST_BE_MASS),
@@ -156,14 +168,14 @@ MUST_BE_MASS = "; must be a mass, in kg, g or t"
         ("", 'got "", which does not begin with a number' + MUST_BE_MASS),
         (
             "5 (kg",
-            'got "5 (kg": "(kg" is not a unit: a closing parenthesis is missing' + MUST_BE_MASS,
+            'got "5 (kg": "(kg" is not a unit: a closing parenthesis is missing' + MEANT_KG,
         ),
         (
             "5 kg)",
-            'got "5 kg)": "kg)" is not a unit: an opening parenthesis is missing' + MUST_BE_MASS,
+            'got "5 kg)": "kg)" is not a unit: an opening parenthesis is missing' + MEANT_KG,
         ),
-        ("5 kg/", 'got "5 kg/": "kg/" is not a unit: it breaks off' + MUST_BE_MASS),
-        ("5 *kg", 'got "5 *kg": "*kg" is not a unit: "*" is misplaced' + MUST_BE_MASS),
+        ("5 kg/", 'got "5 kg/": "kg/" is not a unit: it breaks off' + MEANT_KG),
+        ("5 *kg", 'got "5 *kg": "*kg" is not a unit: "*" is misplaced' + MEANT_KG),
         (
             "10 1000 kg",
             'got "10 1000 kg": "1000 kg" is not a unit; write it like "N s/m" or "m/s^2"'
@@ -192,6 +204,49 @@ def test_a_unit_of_another_quantity_is_refused(
     text: str, dimension: Dimension, got: str, wanted: str
 ) -> None:
     assert fault_in(text, dimension) == f'got "{text}", which is {got}; must be {wanted}'
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "meant"),
+    [
+        ("30 m/mn", VELOCITY, "m/min"),
+        ("30 m/Min", VELOCITY, "m/min"),
+        ("30 U/min", ANGULAR_VELOCITY, "rev/min"),
+        ("3 newton", FORCE, "N"),
+        ("3 mn", FORCE, "mN"),
+        ("3 KN", FORCE, "kN"),
+        ("3 sec", TIME, "s"),
+        ("3 microns", LENGTH, "um"),
+        ("50 hz", FREQUENCY, "Hz"),
+        ("44 N/my", STIFFNESS, "N/um"),
+        ("40 kg/m^2", INERTIA, "kg m^2"),
+        ("2 m/s/s/s/s", ACCELERATION, ""),
+        ("3 furlong", LENGTH, ""),
+    ],
+)
+def test_a_proposed_unit_fits_the_place(text: str, dimension: Dimension, meant: str) -> None:
+    """Advice that is refused in turn helps nobody."""
+    said = fault_in(text, dimension)
+    found = re.search(r'did you mean "([^"]+)"', said)
+    assert (found[1] if found else "") == meant
+    if found:
+        parse_quantity(f"1 {found[1]}", dimension)
+
+
+@pytest.mark.parametrize(("word", "worth"), sorted(FOREIGN.items()))
+def test_what_foreign_units_are_worth_is_what_pint_says(word: str, worth: str) -> None:
+    """A wrong factor in the advice would be typed in as a wrong mass."""
+    left, value, unit = re.fullmatch(r"1 (\w+) = ([0-9.]+) (.+)", worth).groups()  # type: ignore[union-attr]
+    names = {
+        "lbf": "force_pound",
+        "kp": "kilogram_force",
+        "kgf": "kilogram_force",
+        "ipm": "inch/min",
+        "PS": "metric_horsepower",
+        "h": "hour",
+    }
+    one = PINT.Quantity(1.0, names.get(left, left)).to(unit.replace(" m", "*m"))
+    assert one.m == pytest.approx(float(value), rel=1e-5)
 
 
 def test_g_is_the_gram() -> None:
