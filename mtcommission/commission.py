@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from mtcommission.assess import Assessment
+from mtcommission.attainable import Attainable, find_attainable, find_least_residual
 from mtcommission.choose import Choice, choose_limits
 from mtcommission.comparison import ComparedControl, compare_controls
 from mtcommission.feedforward import FedForward, feed_forward
@@ -18,12 +19,14 @@ from mtcommission.loop.continuous import ContinuousResponse, simulate_continuous
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.loop_choice import LoopChoice, Settings, settle_on_loop
 from mtcommission.machine import Machine
+from mtcommission.move_sizes import MoveSizes, SetpointWay, vary_move_sizes
 from mtcommission.optima import Optima, condense_optima, find_optima, require_force
 from mtcommission.plant import Plant, build_plant
 from mtcommission.robustness import Robustness, examine_robustness
 from mtcommission.rule import RuleResult, apply_commissioning_rule
 from mtcommission.rules import apply_rules
 from mtcommission.shapers import compare_shapers
+from mtcommission.size_filter import find_size_filter
 from mtcommission.trials import MoveResult, Trial, judge, run_moves
 
 RULE_SOURCE = "this project, by hand; derived and validated in docs/commissioning-rule.md"
@@ -43,12 +46,16 @@ class ModeLimits:
         Allowed residual deviation [m].
     choice, trial
         The search with this band, and its result judged with it.
+    attainable
+        Where that result does not meet all requirements, it is no recommendation: the least
+        residual deviation that was found with the others kept; None if met, or if there is none.
     """
 
     name: str
     band: float
     choice: Choice
     trial: Trial
+    attainable: Attainable | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,6 +109,11 @@ class Commissioning:
         The commissioning rule by hand, applied to this machine.
     robustness
         The recommended limits where machine or limits differ a little.
+    move_sizes
+        Recommendation, rule and setpoint filter on smaller and larger moves.
+    attainable
+        What could be met in place of the requirements that stand in the way; empty if all are
+        met, or if no single one is the obstacle.
     """
 
     machine: Machine
@@ -118,6 +130,8 @@ class Commissioning:
     modes: tuple[ModeLimits, ...]
     rule: RuleResult
     robustness: Robustness
+    move_sizes: tuple[MoveSizes, ...]
+    attainable: tuple[Attainable, ...]
 
     @property
     def tuned(self) -> TunedLoop:
@@ -181,6 +195,10 @@ def commission(
         ),
         *compare_shapers(machine, plant, tuned),
     )
+    attainable: tuple[Attainable, ...] = ()
+    if not recommended.assessment.is_met:
+        progress("what could be met")
+        attainable = find_attainable(machine, plant, tuned, choice, settings=settings.comparison)
     progress("machining modes")
     modes = limits_by_mode(machine, plant, tuned, choice, start_limits, settings)
     progress("comparison with the optima")
@@ -207,6 +225,8 @@ def commission(
         modes=modes,
         rule=rule,
         robustness=robustness,
+        move_sizes=vary_move_sizes(machine, tuned, _ways(machine, plant, tuned, choice, rule)),
+        attainable=attainable,
     )
 
 
@@ -245,8 +265,26 @@ def limits_by_mode(
         if band != machine.requirements.tcp_deviation:
             chosen = choose_limits(other, plant, tuned, starts=starts, settings=settings.search)
         trial = judge(other, plant, tuned, name, "machining mode", chosen.limits)
-        found.append(ModeLimits(name=name, band=band, choice=chosen, trial=trial))
+        attainable = None
+        if not trial.assessment.is_met:
+            attainable = find_least_residual(other, plant, tuned, chosen)
+        found.append(
+            ModeLimits(name=name, band=band, choice=chosen, trial=trial, attainable=attainable)
+        )
     return tuple(found)
+
+
+def _ways(
+    machine: Machine, plant: Plant, tuned: TunedLoop, choice: Choice, rule: RuleResult
+) -> tuple[SetpointWay, ...]:
+    """What is tried on moves of other sizes; the filter only where it cures all smaller ones."""
+    own = machine.control.moving_average_time
+    cure = find_size_filter(machine, plant, tuned)
+    return (
+        SetpointWay(name="recommended", limits=choice.limits, moving_average=own),
+        SetpointWay(name="commissioning rule", limits=rule.limits, moving_average=own),
+        *((cure,) if cure else ()),
+    )
 
 
 def compare(

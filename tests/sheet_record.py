@@ -7,7 +7,7 @@ from math import exp, pi, sin
 from typing import Any
 
 from mtcommission.record.files import find_checksum
-from mtcommission.record.schema import Record
+from mtcommission.record.schema import NO_LIMITS, Record
 from mtcommission.rule import VALIDITY
 
 HOSTILE = '<script>alert("1")</script> #set text(red) [bold]x[/bold] $x_1$ \\u{41} &amp; ÄÖÜß µ'
@@ -124,6 +124,24 @@ def unsettled_record() -> Record:
     for comparison in record["comparisons"][0]["controls"]:
         comparison["transfer_time"] = None
     record["robustness"] = _unsettled_robustness()
+    for mode in limits["modes"]:
+        mode["acceleration"] = mode["jerk"] = mode["jerk_time"] = None
+        mode["settling_time"] = mode["residual_deviation"] = None
+        mode["bound_by"] = mode["reason"] = NO_LIMITS
+        mode["meets_requirements"] = False
+    limits["modes"][0]["attainable"] = 3.17e-6
+    limits["attainable"] = [
+        {
+            "requirement": "settling time",
+            "limit": 0.2,
+            "value": 0.2313,
+            "unit": "s",
+            "acceleration": 0.9,
+            "jerk": 11.0,
+        }
+    ]
+    for item in limits["move_sizes"]:
+        item["kept_from"] = item["kept_to"] = item["full_from"] = None
     record["assessment"] = {
         "met": False,
         "checks": [
@@ -288,6 +306,12 @@ def _limits() -> Any:
             "peak_deviation": best["peak_deviation"],
         },
         "modes": [_mode("surface", 2e-6), _mode("accuracy", 5e-6), _mode("speed", 2e-5)],
+        "attainable": [],
+        "move_sizes": [
+            _move_sizes("recommended", 41.0, 0.0),
+            _move_sizes("commissioning rule", 24.0, 0.0),
+            _move_sizes("moving average", None, 0.0199),
+        ],
         "alternatives": [_trial("gentler", 0.8)],
         "rules": [_trial("j = a f", 1.3), _trial("j = 10 a", 1.7)],
         "rule": {
@@ -345,6 +369,26 @@ def _mode(name: str, band: float) -> Any:
         "settling_time": 0.11,
         "residual_deviation": 0.9 * band,
         "meets_requirements": True,
+        "reason": "",
+        "attainable": None,
+    }
+
+
+def _move_sizes(way: str, jerk: float | None, moving_average: float) -> Any:
+    size = [0.00102 * 300 ** (k / 31) for k in range(32)]
+    return {
+        "way": way,
+        "acceleration": 1.9,
+        "jerk": jerk,
+        "moving_average": moving_average,
+        "move": {"velocity_step": 0.102},
+        "own": 0.102,
+        "size": size,
+        "settling_time": [0.06 + 0.4 * value for value in size],
+        "residual_deviation": [4.5e-6 * (1.3 + sin(40.0 * value)) for value in size],
+        "full_from": 0.0881,
+        "kept_from": 0.0714,
+        "kept_to": 0.1233,
     }
 
 

@@ -177,11 +177,15 @@ def with_gains(subject: Subject, gains: Gains) -> Subject:
 
 def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
     """Return the subject with the limits and the band of one machining mode."""
+    acceleration, jerk = mode["acceleration"], mode["jerk"]
+    if acceleration is None or jerk is None:
+        message = f"no limits meet the requirements of machining mode {mode['name']}"
+        raise InputError([Fault(where="record", key="limits.modes", message=message)])
     needs = replace(subject.machine.requirements, tcp_deviation=mode["band"])
     return replace(
         subject,
         machine=replace(subject.machine, requirements=needs),
-        limits=MotionLimits(acceleration=mode["acceleration"], jerk=mode["jerk"]),
+        limits=MotionLimits(acceleration=acceleration, jerk=jerk),
         settling_time=_or_infinite(mode["settling_time"]),
         is_met=mode["meets_requirements"],
     )

@@ -5,18 +5,25 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.commission import Commissioning
+from mtcommission.commission import Commissioning, ModeLimits
+from mtcommission.machine import VelocityStep
+from mtcommission.move_sizes import MoveSizes
+from mtcommission.record.data import describe_move
 from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
+    NO_LIMITS,
     Alternative,
+    AttainableEntry,
     Landscape,
     LimitsEntry,
     LimitsPart,
     ModeLimitsEntry,
+    MoveSizesEntry,
     RuleResult,
     RuleStepEntry,
     RuleText,
 )
+from mtcommission.rules import NO_JERK_LIMIT
 
 Array = NDArray[np.float64]
 
@@ -34,20 +41,19 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
             residual_deviation=finite_or_none(best.residual_deviation),
             peak_deviation=best.peak_deviation,
         ),
-        modes=[
-            ModeLimitsEntry(
-                name=mode.name,
-                band=mode.band,
-                acceleration=mode.trial.limits.acceleration,
-                jerk=mode.trial.limits.jerk,
-                jerk_time=mode.trial.limits.jerk_time,
-                bound_by=mode.choice.bound_by,
-                settling_time=finite_or_none(mode.trial.settling_time),
-                residual_deviation=finite_or_none(mode.trial.residual_deviation),
-                meets_requirements=mode.trial.assessment.is_met,
+        modes=[_mode_entry(mode) for mode in commissioning.modes],
+        attainable=[
+            AttainableEntry(
+                requirement=item.requirement,
+                limit=item.limit,
+                value=item.value,
+                unit=item.unit,
+                acceleration=item.limits.acceleration,
+                jerk=item.limits.jerk,
             )
-            for mode in commissioning.modes
+            for item in commissioning.attainable
         ],
+        move_sizes=[_move_sizes_entry(item) for item in commissioning.move_sizes],
         alternatives=[
             Alternative(
                 name=trial.name,
@@ -115,6 +121,52 @@ def _rule_text(commissioning: Commissioning) -> RuleText:
     )
 
 
+def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
+    trial, limits = mode.trial, mode.trial.limits
+    is_met = trial.assessment.is_met
+    return ModeLimitsEntry(
+        name=mode.name,
+        band=mode.band,
+        acceleration=limits.acceleration if is_met else None,
+        jerk=limits.jerk if is_met else None,
+        jerk_time=limits.jerk_time if is_met else None,
+        bound_by=mode.choice.bound_by if is_met else NO_LIMITS,
+        settling_time=finite_or_none(trial.settling_time) if is_met else None,
+        residual_deviation=finite_or_none(trial.residual_deviation) if is_met else None,
+        meets_requirements=is_met,
+        reason="" if is_met else NO_LIMITS,
+        attainable=mode.attainable.value if mode.attainable else None,
+    )
+
+
+def _move_sizes_entry(item: MoveSizes) -> MoveSizesEntry:
+    way, move = item.way, item.move
+    is_limited = way.limits.jerk_time > 2.0 * NO_JERK_LIMIT
+    return MoveSizesEntry(
+        way=way.name,
+        acceleration=way.limits.acceleration,
+        jerk=way.limits.jerk if is_limited else None,
+        moving_average=way.moving_average,
+        move=describe_move(move),
+        own=move.velocity_step if isinstance(move, VelocityStep) else move.distance,
+        size=[_five_digits(value) for value in item.size.tolist()],
+        settling_time=_row(item.settling_time),
+        residual_deviation=_row(item.residual_deviation),
+        full_from=finite_or_none(item.full_from),
+        kept_from=finite_or_none(item.kept_from),
+        kept_to=finite_or_none(item.kept_to),
+    )
+
+
 def _plotted(grid: Array) -> list[list[float | None]]:
-    """A grid for plots only: five digits."""
-    return [[finite_or_none(float(f"{value:.5g}")) for value in row] for row in grid]
+    """A grid for plots only."""
+    return [_row(row) for row in grid]
+
+
+def _row(values: Array) -> list[float | None]:
+    return [finite_or_none(_five_digits(value)) for value in values.tolist()]
+
+
+def _five_digits(value: float) -> float:
+    """Enough for a plot, and short to write."""
+    return float(f"{value:.5g}")

@@ -11,6 +11,9 @@ from typing import TypedDict
 
 SCHEMA = 1
 
+NO_LIMITS = "no limits were found that meet all requirements with this band"
+"""Why a machining mode has no values."""
+
 CertificateEntry = dict[str, float | bool | dict[str, float] | list[float] | None]
 
 
@@ -185,24 +188,76 @@ class Landscape(TypedDict):
 
 
 class ModeLimitsEntry(TypedDict):
-    """Limits for one machining mode, from a band of its own."""
+    """Limits for one machining mode, from a band of its own.
+
+    Where none were found that meet all requirements with this band, ``meets_requirements`` is
+    false, ``reason`` says so, and all values are null: nothing must be typed in. ``attainable``
+    is then the least residual deviation that was found with all other requirements kept, i.e.
+    the band that could be asked for [m]; null if there is none.
+    """
 
     name: str
     band: float
-    acceleration: float
-    jerk: float
-    jerk_time: float
+    acceleration: float | None
+    jerk: float | None
+    jerk_time: float | None
     bound_by: str
     settling_time: float | None
     residual_deviation: float | None
     meets_requirements: bool
+    reason: str
+    attainable: float | None
+
+
+class AttainableEntry(TypedDict):
+    """A requirement that stands in the way: ``value`` could be met instead of ``limit``.
+
+    All other requirements are kept then, by these limits. Names as in the verdict's checks.
+    """
+
+    requirement: str
+    limit: float
+    value: float
+    unit: str
+    acceleration: float
+    jerk: float
+
+
+class MoveSizesEntry(TypedDict):
+    """The same limits on smaller and larger moves than the profile's, worst over the corners.
+
+    ``way``: "recommended", "commissioning rule", or "moving average" (the setpoint filter with
+    the length of one period, without a jerk limit: ``jerk`` null; only where it keeps the band
+    on all smaller moves). ``size`` is the velocity step [m/s] or the distance [m]; ``own`` that
+    of the profile's move. From ``full_from`` on the acceleration is reached (a²/j, or 2 a³/j²;
+    null: never). The band is kept for all sizes from ``kept_from`` to ``kept_to``, about
+    ``own`` (both null if not even there); an end of ``size`` means: at least so far.
+    """
+
+    way: str
+    acceleration: float
+    jerk: float | None
+    moving_average: float
+    move: dict[str, float]
+    own: float
+    size: list[float]
+    settling_time: list[float | None]
+    residual_deviation: list[float | None]
+    full_from: float | None
+    kept_from: float | None
+    kept_to: float | None
 
 
 class LimitsPart(TypedDict):
-    """All about the limits."""
+    """All about the limits.
+
+    ``attainable`` is empty if all requirements are met, or if no single one is the obstacle.
+    """
 
     recommended: LimitsEntry
     modes: list[ModeLimitsEntry]
+    attainable: list[AttainableEntry]
+    move_sizes: list[MoveSizesEntry]
     alternatives: list[Alternative]
     rules: list[RuleResult]
     rule: RuleText

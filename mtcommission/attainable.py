@@ -1,0 +1,224 @@
+"""Where no limits meet the requirements: which requirement is in the way, and what could be met.
+
+Each requirement is relaxed alone, the others kept: if limits are found then, that requirement is
+an obstacle, and the value that those limits reach is what could be asked for instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from math import inf, isfinite, sqrt
+
+import numpy as np
+
+from mtcommission.choose import Choice, SearchSettings, choose_limits
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.tuning import TunedLoop
+from mtcommission.machine import Machine, Peak
+from mtcommission.plant import Plant
+from mtcommission.setpoint import jerk_steps
+from mtcommission.trials import Trial, judge
+
+CANDIDATES = 12
+"""Limits with the least residual of the landscape that are simulated, until one keeps the rest."""
+
+HALVINGS = 5
+"""Of the range between the bound asked for and the one that is surely met, logarithmic."""
+
+EASED = 1.0 + 1e-6
+"""The band with which least residuals are judged, over the residual itself."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attainable:
+    """What could be met in place of one requirement, all others kept.
+
+    Parameters
+    ----------
+    requirement
+        Name as in the verdict.
+    limit
+        What is asked for.
+    value
+        What was reached (the least that was found).
+    unit
+        SI unit of both.
+    limits
+        Acceleration and jerk that reach it.
+    """
+
+    requirement: str
+    limit: float
+    value: float
+    unit: str
+    limits: MotionLimits
+
+
+def find_attainable(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    choice: Choice,
+    *,
+    settings: SearchSettings,
+) -> tuple[Attainable, ...]:
+    """Return what could be met in place of each requirement that stands in the way.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    choice
+        The search that met not all requirements; its landscape is used.
+    settings
+        Of the searches with a requirement relaxed.
+
+    Returns
+    -------
+    tuple of Attainable
+        Empty if no single requirement is the obstacle: then several must give way.
+    """
+    residual = find_least_residual(machine, plant, tuned, choice)
+    found = [] if residual is None else [residual]
+    for relaxation in _relaxations(machine):
+        attained = _relax(machine, plant, tuned, relaxation, settings)
+        if attained is not None:
+            found.append(attained)
+    return tuple(found)
+
+
+def find_least_residual(
+    machine: Machine, plant: Plant, tuned: TunedLoop, choice: Choice
+) -> Attainable | None:
+    """Return the least residual deviation of the landscape whose limits keep all the rest.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    choice
+        Its landscape is used.
+
+    Returns
+    -------
+    Attainable or None
+        None if no limits keep the other requirements, whatever the band.
+    """
+    a, t_j = (
+        axis.ravel() for axis in np.meshgrid(choice.acceleration, choice.jerk_time, indexing="ij")
+    )
+    ends = [jerk_steps(move, acceleration=a, jerk=a / t_j).duration for move in machine.moves]
+    earliest = np.max(ends, axis=0) + machine.control.moving_average_time
+    earliest += tuned.controller.reference_delay
+    possible = (choice.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
+    residual = np.where(possible, choice.residual_deviation.ravel(), inf)
+    best: Attainable | None = None
+    for i in np.argsort(residual, kind="stable")[: min(CANDIDATES, int(possible.sum()))]:
+        limits = MotionLimits(acceleration=_typed(a[i]), jerk=_typed(a[i] / t_j[i]))
+        trial = judge(machine, plant, tuned, "", "", limits)
+        band = EASED * trial.residual_deviation
+        if not isfinite(band) or (best is not None and band >= best.value):
+            continue
+        eased = judge(_with_band(machine, band), plant, tuned, "", "", limits)
+        if eased.assessment.is_met:
+            best = _attained(trial, "residual deviation")
+    return best
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Relaxation:
+    """A requirement by its name in the verdict, and the machine with another bound for it.
+
+    The search itself finds the least settling time; of peaks and forces it takes what it may.
+    """
+
+    requirement: str
+    bound: float
+    with_bound: Callable[[float], Machine]
+    is_searched: bool
+
+
+def _relaxations(machine: Machine) -> Iterator[_Relaxation]:
+    needs, drive = machine.requirements, machine.drive
+    if isfinite(needs.max_settling_time):
+        yield _Relaxation(
+            requirement="settling time",
+            bound=needs.max_settling_time,
+            with_bound=lambda bound: replace(
+                machine, requirements=replace(needs, max_settling_time=bound)
+            ),
+            is_searched=True,
+        )
+    for peak in needs.peaks:
+        yield _Relaxation(
+            requirement=f"peak {peak.name}",
+            bound=peak.bound,
+            with_bound=partial(_with_peak, machine, peak),
+            is_searched=False,
+        )
+    if isfinite(drive.continuous_force):
+        yield _Relaxation(
+            requirement="RMS force",
+            bound=drive.continuous_force,
+            with_bound=lambda bound: replace(machine, drive=replace(drive, continuous_force=bound)),
+            is_searched=False,
+        )
+
+
+def _with_peak(machine: Machine, peak: Peak, bound: float) -> Machine:
+    needs = machine.requirements
+    peaks = tuple(replace(item, bound=bound) if item == peak else item for item in needs.peaks)
+    return replace(machine, requirements=replace(needs, peaks=peaks))
+
+
+def _relax(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    relaxation: _Relaxation,
+    settings: SearchSettings,
+) -> Attainable | None:
+    """The least value found for one requirement; None if dropping it does not help."""
+
+    def search(bound: float) -> Attainable | None:
+        eased = relaxation.with_bound(bound)
+        limits = choose_limits(eased, plant, tuned, settings=settings).limits
+        if not judge(eased, plant, tuned, "", "", limits).assessment.is_met:
+            return None
+        trial = judge(machine, plant, tuned, "", "", limits)
+        return _attained(trial, relaxation.requirement)
+
+    best = search(inf)
+    if best is None or relaxation.is_searched:
+        return best
+    low = relaxation.bound
+    for _ in range(HALVINGS):
+        middle = sqrt(low * best.value)
+        found = search(middle)
+        if found is None:
+            low = middle
+        else:
+            best = found
+    return best
+
+
+def _attained(trial: Trial, requirement: str) -> Attainable:
+    check = next(item for item in trial.assessment.checks if item.name == requirement)
+    return Attainable(
+        requirement=requirement,
+        limit=check.limit,
+        value=check.value,
+        unit=check.unit,
+        limits=trial.limits,
+    )
+
+
+def _with_band(machine: Machine, band: float) -> Machine:
+    return replace(machine, requirements=replace(machine.requirements, tcp_deviation=band))
+
+
+def _typed(value: float) -> float:
+    """Rounded to what is typed in."""
+    return float(f"{value:.3g}")
