@@ -25,7 +25,7 @@ class Fault:
     line
         Line in that file, counted from 1; 0 where there is no line.
     key
-        Dotted path of the key, e.g. ``plant.base_mass``; "" for the whole file.
+        The key, e.g. ``plant.base_mass`` or ``moves[1].distance``; "" for the whole file.
     message
         What was got (with its unit), what is allowed, what to do.
     """
@@ -92,6 +92,14 @@ class Outcome(Enum):
     BANDWIDTH_OUT_OF_REACH = (
         "no stable loop reaches minimum_bandwidth with the required margins; "
         "shorten force_lag and the cycles, or lower minimum_bandwidth"
+    )
+    MARGINS_OUT_OF_REACH = (
+        "no cascade, however soft, has the required margins: it takes damping from a mode that "
+        "the encoder sees; check the sign of measured_gain, or add a notch to force_filters"
+    )
+    UNDAMPED_MODE = (
+        "the encoder does not see this mode, so it would ring for ever; "
+        "state its damping_ratio (measured, or a cautious 0.002)"
     )
     NO_FORCE_LEFT = (
         "the static load takes all of the force, so the axis cannot move; "

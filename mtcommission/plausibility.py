@@ -45,7 +45,7 @@ class Remark:
     Parameters
     ----------
     key
-        Dotted key of the profile.
+        Key of the profile, elements of arrays counted from 1.
     message
         What was found, with numbers and units, and what it means.
     """
@@ -77,7 +77,7 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
     ...     requirements=Requirements(tcp_deviation=1e-5,
     ...         modes=Modes(surface=4e-6, accuracy=1e-5, speed=4e-5)))
     >>> [remark.key for remark in check_plausibility(axis)]
-    ['plant.modes.0']
+    ['plant.modes[1]']
     """
     modes = flexible_modes(machine)
     return (
@@ -91,7 +91,7 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
 
 def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> list[Remark]:
     is_manipulator = isinstance(machine.mechanics, Manipulator)
-    key = "plant" if is_manipulator else f"plant.modes.{index}"
+    key = "plant" if is_manipulator else f"plant.modes[{index + 1}]"
     f, zeta, control = frequency_hz(mode), mode.damping_ratio, machine.control
     low, high = DAMPING_RATIOS
     remarks = []
@@ -188,7 +188,7 @@ def _check_moves(machine: Machine) -> list[Remark]:
                 f"a rigid axis would need {time:.3g} s for this move; "
                 "check distance, velocity and force"
             )
-            remarks.append(Remark(key=f"moves.{i}", message=message))
+            remarks.append(Remark(key=f"moves[{i + 1}]", message=message))
     return remarks
 
 

@@ -11,29 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
-from pydantic_core import ErrorDetails
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine import Machine
 from mtcommission.profile_build import build_machine
-from mtcommission.profile_lines import KeyLines, KeyPath, find_key_lines
-from mtcommission.profile_model import (
-    ControlTable,
-    DampingOptimalTable,
-    DriveTable,
-    ForceFilterTable,
-    MachineTable,
-    ManipulatorTable,
-    ModalTable,
-    ModeBands,
-    ModeTable,
-    MoveTable,
-    ProfileTable,
-    RequirementsTable,
-    SetpointFilterTable,
-    Table,
-)
-from mtcommission.profile_values import Context, Faults, describe, propose
+from mtcommission.profile_faults import list_faults
+from mtcommission.profile_lines import find_key_lines, find_repetition
+from mtcommission.profile_model import ManipulatorTable, ModalTable, ProfileTable
+from mtcommission.profile_values import Context, describe, find_close
 from mtcommission.units import (
     ANGLE,
     ANGULAR_VELOCITY,
@@ -51,21 +36,15 @@ from mtcommission.units import (
 LARGEST_FILE = 1_000_000
 """Bytes; a profile has a few thousand."""
 
-_TABLES: Mapping[tuple[str, ...], type[Table]] = {
-    (): ProfileTable,
-    ("machine",): MachineTable,
-    ("plant", "manipulator"): ManipulatorTable,
-    ("plant", "modal"): ModalTable,
-    ("plant", "modal", "modes"): ModeTable,
-    ("drive",): DriveTable,
-    ("moves",): MoveTable,
-    ("requirements",): RequirementsTable,
-    ("requirements", "modes"): ModeBands,
-    ("damping_optimal",): DampingOptimalTable,
-    ("control",): ControlTable,
-    ("control", "setpoint_filter"): SetpointFilterTable,
-    ("control", "force_filters"): ForceFilterTable,
+KINDS: Mapping[str, type[ManipulatorTable | ModalTable]] = {
+    "manipulator": ManipulatorTable,
+    "modal": ModalTable,
 }
+"""Kinds of plant and their keys."""
+
+
+TWICE = re.compile("overwrite a value|twice")
+"""How tomllib complains of a key or table that is there already."""
 
 
 def read_profile(path: Path | str) -> Machine:
@@ -172,13 +151,18 @@ def parse_profile(text: str, *, where: str) -> Machine:
     if not text.strip():
         message = "is empty; start from one of the shipped profiles"
         raise InputError([Fault(where=where, line=1, message=message)])
-    data = _load_toml(text, where=where)
+    data, wrong_kind = _mend_kind(_load_toml(text, where=where))
+    faults, lines = [], find_key_lines(text)
+    if wrong_kind:
+        line = lines.line_of(("plant", "kind"))
+        faults.append(Fault(where=where, line=line, key="plant.kind", message=wrong_kind))
     try:
         table = ProfileTable.model_validate(data, context=_context(data))
     except ValidationError as error:
-        lines = find_key_lines(text)
-        faults = [fault for detail in error.errors() for fault in _translate(detail, where, lines)]
+        faults += list_faults(error, where=where, lines=lines)
         raise InputError(sorted(faults, key=lambda fault: fault.line)) from error
+    if faults:
+        raise InputError(faults)
     return build_machine(table)
 
 
@@ -212,15 +196,44 @@ def _load_toml(text: str, *, where: str) -> dict[str, Any]:
         place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
         line = int(place[1]) if place else max(1, len(text.splitlines()))
         reason = re.sub(r" ?\(at [^)]*\)", "", str(error))
-        hint = "; a quantity with a unit stands in quotes" if _is_bare_unit(text, line) else ""
-        message = f"TOML syntax: {reason}{hint}"
-        raise InputError([Fault(where=where, line=line, message=message)]) from error
+        raise InputError([_syntax_fault(reason, text, line, where=where)]) from error
+
+
+def _syntax_fault(reason: str, text: str, line: int, *, where: str) -> Fault:
+    """What tomllib refused, and what to do about it."""
+    key, first = find_repetition(text, line) if TWICE.search(reason) else ("", 0)
+    if key:
+        message = f"stands in line {first} already; remove one of the two"
+        return Fault(where=where, line=line, key=key, message=message)
+    hint = "; a quantity with a unit stands in quotes" if _is_bare_unit(text, line) else ""
+    return Fault(where=where, line=line, message=f"TOML syntax: {reason}{hint}")
 
 
 def _is_bare_unit(text: str, line: int) -> bool:
     lines = text.split("\n")
     found = re.search(r"=\s*[-+]?[0-9.]+\s*[A-Za-zµμ°%]", lines[line - 1] if lines else "")
     return found is not None
+
+
+def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """Return the data with the likeliest kind of plant, and what is wrong with the one given.
+
+    Without a kind nothing else in [plant] could be checked.
+    """
+    plant = data.get("plant")
+    given = plant.get("kind", "") if isinstance(plant, dict) else ""
+    if not isinstance(plant, dict) or given in KINDS:
+        return data, ""
+    kind = find_close(given, KINDS) if isinstance(given, str) else ""
+    shared = {
+        name: sum(key in table.model_fields for key in plant) for name, table in KINDS.items()
+    }
+    kind = kind or max(shared, key=lambda name: shared[name])
+    if "kind" in plant:
+        wrong = f'got {describe(given)}, must be "manipulator" or "modal"; did you mean "{kind}"?'
+    else:
+        wrong = f'missing; add kind = "{kind}", to which the other keys belong'
+    return {**data, "plant": {**plant, "kind": kind}}, wrong
 
 
 def _context(data: Mapping[str, Any]) -> Context:
@@ -247,61 +260,3 @@ def _context(data: Mapping[str, Any]) -> Context:
             states |= {f"q_{name}": deflection, f"v_{name}": rate}
     outputs = dict.fromkeys(("tcp", "encoder", "tcp_vibration"), position)
     return Context(is_rotary=is_rotary, states=states, outputs=outputs)
-
-
-def _translate(detail: ErrorDetails, where: str, lines: KeyLines) -> list[Fault]:
-    """Return the faults behind one pydantic error, in our words."""
-    loc: KeyPath = detail["loc"]
-    path = loc
-    if loc[:1] == ("plant",) and loc[1:2] in (("manipulator",), ("modal",)):
-        path = (loc[0], *loc[2:])  # pydantic puts the kind into the path
-    cause = detail.get("ctx", {}).get("error")
-    items = cause.items if isinstance(cause, Faults) else (("", _message(detail, loc)),)
-    if detail["type"] in ("union_tag_not_found", "union_tag_invalid"):
-        path = (*path, "kind")
-    faults = []
-    for below, message in items:
-        parts = [int(part) if part.isdigit() else part for part in below.split(".") if part]
-        key = (*path, *parts)
-        faults.append(
-            Fault(
-                where=where,
-                line=lines.line_of(key),
-                key=".".join(str(part) for part in key),
-                message=message,
-            )
-        )
-    return faults
-
-
-def _message(detail: ErrorDetails, loc: KeyPath) -> str:
-    got = describe(detail["input"])
-    context = detail.get("ctx", {})
-    table = _TABLES.get(tuple(part for part in loc[:-1] if isinstance(part, str)), ProfileTable)
-    fields = {field.alias or name: field for name, field in table.model_fields.items()}
-    name = str(loc[-1]) if loc else ""
-    match detail["type"]:
-        case "extra_forbidden":
-            return f"unknown key{propose(name, fields)}"
-        case "missing":
-            examples = fields[name].examples if name in fields else None
-            header = "[[moves]]" if name == "moves" else f"[{name}]"
-            add = f"{name} = {examples[0]}" if examples else f"a table {header}"
-            return f"missing; add {add}"
-        case "literal_error":
-            return f"got {got}, must be {context['expected'].replace(chr(39), chr(34))}"
-        case "union_tag_not_found":
-            return 'missing; add kind = "manipulator" or kind = "modal"'
-        case "union_tag_invalid":
-            return f'got "{context["tag"]}", must be "manipulator" or "modal"'
-        case "model_type" | "model_attributes_type":
-            return f"got {got}, must be a table"
-        case "list_type":
-            return f"got {got}, must be an array"
-        case "too_short":
-            return (
-                f"got {context['actual_length']} elements, at least {context['min_length']} needed"
-            )
-        case "too_long":
-            return f"got too many elements, at most {context['max_length']} allowed"
-    return f"got {got}: {detail['msg']}"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 KeyPath = tuple[str | int, ...]
@@ -63,21 +63,59 @@ def find_key_lines(text: str) -> KeyLines:
     2
     """
     lines: dict[KeyPath, int] = {}
-    counts: Counter[KeyPath] = Counter()
-    table: KeyPath = ()
-    for line, statement in _statements(text):
-        keys = _split(statement)
-        if statement.startswith("["):
-            table = _resolve(keys, counts)
-            lines.setdefault(table, line)
-            if statement.startswith("[["):
-                counts[table] += 1
-                table = (*table, counts[table] - 1)
-                lines[table] = line
-        else:
-            for size in range(1, len(keys) + 1):
-                lines.setdefault((*table, *keys[:size]), line)
+    for line, paths in _walk(text):
+        for path in paths:
+            lines.setdefault(path, line)
     return KeyLines(lines=lines)
+
+
+def show_key(path: KeyPath) -> str:
+    """Return a key as messages and sheets spell it; elements of arrays count from 1.
+
+    Examples
+    --------
+    >>> show_key(("moves", 0, "distance"))
+    'moves[1].distance'
+    """
+    shown = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in path)
+    return shown.removeprefix(".")
+
+
+def read_key(shown: str) -> str:
+    """Return the dotted key that ``show_key`` shows.
+
+    Examples
+    --------
+    >>> read_key("moves[1].distance")
+    'moves.0.distance'
+    """
+    return re.sub(r"\[(\d+)\]", lambda found: f".{int(found[1]) - 1}", shown)
+
+
+def find_repetition(text: str, line: int) -> tuple[str, int]:
+    r"""Return the key or table that a line gives once more, and the line of the first.
+
+    Parameters
+    ----------
+    text
+        TOML that is valid but for this line.
+    line
+        Where the value or header ends that was refused.
+
+    Returns
+    -------
+    key, first line
+        ("", 0) if the line repeats nothing.
+
+    Examples
+    --------
+    >>> find_repetition("[drive]\na = 1\nb = 2\na = 3\n", 4)
+    ('drive.a', 2)
+    """
+    *before, (_, paths) = [(0, ((),)), *_walk("\n".join(text.split("\n")[:line]))]
+    known = {path: start for start, declared in reversed(before) for path in declared}
+    here = paths[-1]
+    return (show_key(here), known[here]) if here and here in known else ("", 0)
 
 
 def find_comments(text: str) -> dict[KeyPath, str]:
@@ -106,6 +144,24 @@ def find_comments(text: str) -> dict[KeyPath, str]:
         line += match[0].count("\n")
     lines = find_key_lines(text).lines
     return {path: comments[place] for path, place in lines.items() if place in comments}
+
+
+def _walk(text: str) -> Iterator[tuple[int, tuple[KeyPath, ...]]]:
+    """Yield each statement's line with the tables or keys that it declares, the inmost last."""
+    counts: Counter[KeyPath] = Counter()
+    table: KeyPath = ()
+    for line, statement in _statements(text):
+        keys = _split(statement)
+        if statement.startswith("[["):
+            array = _resolve(keys, counts)
+            counts[array] += 1
+            table = (*array, counts[array] - 1)
+            yield line, (array, table)
+        elif statement.startswith("["):
+            table = _resolve(keys, counts)
+            yield line, (table,)
+        else:
+            yield line, tuple((*table, *keys[:size]) for size in range(1, len(keys) + 1))
 
 
 def _statements(text: str) -> list[tuple[int, str]]:

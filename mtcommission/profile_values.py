@@ -303,8 +303,19 @@ def propose(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
     >>> propose("base_mas", ["base_mass", "slider_mass"])
     '; did you mean "base_mass"?'
     """
-    close = get_close_matches(name, list(known), n=1, cutoff=0.6)
-    return f'; did you mean "{close[0]}"?' if close else f"; there are {', '.join(known)}"
+    close = find_close(name, known)
+    return f'; did you mean "{close}"?' if close else f"; there are {', '.join(known)}"
+
+
+def find_close(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
+    """Return the known name that resembles a misspelt one; "" if none does.
+
+    Examples
+    --------
+    >>> find_close("base_mas", ["base_mass", "slider_mass"]), find_close("x", ["base_mass"])
+    ('base_mass', '')
+    """
+    return next(iter(get_close_matches(name, list(known), n=1, cutoff=0.6)), "")
 
 
 def _context(info: ValidationInfo) -> Context:

@@ -76,7 +76,7 @@ def test_an_unusual_mode(changes: dict[str, float], remark: str) -> None:
         machine = replace(machine, control=Control(position_cycle=4e-3))
     found = [text for text in remarks_on(machine) if remark in text]
     assert len(found) == 1
-    assert found[0].startswith("plant.modes.0: mode column: ")
+    assert found[0].startswith("plant.modes[1]: mode column: ")
 
 
 @pytest.mark.parametrize(
@@ -149,12 +149,12 @@ def with_needs(**changes: object) -> Machine:
         ),
         (
             replace(PAPER, moves=(VelocityStep(velocity_step=0.1), Positioning(distance=5e3))),
-            "moves.1: a rigid axis would need 86.6 s for this move; "
+            "moves[2]: a rigid axis would need 86.6 s for this move; "
             "check distance, velocity and force",
         ),
         (
             replace(PAPER, moves=(Positioning(distance=1.0, max_velocity=1e-3),)),
-            "moves.0: a rigid axis would need 1e+03 s for this move; "
+            "moves[1]: a rigid axis would need 1e+03 s for this move; "
             "check distance, velocity and force",
         ),
         (

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import os
 import sys
+from shutil import get_terminal_size
+from textwrap import fill
 from typing import Annotated, NoReturn
 
 import typer
@@ -62,6 +64,13 @@ def main() -> NoReturn:
 
 
 def _fail(message: str, code: int) -> NoReturn:
+    # A pipe gets a line for each fault; a terminal would break it inside words.
+    if sys.stderr.isatty():
+        width = max(40, get_terminal_size().columns - 1)
+        message = "\n".join(
+            fill(line, width, subsequent_indent="    ", break_on_hyphens=False)
+            for line in message.splitlines()
+        )
     sys.stderr.write(message + "\n")
     sys.exit(code)
 

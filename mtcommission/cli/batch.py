@@ -35,7 +35,11 @@ def sweep(
     ] = "optimal",
     limit: Annotated[
         list[str] | None,
-        typer.Option("--limit", metavar="NAME=VALUE", help="For optimal, e.g. v_phi=5mrad/s."),
+        typer.Option(
+            "--limit",
+            metavar="NAME=RANGE",
+            help="For optimal, e.g. v_phi=5mrad/s or v_phi=4mrad/s:20mrad/s:9.",
+        ),
     ] = None,
     move: Annotated[
         int, typer.Option("--move", metavar="N", help="Which of the profile's moves (optimal).")
@@ -54,10 +58,11 @@ def sweep(
     from mtcommission.plant import build_plant
     from mtcommission.sweep.engine import Engine, run_sweep
     from mtcommission.sweep.page import print_sweep
-    from mtcommission.sweep.request import read_plan
+    from mtcommission.sweep.request import read_plan, split_limits
     from mtcommission.sweep.table import read_table, summarise_table, write_safely, write_table
 
     require_folder(output)
+    fixed, varied = split_limits(limit or [])
     machine = read_machine(profile, "")
     request = read_optimal_request(
         machine,
@@ -65,7 +70,7 @@ def sweep(
         kind="time",
         method="exact",
         t_f="",
-        limits=limit or [],
+        limits=fixed,
         velocity_step="",
         distance="",
         move=move,
@@ -76,6 +81,7 @@ def sweep(
         profile,
         f_max=f_max,
         vary=vary or [],
+        limits=varied,
         cases=cases,
         is_paired=paired,
         quantity=quantity,

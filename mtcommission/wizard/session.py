@@ -15,6 +15,7 @@ from mtcommission.files import write_text
 from mtcommission.machine import Machine
 from mtcommission.plausibility import check_plausibility
 from mtcommission.profile import parse_profile, read_profile_text
+from mtcommission.profile_lines import read_key
 from mtcommission.wizard.console import (
     BACK,
     COMMANDS,
@@ -200,7 +201,7 @@ def _interview(
                 _keep(output, answers)
                 raise
             console.tell("\n".join(fault_line(fault) for fault in error.faults))
-            place = _place_of(error.faults[0].key, answers)
+            place = _place_of(read_key(error.faults[0].key), answers)
 
 
 def fault_line(fault: Fault) -> str:
