@@ -131,8 +131,8 @@ def resize(move: Move, share: float) -> Move:
 def full_size(way: SetpointWay, move: Move) -> float:
     """Return the size from which a move reaches the acceleration [m/s or m].
 
-    v = a t_j for a velocity step, L = 2 a t_j² for a move from rest to rest, with t_j = a/j
-    (plus the length of the moving average).
+    v = a (t_j + T) for a velocity step, L = v (2 t_j + T) for a move from rest to rest, with
+    t_j = a/j and the length T of the moving average.
 
     Parameters
     ----------
@@ -152,10 +152,11 @@ def full_size(way: SetpointWay, move: Move) -> float:
     >>> full_size(way, VelocityStep(velocity_step=0.1))  # a²/j [m/s]
     0.04
     """
-    a, ramp = way.limits.acceleration, way.limits.jerk_time + way.moving_average
+    ramp = way.limits.jerk_time
+    velocity = way.limits.acceleration * (ramp + way.moving_average)
     if isinstance(move, VelocityStep):
-        return a * ramp
-    return 2.0 * a * ramp**2 if a * ramp <= move.max_velocity else inf
+        return velocity
+    return velocity * (2.0 * ramp + way.moving_average) if velocity <= move.max_velocity else inf
 
 
 def _steps(way: SetpointWay, move: Move, shares: Array) -> JerkSteps:

@@ -1,0 +1,95 @@
+"""Which requirement is in the way, and what could be met instead: each answer simulated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from mtcommission.attainable import Attainable, find_attainable, find_least_residual
+from mtcommission.choose import SearchSettings, choose_limits
+from mtcommission.loop.tuning import tune_loop
+from mtcommission.machine import Machine, Peak
+from mtcommission.plant import build_plant
+from mtcommission.trials import judge
+from tests.machines import paper_machine
+
+COARSE = SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)
+
+
+def asked(
+    *, band: float = 5e-6, settling: float = 1.0, peaks: tuple[Peak, ...] = (), rms: float = 2e3
+) -> Machine:
+    machine = paper_machine()
+    needs = replace(
+        machine.requirements, tcp_deviation=band, max_settling_time=settling, peaks=peaks
+    )
+    drive = replace(machine.drive, continuous_force=rms)
+    return replace(machine, requirements=needs, drive=drive)
+
+
+def attainable(machine: Machine) -> dict[str, Attainable]:
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    choice = choose_limits(machine, plant, tuned, settings=COARSE)
+    assert not choice.meets_requirements
+    found = find_attainable(machine, plant, tuned, choice, settings=COARSE)
+    return {item.requirement: item for item in found}
+
+
+def is_met(machine: Machine, item: Attainable) -> bool:
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    return judge(machine, plant, tuned, "", "", item.limits).assessment.is_met
+
+
+def test_impossible_settling_time() -> None:
+    """If it failed, the user would not learn what settling time, or what band, to ask for."""
+    machine = asked(settling=0.07)
+    found = attainable(machine)
+    assert set(found) == {"settling time", "residual deviation"}
+    slower, wider = found["settling time"], found["residual deviation"]
+    assert slower.limit == 0.07
+    assert slower.value > 0.07
+    assert is_met(asked(settling=1.0001 * slower.value), slower)
+    assert wider.value > 5e-6
+    assert is_met(asked(settling=0.07, band=1.0001 * wider.value), wider)
+
+
+def test_impossible_peak() -> None:
+    """If it failed, the user would not learn how large the peak must be allowed to be."""
+    bound = Peak(name="v_phi", bound=0.5e-3)
+    found = attainable(asked(settling=0.12, peaks=(bound,)))
+    item = found["peak v_phi"]
+    assert item.limit == bound.bound < item.value
+    eased = asked(settling=0.12, peaks=(replace(bound, bound=1.0001 * item.value),))
+    assert is_met(eased, item)
+
+
+def test_impossible_rms_force() -> None:
+    """If it failed, the user would not learn what the motor would have to stand."""
+    found = attainable(asked(settling=0.15, rms=300.0))
+    item = found["RMS force"]
+    assert item.limit == 300.0 < item.value
+    assert is_met(asked(settling=0.15, rms=1.0001 * item.value), item)
+
+
+def test_two_obstacles_have_no_single_answer() -> None:
+    """If it failed, relaxing one requirement would be promised to help where it does not."""
+    machine = asked(settling=0.02, peaks=(Peak(name="v_s", bound=0.05),))
+    assert attainable(machine) == {}
+
+
+def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
+    """If it failed, "what could be met" would be far from the best that can be had."""
+    machine = asked(band=1e-9)
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    choice = choose_limits(machine, plant, tuned, settings=COARSE)
+    found = find_least_residual(machine, plant, tuned, choice)
+    assert found is not None
+    assert found.unit == "m"
+    trial = judge(machine, plant, tuned, "", "", found.limits)
+    assert trial.residual_deviation == pytest.approx(found.value, rel=1e-9)
+    others = [
+        judge(machine, plant, tuned, "", "", replace(found.limits, jerk=f * found.limits.jerk))
+        for f in (0.5, 1.5, 2.0, 4.0)
+    ]
+    assert sum(found.value < item.residual_deviation for item in others) >= 3

@@ -1,0 +1,135 @@
+"""From which step on limits hold, against the full simulation, and the filter as the cure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf, isnan
+
+import numpy as np
+import pytest
+
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.tuning import TunedLoop, tune_loop
+from mtcommission.machine import Machine, Positioning, VelocityStep
+from mtcommission.move_sizes import (
+    MoveSizes,
+    SetpointWay,
+    full_size,
+    resize,
+    vary_move_sizes,
+)
+from mtcommission.plant import build_plant
+from mtcommission.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.size_filter import find_size_filter
+from mtcommission.trials import judge
+from tests.machines import paper_machine
+
+LIMITS = MotionLimits(acceleration=1.6, jerk=30.0)
+
+
+def two_moves() -> Machine:
+    machine = paper_machine()
+    needs = replace(machine.requirements, payload=(0.0, 100.0), frequency_spread=0.02)
+    moves = (machine.moves[0], Positioning(distance=0.02, max_velocity=0.3))
+    return replace(machine, requirements=needs, moves=moves)
+
+
+def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> tuple[float, float]:
+    """Settling time and residual of one size, by the full simulation in every corner."""
+    own = item.move.velocity_step if isinstance(item.move, VelocityStep) else item.move.distance
+    move = resize(item.move, float(item.size[index]) / own)
+    control = replace(machine.control, moving_average_time=item.way.moving_average)
+    one = replace(machine, moves=(move,), control=control)
+    trial = judge(one, build_plant(one), tuned, "", "", item.way.limits)
+    return trial.settling_time, trial.residual_deviation
+
+
+@pytest.mark.parametrize("moving_average", [0.0, 0.0139])
+def test_every_size_is_what_the_simulation_says(moving_average: float) -> None:
+    """If it failed, the sheet would promise limits for jogs that leave the band."""
+    machine = two_moves()
+    tuned = tune_loop(machine)
+    way = SetpointWay(name="x", limits=LIMITS, moving_average=moving_average)
+    found = vary_move_sizes(machine, tuned, [way])
+    assert [item.move for item in found] == list(machine.moves)
+    for item in found:
+        for index in (0, 50, 95):
+            settling, residual = judged(machine, tuned, item, index)
+            assert item.residual_deviation[index] == pytest.approx(residual, rel=1e-4, abs=1e-10)
+            assert item.settling_time[index] == pytest.approx(settling, abs=2e-6)
+
+
+def test_range_about_the_own_size_ends_where_the_band_is_first_left() -> None:
+    """If it failed, the step "from which on the limits hold" would be wrong."""
+    machine = two_moves()
+    band = machine.requirements.tcp_deviation
+    way = SetpointWay(name="x", limits=LIMITS, moving_average=0.0)
+    for item in vary_move_sizes(machine, tune_loop(machine), [way]):
+        kept = item.residual_deviation <= band
+        own = int(np.argmin(np.abs(item.size / item.size[-1] - 1.0 / 3.0)))
+        assert kept[own] != isnan(item.kept_from)
+        if kept[own]:
+            inside = (item.size >= item.kept_from) & (item.size <= item.kept_to)
+            assert inside[own]
+            assert kept[inside].all()
+            before, after = item.size < item.kept_from, item.size > item.kept_to
+            assert not before.any() or not kept[before][-1]
+            assert not after.any() or not kept[after][0]
+
+
+@pytest.mark.parametrize(
+    "move", [VelocityStep(velocity_step=1.0), Positioning(distance=1.0, max_velocity=10.0)]
+)
+@pytest.mark.parametrize("moving_average", [0.0, 0.0139])
+def test_acceleration_is_reached_from_the_full_size_on(
+    move: VelocityStep | Positioning, moving_average: float
+) -> None:
+    """If it failed, engineers would look for an acceleration that small steps never show."""
+    way = SetpointWay(name="x", limits=LIMITS, moving_average=moving_average)
+    full = full_size(way, move)
+    for share, reaches in ((1.02, True), (0.9, False)):
+        setpoint = plan_setpoint(resize(move, share * full), LIMITS, moving_average=moving_average)
+        t = np.linspace(0.0, setpoint.duration, 4001)
+        reached = float(np.max(sample_setpoint(setpoint, t)[:, 2]))
+        assert (reached > 0.9995 * LIMITS.acceleration) == reaches
+
+
+def test_slow_positioning_never_reaches_the_acceleration() -> None:
+    """If it failed, a distance would be named from which on a is reached, though v_max forbids."""
+    way = SetpointWay(name="x", limits=LIMITS, moving_average=0.0)
+    slow = LIMITS.acceleration**2 / LIMITS.jerk
+    assert full_size(way, Positioning(distance=1.0, max_velocity=0.99 * slow)) == inf
+    assert full_size(way, Positioning(distance=1.0, max_velocity=1.01 * slow)) < inf
+
+
+def test_the_filter_cures_small_steps_where_the_limits_do_not() -> None:
+    """If it failed, the cure that the sheet offers would not cure."""
+    machine = replace(paper_machine(), moves=(VelocityStep(velocity_step=0.1),))
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    cure = find_size_filter(machine, plant, tuned)
+    assert cure is not None
+    assert any(cure.moving_average == pytest.approx(1.0 / m.frequency_hz) for m in plant.modes)
+    a, T = cure.limits.acceleration, cure.moving_average
+    as_jerk = MotionLimits(acceleration=a, jerk=a / T)
+    ramps = SetpointWay(name="x", limits=as_jerk, moving_average=0.0)
+    band = machine.requirements.tcp_deviation
+    limited, filtered = vary_move_sizes(machine, tuned, [ramps, cure])
+    smaller = filtered.size <= 0.1
+    assert np.all(filtered.residual_deviation[smaller] <= 1.02 * band)
+    # From v = a T on both are the same setpoint; below, only the filter keeps whole periods.
+    same = filtered.size > a * T
+    assert filtered.residual_deviation[same] == pytest.approx(
+        limited.residual_deviation[same], rel=0.02
+    )
+    short = filtered.size < 0.5 * a * T
+    assert limited.residual_deviation[short].max() > 1.3 * filtered.residual_deviation[short].max()
+    settling, residual = judged(machine, tuned, filtered, int(np.sum(smaller)) - 1)
+    assert residual <= band
+    assert settling == pytest.approx(float(filtered.settling_time[smaller][-1]), abs=2e-6)
+
+
+def test_no_filter_is_offered_where_none_keeps_the_band() -> None:
+    """If it failed, a filter would be recommended that leaves the band."""
+    machine = paper_machine()
+    strict = replace(machine, requirements=replace(machine.requirements, tcp_deviation=1e-9))
+    assert find_size_filter(strict, build_plant(strict), tune_loop(strict)) is None
