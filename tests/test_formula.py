@@ -127,3 +127,11 @@ def test_both_printers_set_the_same_signs():
     for mark in ("<mo>−</mo>", "<msqrt>", "<mo>≤</mo>", "<mfrac>", "<mo>∑</mo>", "<msub>"):
         assert mark in marks
     assert marks.count("<mrow>") == marks.count("</mrow>")
+
+
+def test_a_decimal_comma_is_no_argument():
+    """Set bare, min(0,4 T) would have two arguments, and the German rule another meaning."""
+    tree = parse_formula("max(0.4 T, 2)", decimal_mark=",")
+    assert tree is not None
+    assert write_typst(tree) == '"max" lr(("0,4" thin T, 2))'
+    assert "<mn>0,4</mn>" in write_mathml(tree)

@@ -15,8 +15,8 @@ Array = NDArray[np.float64]
 SIZE = 7.0
 """Font size [pt]."""
 
-CHARACTER = 0.6
-"""Mean width of a character of DejaVu Sans, relative to the font size, on the wide side."""
+CHARACTER = 0.57
+"""Mean width of a character of DejaVu Sans in the names of curves, relative to the font size."""
 
 INK, GRID = "#000000", "#cccccc"
 
@@ -112,7 +112,7 @@ class Canvas:
 
 
 def text_width(words: str) -> float:
-    """Return about how wide words are [pt], rather too wide than too narrow."""
+    """Return about how wide words are [pt]; short ones may be a few per cent wider."""
     return CHARACTER * SIZE * len(words)
 
 

@@ -42,8 +42,7 @@ def parameters(record: Record, f: Formatter) -> Section:
     return Section(
         key="parameters",
         heading=text.entry_heading,
-        blocks=(table, Paragraph(text=text.entry_note, tone=Tone.NOTE)),
-        is_together=True,
+        blocks=(Paragraph(text=text.entry_note, tone=Tone.NOTE), table),
     )
 
 

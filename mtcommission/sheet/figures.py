@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 WIDTH, LEFT, RIGHT = 482.0, 42.0, 8.0
 """Width of a plot on the A4 page, and the room beside its axes [pt]."""
 
-PANEL, TITLE, SQUARE, FOOT, ROW = 56.0, 13.0, 138.0, 26.0, 11.0
+PANEL, TITLE, SQUARE, FOOT, ROW = 50.0, 13.0, 128.0, 26.0, 11.0
 """Heights of a panel, its title, a single pair of axes, the x labels and a legend row [pt]."""
 
 SCALE_ROOM = 66.0
@@ -26,6 +26,9 @@ SCALE_ROOM = 66.0
 
 SAMPLE, SPACE = 24.0, 14.0
 """Length of the line in a legend, and the space behind an entry [pt]."""
+
+MOST_COLUMNS = 3
+"""Columns of a legend below a plot."""
 
 BORDER_DASHES, CURSOR = (2.0, 2.0), 0.7
 """How a limit is drawn: dashes and width [pt]."""
@@ -185,7 +188,7 @@ def _point_plot(plot: PointPlot, decimal_mark: str) -> bytes:
         Entry(label=f"{k} {mark.label}" if k else mark.label, mark=mark.style)
         for k, mark in enumerate(plot.marks)
     ]
-    rows = _legend_rows([*entries, Entry(label=plot.border.label)], columns=2)
+    rows = _legend_table([*entries, Entry(label=plot.border.label)])
     bottom = TITLE + SQUARE
     canvas = Canvas(WIDTH, bottom + FOOT + len(rows) * ROW + 6.0)
     canvas.text(LEFT, TITLE - 4.0, plot.y_label)
@@ -204,7 +207,7 @@ def _point_plot(plot: PointPlot, decimal_mark: str) -> bytes:
     _label_x(canvas, x, bottom, plot.x_label, decimal_mark)
     for k, row in enumerate(rows):
         for column, entry in enumerate(row):
-            place = LEFT + column * (WIDTH - LEFT) / 2
+            place = LEFT + column * (WIDTH - LEFT) / len(rows[0])
             _draw_entry(canvas, entry, place, bottom + FOOT + (k + 1) * ROW)
     return canvas.finish()
 
@@ -331,13 +334,9 @@ def _draw_mark(canvas: Canvas, style: int, place: Array, *, color: str = "") -> 
     canvas.area(shape + place, color=color or usual, edge=INK if color else "none")
 
 
-def _legend_rows(entries: list[Entry], *, columns: int = 0) -> list[list[Entry]]:
-    """Return the rows of a legend: as many entries as fit, or as there are columns."""
-    room = WIDTH - LEFT - RIGHT
-    if columns:
-        longest = max(_entry_width(entry) for entry in entries)
-        count = columns if longest < room / columns else 1
-        return [entries[i : i + count] for i in range(0, len(entries), count)]
+def _legend_rows(entries: list[Entry]) -> list[list[Entry]]:
+    """Return the rows of a legend, each with as many entries as fit."""
+    room = WIDTH - LEFT - RIGHT + SPACE
     rows: list[list[Entry]] = []
     used = room + 1.0
     for entry in entries:
@@ -350,8 +349,19 @@ def _legend_rows(entries: list[Entry], *, columns: int = 0) -> list[list[Entry]]
     return rows
 
 
+def _legend_table(entries: list[Entry]) -> list[list[Entry]]:
+    """Return the rows of a legend with as many columns as the longest entry allows."""
+    longest = max(map(_entry_width, entries))
+    count = max(1, min(MOST_COLUMNS, int((WIDTH - LEFT) / longest)))
+    return [entries[i : i + count] for i in range(0, len(entries), count)]
+
+
 def _entry_width(entry: Entry) -> float:
-    return SAMPLE + 4.0 + text_width(entry.label) + SPACE
+    return _sample_width(entry) + 4.0 + text_width(entry.label) + SPACE
+
+
+def _sample_width(entry: Entry) -> float:
+    return SAMPLE / 2 if entry.mark >= 0 else SAMPLE
 
 
 def _draw_legend(canvas: Canvas, rows: list[list[Entry]], *, right: float) -> None:
@@ -363,14 +373,14 @@ def _draw_legend(canvas: Canvas, rows: list[list[Entry]], *, right: float) -> No
 
 
 def _draw_entry(canvas: Canvas, entry: Entry, left: float, base: float) -> None:
-    middle = base - 0.36 * SIZE
-    sample = np.array([[left, middle], [left + SAMPLE, middle]])
+    middle, right = base - 0.36 * SIZE, left + _sample_width(entry)
+    sample = np.array([[left, middle], [right, middle]])
     if entry.mark >= 0:
-        place = np.array([left + SAMPLE / 2, middle])
+        place = np.array([(left + right) / 2, middle])
         _draw_mark(canvas, entry.mark, place, color=entry.color)
     elif entry.line >= 0:
         color, dashes, width = LINES[entry.line]
         canvas.line(sample, color=color, dashes=dashes, width=width)
     else:
         canvas.line(sample, dashes=BORDER_DASHES, width=CURSOR)
-    canvas.text(left + SAMPLE + 4.0, base, entry.label)
+    canvas.text(right + 4.0, base, entry.label)

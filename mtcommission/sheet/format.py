@@ -107,6 +107,18 @@ class Formatter:
         scale = self.scale(abs(value), unit)
         return self.with_unit(self.number(value / scale.size), scale.unit)
 
+    def rounded(self, value: float, unit: str) -> str:
+        """Return a value with its unit, integers cut to significant digits, too.
+
+        Examples
+        --------
+        >>> Formatter(rotary=False, labels=Labels()).rounded(574516.0, "m/s^3").split(THIN_SPACE)
+        ['574500', 'm/s³']
+        """
+        scale = self.scale(abs(value), unit)
+        digits = float(f"{value / scale.size:.{DIGITS}g}")
+        return self.with_unit(self.number(digits), scale.unit)
+
     def with_unit(self, number: str, unit: str) -> str:
         """Return number and unit with a thin space; degrees follow without one."""
         gap = "" if unit[:1] in ("", "°", "″") else THIN_SPACE

@@ -119,8 +119,15 @@ Expression = (
 )
 
 
-def parse_formula(text: str) -> Expression | None:
+def parse_formula(text: str, *, decimal_mark: str = ".") -> Expression | None:
     """Return a formula as a tree; None if the text is not a formula from end to end.
+
+    Parameters
+    ----------
+    text
+        In plain signs, with decimal points.
+    decimal_mark
+        For the numbers of the tree.
 
     Examples
     --------
@@ -137,7 +144,7 @@ def parse_formula(text: str) -> Expression | None:
         end = match.end()
     if text[end:].strip() or not tokens:
         return None
-    parser = _Parser(tokens)
+    parser = _Parser(tokens, decimal_mark)
     try:
         found = parser.relation()
     except _NoFormulaError:
@@ -176,8 +183,9 @@ class _NoFormulaError(Exception):
 class _Parser:
     """Recursive descent over the tokens."""
 
-    def __init__(self, tokens: list[str]) -> None:
+    def __init__(self, tokens: list[str], decimal_mark: str) -> None:
         self._tokens = tokens
+        self._mark = decimal_mark
         self._at = 0
         self._bars = 0
 
@@ -246,7 +254,7 @@ class _Parser:
     def _atom(self) -> Expression:
         token = self._take()
         if token[0].isdigit():
-            return Number(token)
+            return Number(token.replace(".", self._mark))
         if token == "(":
             return self._until(")", is_magnitude=False)
         if token == "|" and not self._bars:

@@ -63,14 +63,14 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
         script=Markup(script),
         draw=lambda diagram: Markup(draw_diagram(diagram)),
         set_formula=lambda formula: Markup(write_mathml(formula.tree)),
-        set_cell=_set_cell,
+        set_cell=lambda words: _set_cell(words, decimal_mark),
         plots=_json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
     )
 
 
-def _set_cell(words: str) -> Markup | str:
+def _set_cell(words: str, decimal_mark: str) -> Markup | str:
     """Return the formula in a cell; a text that is none stays text, to be escaped."""
-    tree = parse_formula(words)
+    tree = parse_formula(words, decimal_mark=decimal_mark)
     return words if tree is None else Markup(write_mathml(tree))
 
 

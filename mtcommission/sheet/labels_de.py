@@ -221,7 +221,7 @@ GERMAN = Labels(
             "i": "Imaginäre Einheit (als Index: Nummer der Eigenform)",
         }
     ),
-    symbol="Formelzeichen",
+    symbol="Zeichen",
     meaning="Bedeutung",
     rule_step="Schritt",
     rule_how="Formel",
@@ -386,10 +386,7 @@ GERMAN = Labels(
         "Weichen alle Eigenfrequenzen um denselben Faktor ab, sind alle Anforderungen von {low} "
         "bis {high} eingehalten."
     ),
-    kept_at_least=(
-        "Weichen alle Eigenfrequenzen um denselben Faktor ab, sind alle Anforderungen mindestens "
-        "von {low} bis {high} eingehalten; weiter außen wurde nichts versucht."
-    ),
+    at_least="mindestens {value}",
     kept_nowhere=(
         "Die Anforderungen sind schon mit den Eigenfrequenzen des Profils nicht eingehalten; für "
         "einen Frequenzfehler bleibt nichts übrig."
@@ -459,6 +456,9 @@ GERMAN = Labels(
             "seeds": "Gleichzeitig verfeinerte Zellen",
             "refinements": "Verfeinerungen, jede halbiert eine Zelle",
             "digits": "Signifikante Stellen des Ergebnisses",
+            "landscape": "Punkte des Kennfelds je Richtung",
+            "largest_fraction": "Größter versuchter Faktor auf Kp mit Zustandsrückführung",
+            "mode_noise": "Rauschen der Eigenform im Beobachter, bezogen auf F_max",
             "evaluations": "In jedem Eckfall beurteilte Grenzwerte",
         }
     ),

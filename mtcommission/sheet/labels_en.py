@@ -31,6 +31,8 @@ NAMES: Mapping[str, str] = MappingProxyType(
         "terminal_jacobian_condition": "Its condition number, scaled",
         "law_residual": "Largest deviation from the control law, relative to F_max",
         "tcp_deviation": "Permitted TCP deviation (band)",
+        "tcp_gain": "Gain at the tool",
+        "measured_gain": "Gain at the encoder",
         "tcp_height": "TCP height h, signed",
         "force_lag": "Time constant of the force loop T",
         "Kv": "Position gain Kv",
@@ -365,10 +367,7 @@ class Labels:
         "With all eigenfrequencies off by a common factor, every requirement is kept from {low} "
         "to {high}."
     )
-    kept_at_least: str = (
-        "With all eigenfrequencies off by a common factor, every requirement is kept at least from "
-        "{low} to {high}; nothing further out was tried."
-    )
+    at_least: str = "at least {value}"
     kept_nowhere: str = (
         "The requirements are not kept even with the eigenfrequencies of the profile, so there is "
         "no frequency error to allow."
@@ -436,6 +435,9 @@ class Labels:
             "seeds": "Cells refined at once",
             "refinements": "Refinements, each halves a cell",
             "digits": "Significant digits of the result",
+            "landscape": "Points of the map in each direction",
+            "largest_fraction": "Largest factor on Kp tried with state feedback",
+            "mode_noise": "Mode noise of the observer, relative to F_max",
             "evaluations": "Limits judged in every corner",
         }
     )

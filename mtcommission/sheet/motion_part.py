@@ -60,10 +60,9 @@ def motions(record: Record, f: Formatter) -> Section:
         blocks.append(Subheading(text=title))
         blocks.append(Paragraph(text=reference_sentence(record, number, f)))
         short = text.move.format(number=number)
+        blocks += [_amplitudes(move, short, f), *_segments(move, short, f)]
         blocks.extend(_plots(record, optima, move, number, short, f))
         blocks.append(_peaks(record, optima, move, short, f))
-        blocks.append(_amplitudes(move, short, f))
-        blocks.extend(_segments(move, short, f))
         blocks.extend(
             Paragraph(text=text.say(remark), tone=Tone.NOTE) for remark in optima["remarks"]
         )

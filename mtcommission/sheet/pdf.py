@@ -64,7 +64,7 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
             TEMPLATE,
             font_paths=[_font_folder()],
             ignore_system_fonts=True,
-            sys_inputs={"document": _as_json(document), "plots": json.dumps(plots)},
+            sys_inputs={"document": _as_json(document, decimal_mark), "plots": json.dumps(plots)},
             format="pdf",
             pdf_standards=["ua-1"],
             timestamp=_timestamp(document.created),
@@ -93,13 +93,13 @@ def _timestamp(created: str) -> datetime:
     return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
 
 
-def _as_json(document: Document) -> str:
+def _as_json(document: Document, decimal_mark: str) -> str:
     """Return the document as data for the template; plots shrink to key, caption and alt."""
     sections = [
         {
             "heading": section.heading,
             "is_together": section.is_together,
-            "blocks": [_as_data(block) for block in section.blocks],
+            "blocks": [_as_data(block, decimal_mark) for block in section.blocks],
         }
         for section in document.sections
     ]
@@ -110,7 +110,7 @@ def _as_json(document: Document) -> str:
     return json.dumps(data | {"sections": sections}, ensure_ascii=False)
 
 
-def _as_data(block: Block) -> dict[str, Any]:
+def _as_data(block: Block, decimal_mark: str) -> dict[str, Any]:
     if isinstance(block, (*PLOTS, Diagram)):
         return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
     if isinstance(block, Formula):
@@ -123,14 +123,14 @@ def _as_data(block: Block) -> dict[str, Any]:
         },
     )
     if isinstance(block, Table):
-        values["rows"] = [_cells(block, row) for row in block.rows]
+        values["rows"] = [_cells(block, row, decimal_mark) for row in block.rows]
     return {"type": type(block).__name__} | values
 
 
-def _cells(table: Table, row: tuple[str, ...]) -> list[str | dict[str, str]]:
+def _cells(table: Table, row: tuple[str, ...], decimal_mark: str) -> list[str | dict[str, str]]:
     """Return the cells of a row; a formula as what the typesetter evaluates, and as text."""
     cells: list[str | dict[str, str]] = []
     for column, words in zip(table.columns, row, strict=True):
-        tree = parse_formula(words) if column.is_formula else None
+        tree = parse_formula(words, decimal_mark=decimal_mark) if column.is_formula else None
         cells.append(words if tree is None else {"math": write_typst(tree), "alt": words})
     return cells

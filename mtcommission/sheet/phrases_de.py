@@ -53,6 +53,7 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("jerk", "Ruck"),
     ("mass", "Masse"),
     # sources and rules
+    ("default", "Vorgabewert"),
     ("illustrative", "Beispielwert"),
     ("illustrative numbers", "Beispielwerte"),
     ("illustrative numbers; derivation in the profile", "Beispielwerte; Herleitung im Profil"),

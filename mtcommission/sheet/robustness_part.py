@@ -84,9 +84,13 @@ def _kept(record: Record, f: Formatter) -> str:
     low, high = error["kept_from"], error["kept_to"]
     if low is None or high is None:
         return text.kept_nowhere
-    at_least = low <= error["factor"][0] or high >= error["factor"][-1]
-    form = text.kept_at_least if at_least else text.kept_between
-    return form.format(low=f.signed_percent(low - 1.0), high=f.signed_percent(high - 1.0))
+    ends = zip((low, high), (error["factor"][0], error["factor"][-1]), strict=True)
+    shown = []
+    for end, tried in ends:
+        value = f.signed_percent(end - 1.0)
+        # Beyond the last one tried nothing is known.
+        shown.append(text.at_least.format(value=value) if end == tried else value)
+    return text.kept_between.format(low=shown[0], high=shown[1])
 
 
 def _frequency_error(record: Record, f: Formatter) -> LinePlot:

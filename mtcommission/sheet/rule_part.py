@@ -52,7 +52,7 @@ def _formulas(text: str, f: Formatter) -> tuple[Block, ...]:
     blocks: list[Block] = []
     words: list[str] = []
     for sentence in filter(None, (part.strip() for part in SENTENCE_END.split(text))):
-        found = tuple(split_formulas(sentence))
+        found = tuple(split_formulas(sentence, decimal_mark=f.labels.decimal_mark))
         if all(isinstance(block, Formula) for block in found):
             blocks += [_spoken(block, f) for block in found if isinstance(block, Formula)]
         else:
@@ -62,8 +62,15 @@ def _formulas(text: str, f: Formatter) -> tuple[Block, ...]:
     return tuple(blocks)
 
 
-def split_formulas(sentence: str) -> Iterator[Formula | str]:
+def split_formulas(sentence: str, *, decimal_mark: str = ".") -> Iterator[Formula | str]:
     """Yield the formulas of a sentence; what is none comes as text.
+
+    Parameters
+    ----------
+    sentence
+        Formulas in plain signs, joined by words.
+    decimal_mark
+        For the numbers of the formulas.
 
     Examples
     --------
@@ -74,7 +81,7 @@ def split_formulas(sentence: str) -> Iterator[Formula | str]:
         words = piece.split(" ")
         for count in range(len(words), 0, -1):
             source = " ".join(words[:count])
-            tree = parse_formula(source)
+            tree = parse_formula(source, decimal_mark=decimal_mark)
             if tree is not None and any(sign in source for sign in "<>="):
                 yield Formula(tree=tree, source=source, aside=" ".join(words[count:]))
                 break
@@ -134,7 +141,7 @@ def _symbols(record: Record, f: Formatter) -> Table:
     return Table(
         caption=text.rule_symbols_caption.format(modes="; ".join(m["name"] for m in modes)),
         columns=(
-            Column(head=text.symbol, width=0.5, is_formula=True),
+            Column(head=text.symbol, width=0.6, is_formula=True),
             Column(head=text.meaning, width=2.6),
             Column(head=text.value, width=1.6, is_number=True),
         ),

@@ -35,7 +35,8 @@ def write_typst(tree: Expression) -> str:
     """
     match tree:
         case Number(digits):
-            return digits
+            # A bare comma would part two arguments.
+            return f'"{digits}"' if "," in digits else digits
         case Symbol(letter, index):
             return f"{_name(letter)}_({_name(index)})" if index else _name(letter)
         case Power(base, exponent):
