@@ -500,7 +500,7 @@ def test_real_terminal_with_questionary(command: list[str], tmp_path: Path) -> N
 
     pid, terminal = pty.fork()
     if pid == 0:
-        os.environ["TERM"] = "xterm"
+        os.environ |= {"TERM": "xterm", "PYTHONPATH": str(PROFILES.parent)}
         os.chdir(tmp_path)
         os.execv(command[0], [*command, "-o", "p.toml"])
     fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from mtcommission.export.rounding import Coding, Typed, type_limits
 from mtcommission.export.subject import Subject, for_mode
+from mtcommission.export.wording import show_value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,11 +21,14 @@ class TypedMode:
         Largest deviation of the tool [m].
     typed
         None where no limits meet the band: then nothing may be typed in for this mode.
+    attainable
+        Least band that could be met instead [m]; None if it is not known.
     """
 
     name: str
     band: float
     typed: Typed | None
+    attainable: float | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +57,16 @@ class Values:
         return self.recommended.verdict.assessment.is_met and not self.left_out
 
 
+def explain_left_out(subject: Subject, mode: TypedMode) -> str:
+    """Return why a mode is left out, with its band and the one that could be met."""
+    band, attainable = (
+        None if value is None else show_value(value, subject.length, in_degrees=True)
+        for value in (mode.band, mode.attainable)
+    )
+    instead = f" ({attainable} could be met)" if attainable else ""
+    return f"no limits keep the tool within the band of machining mode {mode.name}, {band}{instead}"
+
+
 def type_modes(subject: Subject, coding: Coding) -> tuple[TypedMode, ...]:
     """Return the limits of every machining mode of the record as typed.
 
@@ -73,5 +87,9 @@ def type_modes(subject: Subject, coding: Coding) -> tuple[TypedMode, ...]:
         if mode["meets_requirements"]:
             typed = type_limits(for_mode(subject, mode), coding)
             typed = typed if typed.verdict.assessment.is_met else None
-        found.append(TypedMode(name=mode["name"], band=mode["band"], typed=typed))
+        found.append(
+            TypedMode(
+                name=mode["name"], band=mode["band"], typed=typed, attainable=mode["attainable"]
+            )
+        )
     return tuple(found)

@@ -20,7 +20,7 @@ from mtcommission.export.control import (
     unverified,
 )
 from mtcommission.export.gains import GainUnits
-from mtcommission.export.modes import Values
+from mtcommission.export.modes import Values, explain_left_out
 from mtcommission.export.rounding import (
     AccelerationForm,
     Coding,
@@ -87,7 +87,7 @@ def _heidenhain_modes(subject: Subject, values: Values) -> tuple[Block, ...]:
         band = show_value(mode.band, subject.length, in_degrees=True)
         note = f"Judged with a band of its own, {band}: met."
         if mode.typed is None:
-            note = f"LEFT OUT: no limits keep the tool within the band of this mode, {band}."
+            note = f"LEFT OUT: {explain_left_out(subject, mode)}."
         entries = _heidenhain_limits(subject, mode.typed) if mode.typed else ()
         blocks.append(Block(title=f"Machining mode {mode.name}", entries=entries, notes=(note,)))
     return tuple(blocks)

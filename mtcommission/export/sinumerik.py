@@ -13,7 +13,7 @@ from mtcommission.export.control import (
     unverified,
 )
 from mtcommission.export.gains import GainUnits
-from mtcommission.export.modes import Values
+from mtcommission.export.modes import Values, explain_left_out
 from mtcommission.export.rounding import (
     Coding,
     round_down,
@@ -165,8 +165,8 @@ def _filter_entries(time: float, count: int) -> tuple[Entry, ...]:
 def _notes(subject: Subject, values: Values) -> tuple[str, ...]:
     dynamic = {mode: name for name, mode in DYNAMIC_MODES}
     left_out = tuple(
-        f"{dynamic[mode.name]} IS LEFT OUT: no limits keep the tool within the band of "
-        f"{mode.name}, {_show_band(subject, mode.band)}. Do not use this mode with the old values."
+        f"{dynamic[mode.name]} IS LEFT OUT: {explain_left_out(subject, mode)}. Do not use this "
+        "mode with the old values."
         for mode in values.left_out
     )
     turns = "Accelerations count in revolutions, positions and bands in degrees."
