@@ -17,6 +17,7 @@ from mtcommission.sheet.model import Document
 from mtcommission.sheet.motion_part import first_look, motions
 from mtcommission.sheet.robustness_part import robustness
 from mtcommission.sheet.rule_part import rule
+from mtcommission.sheet.sizes_part import move_sizes
 from mtcommission.sheet.verdict_part import verdict
 
 HASH_DIGITS = 12
@@ -71,6 +72,7 @@ def compose(record: Record, labels: Labels, *, before: Record | None = None) -> 
             comparisons(record, f),
             landscape(record, f),
             robustness(record, f),
+            *move_sizes(record, f),
             loop(record, f),
             parameters(record, f),
             measurements(record, f),

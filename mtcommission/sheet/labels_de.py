@@ -186,6 +186,11 @@ GERMAN = Labels(
     ),
     permitted_band="Band",
     bound_by_column="Begrenzt durch",
+    attainable="Erreichbar",
+    attainable_caption=(
+        "Was stattdessen erreichbar wäre, je eine Anforderung, alle anderen eingehalten"
+    ),
+    attainable_band="{reason}; erreichbar wäre ein Band von {band}",
     alternatives_caption="Empfehlung und Alternativen, in derselben Simulation",
     limits_name="Grenzwerte",
     recommended="Empfohlen",
@@ -425,6 +430,31 @@ GERMAN = Labels(
         "Was eine kleine Änderung kostet, ungünstigste Bewegung, ungünstigster Eckfall"
     ),
     what_changes="Was sich ändert",
+    # other sizes of move
+    sizes_heading="Kleinere und größere Bewegungen",
+    sizes_note=(
+        "Eine kleine Bewegung endet, bevor die Beschleunigung erreicht ist; ihre Rampen sind dann "
+        "kürzer und löschen keine Schwingung. Die Tabelle sagt, für welche Bewegungen dieselben "
+        "Grenzwerte das Band einhalten (ungünstigster Eckfall). Ein gleitender Mittelwert über "
+        "eine Periode, wenn die Steuerung ihn hat, löscht die Schwingung bei jeder Bewegung; er "
+        "ist gezeigt, wo er das Band bei allen kleineren Bewegungen einhält."
+    ),
+    sizes_caption="{move}: für welche Größen die Grenzwerte gelten",
+    filter_time="Gleitender Mittelwert",
+    full_from="Beschleunigung erreicht ab",
+    kept_from="Band eingehalten ab",
+    kept_to="Band eingehalten bis",
+    never="nie",
+    nowhere="nirgends",
+    or_less="{value} oder weniger",
+    or_more="{value} oder mehr",
+    sizes_plot_caption=(
+        "{move}: Restabweichung über der Größe der Bewegung, ungünstigster Eckfall"
+    ),
+    sizes_plot_alt=(
+        "Restabweichung über der Größe der Bewegung, je eine Kurve für: {ways}. Zulässig sind "
+        "{band}."
+    ),
     # evidence
     evidence_heading="Nachweise und Annahmen",
     certificate_caption="{move}: {what}",

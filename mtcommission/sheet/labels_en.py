@@ -170,6 +170,11 @@ class Labels:
     )
     permitted_band: str = "Band"
     bound_by_column: str = "Bound by"
+    attainable: str = "Could be met"
+    attainable_caption: str = (
+        "What could be met instead, one at a time, with all other requirements kept"
+    )
+    attainable_band: str = "{reason}; a band of {band} could be met"
     alternatives_caption: str = "Recommendation and alternatives, in the same simulation"
     limits_name: str = "Limits"
     recommended: str = "Recommended"
@@ -403,6 +408,29 @@ class Labels:
     extremes_caption: str = "The worst of the machines drawn"
     sensitivities_caption: str = "What a small change costs, worst move and worst corner"
     what_changes: str = "What changes"
+
+    # other sizes of move
+    sizes_heading: str = "Smaller and larger moves"
+    sizes_note: str = (
+        "A small move ends before the acceleration is reached; its ramps are shorter then and "
+        "cancel no vibration. The table says for which moves the same limits keep the band "
+        "(worst corner). A moving average of one period, if the control has one, cancels the "
+        "vibration whatever the move; it is shown where it keeps the band on all smaller moves."
+    )
+    sizes_caption: str = "{move}: for which sizes the limits hold"
+    filter_time: str = "Moving average"
+    full_from: str = "Acceleration reached from"
+    kept_from: str = "Band kept from"
+    kept_to: str = "Band kept to"
+    never: str = "never"
+    nowhere: str = "nowhere"
+    or_less: str = "{value} or less"
+    or_more: str = "{value} or more"
+    sizes_plot_caption: str = "{move}: residual deviation over the size of the move, worst corner"
+    sizes_plot_alt: str = (
+        "Residual deviation over the size of the move, a curve for each of: {ways}. "
+        "Permitted are {band}."
+    )
 
     # 6 evidence
     evidence_heading: str = "Certificates and assumptions"

@@ -6,11 +6,11 @@ import numpy as np
 from contourpy import contour_generator
 from numpy.typing import NDArray
 
-from mtcommission.record.schema import Alternative, LimitsEntry, Record, RuleResult
+from mtcommission.record.schema import Alternative, LimitsEntry, ModeLimitsEntry, Record, RuleResult
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import Block, Column, Paragraph, Section, Table, Tone
 from mtcommission.sheet.plot_model import Border, Contour, HeatMap, Mark, PointPlot
-from mtcommission.sheet.verdict_part import acceleration, band
+from mtcommission.sheet.verdict_part import acceleration, band, capitalised
 
 Array = NDArray[np.float64]
 
@@ -52,9 +52,43 @@ def limits(record: Record, f: Formatter) -> Section:
         blocks=(
             Paragraph(text=text.values_bound_by.format(bound=text.say(recommended["bound_by"]))),
             table,
+            *_attainable(record, f),
             _machining_modes(record, f),
         ),
     )
+
+
+def _attainable(record: Record, f: Formatter) -> tuple[Table, ...]:
+    """Return what could be met where a requirement stands in the way; nothing if none does."""
+    text, length = f.labels, motion_unit("m", rotary=f.rotary)
+    heads = (text.permitted, text.attainable, text.acceleration, text.jerk)
+    rows = tuple(
+        (
+            capitalised(text.say(item["requirement"])),
+            f.quantity(item["limit"], item["unit"]),
+            f.quantity(item["value"], item["unit"]),
+            f.quantity(item["acceleration"], f"{length}/s^2"),
+            f.quantity(item["jerk"], f"{length}/s^3"),
+        )
+        for item in record["limits"]["attainable"]
+    )
+    columns = (
+        Column(head=text.check, width=1.6),
+        *(Column(head=head, is_number=True) for head in heads),
+    )
+    return (Table(caption=text.attainable_caption, columns=columns, rows=rows),) if rows else ()
+
+
+def _mode_bound(mode: ModeLimitsEntry, f: Formatter) -> str:
+    """Return what bounds a machining mode, or why it has no values and what band it could have."""
+    text = f.labels
+    if not mode["reason"]:
+        return text.say(mode["bound_by"])
+    words = text.say(mode["reason"])
+    if mode["attainable"] is None:
+        return words
+    least = f.quantity(mode["attainable"], motion_unit("m", rotary=f.rotary))
+    return text.attainable_band.format(reason=words, band=least)
 
 
 def _machining_modes(record: Record, f: Formatter) -> Table:
@@ -80,7 +114,7 @@ def _machining_modes(record: Record, f: Formatter) -> Table:
                 f.quantity(mode["jerk"], f"{length}/s^3"),
                 f.quantity(mode["jerk_time"], "s"),
                 f.settling(mode["settling_time"]),
-                text.say(mode["bound_by"]),
+                _mode_bound(mode, f),
                 _met(mode["meets_requirements"], f),
             )
             for mode in record["limits"]["modes"]

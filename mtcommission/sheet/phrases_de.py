@@ -157,6 +157,13 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "bounds on peaks or RMS force are not in the rule",
         "Grenzen für Höchstwerte oder Effektivkraft kennt die Regel nicht",
     ),
+    # other sizes of move, and what could be met
+    ("recommended", "empfohlen"),
+    ("moving average", "gleitender Mittelwert"),
+    (
+        "no limits were found that meet all requirements with this band",
+        "es wurden keine Grenzwerte gefunden, die mit diesem Band alle Anforderungen erfüllen",
+    ),
     # small changes
     ("jerk {1} %", "Ruck {1} %"),
     ("acceleration {1} %", "Beschleunigung {1} %"),
