@@ -1,12 +1,15 @@
-"""Which loop is used: state feedback only where it lets the moves settle sooner."""
+"""Which loop is used: state feedback only where it pays at the same margins."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
 
 from mtcommission.choose import SearchSettings, choose_limits
-from mtcommission.loop.tuning import TunedLoop, TuningSettings, tune_loop
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.tuned import TunedLoop, TuningSettings, has_margins
+from mtcommission.loop.tuning import tune_loop, tune_variants
 from mtcommission.machine import Machine, StateFeedback
 from mtcommission.plant import Plant
 from mtcommission.robustness import RobustnessSettings
@@ -74,7 +77,7 @@ class LoopChoice:
 
 
 def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:
-    """Return the tuned loop, with state feedback only where it lets the move settle sooner.
+    """Return the tuned loop, with state feedback only where that pays.
 
     Parameters
     ----------
@@ -86,33 +89,74 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     Returns
     -------
     LoopChoice
-        The remarks of its loop state both settling times.
+        The remarks of its loop state settling time and stiffness of both.
     """
-    tuned = tune_loop(machine, settings=settings.tuning)
     if machine.control.state_feedback is not StateFeedback.AUTO:
-        return LoopChoice(tuned=tuned, variants=())
-    off = replace(machine, control=replace(machine.control, state_feedback=StateFeedback.OFF))
-    plain = tune_loop(off, settings=settings.tuning)
-    if not tuned.controller.state_gains.any():
-        kept = replace(plain, remarks=(*plain.remarks, tuned.remarks[-1]))
-        return LoopChoice(tuned=kept, variants=())
-    trials = []
-    for name, loop in (("without state feedback", plain), ("with state feedback", tuned)):
-        limits = choose_limits(machine, plant, loop, settings=settings.comparison).limits
-        trials.append(judge(machine, plant, loop, name, "coarser search", limits))
-    helps = trials[1].settling_time < trials[0].settling_time
-    verdict = (
-        f"Best settling time {_milliseconds(trials[1].settling_time)} with it, "
-        f"{_milliseconds(trials[0].settling_time)} without it: "
-        f"it is {'used' if helps else 'left out'}."
-    )
-    kept = tuned if helps else plain
+        return LoopChoice(tuned=tune_loop(machine, settings=settings.tuning), variants=())
+    found = tune_variants(machine, settings=settings.tuning)
+    if found.feedback is None:
+        return LoopChoice(tuned=found.plain, variants=())
+    without = _try_loop(machine, plant, WITHOUT, found.plain, settings, starts=())
+    starts = (without.limits,)
+    with_it = _try_loop(machine, plant, WITH, found.feedback, settings, starts=starts)
+    helps = _pays(without, with_it, found.plain, found.feedback, settings.tuning)
+    kept = found.feedback if helps else found.plain
     variants = tuple(
         LoopVariant(name=trial.name, tuned=loop, trial=trial, is_used=loop is kept)
-        for trial, loop in zip(trials, (plain, tuned), strict=True)
+        for trial, loop in ((without, found.plain), (with_it, found.feedback))
     )
-    remarks = (*plain.remarks, tuned.remarks[-1], verdict)
+    verdict = (
+        f"Best settling time {_milliseconds(with_it.settling_time)} with it, "
+        f"{_milliseconds(without.settling_time)} without it: "
+        f"it is {'used' if helps else 'left out'}."
+    )
+    ratio = found.feedback.least_stiffness / found.plain.least_stiffness
+    stiffness = f"With it the tool is {ratio:.2g} times as stiff against a disturbance."
+    hint = f" {NEEDS_STATE_FEEDBACK}" if helps else ""
+    remarks = (*kept.remarks, f"{verdict} {stiffness}{hint}")
     return LoopChoice(tuned=replace(kept, remarks=remarks), variants=variants)
+
+
+WITHOUT, WITH = "without state feedback", "with state feedback"
+
+NEEDS_STATE_FEEDBACK = (
+    'The control must offer state feedback; if yours does not, set state_feedback = "off".'
+)
+
+SOONER = 0.98
+STIFFER = 1.2
+"""State feedback is worth its effort if the moves settle 2 % sooner (the coarser search is no
+finer), or as soon with a tool that is 20 % stiffer (design choice)."""
+
+
+def _pays(
+    without: Trial,
+    with_it: Trial,
+    plain: TunedLoop,
+    feedback: TunedLoop,
+    settings: TuningSettings,
+) -> bool:
+    """Whether state feedback is used; a loop with poor margins, given as such, never wins."""
+    if not all(has_margins(analysis, settings=settings) for analysis in plain.analyses):
+        return True
+    if with_it.settling_time < SOONER * without.settling_time:
+        return True
+    is_as_soon = SOONER * with_it.settling_time <= without.settling_time
+    return is_as_soon and feedback.least_stiffness > STIFFER * plain.least_stiffness
+
+
+def _try_loop(
+    machine: Machine,
+    plant: Plant,
+    name: str,
+    tuned: TunedLoop,
+    settings: Settings,
+    *,
+    starts: Sequence[MotionLimits],
+) -> Trial:
+    """The limits that suit a loop best by the coarser search, judged."""
+    choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.comparison)
+    return judge(machine, plant, tuned, name, "coarser search", choice.limits)
 
 
 def _milliseconds(time: float) -> str:

@@ -264,7 +264,7 @@ def run(
     K = gains.state_gains
     biquads = [Biquad(item, h) for item in gains.force_filters]
     integral = acting = modelled = 0.0
-    handed = waiting = (0.0, 0.0, 0.0)
+    handed = waiting = (0.0, 0.0, 0.0, 0.0)
     out = []
     for i in range(samples):
         if i % gains.cycles == 0:
@@ -277,11 +277,14 @@ def run(
             m = gains.feedforward_mass
             f_set = m * (gains.acceleration_feedforward * a)
             f_set += m * gains.force_lag * gains.jerk_feedforward * j
-            f_set += float(K @ _wanted(nominal, m, late))
-            waiting = (gains.position_gain * error, v_set, f_set)
+            moving = np.array([*late[1:], 0.0])
+            f_rate = float(K @ _wanted(nominal, m, moving))
+            f_set += float(K @ _wanted(nominal, m, late)) - f_rate * (T_p - h) / 2
+            waiting = (gains.position_gain * error, v_set, f_set, f_rate)
         out.append((axis.tool, axis.encoder, acting, *axis.state()))
         miss = handed[0] + handed[1] - axis.encoder_rate
         wanted = gains.velocity_gain * (miss + integral) + handed[2] - float(K @ estimate)
+        wanted += handed[3] * (i % gains.cycles) * h
         for biquad in biquads:
             wanted = biquad.pass_on(wanted)
         granted = min(max(wanted, -force_limit), force_limit)

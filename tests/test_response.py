@@ -75,7 +75,8 @@ def test_nothing_happens_after_the_simulated_time(tuned: TunedLoop) -> None:
     machine, profile = paper_machine(), profile_of(STEP, 1.2, 1.2 / 0.003)
     n = len(ours.t)
     longer = run(machine, tuned.controller, profile, nominal=machine, samples=n + 4000)
-    assert np.max(np.abs(longer.tool - longer.reference)[n:]) < 0.02 * BAND
+    # Each mode has decayed to 1 % of the band; several may add up.
+    assert np.max(np.abs(longer.tool - longer.reference)[n:]) < 0.04 * BAND
 
 
 def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:

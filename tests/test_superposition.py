@@ -92,8 +92,8 @@ def test_settling_and_residual_agree_with_the_full_simulation(name: str) -> None
         for i in range(len(a)):
             full = linear_response(machine, tuned, move, a[i], j[i])
             assert found.residual_deviation[i] == pytest.approx(full.residual_deviation, rel=1e-6)
-            # A first look may miss part of a peak, but never invents one.
-            assert 0.8 < rough.residual_deviation[i] / full.residual_deviation < 1.0 + 1e-4
+            # A first look may miss part of a peak; it adds at most what a chord at t_e + τ does.
+            assert 0.8 < rough.residual_deviation[i] / full.residual_deviation < 1.0 + 1e-3
             if np.isfinite(found.settling_time[i]):
                 assert found.settling_time[i] == pytest.approx(full.settling_time, rel=1e-6)
                 checked += 1

@@ -1,54 +1,21 @@
-"""Poles, margins and bandwidth of a loop. One of two doors to python-control.
-
-The loop is cut at F_set. Everything at the velocity cycle is exact in z = exp(i ω T_v); the
-position path is taken in its base band, that is, the images of its slower sampling are left
-out (they lie above 1/(2 T_p) and are attenuated by the hold and the plant).
-"""
+"""Poles, margins and bandwidth of a loop."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, inf, pi
+from math import inf, pi
 
-import control
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
+from scipy.linalg import eig
 from scipy.optimize import linear_sum_assignment
 
-from mtcommission.loop.controller import Controller
-from mtcommission.loop.sampled import LiftedLoop, discretise, discretise_filter
-from mtcommission.plant import Plant
+from mtcommission.loop.frequency import SQRT_HALF, FrequencyResponse
+from mtcommission.loop.sampled import LiftedLoop
+from mtcommission.plant import Plant, PlantMode
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-
-GRID_POINTS = 1200
-"""Frequencies of the Bode plot; modes get a cluster of their own (empirical: margins of the
-shipped machines change by less than 0.01 dB and 0.05 degrees when doubled)."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FrequencyResponse:
-    """Responses over frequency.
-
-    Parameters
-    ----------
-    frequency_hz
-        Shape (n,) [Hz].
-    open_loop
-        L, loop cut at F_set, shape (n,).
-    closed_velocity_loop
-        Velocity setpoint to encoder velocity, position loop open, shape (n,).
-    compliance
-        Tool displacement per disturbance force on the line of the drive force, all loops
-        closed, shape (n,) [m/N].
-    """
-
-    frequency_hz: Array
-    open_loop: ComplexArray
-    closed_velocity_loop: ComplexArray
-    compliance: ComplexArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -62,8 +29,11 @@ class LoopAnalysis:
     poles
         Poles of the lifted loop mapped to the s plane, ln(z)/T_p [1/s]; dead-time poles at
         z = 0 are left out.
-    gain_margin_db, phase_margin_deg
-        Worst over all crossings, cut at F_set; inf where the curve does not cross.
+    gain_margin_up_db, gain_margin_down_db
+        By how much the gain may rise, and may fall, before the loop becomes unstable, cut at
+        F_set; inf where no gain does it.
+    phase_margin_deg
+        Least over all crossings of the unit circle; inf without one.
     sensitivity_peak
         max |1/(1 + L)| [-].
     bandwidth_hz
@@ -71,12 +41,14 @@ class LoopAnalysis:
     dynamic_stiffness, weakest_frequency_hz
         Least disturbance force per tool displacement over all frequencies [N/m], and where [Hz].
     mode_damping
-        Damping ratio of the closed-loop pole nearest to each plant mode, shape (n_modes,).
+        Damping ratio of the closed-loop pole that each plant mode has turned into, shape
+        (n_modes,).
     """
 
     is_stable: bool
     poles: ComplexArray
-    gain_margin_db: float
+    gain_margin_up_db: float
+    gain_margin_down_db: float
     phase_margin_deg: float
     sensitivity_peak: float
     bandwidth_hz: float
@@ -84,97 +56,10 @@ class LoopAnalysis:
     weakest_frequency_hz: float
     mode_damping: Array
 
-
-def frequency_response(plant: Plant, controller: Controller) -> FrequencyResponse:
-    """Return open and closed loop over frequency.
-
-    Parameters
-    ----------
-    plant, controller
-        The loop.
-
-    Returns
-    -------
-    FrequencyResponse
-        From 0.1 Hz to the Nyquist frequency of the velocity cycle.
-    """
-    T_v, N = controller.velocity_cycle, controller.cycles
-    omega = _grid(plant, controller)
-    z = np.exp(1j * omega * T_v)
-    A, B = discretise(plant, T_v)
-    pi_law = controller.velocity_gain * (1.0 + T_v / controller.integral_time / (z - 1.0))
-    # The position controller's demand reaches the integral branch through the reference model.
-    model = _reference_model(controller, z)
-    position_law = controller.velocity_gain * (
-        1.0 + T_v / controller.integral_time / (z - 1.0) * model
-    )
-    held = z**-N * (1.0 - z**-N) / (1.0 - 1.0 / z) / N
-    path = 1.0 / z
-    for item in controller.force_filters:
-        stage = discretise_filter(item, controller)
-        drive = np.tile(stage.B.astype(np.complex128), (z.size, 1))
-        path = path * (_resolvent(stage.A, drive, z) @ stage.C + stage.D)
-    own = controller.observer.B
-
-    def feedback(states: ComplexArray, known: Array) -> ComplexArray:
-        """Force asked for by velocity loop and state feedback, sign reversed."""
-        estimate = _estimate(plant, controller, states, known, z)
-        rate = states @ (plant.row("encoder") @ plant.A)
-        return np.asarray(path * (pi_law * rate + estimate))
-
-    def position_feedback(states: ComplexArray) -> ComplexArray:
-        gain = path * position_law * controller.position_gain * held
-        return np.asarray(gain * (states @ plant.row("encoder")))
-
-    moved = _resolvent(A, np.tile(B.astype(np.complex128), (z.size, 1)), z)
-    inner = feedback(moved, own)
-    open_loop = inner + position_feedback(moved)
-    # A disturbance on the line of the drive force enters like the force state itself; the
-    # observer does not know it.
-    entry = _held_disturbance(plant, T_v).astype(np.complex128)
-    disturbed = _resolvent(A, np.tile(entry, (z.size, 1)), z)
-    reaction = feedback(disturbed, np.zeros_like(own)) + position_feedback(disturbed)
-    tool = plant.row("tcp")
-    return FrequencyResponse(
-        frequency_hz=omega / (2 * pi),
-        open_loop=open_loop,
-        closed_velocity_loop=path
-        * position_law
-        * (moved @ (plant.row("encoder") @ plant.A))
-        / (1.0 + inner),
-        compliance=disturbed @ tool - (moved @ tool) * reaction / (1.0 + open_loop),
-    )
-
-
-def _reference_model(controller: Controller, z: ComplexArray) -> ComplexArray:
-    """First-order lag at the velocity cycle through which the integral sees its setpoint."""
-    if not controller.reference_model_time:
-        return np.ones_like(z)
-    share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
-    return np.asarray(share / (z - 1.0 + share))
-
-
-def _estimate(
-    plant: Plant, controller: Controller, states: ComplexArray, known: Array, z: ComplexArray
-) -> ComplexArray:
-    """K x̂ of the observer over frequency, for given plant states and known input column."""
-    observer = controller.observer
-    if not observer.states:
-        return np.zeros_like(z)
-    measured = states @ np.array([plant.row(sensor) for sensor in controller.sensors]).T
-    drive = known + measured @ observer.L.T
-    estimate = _resolvent(observer.A - observer.L @ observer.C, drive, z)
-    return np.asarray(estimate @ controller.state_gains[list(observer.states)])
-
-
-def _held_disturbance(plant: Plant, step: float) -> Array:
-    """What a disturbance force held over one step adds to the states, shape (n,)."""
-    n = plant.order
-    joint = np.zeros((n + 1, n + 1))
-    joint[:n, :n] = plant.A
-    joint[:n, n] = plant.A[:, plant.force]
-    joint[plant.force, n] = 0.0
-    return np.asarray(expm(joint * step)[:n, n])
+    @property
+    def gain_margin_db(self) -> float:
+        """The smaller of both gain margins."""
+        return min(self.gain_margin_up_db, self.gain_margin_down_db)
 
 
 def analyse_loop(plant: Plant, response: FrequencyResponse, lifted: LiftedLoop) -> LoopAnalysis:
@@ -195,60 +80,127 @@ def analyse_loop(plant: Plant, response: FrequencyResponse, lifted: LiftedLoop) 
 
     Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4 (margins, sensitivity peak).
     """
-    system = control.ss(
-        lifted.A, lifted.B, lifted.C[:1], lifted.D[:1], lifted.dt, remove_useless_states=False
-    )
-    z = np.asarray(control.poles(system))
-    alive = z[np.abs(z) > DEAD_TIME_RADIUS]
-    closed = np.abs(response.closed_velocity_loop)
-    below = np.flatnonzero(closed < 1.0 / np.sqrt(2.0))
-    poles = np.log(alive.astype(np.complex128)) / lifted.dt
+    eigen = _solve_eigen(lifted.A)
+    alive = np.abs(eigen.z) > DEAD_TIME_RADIUS
+    poles = np.asarray(np.log(eigen.z[alive]) / lifted.dt, dtype=np.complex128)
+    shares = _participation(plant, lifted, eigen.left[:, alive], eigen.right[:, alive])
     weakest = int(np.argmax(np.abs(response.compliance)))
+    up, down = _gain_margins_db(response.open_loop)
     return LoopAnalysis(
-        is_stable=bool(np.max(np.abs(z)) < 1.0),
+        is_stable=bool(np.max(np.abs(eigen.z)) < 1.0 - STEADY),
         poles=poles,
-        gain_margin_db=_gain_margin_db(response.open_loop),
+        gain_margin_up_db=up,
+        gain_margin_down_db=down,
         phase_margin_deg=_phase_margin_deg(response.open_loop),
         sensitivity_peak=float(np.max(1.0 / np.abs(1.0 + response.open_loop))),
-        bandwidth_hz=float(response.frequency_hz[below[0]]) if below.size else inf,
+        bandwidth_hz=_bandwidth_hz(response),
         dynamic_stiffness=1.0 / float(np.abs(response.compliance[weakest])),
         weakest_frequency_hz=float(response.frequency_hz[weakest]),
-        mode_damping=_mode_damping(plant, poles, lifted.dt),
+        mode_damping=_mode_damping(plant, poles, shares, lifted.dt),
     )
-
-
-def _mode_damping(plant: Plant, poles: ComplexArray, dt: float) -> Array:
-    """Damping ratio of the closed-loop pole that each plant mode turns into.
-
-    Poles are matched to modes one to one, nearest first, in the z plane: sampling at the
-    position cycle folds frequencies above 1/(2 T_p), so each mode keeps its own turn.
-    """
-    modes = np.array([mode.pole for mode in plant.modes])
-    distance = np.abs(np.exp(poles[None, :] * dt) - np.exp(modes[:, None] * dt))
-    _, chosen = linear_sum_assignment(distance)
-    nearest = poles[chosen]
-    turns = np.round((modes.imag - nearest.imag) * dt / (2 * pi))
-    unfolded = nearest + 2j * pi * turns / dt
-    return np.asarray(-unfolded.real / np.abs(unfolded))
 
 
 DEAD_TIME_RADIUS = 1e-3
 """Lifted poles inside this circle are dead times: at 2 ms they decay in 0.3 ms (empirical)."""
 
+STEADY = 1e-10
+"""A pole this close to the unit circle does not decay: rounding, not damping."""
 
-def _gain_margin_db(open_loop: ComplexArray) -> float:
-    """Smallest |20 log10 |L|| where L crosses the negative real axis; inf if it does not.
 
-    Crossings are interpolated between neighbours on the dense grid; python-control's own
-    search for them agrees (tested) and takes some hundred times as long.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Eigen:
+    """Eigenvalues, left and right eigenvectors as columns."""
+
+    z: ComplexArray
+    left: ComplexArray
+    right: ComplexArray
+
+
+def _solve_eigen(A: Array) -> _Eigen:
+    found = eig(A, left=True, right=True)
+    z, left, right = (np.asarray(part, dtype=np.complex128) for part in tuple(found))
+    return _Eigen(z=z, left=left, right=right)
+
+
+def _participation(
+    plant: Plant, lifted: LiftedLoop, left: ComplexArray, right: ComplexArray
+) -> Array:
+    """How much of each closed-loop pole is each plant mode, shape (n_modes, n_poles).
+
+    Participation factors |w_i v_i| / |w v| of deflection and rate. The observer counts by its
+    error x̂ - x instead of x̂, so that its own poles, which the plant never feels (separation
+    principle), have no share in any mode.
+
+    Source: Pérez-Arriaga, Verghese & Schweppe, IEEE Trans. PAS-101 (1982), participation factors.
+    """
+    norm = np.abs(np.sum(np.conj(left) * right, axis=0))
+    place = {name: i for i, name in enumerate(lifted.states)}
+    shares = np.zeros((len(plant.modes), right.shape[1]))
+    for k, mode in enumerate(plant.modes):
+        for state in (mode.deflection, mode.rate):
+            row = left[state]
+            estimate = place.get(f"observer.{plant.states[state]}")
+            if estimate is not None:
+                row = row + left[estimate]
+            shares[k] += np.abs(row * right[state])
+    return np.asarray(shares / np.maximum(norm, np.finfo(np.float64).tiny))
+
+
+def _mode_damping(plant: Plant, poles: ComplexArray, shares: Array, dt: float) -> Array:
+    """Damping ratio of the closed-loop pole that each mode has turned into.
+
+    That is the pole with the largest share of the mode per distance from the mode's own pole:
+    where mode and servo mix, the share alone may jump to the servo's pole. One pole of each
+    conjugate pair takes part, and each mode gets a pair of its own. Real poles, whose shares
+    are large and of opposite sign, count only where too few pairs are left.
+    """
+    upper = np.flatnonzero(poles.imag > 0.0)
+    if upper.size < len(shares):
+        upper = np.flatnonzero(poles.imag >= 0.0)
+    near = [[_unfold(pole, mode, dt) for pole in poles[upper]] for mode in plant.modes]
+    own = np.array([[mode.pole] for mode in plant.modes])
+    distance = np.abs(np.array(near) - own) / np.abs(own)
+    claim = np.maximum(shares[:, upper], LEAST_SHARE) / np.maximum(distance, LEAST_SHARE)
+    rows, chosen = linear_sum_assignment(-np.log(claim))
+    return np.array([_damping_ratio(near[k][i]) for k, i in zip(rows, chosen, strict=True)])
+
+
+LEAST_SHARE = 1e-9
+"""Keeps a logarithm finite where a mode has no share in a pole, or is left where it was."""
+
+
+def _unfold(pole: complex, mode: PlantMode, dt: float) -> complex:
+    """The pole with the frequency nearest to the mode's that looks alike every ``dt``.
+
+    Sampling at the position cycle folds frequencies above 1/(2 T_p).
+    """
+    wanted = mode.pole.imag
+    turn = 2 * pi / dt
+    alike = [
+        complex(pole.real, sign * pole.imag + turn * round((wanted - sign * pole.imag) / turn))
+        for sign in (1.0, -1.0)
+    ]
+    return min(alike, key=lambda item: abs(item.imag - wanted))
+
+
+def _damping_ratio(pole: complex) -> float:
+    return -pole.real / abs(pole)
+
+
+def _gain_margins_db(open_loop: ComplexArray) -> tuple[float, float]:
+    """How much the gain may rise and fall until L passes through -1; inf if it never does.
+
+    Crossings of the negative real axis are interpolated on the refined grid; python-control's
+    own search for them agrees (tested) and takes some hundred times as long.
     """
     here, there = open_loop[:-1], open_loop[1:]
     cuts = here.imag * there.imag < 0.0
     here, there = here[cuts], there[cuts]
     share = here.imag / (here.imag - there.imag)
     real = here.real + share * (there.real - here.real)
-    real = real[real < 0.0]
-    return float(np.min(np.abs(20.0 * np.log10(-real)))) if real.size else inf
+    level = -20.0 * np.log10(-real[real < 0.0])
+    up, down = level[level >= 0.0], -level[level < 0.0]
+    return float(np.min(up, initial=inf)), float(np.min(down, initial=inf))
 
 
 def _phase_margin_deg(open_loop: ComplexArray) -> float:
@@ -258,24 +210,18 @@ def _phase_margin_deg(open_loop: ComplexArray) -> float:
     share = level[cuts] / (level[cuts] - level[cuts + 1])
     turn = np.angle(open_loop[cuts + 1] / open_loop[cuts])
     phase = np.angle(-open_loop[cuts]) + share * turn
-    return float(np.degrees(np.min(np.abs(phase)))) if cuts.size else inf
+    return float(np.degrees(np.min(np.abs(phase), initial=inf)))
 
 
-def _grid(plant: Plant, controller: Controller) -> Array:
-    """Frequencies [rad/s] up to Nyquist, with clusters of each mode's half-width.
-
-    An even number of points leaves out the very resonance, where an undamped mode is infinite.
-    """
-    nyquist = pi / controller.velocity_cycle
-    parts = [np.geomspace(2 * pi * 0.1, 0.999 * nyquist, GRID_POINTS)]
-    for mode in plant.modes:
-        width = max(mode.damping_ratio, 1e-3)
-        parts.append(mode.natural_frequency * (1.0 + width * np.linspace(-4.0, 4.0, 80)))
-    omega = np.unique(np.concatenate(parts))
-    return omega[(omega > 0.0) & (omega < nyquist)]
-
-
-def _resolvent(A: Array, drive: ComplexArray, z: ComplexArray) -> ComplexArray:
-    """Rows (zI - A)^-1 drive, shape (n_frequencies, n)."""
-    matrices = z[:, None, None] * np.eye(A.shape[0]) - A
-    return np.asarray(np.linalg.solve(matrices, drive[:, :, None])[:, :, 0])
+def _bandwidth_hz(response: FrequencyResponse) -> float:
+    """Where the closed velocity loop falls below -3 dB for the first time [Hz]."""
+    closed = np.abs(response.closed_velocity_loop)
+    below = np.flatnonzero(closed < SQRT_HALF)
+    if not below.size:
+        return inf
+    i = int(below[0])
+    if i == 0:
+        return float(response.frequency_hz[0])
+    low, high = response.frequency_hz[i - 1], response.frequency_hz[i]
+    share = (closed[i - 1] - SQRT_HALF) / (closed[i - 1] - closed[i])
+    return float(low + share * (high - low))

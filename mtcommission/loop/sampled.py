@@ -7,7 +7,9 @@ Which path carries which dead time:
   is T_p + (T_p - T_v)/2 old, on average, when the velocity controller samples it.
 - Feed-forward of velocity, force and reference state goes the same way. Velocity and
   reference state are taken from the setpoint τ less that age ago, so that they arrive at their
-  comparison τ late, like the position that the position controller compares.
+  comparison τ late, like the position that the position controller compares. The force by the
+  wanted state is handed down with its rate and interpolated at the velocity cycle: a held wanted
+  position would make the state feedback ripple even while coasting.
 - The velocity controller samples at the velocity cycle; its force acts one velocity cycle
   later and is held.
 
@@ -37,8 +39,9 @@ Array = NDArray[np.float64]
 
 INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
 
-HELD = ("held_correction", "held_velocity", "held_force")
-"""What the position cycle hands down: position controller output, velocity and force ahead."""
+HELD = ("held_correction", "held_velocity", "held_force", "held_force_rate")
+"""What the position cycle hands down: position controller output, velocity and force ahead, and
+how the force by the wanted state changes until the next one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,7 +71,7 @@ class SampledLoop:
     observation
         Outputs at a velocity cycle, shape (n_outputs, n).
     handed_down
-        What the position cycle computes (``HELD``), over (state, references), shape (3, n + 4).
+        What the position cycle computes (``HELD``), over (state, references), shape (4, n + 4).
     states
         Names of the loop's states.
     outputs
@@ -202,6 +205,7 @@ def _velocity_cycle(
         share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
         step[modelled] += share * (held[0] - unit[modelled])
         integrated = error + unit[modelled] - held[0]
+    step[seen.stop + 2] += controller.velocity_cycle * held[3]
     gains = controller.state_gains[list(observer.states)]
     demand = controller.velocity_gain * (error + z) + held[2] - gains @ estimate
     for stage in filters:
@@ -215,11 +219,14 @@ def _velocity_cycle(
 def _position_cycle(
     plant: Plant, controller: Controller, model: Plant, *, arrival: float, delays: int, size: int
 ) -> Array:
-    """Correction, velocity and force handed down, as rows over (state, references)."""
+    """Correction, velocity, force and its rate handed down, as rows over (state, references)."""
     T_p, m = controller.position_cycle, controller.feedforward_mass
     delayed = delay_weights(arrival, cycle=T_p, delays=delays)
     position = delay_weights(controller.reference_delay, cycle=T_p, delays=delays)[0]
-    force = controller.state_gains @ reference_state(model, controller) @ delayed
+    wanted = controller.state_gains @ reference_state(model, controller)
+    # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
+    rate = wanted[:3] @ delayed[1:]
+    force = wanted @ delayed - 0.5 * (T_p - controller.velocity_cycle) * rate
     force[2] += controller.acceleration_feedforward * m
     force[3] += controller.jerk_feedforward * m * controller.force_lag
     ahead = np.vstack(
@@ -227,6 +234,7 @@ def _position_cycle(
             controller.position_gain * position,
             controller.velocity_feedforward * delayed[1],
             force,
+            rate,
         ]
     )
     rows = np.zeros((len(HELD), size + 4))

@@ -1,115 +1,70 @@
-"""What the profile leaves out of the controller, by rules with a source.
+"""What the profile leaves out of the controller, tuned until the margins hold in every corner.
 
-One of two doors to python-control (LQR, Kalman observer, margins).
-
-Rules
------
-- Delay of the force path T_σ = T + 1.5 T_v + filters; Kp = f m / (2 T_σ) (symmetrical optimum),
-  with f <= 1 lowered until the margins hold in every corner.
-- ω_v = Kp/m; Tn = 4/ω_v (Yaskawa: Tn >= 4/ω_v); Kv = ω_v/4 (speed loop damping 1).
-- State feedback: LQR around the closed cascade, whose cost is the rate of the dominant mode that
-  the sensors see; its weight is the one that damps that mode best with the margins kept. A
-  stationary Kalman observer supplies the states.
+- The cascade by the rules of ``cascade.py``, Kp lowered until the margins hold.
+- State feedback by ``state_feedback.py``; for each of some weights Kp is the largest that keeps
+  the same margins. Of those that cost neither damping nor bandwidth against the cascade alone,
+  the one that makes the tool stiffest.
+- What is given is used as given, judged, and warned about where it is poor.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import control
 import numpy as np
-from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.analysis import (
-    FrequencyResponse,
-    LoopAnalysis,
-    analyse_loop,
-    frequency_response,
+from mtcommission.loop.cascade import build_cascade, explain_cascade, gain_unit
+from mtcommission.loop.controller import Controller
+from mtcommission.loop.judgement import (
+    has_given_gains,
+    judge_given,
+    warn_of_filters,
+    warn_of_modes,
 )
-from mtcommission.loop.controller import (
-    Controller,
-    Observer,
-    feedforward_delay,
-    filter_delay,
-    no_observer,
+from mtcommission.loop.state_feedback import (
+    add_state_feedback,
+    design_observer,
+    dominant_mode,
+    is_seen,
 )
-from mtcommission.loop.sampled import LiftedLoop, SampledLoop, build_loop, discretise, lift_loop
-from mtcommission.machine import (
-    NOMINAL,
-    Corner,
-    Machine,
-    StateFeedback,
-    TcpSensor,
-    corners,
-    mid_payload,
-    moving_mass,
-    vary,
+from mtcommission.loop.tuned import (
+    CornerPlants,
+    TunedLoop,
+    TuningSettings,
+    close_loop,
+    corner_plants,
+    describe_margins,
+    keeps_margins,
 )
-from mtcommission.plant import Plant, PlantMode, build_plant
+from mtcommission.machine import Machine, StateFeedback
+from mtcommission.plant import Plant, PlantMode
 
-Array = NDArray[np.float64]
+__all__ = ["TunedLoop", "TuningSettings", "Variants", "tune_loop", "tune_variants"]
+
+LEAST_FRACTION = 0.01
+"""Below a hundredth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
+
+KEPT_BANDWIDTH = 0.95
+KEPT_DAMPING = 0.9
+"""What state feedback must leave of the cascade's bandwidth and of the other modes' damping."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TuningSettings:
-    """What a tuned loop must reach, and how its observer sees noise.
+class Variants:
+    """The loop without and with state feedback, both with the same margins.
 
     Parameters
     ----------
-    gain_margin_db, phase_margin_deg, sensitivity_peak
-        Required in every corner; Åström & Hägglund recommend 6 ... 14 dB, 30 ... 60 degrees and
-        1.2 ... 2.0.
-    reserve_deg
-        Phase that the cascade alone keeps above that, for the state feedback to spend (empirical).
-    mode_weights
-        Weights of the dominant mode's squared rate against the squared force, both in units of
-        what F_max does to the mode; the best one with margins is taken.
-    reduction
-        Factor from one try of Kp to the next.
-    force_noise, position_noise
-        Standard deviations that the observer assumes: unknown force relative to F_max [-] and
-        encoder error [m] (empirical: they set its bandwidth, not the loop's accuracy).
+    plain
+        The cascade alone.
+    feedback
+        With state feedback; None where none is of use.
     """
 
-    gain_margin_db: float = 6.0
-    phase_margin_deg: float = 30.0
-    reserve_deg: float = 5.0
-    sensitivity_peak: float = 2.0
-    mode_weights: tuple[float, ...] = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
-    reduction: float = 0.92
-    force_noise: float = 0.05
-    position_noise: float = 1e-7
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TunedLoop:
-    """A controller in every corner of the machine.
-
-    Parameters
-    ----------
-    controller
-        With every gain resolved.
-    corners
-        The nominal machine first.
-    loops, lifted, responses, analyses
-        One for each corner.
-    remarks
-        What was chosen, by which rule, and what could not be done; sentences for the sheet.
-    """
-
-    controller: Controller
-    corners: tuple[Corner, ...]
-    loops: tuple[SampledLoop, ...]
-    lifted: tuple[LiftedLoop, ...]
-    responses: tuple[FrequencyResponse, ...]
-    analyses: tuple[LoopAnalysis, ...]
-    remarks: tuple[str, ...]
-
-    @property
-    def nominal(self) -> LoopAnalysis:
-        """Analysis of the nominal machine."""
-        return self.analyses[0]
+    plain: TunedLoop
+    feedback: TunedLoop | None
 
 
 def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> TunedLoop:
@@ -125,314 +80,213 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
     Returns
     -------
     TunedLoop
+        With state feedback "auto" the one with state feedback, where that is of use.
 
     Raises
     ------
     ComputationError
-        UNSTABLE_LOOP if given gains are unstable in a corner; BANDWIDTH_OUT_OF_REACH if no
-        stable loop has the margins and the minimum bandwidth; NOT_OBSERVABLE if a given state
-        gain needs a state that the sensors do not see.
+        UNSTABLE_LOOP if given gains are unstable in a corner; MARGINS_OUT_OF_REACH if no
+        cascade has the margins; BANDWIDTH_OUT_OF_REACH if none of those has the minimum
+        bandwidth; UNDAMPED_MODE if a mode without damping is out of reach of the loop;
+        NOT_OBSERVABLE if a given state gain needs a state that the sensors do not see.
     """
     settings = settings or TuningSettings()
-    cascade = _tune_cascade(machine, settings)
     given = machine.control.state_feedback
-    if given is StateFeedback.OFF:
-        return cascade
+    if given is StateFeedback.AUTO:
+        found = tune_variants(machine, settings=settings)
+        return found.feedback or found.plain
     if given is StateFeedback.GIVEN:
-        return _with_given_gains(machine, cascade, settings)
-    return _with_active_damping(machine, cascade, settings)
+        return _with_given_state_gains(machine, settings)
+    return _tune_cascade(machine, settings)
 
 
-def _tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
-    given = machine.control
-    fixed = given.velocity_gain is not None and given.position_gain is not None
-    reserved = settings
-    if given.state_feedback is StateFeedback.AUTO:
-        reserved = replace(
-            settings, phase_margin_deg=settings.phase_margin_deg + settings.reserve_deg
-        )
-    fraction = 1.0
-    while True:
-        controller = _cascade(machine, fraction)
-        tuned = _close(machine, controller, remarks=_cascade_remarks(machine, fraction, controller))
-        if fixed and given.integral_time is not None:
-            return _judge_given(tuned, settings)
-        if _has_margins(tuned, reserved):
-            break
-        fraction *= settings.reduction
-        slowest = min(analysis.bandwidth_hz for analysis in tuned.analyses)
-        if fraction < LEAST_FRACTION or slowest < given.minimum_bandwidth_hz:
-            if fixed:
-                return _judge_given(tuned, settings)
-            detail = (
-                f"at Kp = {controller.velocity_gain:.4g} N s/m the bandwidth is {slowest:.3g} Hz "
-                f"(minimum_bandwidth {given.minimum_bandwidth_hz:.3g} Hz) and the margins are "
-                f"{_margins(tuned)}"
-            )
-            raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
-    slowest = min(analysis.bandwidth_hz for analysis in tuned.analyses)
-    if slowest < given.minimum_bandwidth_hz:
-        detail = (
-            f"the fastest loop with the margins has {slowest:.3g} Hz, "
-            f"wanted {given.minimum_bandwidth_hz:.3g} Hz"
-        )
-        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
-    return tuned
+def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
+    """Return the loop without and with state feedback, both with the same margins.
 
+    Parameters
+    ----------
+    machine, settings
+        As for ``tune_loop``; the machine's ``state_feedback`` does not count.
 
-LEAST_FRACTION = 0.01
-"""Below a hundredth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
+    Returns
+    -------
+    Variants
+        The last remark of each says what there is to say about state feedback.
 
-
-def _cascade(machine: Machine, fraction: float) -> Controller:
-    given, drive = machine.control, machine.drive
-    mass = moving_mass(machine) + mid_payload(machine)
-    delay = drive.force_lag + 1.5 * given.velocity_cycle
-    delay += sum(filter_delay(item) for item in given.force_filters)
-    Kp = given.velocity_gain if given.velocity_gain is not None else fraction * mass / (2 * delay)
-    omega_v = Kp / mass
-    # Where Kp is given, the fraction slows the outer loops instead.
-    slowed = omega_v * (fraction if given.velocity_gain is not None else 1.0)
-    Tn = given.integral_time if given.integral_time is not None else 4.0 / slowed
-    Kv = given.position_gain if given.position_gain is not None else slowed / 4.0
-    tau = given.reference_delay
-    if tau is None:
-        tau = feedforward_delay(
-            position_cycle=given.position_cycle,
-            velocity_cycle=given.velocity_cycle,
-            force_lag=drive.force_lag,
-            jerk_feedforward=given.jerk_feedforward,
-            force_filters=given.force_filters,
-        )
-    sensors = ("encoder", "tcp") if given.tcp_sensor is TcpSensor.POSITION else ("encoder",)
-    plant = build_plant(machine)
-    return Controller(
-        position_gain=Kv,
-        velocity_gain=Kp,
-        integral_time=Tn,
-        reference_model_time=given.reference_model_time,
-        velocity_feedforward=given.velocity_feedforward,
-        acceleration_feedforward=given.acceleration_feedforward,
-        jerk_feedforward=given.jerk_feedforward,
-        feedforward_mass=mass if given.feedforward_mass is None else given.feedforward_mass,
-        force_lag=drive.force_lag,
-        reference_delay=tau,
-        velocity_cycle=given.velocity_cycle,
-        cycles=round(given.position_cycle / given.velocity_cycle),
-        force_filters=given.force_filters,
-        sensors=sensors,
-        state_gains=np.zeros(plant.order),
-        observer=no_observer(n_sensors=len(sensors)),
-    )
-
-
-def _close(machine: Machine, controller: Controller, *, remarks: tuple[str, ...]) -> TunedLoop:
-    """Put the controller on the machine in every corner."""
-    places = corners(machine)
-    model = build_plant(machine)
-    plants = [build_plant(vary(machine, corner)) for corner in places]
-    loops = tuple(build_loop(plant, controller, model=model) for plant in plants)
-    lifted = tuple(lift_loop(loop) for loop in loops)
-    responses = tuple(frequency_response(plant, controller) for plant in plants)
-    return TunedLoop(
-        controller=controller,
-        corners=places,
-        loops=loops,
-        lifted=lifted,
-        responses=responses,
-        analyses=tuple(map(analyse_loop, plants, responses, lifted)),
-        remarks=remarks,
-    )
-
-
-def _has_margins(tuned: TunedLoop, settings: TuningSettings) -> bool:
-    return all(
-        analysis.is_stable
-        and analysis.gain_margin_db >= settings.gain_margin_db
-        and analysis.phase_margin_deg >= settings.phase_margin_deg
-        and analysis.sensitivity_peak <= settings.sensitivity_peak
-        for analysis in tuned.analyses
-    )
-
-
-def _margins(tuned: TunedLoop) -> str:
-    gain = min(analysis.gain_margin_db for analysis in tuned.analyses)
-    phase = min(analysis.phase_margin_deg for analysis in tuned.analyses)
-    peak = max(analysis.sensitivity_peak for analysis in tuned.analyses)
-    return f"{gain:.3g} dB, {phase:.3g} degrees, sensitivity peak {peak:.3g} (worst corner)"
-
-
-def _judge_given(tuned: TunedLoop, settings: TuningSettings) -> TunedLoop:
-    unstable = [
-        corner
-        for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True)
-        if not analysis.is_stable
-    ]
-    if unstable:
-        where = "the nominal machine" if unstable[0] == NOMINAL else str(unstable[0])
-        detail = (
-            f"with Kv = {tuned.controller.position_gain:.4g} 1/s, "
-            f"Kp = {tuned.controller.velocity_gain:.4g} N s/m, "
-            f"Tn = {tuned.controller.integral_time:.4g} s on {where}"
-        )
-        raise ComputationError(Outcome.UNSTABLE_LOOP, detail)
-    if _has_margins(tuned, settings):
-        return tuned
-    poor = (
-        f"The given gains are used as given, but their margins are poor: {_margins(tuned)}; "
-        f"wanted are {settings.gain_margin_db:g} dB, {settings.phase_margin_deg:g} degrees, "
-        f"sensitivity peak at most {settings.sensitivity_peak:g}."
-    )
-    return replace(tuned, remarks=(*tuned.remarks, poor))
-
-
-def _cascade_remarks(machine: Machine, fraction: float, controller: Controller) -> tuple[str, ...]:
-    given, remarks = machine.control, []
-    if given.velocity_gain is None:
-        share = "" if fraction == 1.0 else f" x {fraction:.2f} (lowered until the margins hold)"
-        remarks.append(f"Kp by the symmetrical optimum, m / (2 T_sigma){share}.")
-    if given.integral_time is None:
-        remarks.append("Tn = 4 m / Kp (Yaskawa's lower bound for the speed loop).")
-    if given.position_gain is None:
-        remarks.append("Kv = Kp / (4 m): speed loop damping 1.")
-    if given.reference_delay is None:
-        remarks.append(
-            "Reference delay: 1.5 position cycles + 1 velocity cycle + the force lag that the "
-            "jerk feed-forward leaves + the filters, so that feed-forward and feedback meet."
-        )
-    return tuple(remarks)
-
-
-def _with_active_damping(
-    machine: Machine, cascade: TunedLoop, settings: TuningSettings
-) -> TunedLoop:
-    """Add the state feedback that damps the dominant visible mode best and keeps the margins."""
-    plant, sensors = build_plant(machine), cascade.controller.sensors
-    unseen = [mode.name for mode in plant.modes if not _is_seen(mode, sensors)]
+    Raises
+    ------
+    ComputationError
+        As for ``tune_loop``.
+    """
+    plain = _tune_cascade(machine, settings)
+    bench = corner_plants(machine)
+    sensors = plain.controller.sensors
+    unseen = [mode.name for mode in bench.model.modes if not is_seen(mode, sensors)]
     blind = (
         f" The sensors do not see mode {', '.join(unseen)}: no feedback can damp it."
         if unseen
         else ""
     )
-    mode = _dominant_mode(plant, sensors)
+    mode = dominant_mode(bench.model, sensors, plain.least_damping)
     if mode is None:
-        return replace(cascade, remarks=(*cascade.remarks, f"No state feedback.{blind}"))
-    observer = _design_observer(machine, plant, cascade.controller, settings)
-    index = plant.modes.index(mode)
-    before = float(cascade.nominal.mode_damping[index])
-    best, reached = cascade, before
-    for weight in settings.mode_weights:
-        gains = _mode_gains(machine, plant, cascade.controller, mode, weight, observer.states)
-        controller = replace(cascade.controller, state_gains=gains, observer=observer)
-        tuned = _close(machine, controller, remarks=cascade.remarks)
-        damping = float(tuned.nominal.mode_damping[index])
-        if damping > reached and _has_margins(tuned, settings):
-            best, reached = tuned, damping
-    if best is cascade:
+        return Variants(plain=_noted(plain, f"No state feedback.{blind}"), feedback=None)
+    before = float(plain.nominal.mode_damping[bench.model.modes.index(mode)])
+    useful = [
+        tuned
+        for tuned in _with_each_weight(machine, bench, plain, mode, settings)
+        if _keeps_what_was(bench.model, mode, plain, tuned, machine.control.minimum_bandwidth_hz)
+    ]
+    if not useful:
         remark = (
             f"No state feedback: none damps mode {mode.name} better than the cascade alone "
             f"(damping ratio {before:.3g}) with the margins kept.{blind}"
         )
-    else:
-        remark = (
-            f"State feedback (LQR around the cascade, Kalman observer on {' and '.join(sensors)}): "
-            f"damping ratio of mode {mode.name} {mode.damping_ratio:.3g} without control, "
-            f"{before:.3g} with the cascade, {reached:.3g} with state feedback.{blind}"
+        return Variants(plain=_noted(plain, remark), feedback=None)
+    best = max(useful, key=lambda tuned: tuned.least_stiffness)
+    after = float(best.nominal.mode_damping[bench.model.modes.index(mode)])
+    remark = (
+        f"State feedback (LQR around the cascade, Kalman observer on {' and '.join(sensors)}): "
+        f"damping ratio of mode {mode.name} {mode.damping_ratio:.3g} without control, "
+        f"{before:.3g} with the cascade, {after:.3g} with state feedback.{blind}"
+    )
+    warnings = (*warn_of_modes(bench, best), *_filter_warnings(machine, best, settings))
+    feedback = _noted(replace(best, warnings=warnings), remark)
+    return Variants(plain=_noted(plain, remark), feedback=feedback)
+
+
+def _noted(tuned: TunedLoop, remark: str) -> TunedLoop:
+    return replace(tuned, remarks=(*tuned.remarks, remark))
+
+
+def _tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
+    """The cascade alone, whatever the profile says about state feedback."""
+    bench = corner_plants(machine)
+    controller = _design_cascade(machine, bench, settings)
+    tuned = close_loop(bench, controller, remarks=explain_cascade(machine, controller))
+    given = machine.control
+    if given.velocity_gain is None and tuned.least_bandwidth_hz < given.minimum_bandwidth_hz:
+        detail = (
+            f"the fastest cascade with the margins has {tuned.least_bandwidth_hz:.3g} Hz, "
+            f"minimum_bandwidth is {given.minimum_bandwidth_hz:.3g} Hz"
         )
-    return replace(best, remarks=(*cascade.remarks, remark))
+        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
+
+    def build(changed: Machine) -> Controller:
+        return build_cascade(changed, bench.model, fraction=1.0)
+
+    warnings = list(warn_of_modes(bench, tuned))
+    if has_given_gains(machine):
+        warnings += judge_given(machine, bench, tuned, settings=settings, build=build)
+    return replace(tuned, warnings=(*warnings, *_filter_warnings(machine, tuned, settings)))
 
 
-def _with_given_gains(machine: Machine, cascade: TunedLoop, settings: TuningSettings) -> TunedLoop:
-    plant = build_plant(machine)
+def _design_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> Controller:
+    """Given gains as given, the others as if none was given."""
+    _require_damping(bench)
+    if machine.control.velocity_gain is not None:
+        return build_cascade(machine, bench.model, fraction=1.0)
+    fraction = _largest_fraction(machine, bench, settings)
+    return build_cascade(machine, bench.model, fraction=fraction)
+
+
+def _filter_warnings(
+    machine: Machine, tuned: TunedLoop, settings: TuningSettings
+) -> tuple[str, ...]:
+    if not machine.control.force_filters:
+        return ()
+    without = replace(machine, control=replace(machine.control, force_filters=()))
+    return tuple(warn_of_filters(tuned, _tune_cascade(without, settings)))
+
+
+def _require_damping(bench: CornerPlants) -> None:
+    """A mode without damping that the encoder does not see rings for ever under any cascade."""
+    for mode in bench.model.modes:
+        if mode.damping_ratio == 0.0 and mode.measured_gain == 0.0:
+            detail = f"mode {mode.name} ({mode.frequency_hz:.4g} Hz) has damping ratio 0"
+            raise ComputationError(Outcome.UNDAMPED_MODE, detail)
+
+
+def _fractions(settings: TuningSettings, *, start: float, end: float) -> Iterator[float]:
+    fraction = start
+    while fraction >= end:
+        yield fraction
+        fraction *= settings.reduction
+
+
+def _largest_fraction(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> float:
+    """Kp of the cascade by rule alone, as a share of the symmetrical optimum."""
+    free = replace(machine.control, position_gain=None, integral_time=None)
+    by_rule = replace(machine, control=free)
+    for fraction in _fractions(settings, start=1.0, end=LEAST_FRACTION):
+        controller = build_cascade(by_rule, bench.model, fraction=fraction)
+        if keeps_margins(bench, controller, settings=settings):
+            return fraction
+    softest = close_loop(bench, controller)
+    detail = (
+        f"at Kp = {controller.velocity_gain:.4g} {gain_unit(machine)}, {LEAST_FRACTION:.0%} of the "
+        f"symmetrical optimum, they are {describe_margins(softest.analyses)}"
+    )
+    raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)
+
+
+def _with_each_weight(
+    machine: Machine,
+    bench: CornerPlants,
+    plain: TunedLoop,
+    mode: PlantMode,
+    settings: TuningSettings,
+) -> Iterator[TunedLoop]:
+    """The loop with state feedback for each weight, with the largest Kp that keeps the margins."""
+    observer = design_observer(machine, bench.model, plain.controller, settings=settings)
+    is_fixed = machine.control.velocity_gain is not None
+    largest = build_cascade(machine, bench.model, fraction=settings.largest_fraction)
+    least = plain.controller.velocity_gain * settings.reduction**2
+    end = least / largest.velocity_gain * settings.largest_fraction
+    for weight in settings.mode_weights:
+        for fraction in _fractions(settings, start=settings.largest_fraction, end=end):
+            cascade = build_cascade(machine, bench.model, fraction=fraction)
+            controller = add_state_feedback(
+                machine, bench.model, cascade, mode, weight=weight, observer=observer
+            )
+            if keeps_margins(bench, controller, settings=settings):
+                remarks = explain_cascade(machine, controller)
+                yield close_loop(bench, controller, remarks=remarks)
+                break
+            if is_fixed:
+                break
+
+
+def _keeps_what_was(
+    plant: Plant, mode: PlantMode, plain: TunedLoop, tuned: TunedLoop, least_hz: float
+) -> bool:
+    """Whether state feedback damps its mode better and costs neither bandwidth nor damping."""
+    least_hz = max(least_hz, KEPT_BANDWIDTH * plain.least_bandwidth_hz)
+    if tuned.least_bandwidth_hz < least_hz:
+        return False
+    pairs = zip(plant.modes, plain.least_damping, tuned.least_damping, strict=True)
+    return all(
+        after > before if item is mode else after >= KEPT_DAMPING * before
+        for item, before, after in pairs
+    )
+
+
+def _with_given_state_gains(machine: Machine, settings: TuningSettings) -> TunedLoop:
+    bench = corner_plants(machine)
+    plant = bench.model
+    cascade = _design_cascade(machine, bench, settings)
     gains = np.zeros(plant.order)
     for item in machine.control.state_gains:
         gains[plant.states.index(item.state)] = item.value
-    observer = _design_observer(machine, plant, cascade.controller, settings)
+    observer = design_observer(machine, plant, cascade, settings=settings)
     hidden = [plant.states[i] for i in np.flatnonzero(gains) if i not in observer.states]
     if hidden:
         raise ComputationError(Outcome.NOT_OBSERVABLE, f"state feedback of {', '.join(hidden)}")
-    controller = replace(cascade.controller, state_gains=gains, observer=observer)
-    return _judge_given(_close(machine, controller, remarks=cascade.remarks), settings)
 
+    def build(changed: Machine) -> Controller:
+        controller = build_cascade(changed, plant, fraction=1.0)
+        return replace(controller, state_gains=gains, observer=observer)
 
-def _is_seen(mode: PlantMode, sensors: tuple[str, ...]) -> bool:
-    return mode.measured_gain != 0.0 or ("tcp" in sensors and mode.tcp_gain != 0.0)
-
-
-def _dominant_mode(plant: Plant, sensors: tuple[str, ...]) -> PlantMode | None:
-    """The visible mode with the largest static deflection of the tool per newton."""
-    seen = [mode for mode in plant.modes if _is_seen(mode, sensors)]
-    if not seen:
-        return None
-    return max(seen, key=lambda mode: abs(mode.tcp_gain) / mode.natural_frequency**2)
-
-
-def _mode_gains(
-    machine: Machine,
-    plant: Plant,
-    controller: Controller,
-    mode: PlantMode,
-    weight: float,
-    observed: tuple[int, ...],
-) -> Array:
-    """LQR gains on the observed plant states, shape (n_plant,).
-
-    The design model is the plant under its continuous cascade, with the integrator as last
-    state, without the modes that no sensor sees (no gain can use them) and with a trace of
-    damping on every mode: so its Riccati equation has a stabilising solution even where a
-    mode is stated as undamped. The gain on the integrator is left out: the cost does not
-    weigh it.
-    """
-    n, Kp = plant.order, controller.velocity_gain
-    encoder = plant.row("encoder")
-    A = np.zeros((n + 1, n + 1))
-    A[:n, :n] = plant.A
-    A[n, :n] = -(encoder @ plant.A + controller.position_gain * encoder) / controller.integral_time
-    law = Kp * np.concatenate([encoder @ plant.A + controller.position_gain * encoder, [-1.0]])
-    B = np.append(plant.B, 0.0)[:, None]
-    # States in units of what F_max does at the mode's frequency: all numbers near 1.
-    force, omega = machine.drive.max_force, mode.natural_frequency
-    scale = np.full(n + 1, force / (plant.moving_mass * omega**2))
-    scale[[plant.velocity, n]] *= omega
-    scale[plant.force] = force
-    for item in plant.modes:
-        scale[item.deflection] = abs(item.scale) * force / omega**2
-        scale[item.rate] = abs(item.scale) * force / omega
-        zeta = max(item.damping_ratio, LEAST_DESIGN_DAMPING)
-        A[item.rate, item.rate] = -2.0 * zeta * item.natural_frequency
-    A = (A - B * law) * scale / scale[:, None] / omega
-    Q = np.zeros((n + 1, n + 1))
-    Q[mode.rate, mode.rate] = weight
-    kept = [*observed, n]
-    inside = np.ix_(kept, kept)
-    K, _, _ = control.lqr(
-        A[inside], (B * force / scale[:, None] / omega)[kept], Q[inside], np.eye(1)
-    )
-    gains = np.zeros(n)
-    gains[kept[:-1]] = (K[0] * force / scale[kept])[:-1]
-    return gains
-
-
-LEAST_DESIGN_DAMPING = 1e-4
-"""Damping ratio that the design of the state feedback takes for granted (empirical: far below
-any real joint, and enough for the Riccati solver)."""
-
-
-def _design_observer(
-    machine: Machine, plant: Plant, controller: Controller, settings: TuningSettings
-) -> Observer:
-    """Stationary Kalman observer at the velocity cycle for everything that the sensors see."""
-    modes = [mode for mode in plant.modes if _is_seen(mode, controller.sensors)]
-    states = [plant.position, plant.velocity]
-    states += [index for mode in modes for index in (mode.deflection, mode.rate)]
-    states.append(plant.force)
-    A, B = discretise(plant, controller.velocity_cycle)
-    A, B = A[np.ix_(states, states)], B[states]
-    C = np.array([plant.row(sensor) for sensor in controller.sensors])[:, states]
-    # Noises of variance 1, so that the Riccati equation sees no extreme weights.
-    force = settings.force_noise * machine.drive.max_force
-    noise = settings.position_noise
-    G, unit = force * B[:, None], np.eye(1)
-    L, _, _ = control.dlqe(A, G, C / noise, unit, np.eye(len(controller.sensors)))
-    # control.dlqe gives the gain of the filter form; the predicting form needs A L.
-    return Observer(states=tuple(states), A=A, B=B, C=C, L=A @ L / noise)
+    controller = replace(cascade, state_gains=gains, observer=observer)
+    tuned = close_loop(bench, controller, remarks=explain_cascade(machine, cascade))
+    warnings = judge_given(machine, bench, tuned, settings=settings, build=build)
+    return replace(tuned, warnings=(*warnings, *warn_of_modes(bench, tuned)))
