@@ -66,7 +66,7 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     """
     sequence = extremal.sequence
     pieces: list[Piece] = []
-    for piece in sequence.pieces:
+    for piece in _shared(sequence.pieces):
         if piece.duration <= least * sequence.t_f:
             continue
         same = pieces and (pieces[-1].limit, pieces[-1].side) == (piece.limit, piece.side)
@@ -85,6 +85,16 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     if len(pieces) == len(sequence.pieces) and len(inside) == len(contacts):
         return None
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
+
+
+def _shared(pieces: tuple[Piece, ...]) -> list[Piece]:
+    """Return the pieces with half of each negative duration taken from the pieces beside it."""
+    spans = [piece.duration for piece in pieces]
+    for i in range(1, len(spans) - 1):
+        half = 0.5 * spans[i]
+        if half < 0.0 and min(spans[i - 1], spans[i + 1]) > -half:
+            spans[i - 1], spans[i], spans[i + 1] = spans[i - 1] + half, 0.0, spans[i + 1] + half
+    return [replace(piece, duration=span) for piece, span in zip(pieces, spans, strict=True)]
 
 
 def touch_contacts(sequence: Sequence) -> tuple[Contact, ...]:

@@ -19,6 +19,8 @@ BROKEN = 1e-6
 covered by a margin."""
 LEAST_SLOPE = 0.3
 """Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
+ROOM_AT_START = 1e-6
+"""Share of t_f that the first cell has at least."""
 LARGEST_CHANGE = 0.02
 """Largest relative change of t_f on one mesh."""
 
@@ -28,6 +30,7 @@ def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
     found: MeshOptimum | None = None
     # While the mesh is coarse, more exactness at the bounds would be wasted.
     tolerance = max(BROKEN, 0.3 * float(np.diff(layout.mesh).min()) / layout.t_f)
+    layout = replace(layout, t_f=max(layout.t_f, _least_time(layout)))
     for _ in range(EXCHANGES):
         found = solve_mesh(problem, layout, relaxed=False)
         if found is None:
@@ -40,9 +43,14 @@ def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
         t_f = layout.t_f
         if not in_time:
             t_f = later(layout, found)
-        last = float(layout.mesh[-1]) if layout.mesh.size else 0.0
-        layout = replace(layout, contacts=contacts, t_f=max(t_f, last * (1.0 + 1e-6)))
+        layout = replace(layout, contacts=contacts, t_f=max(t_f, _least_time(layout)))
     return found
+
+
+def _least_time(layout: Layout) -> float:
+    """Return the shortest t_f in which the mesh and the cores have room [s]."""
+    starts = [*(core.start for core in layout.cores), *layout.mesh[-1:].tolist()]
+    return max(starts, default=0.0) * (1.0 + ROOM_AT_START)
 
 
 def later(layout: Layout, found: MeshOptimum) -> float:

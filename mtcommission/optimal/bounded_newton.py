@@ -38,6 +38,12 @@ LARGEST_STEP = 0.2
 """Largest change of a duration in one step, as a share of t_f: beyond it the responses of
 negative durations grow without bound."""
 
+GROWTH = 1e4
+"""Growth of the residual at which full Newton steps are given up for damped ones."""
+
+SINGULAR = 1e-13
+"""Share of the largest singular value below which a direction is left alone."""
+
 DAMPINGS = 6
 """Raised dampings tried in one step."""
 
@@ -137,7 +143,36 @@ def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
         where the sequence is not the optimal one.
     """
     system = _system(problem, guess)
-    point, damping = _first_point(system), 1e-9
+    first = _first_point(system)
+    point = _undamped(system, first)
+    if point.norm > RESIDUAL:
+        point = _damped(system, first)
+    return Extremal(
+        sequence=_placed(system, guess, point.unknowns),
+        measure=_measure(system, point.unknowns),
+        residual=float(np.abs(point.residual).max()),
+    )
+
+
+def _undamped(system: _System, point: _Point) -> _Point:
+    """Return where full Newton steps lead; a residual may grow on the way to a solution."""
+    limit = GROWTH * point.norm
+    for _ in range(NEWTON_STEPS):
+        step = _step(point, 0.0)
+        if float(np.abs(step[: len(system.legs)]).max()) > LARGEST_STEP:
+            break
+        following = _point(system, point.unknowns - step)
+        if not following.norm < limit or (point.norm < RESIDUAL and following.norm >= point.norm):
+            break
+        done = point.norm < RESIDUAL and following.norm > 0.1 * point.norm
+        point = following
+        if done:
+            break
+    return point
+
+
+def _damped(system: _System, point: _Point) -> _Point:
+    damping = 1e-9
     for _ in range(NEWTON_STEPS):
         if point.norm < 1e-14:
             break
@@ -148,11 +183,15 @@ def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
         point = following
         if done:
             break
-    return Extremal(
-        sequence=_placed(system, guess, point.unknowns),
-        measure=_measure(system, point.unknowns),
-        residual=float(np.abs(point.residual).max()),
-    )
+    return point
+
+
+def _step(point: _Point, damping: float) -> Array:
+    """Return the change of the unknowns to be taken back, damped (Levenberg-Marquardt)."""
+    size = np.linalg.norm(point.jacobian, axis=0) + 1e-300
+    left, value, right = np.linalg.svd(point.jacobian / size, full_matrices=False)
+    share = value / (value**2 + max(damping, SINGULAR * value[0]) ** 2)
+    return np.asarray((right.T @ (left.T @ point.residual * share)) / size)
 
 
 def _system(problem: BoundedProblem, guess: Sequence) -> _System:
@@ -211,13 +250,10 @@ def _first_point(system: _System) -> _Point:
 
 def _newton_step(system: _System, point: _Point, damping: float) -> tuple[_Point, float]:
     """Return the damped Newton iterate (Levenberg-Marquardt) and the next damping."""
-    size = np.linalg.norm(point.jacobian, axis=0) + 1e-300
-    left, value, right = np.linalg.svd(point.jacobian / size, full_matrices=False)
-    weights, times = left.T @ point.residual, len(system.legs)
     # Where rounding is all that is left, damping cannot help.
     for _ in range(DAMPINGS if point.norm > RESIDUAL else 1):
-        step = (right.T @ (weights * value / (value**2 + damping**2))) / size
-        if float(np.abs(step[:times]).max()) < LARGEST_STEP:
+        step = _step(point, damping)
+        if float(np.abs(step[: len(system.legs)]).max()) < LARGEST_STEP:
             trial = _point(system, point.unknowns - step)
             if trial.norm < point.norm:
                 return trial, damping * 1e-3
@@ -258,7 +294,7 @@ def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, A
     for j, leg in enumerate(system.legs):
         held = None if leg.limit < 0 else problem.limits[leg.limit]
         generator = plant.A if held is None else held.boundary_flow
-        push = plant.B * (leg.side * problem.force_limit) if held is None else 0.0
+        push = plant.B * (leg.side * problem.force_limit if held is None else 0.0)
         if leg.touch is not None:
             row = problem.limits[leg.touch.limit].row
             rate = row @ generator / problem.rate

@@ -15,10 +15,11 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.bounded_accept import Found
 from mtcommission.optimal.bounded_dual import adjoint_before, dual_value, stretches
+from mtcommission.optimal.bounded_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight
 from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem, impulse_response
-from mtcommission.optimal.bounded_search import search
+from mtcommission.optimal.bounded_search import search, solve_exactly
 from mtcommission.optimal.solution import Bound, Certificate, TimeOptimum, TouchPoint
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import Plant
@@ -82,13 +83,31 @@ def solve_bounded_time_optimal(
     if not active:
         return _with_bounds(free, every)
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
-    found = search(problem, first_sight(problem, solve_grid_time(problem, t_free=free.t_f)))
+    found = _under_force_bound(problem, move)
+    if found is None:
+        found = search(problem, first_sight(problem, solve_grid_time(problem, t_free=free.t_f)))
     if found is None:
         names = ", ".join(f"|{bound.name}| <= {bound.value:.6g}" for bound in every)
         raise ComputationError(
             Outcome.NO_CONVERGENCE, f"time-optimal control under {names} and {force_limit:.6g} N"
         )
     return _optimum(problem, move, every, found)
+
+
+def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
+    """Return the optimum under a tight bound on F, from that of a plant with a swift force."""
+    index = tight_force_bound(problem)
+    if index < 0:
+        return None
+    others = tuple(limit.bound for i, limit in enumerate(problem.limits) if i != index)
+    force = problem.limits[index].bound.value
+    try:
+        swift = solve_bounded_time_optimal(
+            swift_plant(problem, index), move, force_limit=force, bounds=others
+        )
+    except ComputationError:
+        return None
+    return solve_exactly(problem, force_sequence(problem, index, swift.arcs))
 
 
 def _all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bound, ...]:
