@@ -13,6 +13,7 @@ from scipy.linalg import expm
 from mtcommission.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.certificate import Claim, adjoint, certify, terminal_jacobian
+from mtcommission.optimal.dual import DualPoint, evaluate_dual
 from mtcommission.optimal.mesh import build_mesh
 from mtcommission.optimal.moments import MomentProblem, moment_problem
 from mtcommission.optimal.polish import BangBang, find_bang_bang
@@ -32,16 +33,21 @@ FORCE = 2e3
 @cache
 def solved(move: Move) -> tuple[MomentProblem, BangBang]:
     problem = moment_problem(PAPER, move)
-    return problem, find_bang_bang(problem, span=problem.target / FORCE)
+    return problem, find_bang_bang(problem, span=problem.target / FORCE).control
 
 
-def claim_of(control: BangBang) -> Claim:
+def claim_of(problem: MomentProblem, control: BangBang) -> Claim:
     return Claim(
         switching_times=control.horizon - control.zeros[::-1],
         t_f=control.horizon,
         first_force=control.first_sign * (-1.0) ** control.zeros.size * FORCE,
-        multipliers=control.multipliers,
+        point=point_of(problem, control.multipliers, near=control.horizon),
     )
+
+
+def point_of(problem: MomentProblem, multipliers: np.ndarray, *, near: float) -> DualPoint:
+    mesh = build_mesh(problem, 1.1 * near)
+    return evaluate_dual(mesh, multipliers, span=problem.target / FORCE, near=near)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -56,8 +62,8 @@ def test_any_multipliers_prove_no_more_than_the_optimum(
     # A bound above t_f would refute a control that exists.
     problem, control = solved(move)
     factors = 1.0 + size * np.array(noise[: problem.size])
-    span = problem.target / FORCE
-    bound = prove_bound(problem, control.multipliers * factors, span=span, near=control.horizon)
+    point = point_of(problem, control.multipliers * factors, near=control.horizon)
+    bound = prove_bound(point, span=problem.target / FORCE)
     assert bound <= control.horizon
 
 
@@ -65,7 +71,7 @@ def test_any_multipliers_prove_no_more_than_the_optimum(
 def test_bound_is_where_the_integral_of_sigma_reaches_the_span(move: Move) -> None:
     problem, control = solved(move)
     span = problem.target / FORCE
-    bound = prove_bound(problem, control.multipliers, span=span, near=control.horizon)
+    bound = prove_bound(point_of(problem, control.multipliers, near=0.05), span=span)
     tau, weight = gauss_legendre(0.0, bound, pieces=4000)
     sigma = problem.target_values(tau) - problem.values(tau) @ control.multipliers
     # Pieces that hold a zero are off by the square of their length.
@@ -85,8 +91,8 @@ def test_no_multipliers_prove_the_rigid_bound() -> None:
     # c = 0: m Δv / F_max for a velocity step, sqrt(2 m L / F_max) for positioning.
     for move, expected in ((STEP, 0.0375), (POSITIONING, np.sqrt(2.0 * 750.0 * 0.02 / FORCE))):
         problem = moment_problem(PAPER, move)
-        span = problem.target / FORCE
-        bound = prove_bound(problem, np.zeros(problem.size), span=span, near=0.05)
+        point = point_of(problem, np.zeros(problem.size), near=0.05)
+        bound = prove_bound(point, span=problem.target / FORCE)
         assert bound == pytest.approx(expected, rel=1e-13)
         assert bound < expected
 
@@ -97,17 +103,17 @@ def test_hamiltonian_vanishes_along_the_whole_move(move: Move) -> None:
     optimum = solve_time_optimal(PAPER, move, force_limit=FORCE)
     motion = sample_trajectory(PAPER, optimum.arcs, step=1e-3)
     for t, force, x in zip(motion.t, motion.force, motion.states, strict=True):
-        row = adjoint(PAPER, problem, claim_of(control), tau=optimum.t_f - float(t))
+        row = adjoint(PAPER, claim_of(problem, control), tau=optimum.t_f - float(t))
         assert 1.0 + row @ (PAPER.A @ x + PAPER.B * force) == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("move", [STEP, POSITIONING])
 def test_adjoint_obeys_the_adjoint_equation(move: Move) -> None:
     problem, control = solved(move)
-    claim = claim_of(control)
-    end = adjoint(PAPER, problem, claim, tau=0.0)
+    claim = claim_of(problem, control)
+    end = adjoint(PAPER, claim, tau=0.0)
     for tau in (1e-3, 0.01, control.horizon):
-        row = adjoint(PAPER, problem, claim, tau=tau)
+        row = adjoint(PAPER, claim, tau=tau)
         assert row == pytest.approx(end @ expm(PAPER.A * tau), rel=1e-9, abs=1e-14)
     if isinstance(move, VelocityStep):
         # The end position is free, so nothing is gained or lost by it.
@@ -119,8 +125,9 @@ def test_paper_adjoint_belongs_to_the_paper_times() -> None:
     problem = moment_problem(PAPER, STEP)
     times = np.array(PAPER_SWITCHING_TIMES)
     c = np.linalg.solve(problem.values(PAPER_T_F - times), np.ones(problem.size))
-    claim = Claim(switching_times=times, t_f=PAPER_T_F, first_force=FORCE, multipliers=c)
-    row = adjoint(PAPER, problem, claim, tau=PAPER_T_F)
+    point = point_of(problem, c, near=PAPER_T_F)
+    claim = Claim(switching_times=times, t_f=PAPER_T_F, first_force=FORCE, point=point)
+    row = adjoint(PAPER, claim, tau=PAPER_T_F)
     assert row == pytest.approx(np.array(PAPER_ADJOINT), rel=0.015)
     # The exact times differ by 6e-5 s, and λ(0) by up to 7 %: it hangs on an arc of 0.3 ms.
     exact = solve_time_optimal(PAPER, STEP, force_limit=FORCE).certificate.adjoint_initial
@@ -130,32 +137,32 @@ def test_paper_adjoint_belongs_to_the_paper_times() -> None:
 
 def test_slopes_are_those_of_the_switching_function() -> None:
     problem, control = solved(STEP)
-    claim = claim_of(control)
-    certificate = certify(PAPER, problem, claim)
+    claim = claim_of(problem, control)
+    certificate = certify(PAPER, claim)
     step = 1e-7
     for t, slope in zip(claim.switching_times, certificate.switching_slopes, strict=True):
-        before = adjoint(PAPER, problem, claim, tau=claim.t_f - t + step)[PAPER.force]
-        after = adjoint(PAPER, problem, claim, tau=claim.t_f - t - step)[PAPER.force]
+        before = adjoint(PAPER, claim, tau=claim.t_f - t + step)[PAPER.force]
+        after = adjoint(PAPER, claim, tau=claim.t_f - t - step)[PAPER.force]
         difference = (after - before) / (2.0 * step * PAPER.force_lag)
         assert slope == pytest.approx(difference, rel=1e-5)
 
 
 def test_wrong_claims_are_refused() -> None:
     problem, control = solved(STEP)
-    claim = claim_of(control)
+    claim = claim_of(problem, control)
     late = replace(claim, switching_times=claim.switching_times + 2e-4)
-    assert not certify(PAPER, problem, late).switching_law_holds
+    assert not certify(PAPER, late).switching_law_holds
     mirrored = replace(claim, first_force=-claim.first_force)
-    assert not certify(PAPER, problem, mirrored).switching_law_holds
+    assert not certify(PAPER, mirrored).switching_law_holds
     fewer = replace(claim, switching_times=claim.switching_times[2:])
-    assert not certify(PAPER, problem, fewer).switching_law_holds
+    assert not certify(PAPER, fewer).switching_law_holds
     slow = replace(claim, t_f=1.01 * claim.t_f)
-    assert certify(PAPER, problem, slow).relative_gap == pytest.approx(1 - 1 / 1.01, rel=1e-6)
+    assert certify(PAPER, slow).relative_gap == pytest.approx(1 - 1 / 1.01, rel=1e-6)
 
 
 def test_terminal_jacobian_is_that_of_the_states() -> None:
     problem, control = solved(STEP)
-    claim = claim_of(control)
+    claim = claim_of(problem, control)
     rows = [i for i in range(PAPER.order) if i != PAPER.position]
     times = np.append(claim.switching_times, claim.t_f)
     step = 1e-8

@@ -11,6 +11,7 @@ from mtcommission.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.curve import solve_curve
 from mtcommission.optimal.curve_proof import isolate_owned_zeros, prove_bounds
+from mtcommission.optimal.dual import evaluate_dual
 from mtcommission.optimal.mesh import build_mesh
 from mtcommission.optimal.moments import moment_problem
 from mtcommission.optimal.polish import find_bang_bang
@@ -60,15 +61,17 @@ def test_bounds_of_any_multipliers_are_safe(seed: int, n_modes: int, degree: int
     move: Move = Positioning(distance=0.05) if degree else machine.moves[0]
     problem = moment_problem(build_plant(machine), move)
     span = problem.target / machine.drive.max_force
-    best = find_bang_bang(problem, span=span)
+    best = find_bang_bang(problem, span=span).control
     generator = np.random.default_rng(seed)
     disturbed = best.multipliers * (1.0 + 1e-6 * generator.standard_normal((5, problem.size)))
     many = np.vstack([best.multipliers, disturbed])
     times = np.full(6, best.horizon)
     bounds = prove_bounds(problem, many, np.full(6, span), times)
+    mesh = build_mesh(problem, 1.1 * best.horizon)
     assert np.all(bounds <= best.horizon * (1.0 + 1e-12))
     for c, bound in zip(many, bounds.tolist(), strict=True):
-        assert bound <= prove_bound(problem, c, span=span, near=best.horizon) * (1.0 + 1e-9)
+        point = evaluate_dual(mesh, c, span=span, near=best.horizon)
+        assert bound <= prove_bound(point, span=span) * (1.0 + 1e-9)
     assert bounds[0] == pytest.approx(best.horizon, rel=1e-9)
 
 
@@ -77,7 +80,7 @@ def test_a_false_time_is_not_proved() -> None:
     machine = paper_machine()
     problem = moment_problem(build_plant(machine), machine.moves[0])
     span = problem.target / 2e3
-    best = find_bang_bang(problem, span=span)
+    best = find_bang_bang(problem, span=span).control
     claimed = np.array([best.horizon * 1.01])
     bound = prove_bounds(problem, best.multipliers[np.newaxis], np.array([span]), claimed)
     assert bound[0] <= best.horizon * (1.0 + 1e-12)

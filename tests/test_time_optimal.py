@@ -108,7 +108,7 @@ def test_arc_of_some_nanoseconds_is_found_and_certified(force: float) -> None:
 def test_rigid_axis_with_lag_has_the_closed_form(span: float) -> None:
     T = 2.5e-3
     problem = MomentProblem(rates=np.array([-1.0 / T], dtype=complex), degree=0, target=span)
-    control = find_bang_bang(problem, span=span)
+    control = find_bang_bang(problem, span=span).control
     t_f, switch = lag_only_step(span, T)
     assert control.horizon == pytest.approx(t_f, rel=1e-13)
     assert control.zeros == pytest.approx([switch], rel=1e-12)

@@ -12,16 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.dual import evaluate_dual
-from mtcommission.optimal.mesh import ROUNDOFF, build_mesh
+from mtcommission.optimal.dual import DualPoint
+from mtcommission.optimal.mesh import ROUNDOFF
 from mtcommission.optimal.moments import MomentProblem
 
 Array = NDArray[np.float64]
 Extended = NDArray[np.longdouble]
 
 EXTENDED_ROUNDOFF = float(np.finfo(np.longdouble).eps)
-MARGIN = 1.0 + 1e-6
-"""Length of a mesh against the time that it must hold."""
 LOWERINGS = 50
 """Attempts to lower the bound below the span; two or three are usual."""
 
@@ -45,19 +43,15 @@ class SwitchingIntegral:
     end_value: float
 
 
-def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float, near: float) -> float:
+def prove_bound(point: DualPoint, *, span: float) -> float:
     """Return a time before which no admissible force reaches the target, whatever c is.
 
     Parameters
     ----------
-    problem
-        The moment problem.
-    multipliers
-        c, shape (size,); any values give a valid bound.
+    point
+        The multipliers with all zeros of their σ; any multipliers give a valid bound.
     span
         target / F_max [s] or [s²].
-    near
-        Guess of the bound, which saves time only [s].
 
     Returns
     -------
@@ -66,13 +60,11 @@ def prove_bound(problem: MomentProblem, multipliers: Array, *, span: float, near
 
     Source: docs/optimal-control.md, section 2.
     """
-    mesh = build_mesh(problem, MARGIN * near)
-    point = evaluate_dual(mesh, multipliers, span=span, near=near)
+    problem, bound = point.mesh.problem, point.bound
     doubt = point.doubt + 2.0 * ROUNDOFF * span
-    bound = point.bound
     for attempt in range(LOWERINGS):
         inside = point.zeros[point.zeros < bound]
-        integral = integrate_switching(problem, multipliers, np.append(inside, bound))
+        integral = integrate_switching(problem, point.multipliers, np.append(inside, bound))
         excess = float(integral.value - span) + integral.allowance + doubt
         if excess <= 0.0:
             return bound * (1.0 - 4.0 * ROUNDOFF)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.optimal.bound import prove_bound
+from mtcommission.optimal.dual import DualPoint
 from mtcommission.optimal.mesh import ROUNDOFF, uniform_pieces
 from mtcommission.optimal.moments import MomentProblem, moment_rows
 from mtcommission.optimal.solution import Certificate
@@ -21,7 +22,7 @@ from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 
-CHECK_RADIANS = 0.1
+CHECK_RADIANS = 0.2
 """Distance of the checks of the switching law against the fastest pole (empirical)."""
 SIGN_TOLERANCE = 1e-9
 """|λ_F| against its largest value below which a sign is not judged: there the control switches."""
@@ -44,17 +45,23 @@ class Claim:
         Final time [s].
     first_force
         Set force on the first arc, ±F_max [N].
-    multipliers
-        c of the switching function, shape (size,).
+    point
+        The multipliers, with all zeros of their switching function.
     """
 
     switching_times: Array
     t_f: float
     first_force: float
-    multipliers: Array
+    point: DualPoint
+
+    @property
+    def adjoint_factor(self) -> float:
+        """Factor between -λ_F/T and σ that makes the Hamiltonian vanish at t = 0."""
+        _, start = self.point.mesh.problem.combination(self.point.multipliers, self.t_f)
+        return 1.0 / (abs(self.first_force) * abs(start))
 
 
-def certify(plant: Plant, problem: MomentProblem, claim: Claim) -> Certificate:
+def certify(plant: Plant, claim: Claim) -> Certificate:
     """Return what the multipliers of a control prove about it.
 
     The switching times enter only the comparisons; the bound comes from the multipliers.
@@ -63,8 +70,6 @@ def certify(plant: Plant, problem: MomentProblem, claim: Claim) -> Certificate:
     ----------
     plant
         The plant.
-    problem
-        Its moment problem.
     claim
         Control and multipliers.
 
@@ -80,44 +85,48 @@ def certify(plant: Plant, problem: MomentProblem, claim: Claim) -> Certificate:
     Multipliers that are a little off still prove a bound, only a weaker one:
 
     >>> from mtcommission.machine import Positioning
+    >>> from mtcommission.optimal.dual import evaluate_dual
+    >>> from mtcommission.optimal.mesh import build_mesh
     >>> from mtcommission.optimal.moments import moment_problem
     >>> from mtcommission.plant import build_plant
     >>> from tests.machines import paper_machine
     >>> plant = build_plant(paper_machine())
     >>> problem = moment_problem(plant, Positioning(distance=0.1))
-    >>> claim = Claim(switching_times=np.array([0.2]), t_f=0.4, first_force=2e3,
-    ...     multipliers=np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.19]))
-    >>> round(certify(plant, problem, claim).t_f_lower_bound, 6)
+    >>> point = evaluate_dual(build_mesh(problem, 0.5), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.19]),
+    ...     span=problem.target / 2e3, near=0.4)
+    >>> claim = Claim(switching_times=np.array([0.2]), t_f=0.4, first_force=2e3, point=point)
+    >>> round(certify(plant, claim).t_f_lower_bound, 6)
     0.387231
     """
-    force_limit = abs(claim.first_force)
+    problem, multipliers = claim.point.mesh.problem, claim.point.multipliers
     # The claim meets its target only to rounding, so the bound may exceed it by as little; what is
     # less is still a bound.
-    span = problem.target / force_limit
-    proved = prove_bound(problem, claim.multipliers, span=span, near=claim.t_f)
-    bound = min(proved, claim.t_f)
+    span = problem.target / abs(claim.first_force)
+    bound = min(prove_bound(claim.point, span=span), claim.t_f)
     zeros = claim.t_f - claim.switching_times
-    at_switches, slopes, _ = values_and_slopes(problem, claim.multipliers, zeros)
-    factor = _adjoint_factor(problem, claim)
-    values = np.linalg.svd(terminal_jacobian(problem, zeros, claim.t_f), compute_uv=False)
-    square = zeros.size == problem.size
+    at_switches, slopes, _ = values_and_slopes(problem, multipliers, zeros)
+    factor, rank, condition = claim.adjoint_factor, -1, nan
+    if zeros.size == problem.size:
+        values = np.linalg.svd(terminal_jacobian(problem, zeros, claim.t_f), compute_uv=False)
+        rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
+        condition = float(values[0] / values[-1])
     return Certificate(
         t_f_lower_bound=bound,
         relative_gap=(claim.t_f - bound) / claim.t_f,
-        adjoint_initial=adjoint(plant, problem, claim, tau=claim.t_f),
+        adjoint_initial=adjoint(plant, claim, tau=claim.t_f),
         switching_slopes=factor * slopes,
-        switching_law_holds=_law_holds(plant, problem, claim, factor * at_switches),
-        terminal_jacobian_rank=int(np.sum(values > RANK_TOLERANCE * values[0])) if square else -1,
-        terminal_jacobian_condition=float(values[0] / values[-1]) if square else nan,
+        switching_law_holds=_law_holds(plant, claim, factor * at_switches),
+        terminal_jacobian_rank=rank,
+        terminal_jacobian_condition=condition,
     )
 
 
-def adjoint(plant: Plant, problem: MomentProblem, claim: Claim, *, tau: float) -> Array:
+def adjoint(plant: Plant, claim: Claim, *, tau: float) -> Array:
     """Return λ at the remaining time τ, in the states of the plant.
 
     Parameters
     ----------
-    plant, problem, claim
+    plant, claim
         The claimed control.
     tau
         t_f - t [s].
@@ -130,23 +139,17 @@ def adjoint(plant: Plant, problem: MomentProblem, claim: Claim, *, tau: float) -
     Source: λ(τ) B = -factor σ(τ) with the rows of ``moment_rows``, each of which evolves by its
     own e^{pτ}.
     """
-    rows = moment_rows(plant, problem)
+    problem, multipliers = claim.point.mesh.problem, claim.point.multipliers
     n_modal = 2 * problem.rates.size - 2
-    complex_c = claim.multipliers[0:n_modal:2] - 1j * claim.multipliers[1:n_modal:2]
+    complex_c = multipliers[0:n_modal:2] - 1j * multipliers[1:n_modal:2]
     turned = complex_c * np.exp(problem.rates[:-1] * tau)
-    weights = -np.append(claim.multipliers, -1.0)
+    weights = -np.append(multipliers, -1.0)
     weights[0:n_modal:2], weights[1:n_modal:2] = -turned.real, turned.imag
     weights[n_modal] *= np.exp(problem.rates[-1].real * tau)
     if problem.degree:
         # ψ = τ belongs to a Jordan block: its row gains τ times the row of φ = 1.
         weights[-2] += tau
-    return np.asarray(-_adjoint_factor(problem, claim) * (weights @ rows))
-
-
-def _adjoint_factor(problem: MomentProblem, claim: Claim) -> float:
-    """Return the factor between -λ_F/T and σ that makes the Hamiltonian vanish at t = 0."""
-    start, _, _ = values_and_slopes(problem, claim.multipliers, np.array([claim.t_f]))
-    return 1.0 / (abs(claim.first_force) * abs(float(start[0])))
+    return np.asarray(-claim.adjoint_factor * (weights @ moment_rows(plant, problem)))
 
 
 def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> Array:
@@ -175,24 +178,31 @@ def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> A
     return np.asarray(by_row / np.linalg.norm(by_row, axis=0))
 
 
-def _law_holds(plant: Plant, problem: MomentProblem, claim: Claim, at_switches: Array) -> bool:
+def _law_holds(plant: Plant, claim: Claim, at_switches: Array) -> bool:
     """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on the plant's A."""
-    row = adjoint(plant, problem, claim, tau=0.0)
+    problem, row = claim.point.mesh.problem, adjoint(plant, claim, tau=0.0)
     tau, lambda_force = [], []
     for piece in uniform_pieces(problem, claim.t_f, radians=CHECK_RADIANS):
-        rows, transition = row[np.newaxis], expm(plant.A * piece.step)
-        while rows.shape[0] <= piece.count:
-            rows = np.vstack([rows, rows @ transition])
-            transition = transition @ transition
-        row = rows[piece.count]
+        rows = _march(row, expm(plant.A * piece.step), piece.count + 1)
+        row = rows[-1]
         tau.append(piece.start + piece.step * np.arange(piece.count + 1))
-        lambda_force.append(rows[: piece.count + 1, plant.force])
+        lambda_force.append(rows[:, plant.force])
     values = np.concatenate(lambda_force)
-    arcs = np.searchsorted(claim.switching_times, claim.t_f - np.concatenate(tau))
-    force = claim.first_force * (-1.0) ** arcs
-    composed = np.sum(problem.amplitudes(claim.multipliers)) + claim.t_f**problem.degree
-    composed *= _adjoint_factor(problem, claim) * plant.force_lag
+    arcs = claim.switching_times.searchsorted(claim.t_f - np.concatenate(tau))
+    force = np.where(arcs % 2, -claim.first_force, claim.first_force)
+    composed = np.sum(problem.amplitudes(claim.point.multipliers)) + claim.t_f**problem.degree
+    composed *= claim.adjoint_factor * plant.force_lag
     zero = SIGN_TOLERANCE * np.max(np.abs(values)) + SIGN_ROUNDING * composed
-    judged = np.abs(values) > zero
     vanishes = np.all(np.abs(at_switches) * plant.force_lag <= zero)
-    return bool(vanishes and np.all((force * values < 0.0)[judged]))
+    return bool(vanishes and np.all((force * values < 0.0) | (np.abs(values) <= zero)))
+
+
+def _march(row: Array, transition: Array, count: int) -> Array:
+    """Return row, row E, row E², ..., shape (count, n), by doubling."""
+    rows = np.empty((count, row.size))
+    rows[0], done = row, 1
+    while done < count:
+        more = min(done, count - done)
+        np.matmul(rows[:more], transition, out=rows[done : done + more])
+        done, transition = done + more, transition @ transition
+    return rows

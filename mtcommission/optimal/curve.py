@@ -166,7 +166,7 @@ def _solve_level(
 
 def _solve_alone(problem: MomentProblem, span: float) -> CurvePoint:
     try:
-        control = find_bang_bang(problem, span=span)
+        control = find_bang_bang(problem, span=span).control
     except ComputationError:
         return CurvePoint(
             zeros=np.empty(0),

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.mesh import Mesh, build_mesh
+from mtcommission.optimal.mesh import ROUNDOFF, Mesh, build_mesh
 from mtcommission.optimal.moments import MomentProblem
 from mtcommission.optimal.switching import isolate_zeros, values_and_slopes
 
@@ -31,6 +31,8 @@ FLATTEST = 1e-8
 """Least scale of a multiplier against that of the others (empirical)."""
 LEVEL = 1e-15
 """Relative change of T' that rounding can feign."""
+SAME = 4.0 * ROUNDOFF
+"""Relative distance at which two times are one."""
 LENGTHENINGS = 40
 """Doublings of a mesh before a bound counts as unlimited."""
 
@@ -103,6 +105,12 @@ def sign_jumps(count: int, *, first_sign: float) -> Array:
     return jumps
 
 
+def moment_norms(mesh: Mesh, horizon: float) -> Array:
+    """Return ∫_0^horizon |φ| as a sum, to scale moments by, shape (size,)."""
+    inside = int(mesh.nodes[:-1].searchsorted(horizon))
+    return np.asarray(mesh.lengths[:inside] @ np.abs(mesh.values[:inside]))
+
+
 def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float, near: float) -> DualPoint:
     """Return T'(c) with what a Newton step needs.
 
@@ -135,14 +143,14 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float, near: float) -
         primitive = problem.target_integrals(ends) - integrals @ multipliers
         parts = np.abs(primitive)
         parts[1:] = np.abs(primitive[1:] - primitive[:-1])
-        reached = np.cumsum(parts)
+        reached = parts.cumsum()
         if reached[-1] >= span:
             break
         mesh = build_mesh(problem, 2.0 * mesh.horizon)
     else:
         detail = f"the multipliers prove a time beyond {mesh.horizon:.3g} s"
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
-    k = int(np.searchsorted(reached, span))
+    k = int(reached.searchsorted(span))
     start = float(zeros[k - 1]) if k else 0.0
     base = float(primitive[k - 1]) if k else 0.0
     missing = span - (float(reached[k - 1]) if k else 0.0)
@@ -166,7 +174,7 @@ def _reach(
         low, high = (low, tau) if excess > 0.0 else (tau, high)
         newton = tau - excess / abs(sigma) if sigma else low
         proposal = newton if low < newton < high else 0.5 * (low + high)
-        if abs(proposal - tau) <= 2e-16 * tau:
+        if abs(proposal - tau) <= SAME * tau:
             return proposal
         tau = proposal
     return tau
@@ -179,7 +187,6 @@ def _dual_point(
     _, end_value = problem.combination(multipliers, bound)
     first_sign = (1.0 if end_value >= 0.0 else -1.0) * (-1.0) ** zeros.size
     at_bound = problem.integrals(np.array([bound]))
-    inside = int(np.searchsorted(mesh.nodes[:-1], bound))
     return DualPoint(
         mesh=mesh,
         multipliers=multipliers,
@@ -187,7 +194,7 @@ def _dual_point(
         zeros=zeros,
         first_sign=first_sign,
         moments=sign_jumps(zeros.size, first_sign=first_sign) @ np.vstack([integrals, at_bound]),
-        norms=mesh.lengths[:inside] @ np.abs(mesh.values[:inside]),
+        norms=moment_norms(mesh, bound),
         end_value=abs(end_value),
         doubt=doubt,
     )

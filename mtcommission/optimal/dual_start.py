@@ -12,7 +12,7 @@ from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgesv
+from scipy.linalg.lapack import dgeqrf, dgesv, dorgqr, dtrtri
 
 from mtcommission.optimal.mesh import Mesh, build_mesh, tabulate
 from mtcommission.optimal.moments import MomentProblem
@@ -165,10 +165,11 @@ def guess_horizon(problem: MomentProblem, *, span: float) -> float:
     for _ in range(GUESS_STEPS):
         tau = exp(guess) * x
         phi = problem.values(tau)
-        columns = np.column_stack([phi / (np.abs(phi).max(axis=0) + 1e-300), 0.0 * tau])
+        columns = np.empty((GUESS_NODES, problem.size + 1), order="F")
+        columns[:, :-1] = phi / (np.abs(phi).max(axis=0) + 1e-300)
         columns[:, -1] = problem.target_values(tau)
-        corner = np.asarray(np.linalg.qr(columns, mode="r"))[-1, -1]
-        distance = abs(float(corner)) * exp(guess) / sqrt(GUESS_NODES)
+        triangle = dgeqrf(columns, overwrite_a=True)[0]
+        distance = abs(float(triangle[problem.size, -1])) * exp(guess) / sqrt(GUESS_NODES)
         now = log(max(MEAN_TO_SQUARE * distance, 1e-300) / span)
         side = now > 0.0
         known[side], error[side] = True, now
@@ -190,20 +191,21 @@ def _means(mesh: Mesh) -> tuple[Array, Array]:
 
 def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
     """Return the force that follows σ of the fit in the mean square up to the horizon."""
+    problem = mesh.problem
     phi, psi = _means(mesh)
     root = np.sqrt(mesh.lengths)[:, np.newaxis]
     scale = np.abs(phi).max(axis=0) + 1e-300
-    orthonormal, triangle = np.linalg.qr(phi / scale * root)
-    basis = orthonormal / root
+    reflectors, factors, _, _ = dgeqrf(phi / scale * root)
+    basis = dorgqr(reflectors, factors)[0] / root
     weight = np.minimum(np.maximum(horizon - mesh.nodes[:-1], 0.0), mesh.lengths)
     weighted = basis.T * weight
-    coefficients = np.asarray(np.linalg.solve(weighted @ basis, weighted @ psi), dtype=np.float64)
+    coefficients = dgesv(weighted @ basis, weighted @ psi)[2]
     force, part = _central(mesh, psi - basis @ coefficients, horizon)
     return CellForce(
         mesh=mesh,
         psi=psi,
         basis=basis,
-        transform=np.linalg.pinv(triangle, rcond=1e-15) / scale[:, np.newaxis],
+        transform=np.triu(dtrtri(reflectors[: problem.size])[0]) / scale[:, np.newaxis],
         coefficients=coefficients,
         force=force,
         part=part,
@@ -244,11 +246,11 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
     sigma, room = begun.psi - basis @ c, np.array([1.0 - u, 1.0 + u])
     across, horizon, proved, share = basis.T.copy(), begun.horizon, 0.0, 1.0
     for _ in range(STEPS):
-        reached = np.cumsum(lengths * np.abs(sigma))
+        reached = (lengths * np.abs(sigma)).cumsum()
         # Any c proves its time; one that is far from the best may prove next to nothing.
         proved = max(proved, float(np.interp(span, reached, nodes[1:])))
         horizon = max(proved, SHRINKING * horizon)
-        k = int(np.searchsorted(nodes, horizon))
+        k = int(nodes.searchsorted(horizon))
         weight = lengths[:k].copy()
         weight[-1] = horizon - nodes[k - 1]
         left, half = room[:, :k], part[:, :k]

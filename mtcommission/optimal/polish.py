@@ -14,9 +14,18 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.dual import Ascent, DualPoint, ascend, evaluate_dual, sign_jumps
+from mtcommission.optimal.dual import (
+    Ascent,
+    DualPoint,
+    ascend,
+    evaluate_dual,
+    moment_norms,
+    sign_jumps,
+)
 from mtcommission.optimal.dual_start import PARTS, CellForce, improve, refine_cells, start_force
+from mtcommission.optimal.mesh import Mesh
 from mtcommission.optimal.moments import MomentProblem
+from mtcommission.optimal.switching import cubic_zeros
 
 Array = NDArray[np.float64]
 
@@ -36,13 +45,12 @@ LARGEST_MULTIPLIER = 1e14
 """|c| ∫|φ| against ∫|σ| beyond which σ is nothing but rounding."""
 EXCHANGES = 4
 """Changes of structure in a row; one is usual next to the birth of an arc."""
-TOLERANCE = 3e-4
-"""Complementarity of the first start, from which nine of ten attempts succeed (empirical)."""
-CLOSE = 1e-6
-"""Complementarity on the first cells before they are divided (empirical)."""
+TOLERANCES = (1e-3, 3e-5, 1e-6)
+"""Complementarity of the starts on the first cells: nine of ten attempts succeed from the first,
+the next one gives the structure where pairs of zeros are close (empirical)."""
 ASCENT_STEPS = 6
-"""From each start."""
-REFINEMENTS = 9
+"""From each later start."""
+REFINEMENTS = 8
 """Divisions; the last has cells of 1e-5 of the fastest period where σ is near zero."""
 TO_BOUNDARY = 0.9
 """Longest step, as a share of the one that closes an arc."""
@@ -73,13 +81,15 @@ class BangBang:
     residual: float
 
 
-def polish(point: DualPoint, *, span: float) -> BangBang:
-    """Return the stationary control next to a dual point.
+def polish(mesh: Mesh, start: BangBang, *, span: float) -> BangBang:
+    """Return the stationary control next to another.
 
     Parameters
     ----------
-    point
-        Gives the zeros, the multipliers and the horizon to start from.
+    mesh
+        Reaches beyond the final time; scales the equations only.
+    start
+        Zeros, final time and multipliers to start from.
     span
         target / F_max.
 
@@ -90,10 +100,10 @@ def polish(point: DualPoint, *, span: float) -> BangBang:
 
     Source: docs/optimal-control.md, section 3.
     """
-    problem, k = point.mesh.problem, point.zeros.size
-    scale = np.append(point.norms, span) + 1e-300
-    jumps = sign_jumps(k, first_sign=point.first_sign)
-    ends, c = np.append(point.zeros, point.bound), point.multipliers
+    problem, k = mesh.problem, start.zeros.size
+    scale = np.append(moment_norms(mesh, start.horizon), span) + 1e-300
+    jumps = sign_jumps(k, first_sign=start.first_sign)
+    ends, c = np.append(start.zeros, start.horizon), start.multipliers
     best_ends, best_c, least = ends, c, inf
     for _ in range(NEWTON_STEPS):
         here = _equations(problem, ends, c, jumps=jumps, span=span)
@@ -114,7 +124,7 @@ def polish(point: DualPoint, *, span: float) -> BangBang:
     return BangBang(
         zeros=best_ends[:-1],
         horizon=float(best_ends[-1]),
-        first_sign=point.first_sign,
+        first_sign=start.first_sign,
         multipliers=best_c,
         residual=least,
     )
@@ -182,11 +192,12 @@ def _share(ends: Array, step: Array) -> float:
     return min(1.0, TO_BOUNDARY / max(float((closing / lengths).max()), 1e-300))
 
 
-def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
+def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
     """Return the time-optimal control as signs over the remaining time.
 
-    From a coarse start, Newton steps on the dual bound alternate with attempts to polish; an
-    attempt is accepted when the bound that its multipliers prove equals the time that it takes.
+    Starts of rising accuracy are polished; the last ones take turns with Newton steps on the dual
+    bound. An attempt is accepted when the bound that its multipliers prove equals the time that
+    it takes.
 
     Parameters
     ----------
@@ -197,7 +208,7 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
 
     Returns
     -------
-    BangBang
+    Attempt
 
     Raises
     ------
@@ -205,59 +216,108 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> BangBang:
         NO_CONVERGENCE if no attempt is feasible to ``FEASIBLE``; how far the bound stays behind
         is left to the certificate.
     """
-    best = Attempt(control=None, gap=inf)
-    cells = start_force(problem, span=span, tolerance=TOLERANCE)
-    ascent = Ascent(point=_proved_by(cells, span))
+    cells = start_force(problem, span=span, tolerance=TOLERANCES[0])
+    best = None
+    for tolerance in TOLERANCES:
+        cells = improve(cells, span=span, tolerance=tolerance)
+        best = _better(best, _exchange(cells.mesh, _seen_control(cells), span))
+        if best and best.gap <= AGREEMENT:
+            return best
     for refinement in range(REFINEMENTS):
-        for _ in range(ASCENT_STEPS):
-            best = min(best, _exchange(ascent.point, span), key=lambda attempt: attempt.gap)
-            if best.gap <= AGREEMENT or ascent.stalled:
-                break
-            ascent = ascend(ascent, span=span)
-        if best.gap <= SUFFICIENT:
-            break
-        finer = refine_cells(cells) if refinement else cells
-        cells = improve(finer, span=span, tolerance=CLOSE * PARTS**-refinement)
-        ascent = Ascent(point=_proved_by(cells, span))
-    if best.control is None:
+        best = _better(best, _climb(cells, span))
+        if best and best.gap <= SUFFICIENT:
+            return best
+        tolerance = TOLERANCES[-1] * PARTS ** -(refinement + 1)
+        cells = improve(refine_cells(cells), span=span, tolerance=tolerance)
+    if best is None:
         detail = f"no control for span {span:.6g} next to {cells.horizon:.9g} s reaches rest"
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
-    return best.control
+    return best
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Attempt:
-    """A polished control and how far its time is from the time that its multipliers prove.
+    """A feasible control with the time that its multipliers prove.
 
     Parameters
     ----------
     control
-        The control; None if it is not feasible.
-    gap
-        Relative distance; inf for a control that is not feasible.
+        The control.
+    point
+        Its multipliers with all zeros of their σ and the time that they prove.
     """
 
-    control: BangBang | None
-    gap: float
+    control: BangBang
+    point: DualPoint
+
+    @property
+    def gap(self) -> float:
+        """Relative distance of both times."""
+        return abs(self.control.horizon - self.point.bound) / self.control.horizon
 
 
-def _proved_by(cells: CellForce, span: float) -> DualPoint:
-    return evaluate_dual(cells.mesh, cells.multipliers, span=span, near=cells.horizon)
+def _better(one: Attempt | None, other: Attempt | None) -> Attempt | None:
+    if one is None or other is None:
+        return one or other
+    return one if one.gap <= other.gap else other
 
 
-def _exchange(point: DualPoint, span: float) -> Attempt:
+def _climb(cells: CellForce, span: float) -> Attempt | None:
+    """Polish from the cells' multipliers and from better ones that Newton steps lead to."""
+    point = evaluate_dual(cells.mesh, cells.multipliers, span=span, near=cells.horizon)
+    ascent, best = Ascent(point=point), None
+    for _ in range(ASCENT_STEPS):
+        best = _better(best, _exchange(point.mesh, _proved_control(ascent.point), span))
+        if ascent.stalled or (best and best.gap <= AGREEMENT):
+            break
+        ascent = ascend(ascent, span=span)
+    return best
+
+
+def _exchange(mesh: Mesh, start: BangBang, span: float) -> Attempt | None:
     """Polish; where the multipliers then show other zeros than the control has, do so with those.
 
     Next to the birth of an arc this is what adds or drops the two zeros.
     """
-    best = Attempt(control=None, gap=inf)
+    best = None
     for _ in range(EXCHANGES):
-        control = polish(point, span=span)
+        control = polish(mesh, start, span=span)
         if control.residual > FEASIBLE:
             break
-        point = evaluate_dual(point.mesh, control.multipliers, span=span, near=control.horizon)
-        gap = abs(control.horizon - point.bound) / control.horizon
-        best = Attempt(control=control, gap=gap) if gap < best.gap else best
-        if gap <= AGREEMENT or point.zeros.size == control.zeros.size:
+        point = evaluate_dual(mesh, control.multipliers, span=span, near=control.horizon)
+        attempt = Attempt(control=control, point=point)
+        best = _better(best, attempt)
+        if attempt.gap <= AGREEMENT or point.zeros.size == control.zeros.size:
             break
+        start = _proved_control(point)
     return best
+
+
+def _proved_control(point: DualPoint) -> BangBang:
+    return BangBang(
+        zeros=point.zeros,
+        horizon=point.bound,
+        first_sign=point.first_sign,
+        multipliers=point.multipliers,
+        residual=point.residual,
+    )
+
+
+def _seen_control(cells: CellForce) -> BangBang:
+    """Return the sign changes of σ between nodes; pairs inside a cell are left out."""
+    mesh, c = cells.mesh, cells.multipliers
+    last = int(mesh.nodes.searchsorted(cells.horizon))
+    nodes, lengths = mesh.nodes[: last + 1], mesh.lengths[:last]
+    sigma = mesh.problem.target_values(nodes) - mesh.values[: last + 1] @ c
+    at = np.flatnonzero((sigma[1:] > 0.0) != (sigma[:-1] > 0.0))
+    slopes = [mesh.problem.degree - mesh.slopes[at + side] @ c for side in (0, 1)]
+    share = cubic_zeros(sigma[at], sigma[at + 1], *(slope * lengths[at] for slope in slopes))
+    zeros = nodes[at] + share * lengths[at]
+    inside = zeros < cells.horizon
+    return BangBang(
+        zeros=zeros[inside],
+        horizon=cells.horizon,
+        first_sign=1.0 if sigma[0] > 0.0 else -1.0,
+        multipliers=c,
+        residual=inf,
+    )

@@ -195,7 +195,7 @@ def _halve(problem: MomentProblem, multipliers: Array, cells: Array) -> Array:
 
 def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Array:
     start, length = brackets[:2]
-    tau = start + cubic_zeros(brackets) * length
+    tau = start + cubic_zeros(*brackets[2:6]) * length
     end = start + length
     for _ in range(EXACT_STEPS):
         sigma, slope, _ = values_and_slopes(problem, multipliers, tau)
@@ -203,9 +203,11 @@ def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Arra
     return np.asarray(tau)
 
 
-def cubic_zeros(brackets: Array) -> Array:
-    """Return where the cubics of cells with a sign change vanish, from 0 to 1."""
-    left, right, left_slope, right_slope = brackets[2:6]
+def cubic_zeros(left: Array, right: Array, left_slope: Array, right_slope: Array) -> Array:
+    """Return where the cubics of cells with a sign change vanish, from 0 to 1.
+
+    Slopes are against the length of the cell.
+    """
     quadratic = 3.0 * (right - left) - 2.0 * left_slope - right_slope
     cubic = left_slope + right_slope - 2.0 * (right - left)
     x = left / (left - right)

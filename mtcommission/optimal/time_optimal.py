@@ -16,7 +16,7 @@ from mtcommission.machine import Move, VelocityStep
 from mtcommission.optimal.bang_bang import bang_bang_motion, signal_peaks
 from mtcommission.optimal.certificate import Claim, certify
 from mtcommission.optimal.moments import moment_problem
-from mtcommission.optimal.polish import BangBang, find_bang_bang
+from mtcommission.optimal.polish import Attempt, find_bang_bang
 from mtcommission.optimal.solution import Arc, TimeOptimum, constant_arc, propagate
 from mtcommission.plant import Plant
 
@@ -70,8 +70,8 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     if not force_limit > 0.0:
         raise ComputationError(Outcome.NO_FORCE_LEFT, f"force left for motion {force_limit:.6g} N")
     problem = moment_problem(plant, move)
-    control = find_bang_bang(problem, span=problem.target / force_limit)
-    claim = _claim(control, force_limit)
+    found = find_bang_bang(problem, span=problem.target / force_limit)
+    claim = _claim(found, force_limit)
     arcs = _arcs(claim)
     motion = bang_bang_motion(
         plant, claim.switching_times, t_f=claim.t_f, first_force=claim.first_force
@@ -86,19 +86,19 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
         touch_points=(),
         terminal_error=_terminal_error(plant, move, propagate(plant, arcs)),
         peaks=signal_peaks(motion),
-        certificate=certify(plant, problem, claim),
+        certificate=certify(plant, claim),
     )
     _check(plant, optimum)
     return optimum
 
 
-def _claim(control: BangBang, force_limit: float) -> Claim:
-    last_sign = control.first_sign * (-1.0) ** control.zeros.size
+def _claim(found: Attempt, force_limit: float) -> Claim:
+    control = found.control
     return Claim(
         switching_times=control.horizon - control.zeros[::-1],
         t_f=control.horizon,
-        first_force=last_sign * force_limit,
-        multipliers=control.multipliers,
+        first_force=control.first_sign * (-1.0) ** control.zeros.size * force_limit,
+        point=found.point,
     )
 
 
