@@ -18,9 +18,11 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import polars as pl
 import pytest
 
+from mtcommission.cli import main
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.time_optimal import solve_time_optimal
@@ -37,7 +39,9 @@ from mtcommission.sweep.cases import (
     vary_profile,
 )
 from mtcommission.sweep.engine import Engine, run_sweep
+from mtcommission.sweep.lock import hold_folder
 from mtcommission.sweep.page import print_sweep
+from mtcommission.sweep.request import read_plan
 from mtcommission.sweep.rows import columns, key_unit
 from mtcommission.sweep.store import NAME
 from mtcommission.sweep.table import read_table, summarise_table, write_table
@@ -315,12 +319,20 @@ def test_limits_of_a_case_are_those_of_the_command(tmp_path: Path) -> None:
     from mtcommission.commission import commission
 
     plan = plan_of(quantity=Quantity.LIMITS)
+    text = TEXT.replace("[damping_optimal]", "[requirements.peaks]\nv_phi = 0.1\n[damping_optimal]")
+    plan = replace(plan, profile_text=text)
     row = read_table(plan, run_sweep(plan, folder=tmp_path)).frame.row(0, named=True)
-    found = commission(parse_profile(TEXT, where="p"))
+    found = commission(parse_profile(text, where="p"))
     assert row["acceleration"] == found.choice.limits.acceleration
     assert row["jerk"] == found.choice.limits.jerk
     assert row["settling_time"] == found.recommended.settling_time
     assert row["requirements_met"] == found.assessment.is_met
+    assert row["t_f"] == found.optima[0].time.t_f
+    assert row["certified"]
+    assert row["relative_gap"] <= 1e-9
+    checks = {check.name: check.value for check in found.assessment.checks}
+    assert row["peak_v_phi"] == checks["peak v_phi"]
+    assert row["peak_F_set"] == checks["set force"]
 
 
 def test_forces_of_a_sweep_fall_in_time_and_are_certified(tmp_path: Path) -> None:
@@ -344,6 +356,134 @@ def test_wrong_forces_between_good_ones_meet_the_reader(tmp_path: Path) -> None:
     assert [outcome == "done" for outcome in frame["outcome"]] == [
         text.endswith("kN") and not text.startswith("-") for text in texts
     ]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--vary", "plant.slider_mas=600:900:3"], 'unknown key; did you mean "slider_mass"?'),
+        (["--vary", "plant.slider_mass=600kgg:900kgg:3"], 'did you mean "kg"?'),
+        (["--vary", "plant.slider_mass=700,-7"], "must be > 0 kg"),
+        (["--vary", "control.state_feedback=auto,of"], 'must be "auto" or "off"'),
+        (["--vary", "moves[2].dwell=1,2"], "e.g. moves[1].distance"),
+        (["--vary", "moves[0].dwell=1,2"], "moves[0].dwell: unknown key"),
+        (["--vary", "plnt.slider_mass=600:900:3"], 'did you mean "plant"?'),
+        (["--f-max", "1mm:2mm:3"], "must be a force"),
+        (["--limit", "v_ph=1:2:3"], 'did you mean "v_phi"?'),
+        (["--limit", "v_phi=1:2:3", "--quantity", "limits"], "only goes with --quantity optimal"),
+    ],
+)
+def test_what_no_case_can_use_is_refused_before_anything_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], message: str
+) -> None:
+    """A misprint must not cost a night of rows that all say the same."""
+    folder = tmp_path / "rows"
+    with pytest.raises(SystemExit) as ended:
+        run_command(["sweep", str(PAPER), *options, "-o", str(folder)])
+    assert ended.value.code == 2
+    told = capsys.readouterr().err
+    assert message in told
+    assert len(told.splitlines()) == 1
+    assert not folder.exists() or not any(folder.iterdir())
+
+
+def run_command(line: list[str]) -> None:
+    """The command line in this process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "argv", ["mtcommission", *line])
+        main()
+
+
+def test_a_wrong_line_among_many_is_found(tmp_path: Path) -> None:
+    """Of numbers with one unit the ends are tried; the odd unit between them, too."""
+    table = tmp_path / "cases.csv"
+    table.write_text("plant.slider_mass\n700 kg\n0.7 t\n710 g/m\n720 kg\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"cases.csv: plant.slider_mass: got \"710 g/m\""):
+        read_plan(
+            PAPER,
+            f_max="",
+            vary=[],
+            limits=[],
+            cases=table,
+            is_paired=False,
+            quantity="optimal",
+            bounds=(),
+            move=1,
+            created="",
+        )
+
+
+def test_elements_of_arrays_count_from_one_in_brackets() -> None:
+    """``moves[1]`` is what the sheet calls the first move."""
+    one = vary_profile(TEXT, (("moves[1].velocity_step", "0.3"),), where="p")
+    assert one == vary_profile(TEXT, (("moves.0.velocity_step", "0.3"),), where="p")
+    assert parse_profile(one, where="p").moves[0].velocity_step == 0.3  # type: ignore[union-attr]
+    assert key_unit("moves[1].velocity_step", rotary=False) == "m/s"
+
+
+def test_a_second_sweep_into_the_same_folder_is_refused(tmp_path: Path) -> None:
+    """Two writers would compute everything twice and mix their lines."""
+    plan = masses_plan()
+    with hold_folder(tmp_path):
+        second = subprocess.run(
+            command(tmp_path, "--resume"), capture_output=True, text=True, check=False
+        )
+        assert second.returncode == 2
+        assert f"another sweep is at work there (process {os.getpid()})" in second.stderr
+        with pytest.raises(InputError, match="another sweep is at work there"):
+            run_sweep(plan, folder=tmp_path)
+    assert read_table(plan, run_sweep(plan, folder=tmp_path)).frame.height == 24
+
+
+def test_a_killed_sweep_leaves_no_lock(tmp_path: Path) -> None:
+    """After kill -9 nobody can clean up, and --resume must work all the same."""
+    script = (
+        "import sys, time; from pathlib import Path; from mtcommission.sweep.lock import *\n"
+        "with hold_folder(Path(sys.argv[1])): print('held', flush=True); time.sleep(60)"
+    )
+    held = subprocess.Popen(
+        [sys.executable, "-c", script, str(tmp_path)], stdout=subprocess.PIPE, text=True
+    )
+    assert held.stdout is not None
+    assert held.stdout.readline() == "held\n"
+    with pytest.raises(InputError, match="another sweep"), hold_folder(tmp_path):
+        pass
+    held.kill()
+    held.wait()
+    held.stdout.close()
+    with hold_folder(tmp_path):
+        assert (tmp_path / ".lock").read_text() == str(os.getpid())
+
+
+def test_peaks_of_a_curve_are_those_of_single_solves(tmp_path: Path) -> None:
+    """Two ways: closed form between switches for all at once, matrix exponentials for each."""
+    axis = read_axis("drive.max_force=log:0.3kN:20kN:40", where="--vary")
+    frame = read_table(plan_of(axis), run_sweep(plan_of(axis), folder=tmp_path / "a")).frame
+    few = Axis(keys=axis.keys, rows=axis.rows[::20])
+    alone = read_table(plan_of(few), run_sweep(plan_of(few), folder=tmp_path / "b")).frame
+    together = frame.gather_every(20)
+    for name in ("peak_v_b", "peak_v_phi", "peak_tcp_vibration", "peak_F"):
+        assert together[name].to_list() == pytest.approx(alone[name].to_list(), rel=5e-4), name
+    assert np.all(frame["peak_F"].to_numpy() <= frame["drive.max_force"].to_numpy())
+    machine = paper_machine(max_force=2e3)
+    exact = solve_time_optimal(build_plant(machine), machine.moves[0], force_limit=2e3)
+    assert exact.peaks[build_plant(machine).signals.index("v_phi")] == pytest.approx(
+        0.0224, abs=5e-5
+    )
+
+
+def test_a_bound_that_varies_trades_time_against_vibration(tmp_path: Path) -> None:
+    """c_phi as parameter: each control keeps its bound, and a wider one never costs time."""
+    axis = read_axis("requirements.peaks.v_phi=8mrad/s,14mrad/s,30mrad/s", where="--limit")
+    plan = plan_of(axis)
+    frame = read_table(plan, run_sweep(plan, folder=tmp_path)).frame
+    bound, peak = frame["requirements.peaks.v_phi"].to_numpy(), frame["peak_v_phi"].to_numpy()
+    assert np.all(peak <= bound * (1 + 1e-9))
+    assert peak[:2] == pytest.approx(bound[:2], rel=1e-9)
+    assert frame["t_f"].diff().drop_nulls().max() < 0.0
+    assert frame["t_f"][2] == pytest.approx(0.0435202, abs=1e-6)
+    named = {column.name: column.unit for column in columns(plan)}
+    assert named["requirements.peaks.v_phi"] == named["peak_v_phi"] == "rad/s"
 
 
 def test_columns_name_every_cell() -> None:

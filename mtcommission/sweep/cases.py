@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -22,6 +23,8 @@ from mtcommission.optimal.solution import Bound
 from mtcommission.units import NUMBER, read_unit
 
 FORCE_KEY = "drive.max_force"
+PEAKS_KEY = "requirements.peaks."
+"""What follows is a signal; where its bound varies, an optimal control keeps it."""
 MOST_VALUES = 1_000_000
 """Values of one key; a table of them still opens."""
 
@@ -44,7 +47,8 @@ class Axis:
     Parameters
     ----------
     keys
-        Dotted paths in the profile; elements of arrays by number, e.g. ``moves.0.distance``.
+        Dotted paths in the profile; elements of arrays by number, ``moves[1].distance`` (counted
+        from 1) or ``moves.0.distance`` (from 0).
     rows
         Texts as the profile's reader gets them, one for each key.
     """
@@ -345,14 +349,27 @@ def vary_profile(text: str, settings: Settings, *, where: str) -> str:
         raise InputError([Fault(where=where, message=message)]) from error
     for key, value in settings:
         try:
-            _place(document, key.split("."), value)
+            _place(document, plain_key(key).split("."), value)
         except (TypeError, ValueError, IndexError) as error:
             message = f"there is no such key; elements of arrays go by number, e.g. {EXAMPLE_KEY}"
             raise InputError([Fault(where=where, key=key, message=message)]) from error
     return document.as_string()
 
 
-EXAMPLE_KEY = "moves.0.distance"
+EXAMPLE_KEY = "moves[1].distance"
+
+NUMBERED = re.compile(r"\[(\d+)\]")
+
+
+def plain_key(key: str) -> str:
+    """Return a key as the profile's reader names it, elements counted from 0.
+
+    Examples
+    --------
+    >>> plain_key("moves[1].distance"), plain_key("moves.0.distance")
+    ('moves.0.distance', 'moves.0.distance')
+    """
+    return NUMBERED.sub(lambda match: f".{int(match[1]) - 1}" if int(match[1]) else match[0], key)
 
 
 def _place(node: Any, path: Sequence[str], value: str) -> None:

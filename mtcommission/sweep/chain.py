@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from hashlib import sha256
+
+import numpy as np
 
 from mtcommission.choose import choose_limits
 from mtcommission.commission import commission
 from mtcommission.loop_choice import Settings, settle_on_loop
 from mtcommission.machine import Machine
-from mtcommission.optima import condense_optima, find_optima
-from mtcommission.plant import build_plant
+from mtcommission.optima import Optima, condense_optima, find_optima
+from mtcommission.plant import Plant, build_plant
 from mtcommission.plausibility import check_plausibility
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json
 from mtcommission.record.schema import Profile
+from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
-from mtcommission.trials import Trial, judge
+from mtcommission.trials import MoveResult, Trial, judge, run_moves
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,9 +62,12 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     tuned = settle_on_loop(machine, plant, settings).tuned
     starts = [limits for _, limits in condense_optima(plant, optima)]
-    choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
+    # The landscape is for the sheet; the limits do not hang on it.
+    search = replace(settings.search, landscape=0)
+    choice = choose_limits(machine, plant, tuned, starts=starts, settings=search)
+    moves = run_moves(machine, tuned, choice.limits)
     trial = judge(machine, plant, tuned, "recommended", "this search", choice.limits)
-    return _cells(max(item.time.t_f for item in optima), trial, choice.bound_by)
+    return _cells(plant, optima, moves, trial, choice.bound_by)
 
 
 def run_case(machine: Machine, *, text: str, name: str, created: str) -> CaseRun:
@@ -88,21 +95,32 @@ def run_case(machine: Machine, *, text: str, name: str, created: str) -> CaseRun
     warnings = [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
     profile = Profile(name=name, sha256=sha256(text.encode()).hexdigest(), text=text)
     record = build_record(found, profile=profile, created=created, warnings=warnings)
-    t_f = max(item.time.t_f for item in found.optima)
-    cells = _cells(t_f, found.recommended, found.choice.bound_by)
+    cells = _cells(found.plant, found.optima, found.moves, found.recommended, found.choice.bound_by)
     return CaseRun(cells=cells, record=dump_json(record))
 
 
-def _cells(t_f: float, trial: Trial, bound_by: str) -> tuple[Cell, ...]:
+def _cells(
+    plant: Plant,
+    optima: Sequence[Optima],
+    moves: Sequence[MoveResult],
+    trial: Trial,
+    bound_by: str,
+) -> tuple[Cell, ...]:
     limits = trial.limits
+    slowest = max((item.time for item in optima), key=lambda time: time.t_f)
+    responses = [response for move in moves for response in move.responses]
+    largest = np.max([response.peaks for response in responses], axis=0)
+    peaks = dict(zip(plant.signals, largest.tolist(), strict=True))
     return (
-        t_f,
+        *proof_cells(slowest.t_f, slowest.certificate.t_f_lower_bound),
         limits.acceleration,
         limits.jerk,
         limits.jerk_time,
         trial.settling_time,
         trial.residual_deviation,
         trial.peak_deviation,
+        *(peaks[name] for name in peak_signals(plant)),
+        max(response.max_force for response in responses),
         trial.assessment.is_met,
         bound_by,
         trial.assessment.obstacle,

@@ -29,6 +29,7 @@ from typing import Any
 from mtcommission.errors import ComputationError, Fault, InputError, Outcome
 from mtcommission.sweep.cases import FORCE_KEY, Plan, Quantity, check_plan
 from mtcommission.sweep.forces import solve_piece
+from mtcommission.sweep.lock import hold_folder
 from mtcommission.sweep.rows import DONE, Answer, Work, columns
 from mtcommission.sweep.store import Finished, Opened, append, open_store, read_finished
 
@@ -101,11 +102,19 @@ def run_sweep(
     Raises
     ------
     InputError
-        If the plan or the folder cannot be used, or the disk is full.
+        If the plan or the folder cannot be used, another sweep is at work there, or the disk is
+        full.
     ComputationError
         WORKER_LOST if workers end again and again; STOPPED by Ctrl-C.
     """
     check_plan(plan)
+    with hold_folder(folder):
+        return _complete(plan, folder, engine or Engine(), resume=resume, progress=progress)
+
+
+def _complete(
+    plan: Plan, folder: Path, engine: Engine, *, resume: bool, progress: Progress
+) -> Opened:
     store = open_store(folder, digest=plan.digest, created=plan.created, resume=resume)
     plan = replace(plan, created=store.created)
     tally = _Tally(total=plan.count, progress=progress)
@@ -116,7 +125,7 @@ def run_sweep(
     while left:
         before = len(left)
         try:
-            with open_lane(engine or Engine()) as lane:
+            with open_lane(engine) as lane:
                 _work(plan, store, lane, left, tally)
         except (BrokenExecutor, CancelledError) as error:
             losses = losses + 1 if len(left) == before else 1

@@ -14,13 +14,15 @@ from mtcommission.plant import build_plant
 from mtcommission.profile import parse_profile
 from mtcommission.sweep.cases import (
     FORCE_KEY,
+    PEAKS_KEY,
     Quantity,
     Settings,
     si_number,
     unit_of,
     vary_profile,
 )
-from mtcommission.sweep.rows import Answer, Work, done, solve_case, time_cells
+from mtcommission.sweep.peaks import curve_peaks
+from mtcommission.sweep.rows import Answer, Work, done, proof_cells, solve_case, switch_cells
 
 FEWEST = 3
 """Cases that are worth a curve."""
@@ -39,7 +41,9 @@ def solve_piece(work: Work) -> tuple[Answer, ...]:
     tuple of Answer
     """
     answers: dict[int, Answer] = {}
-    if work.base.quantity is Quantity.OPTIMAL and not work.base.bounds:
+    keys = [key for settings in work.settings[:1] for key, _ in settings]
+    bounded = bool(work.base.bounds) or any(key.startswith(PEAKS_KEY) for key in keys)
+    if work.base.quantity is Quantity.OPTIMAL and not bounded:
         groups: dict[Settings, list[int]] = {}
         for number, settings in enumerate(work.settings):
             groups.setdefault(_without_force(settings), []).append(number)
@@ -71,18 +75,24 @@ def _solve_group(work: Work, members: list[int]) -> dict[int, Answer]:
         move = machine.moves[work.base.move - 1]
         if isinstance(move, Positioning) and isfinite(move.max_velocity):
             return {}
-        problem = moment_problem(build_plant(machine), move)
+        plant = build_plant(machine)
+        problem = moment_problem(plant, move)
     except MtcommissionError:
         return {}  # the reader's or the plant's message belongs to each case
     left = forces - abs(machine.drive.static_load)
     points = solve_curve(problem, problem.target / left)
-    return {
-        number: done(
-            work, number, time_cells(point.t_f, point.lower_bound, point.switching_times.tolist())
+    proved = [place for place, point in enumerate(points) if point.is_proved]
+    peaks = curve_peaks(plant, [points[place] for place in proved], left[proved])
+    found = {}
+    for place, row in zip(proved, peaks.tolist(), strict=True):
+        point = points[place]
+        cells = (
+            *proof_cells(point.t_f, point.lower_bound),
+            *switch_cells(point.switching_times.tolist()),
+            *row,
         )
-        for number, point in zip(members, points, strict=True)
-        if point.is_proved
-    }
+        found[members[place]] = done(work, members[place], cells)
+    return found
 
 
 def _machine(work: Work, number: int) -> Machine:

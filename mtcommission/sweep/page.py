@@ -13,7 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from mtcommission.sweep.cases import Plan, Quantity, vary_profile
-from mtcommission.sweep.rows import Column, result_columns
+from mtcommission.sweep.rows import Column
 from mtcommission.sweep.table import SweepTable, summarise_table
 
 FOLDER = Path(__file__).parent
@@ -65,7 +65,8 @@ def print_sweep(plan: Plan, table: SweepTable, *, created: str) -> str:
 
 def _page_data(plan: Plan, table: SweepTable) -> dict[str, Any]:
     places = tuple((key, f"@@{place}@@") for place, key in enumerate(plan.keys))
-    results = {column.name for column in result_columns(plan.quantity, rotary=False)}
+    place = [column.name for column in table.columns].index("t_f")
+    results = {column.name for column in table.columns[place:-2]}
     shown = [column for column in table.columns if column.name not in LEFT_OUT]
     return {
         "count": table.frame.height,

@@ -7,17 +7,22 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.optimal.solution import Bound
-from mtcommission.profile import read_profile_text
+from mtcommission.profile import parse_profile, read_profile_text
 from mtcommission.sweep.cases import (
     FORCE_KEY,
+    PEAKS_KEY,
     Axis,
     Plan,
     Quantity,
     check_plan,
+    plain_key,
     read_axis,
     read_cases,
     read_range,
+    unit_of,
+    vary_profile,
 )
+from mtcommission.units import NUMBER
 
 
 def read_plan(
@@ -25,6 +30,7 @@ def read_plan(
     *,
     f_max: str,
     vary: Sequence[str],
+    limits: Sequence[str],
     cases: Path | None,
     is_paired: bool,
     quantity: str,
@@ -38,10 +44,10 @@ def read_plan(
     ----------
     profile
         The machine as it is.
-    f_max, vary, cases, is_paired, quantity
-        Of the options; "" or None where one is not given.
+    f_max, vary, limits, cases, is_paired, quantity
+        Of the options; "" or None where one is not given. Of the limits those that vary.
     bounds, move
-        For ``optimal``.
+        For ``optimal``; anything else refuses them.
     created
         Date, ISO 8601.
 
@@ -56,23 +62,34 @@ def read_plan(
     """
     faults: list[Fault] = []
     axes: list[Axis] = []
+    places: list[str] = []
 
-    def attempt(read: Callable[[], Axis]) -> None:
+    def attempt(read: Callable[[], Axis], where: str) -> None:
         try:
             axes.append(read())
+            places.append(where)
         except InputError as error:
             faults.extend(error.faults)
 
     if cases is not None:
-        attempt(lambda: read_cases(read_profile_text(cases), where=str(cases)))
+        attempt(lambda: read_cases(read_profile_text(cases), where=str(cases)), str(cases))
     for text in vary:
-        attempt(lambda text=text: read_axis(text, where="--vary"))  # type: ignore[misc]
+        attempt(lambda text=text: read_axis(text, where="--vary"), "--vary")  # type: ignore[misc]
+    for text in limits:
+        attempt(lambda text=text: read_axis(PEAKS_KEY + text, where="--limit"), "--limit")  # type: ignore[misc]
     if f_max:
-        attempt(lambda: Axis(keys=(FORCE_KEY,), rows=read_range(f_max, where="--f-max")))
+        force = "--f-max"
+        attempt(lambda: Axis(keys=(FORCE_KEY,), rows=read_range(f_max, where=force)), force)
     names = [item.value for item in Quantity]
     if quantity not in names:
         message = f"got {quantity!r}, must be {', '.join(names[:-1])} or {names[-1]}"
         faults.append(Fault(where="--quantity", message=message))
+    elif quantity != Quantity.OPTIMAL.value:
+        message = f"only goes with --quantity optimal; {quantity} takes it from the profile"
+        given = {"--limit": bool(bounds or limits), "--move": move != 1}
+        faults += [
+            Fault(where=name, message=message) for name, is_given in given.items() if is_given
+        ]
     if faults:
         raise InputError(faults)
     plan = Plan(
@@ -86,4 +103,73 @@ def read_plan(
         created=created,
     )
     check_plan(plan)
+    check_values(plan, places)
     return plan
+
+
+def split_limits(texts: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the limits that stay, and those that vary.
+
+    Parameters
+    ----------
+    texts
+        ``NAME=VALUE`` or ``NAME=RANGE``.
+
+    Examples
+    --------
+    >>> split_limits(["v_phi=5mrad/s", "v_b=1:2:3"])
+    (['v_phi=5mrad/s'], ['v_b=1:2:3'])
+    """
+    varied = [text for text in texts if ":" in text or "," in text]
+    return [text for text in texts if text not in varied], varied
+
+
+def check_values(plan: Plan, places: Sequence[str]) -> None:
+    """Raise InputError for keys and values that the profile's reader refuses, before any work.
+
+    Of numbers with the same unit the ends speak for all between, since what a profile allows of
+    one key is an interval. A value that is only wrong together with others is a row of its own.
+
+    Parameters
+    ----------
+    plan
+        With at least one case.
+    places
+        Option or file that each axis came from, for messages.
+
+    Raises
+    ------
+    InputError
+        With every fault found.
+    """
+    faults: list[Fault] = []
+    for axis, where in zip(plan.axes, places, strict=True):
+        for column, key in enumerate(axis.keys):
+            for texts in _representatives([row[column] for row in axis.rows]):
+                refused = next(filter(None, (_refusals(plan, key, text) for text in texts)), [])
+                faults += [Fault(where=where, key=key, message=item.message) for item in refused]
+    if faults:
+        raise InputError(faults)
+
+
+def _representatives(texts: Sequence[str]) -> list[tuple[str, ...]]:
+    """The least and the largest number of each unit, and every word."""
+    by_unit: dict[str, list[str]] = {}
+    for text in texts:
+        by_unit.setdefault(unit_of(text), []).append(text)
+    found: list[tuple[str, ...]] = []
+    for group in by_unit.values():
+        numbers = [(float(match[0]), text) for text in group if (match := NUMBER.match(text))]
+        found.append((min(numbers)[1], max(numbers)[1]) if numbers else (group[0],))
+    return found
+
+
+def _refusals(plan: Plan, key: str, text: str) -> list[Fault]:
+    """What the profile's reader says against one value, all else being as in the first case."""
+    settings = tuple((k, text if k == key else value) for k, value in plan.settings(0))
+    try:
+        parse_profile(vary_profile(plan.profile_text, settings, where=plan.where), where=plan.where)
+    except InputError as error:
+        path = f"{plain_key(key)}."
+        return [fault for fault in error.faults if fault.key and path.startswith(f"{fault.key}.")]
+    return []

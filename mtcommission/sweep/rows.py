@@ -6,7 +6,6 @@ A case that fails is a row with its named outcome; nothing here stops a sweep.
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
@@ -14,13 +13,21 @@ from math import isnan
 from typing import Any
 
 from mtcommission.errors import ComputationError, InputError
-from mtcommission.machine import Machine
+from mtcommission.machine import Machine, Motion
 from mtcommission.optima import find_time_optimum, require_force
 from mtcommission.optimal.solution import Bound, TimeOptimum
 from mtcommission.optimal.time_optimal import GAP_TOLERANCE
-from mtcommission.plant import build_plant
+from mtcommission.plant import Plant, build_plant
 from mtcommission.profile import parse_profile, profile_schema
-from mtcommission.sweep.cases import Plan, Quantity, Settings, si_number, vary_profile
+from mtcommission.sweep.cases import (
+    PEAKS_KEY,
+    Plan,
+    Quantity,
+    Settings,
+    plain_key,
+    si_number,
+    vary_profile,
+)
 from mtcommission.sweep.store import Cell, Row
 
 DONE = "done"
@@ -67,26 +74,68 @@ _COMMON = (Column(name="case", kind="int"), Column(name="inputs", kind="str"))
 _ENDING = (Column(name="outcome", kind="str"), Column(name="message", kind="str"))
 
 
-def result_columns(quantity: Quantity, *, rotary: bool) -> tuple[Column, ...]:
-    """Return the columns that a quantity fills."""
+PEAK = "peak_"
+
+
+def peak_signals(plant: Plant) -> tuple[str, ...]:
+    """Return the signals whose peaks are in a row: rate of each mode, TCP vibration, motor force.
+
+    Parameters
+    ----------
+    plant
+        Of the case.
+
+    Returns
+    -------
+    tuple of str
+        From ``plant.signals``.
+    """
+    rates = tuple(plant.states[mode.rate] for mode in plant.modes)
+    return (*rates, "tcp_vibration", plant.states[plant.force])
+
+
+def result_columns(quantity: Quantity, plant: Plant, *, rotary: bool) -> tuple[Column, ...]:
+    """Return the columns that a quantity fills.
+
+    Parameters
+    ----------
+    quantity
+        What is computed.
+    plant
+        Of the profile as it is.
+    rotary
+        Whether rad stands for m.
+
+    Returns
+    -------
+    tuple of Column
+    """
+    proof = (
+        Column(name="t_f", unit="s"),
+        Column(name="t_f_lower_bound", unit="s"),
+        Column(name="relative_gap"),
+        Column(name="certified", kind="bool"),
+    )
+    units = dict(zip(plant.signals, plant.signal_units, strict=True))
+    peaks = tuple(Column(name=PEAK + name, unit=units[name]) for name in peak_signals(plant))
     if quantity is Quantity.OPTIMAL:
         return (
-            Column(name="t_f", unit="s"),
-            Column(name="t_f_lower_bound", unit="s"),
-            Column(name="relative_gap"),
-            Column(name="certified", kind="bool"),
+            *proof,
             Column(name="switches", kind="int"),
             Column(name="switching_times", unit="s", kind="str"),
+            *peaks,
         )
-    length = "rad" if rotary else "m"
+    length, force = ("rad", "N m") if rotary else ("m", "N")
     found = (
-        Column(name="t_f", unit="s"),
+        *proof,
         Column(name="acceleration", unit=f"{length}/s^2"),
         Column(name="jerk", unit=f"{length}/s^3"),
         Column(name="jerk_time", unit="s"),
         Column(name="settling_time", unit="s"),
         Column(name="residual_deviation", unit=length),
         Column(name="peak_deviation", unit=length),
+        *peaks,
+        Column(name="peak_F_set", unit=force),
         Column(name="requirements_met", kind="bool"),
         Column(name="bound_by", kind="str"),
         Column(name="obstacle", kind="str"),
@@ -100,22 +149,35 @@ def columns(plan: Plan) -> tuple[Column, ...]:
     Parameters
     ----------
     plan
-        Any plan.
+        Any plan whose profile can be read as it is.
 
     Returns
     -------
     tuple of Column
         Case, hash of its inputs, what varies, results, outcome and message.
+
+    Raises
+    ------
+    InputError
+        If the profile cannot be read.
     """
+    machine = parse_profile(plan.profile_text, where=plan.where)
+    plant, rotary = build_plant(machine), machine.motion is Motion.ROTARY
     varied = []
-    rotary = tomllib.loads(plan.profile_text).get("machine", {}).get("motion") == "rotary"
     for axis in plan.axes:
         for place, key in enumerate(axis.keys):
             words = any(isnan(si_number(row[place])) for row in axis.rows)
-            unit = "" if words else key_unit(key, rotary=rotary)
+            unit = "" if words else _unit_of_key(key, plant, rotary=rotary)
             varied.append(Column(name=key, unit=unit, kind="str" if words else "float"))
-    results = result_columns(plan.quantity, rotary=rotary)
+    results = result_columns(plan.quantity, plant, rotary=rotary)
     return (*_COMMON, *varied, *results, *_ENDING)
+
+
+def _unit_of_key(key: str, plant: Plant, *, rotary: bool) -> str:
+    name = key.removeprefix(PEAKS_KEY)
+    if name != key and name in plant.signals:
+        return plant.signal_units[plant.signals.index(name)]
+    return key_unit(key, rotary=rotary)
 
 
 def key_unit(key: str, *, rotary: bool) -> str:
@@ -128,7 +190,7 @@ def key_unit(key: str, *, rotary: bool) -> str:
     """
     schema = json.loads(profile_schema())
     places = [schema]
-    for part in key.split("."):
+    for part in plain_key(key).split("."):
         if part.isdigit():
             continue
         places = [
@@ -222,8 +284,10 @@ def _compute(work: Work, number: int, text: str, machine: Machine) -> Answer:
     base = work.base
     require_force(machine)
     if base.quantity is Quantity.OPTIMAL:
-        optimum = _time_optimum(machine, base.move, base.bounds)
-        return done(work, number, optimum_cells(optimum))
+        plant = build_plant(machine)
+        bounds = (*base.bounds, *_varied_bounds(machine, work.settings[number]))
+        optimum = _time_optimum(machine, plant, base.move, bounds)
+        return done(work, number, optimum_cells(plant, optimum))
     from mtcommission.sweep.chain import choose_case, run_case  # the loop's libraries take seconds
 
     if base.quantity is Quantity.LIMITS:
@@ -233,28 +297,41 @@ def _compute(work: Work, number: int, text: str, machine: Machine) -> Answer:
     return done(work, number, (*found.cells, f"records/{name}"), record=found.record)
 
 
-def _time_optimum(machine: Machine, move: int, bounds: tuple[Bound, ...]) -> TimeOptimum:
+def _varied_bounds(machine: Machine, settings: Settings) -> tuple[Bound, ...]:
+    """The bounds on peaks that vary: an optimal control keeps those, too."""
+    varied = {key.removeprefix(PEAKS_KEY) for key, _ in settings if key.startswith(PEAKS_KEY)}
+    peaks = machine.requirements.peaks
+    return tuple(Bound(name=peak.name, value=peak.bound) for peak in peaks if peak.name in varied)
+
+
+def _time_optimum(
+    machine: Machine, plant: Plant, move: int, bounds: tuple[Bound, ...]
+) -> TimeOptimum:
     if not 1 <= move <= len(machine.moves):
         raise IndexError(f"move {move} of {len(machine.moves)}")
-    return find_time_optimum(
-        build_plant(machine),
-        machine.moves[move - 1],
-        force_limit=machine.drive.motion_force,
-        bounds=bounds,
+    force = machine.drive.motion_force
+    return find_time_optimum(plant, machine.moves[move - 1], force_limit=force, bounds=bounds)
+
+
+def optimum_cells(plant: Plant, optimum: TimeOptimum) -> tuple[Cell, ...]:
+    """Return the result columns of a time-optimal control."""
+    peaks = dict(zip(plant.signals, optimum.peaks.tolist(), strict=True))
+    return (
+        *proof_cells(optimum.t_f, optimum.certificate.t_f_lower_bound),
+        *switch_cells(optimum.switching_times),
+        *(peaks[name] for name in peak_signals(plant)),
     )
 
 
-def optimum_cells(optimum: TimeOptimum) -> tuple[Cell, ...]:
-    """Return the result columns of a time-optimal control."""
-    proof = optimum.certificate
-    return time_cells(optimum.t_f, proof.t_f_lower_bound, optimum.switching_times)
-
-
-def time_cells(t_f: float, lower_bound: float, times: Sequence[float]) -> tuple[Cell, ...]:
-    """Return the result columns of a time and what proves it; certified up to 1e-9."""
+def proof_cells(t_f: float, lower_bound: float) -> tuple[Cell, ...]:
+    """Return the columns of a time and what proves it; certified up to 1e-9."""
     gap = (t_f - lower_bound) / t_f
-    listed = " ".join(f"{time:.12g}" for time in times)
-    return (t_f, lower_bound, gap, gap <= GAP_TOLERANCE, len(times), listed)
+    return (t_f, lower_bound, gap, gap <= GAP_TOLERANCE)
+
+
+def switch_cells(times: Sequence[float]) -> tuple[Cell, ...]:
+    """Return the columns of the switching times."""
+    return (len(times), " ".join(f"{time:.12g}" for time in times))
 
 
 def done(work: Work, number: int, cells: tuple[Cell, ...], *, record: str = "") -> Answer:
