@@ -111,7 +111,7 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
         f"it is {'used' if helps else 'left out'}."
     )
     ratio = found.feedback.least_stiffness / found.plain.least_stiffness
-    stiffness = f"With it the tool is {ratio:.2g} times as stiff against a disturbance."
+    stiffness = f"With it the tool is {ratio:.3g} times as stiff against a disturbance."
     hint = f" {NEEDS_STATE_FEEDBACK}" if helps else ""
     remarks = (*kept.remarks, f"{verdict} {stiffness}{hint}")
     return LoopChoice(tuned=replace(kept, remarks=remarks), variants=variants)

@@ -199,7 +199,9 @@ def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
                 printed.quantity(response["peak_deviation"], length),
                 f"{wanted} saturated" if response["saturated"] else wanted,
             )
-    return Group(_heading("Response of the loop"), table, *_verdict(printed, part["assessment"]))
+    warnings = [Text(f"Warning: {warning}", style="yellow") for warning in part["warnings"]]
+    verdict = _verdict(printed, part["assessment"])
+    return Group(_heading("Response of the loop"), table, *verdict, *warnings)
 
 
 def _verdict(printed: Formatter, assessment: AssessmentPart) -> list[RenderableType]:

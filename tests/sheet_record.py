@@ -433,6 +433,7 @@ def _loop() -> Any:
             },
         },
         "remarks": ["Tn by Yaskawa's lower bound."],
+        "warnings": [],
     }
 
 
@@ -588,3 +589,20 @@ def _move(move: dict[str, float]) -> Any:
         "corners": [_response(), worse],
         "series": _series(0.25, REFERENCES),
     }
+
+
+def retuned(record: Record) -> Record:
+    """The same axis later: more payload, a wider band, other limits, one move more slowly."""
+    later = deepcopy(record)
+    for item in later["data"]:
+        if item["key"] == "requirements.tcp_deviation":
+            item["value"] *= 2.0
+    later["data"] = [item for item in later["data"] if item["key"] != "drive.max_force"]
+    later["data"].append(
+        {"key": "plant.tcp_height", "value": 0.2, "unit": "m", "source": "measured"}
+    )
+    later["limits"]["recommended"] |= {"acceleration": 2.41 * 1.2, "bound_by": "force limit"}
+    later["limits"]["recommended"]["settling_time"] = None
+    later["loop"]["Kv"] *= 0.9
+    later["checksum"] = find_checksum(later)
+    return later

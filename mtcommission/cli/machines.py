@@ -58,12 +58,14 @@ def check(
         return
     if profile is None:
         raise InputError([Fault(where="check", message="got no profile; give a TOML file")])
+    from mtcommission.loop.tuning import check_loop
     from mtcommission.plant import build_plant
     from mtcommission.profile import read_profile
     from mtcommission.terminal import describe_machine, show
 
     machine = read_profile(profile)
-    show(describe_machine(machine, build_plant(machine), list_warnings(machine)))
+    warnings = [*list_warnings(machine), *check_loop(machine)]
+    show(describe_machine(machine, build_plant(machine), warnings))
 
 
 def list_profiles() -> None:

@@ -41,7 +41,7 @@ from mtcommission.loop.tuned import (
 from mtcommission.machine import Machine, StateFeedback
 from mtcommission.plant import Plant, PlantMode
 
-__all__ = ["TunedLoop", "TuningSettings", "Variants", "tune_loop", "tune_variants"]
+__all__ = ["TunedLoop", "TuningSettings", "Variants", "check_loop", "tune_loop", "tune_variants"]
 
 LEAST_FRACTION = 0.01
 """Below a hundredth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
@@ -98,6 +98,31 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
     if given is StateFeedback.GIVEN:
         return _with_given_state_gains(machine, settings)
     return _tune_cascade(machine, settings)
+
+
+def check_loop(machine: Machine) -> tuple[str, ...]:
+    """Return what is poor about the loop that a profile asks for.
+
+    Parameters
+    ----------
+    machine
+        With its control block; state feedback "auto" counts as "off", to be quick.
+
+    Returns
+    -------
+    tuple of str
+        Empty where nothing is, and at once where the profile leaves all to the rules.
+    """
+    given = machine.control
+    leaves_all = not (has_given_gains(machine) or given.force_filters or given.state_gains)
+    if leaves_all and given.minimum_bandwidth_hz == 0.0:
+        return ()
+    if given.state_feedback is StateFeedback.AUTO:
+        machine = replace(machine, control=replace(given, state_feedback=StateFeedback.OFF))
+    try:
+        return tune_loop(machine).warnings
+    except ComputationError as error:
+        return (str(error),)
 
 
 def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:

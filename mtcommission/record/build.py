@@ -44,7 +44,7 @@ def build_record(
     created
         Date and time, ISO 8601.
     warnings
-        Physical warnings about the profile.
+        Physical warnings about the profile; those about its loop are added.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def build_record(
         data=list_data(machine, plant, profile["text"]),
         settings=_settings_entry(commissioning),
         assumptions=list_assumptions(machine),
-        warnings=list(warnings),
+        warnings=[*warnings, *commissioning.tuned.warnings],
         plant=_plant_entry(plant),
         optima=[_optima_entry(plant, item) for item in commissioning.optima],
         limits=limits_part(commissioning),

@@ -79,6 +79,7 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
             },
         ),
         remarks=list(tuned.remarks),
+        warnings=list(tuned.warnings),
     )
 
 

@@ -103,6 +103,7 @@ def simulation_part(
         response=entries[0]["response"],
         corners=entries[0]["corners"],
         moves=entries,
+        warnings=list(tuned.warnings),
         assessment=assessment_part(verdict),
     )
 

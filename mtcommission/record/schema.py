@@ -307,7 +307,11 @@ class VariantEntry(TypedDict):
 
 
 class LoopPart(TypedDict):
-    """The controller and how good its loop is; margins with the loop cut at F_set."""
+    """The controller and how good its loop is; margins with the loop cut at F_set.
+
+    ``remarks`` say which rule chose what; ``warnings`` say what is poor about the loop, and are
+    part of the record's warnings, too.
+    """
 
     Kv: float
     Kp: float
@@ -332,6 +336,7 @@ class LoopPart(TypedDict):
     worst_corner: dict[str, float | None]
     bode: Series
     remarks: list[str]
+    warnings: list[str]
 
 
 class Segment(TypedDict):
@@ -435,12 +440,16 @@ class AssessmentPart(TypedDict):
 
 
 class SimulationPart(TypedDict):
-    """What ``simulate`` prints: the first move's setpoint and response, and all moves."""
+    """What ``simulate`` prints: the first move's setpoint and response, and all moves.
+
+    ``warnings`` say what is poor about the loop.
+    """
 
     setpoint: SetpointEntry
     response: ResponseEntry
     corners: list[ResponseEntry]
     moves: list[MoveEntry]
+    warnings: list[str]
     assessment: AssessmentPart
 
 

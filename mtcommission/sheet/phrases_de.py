@@ -292,6 +292,51 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "Reserven: {1} dB, {2}°, Maximum der Empfindlichkeit {3} (ungünstigster Eckfall); gewollt "
         "sind {4} dB, {5}°, Maximum der Empfindlichkeit höchstens {6}.",
     ),
+    (
+        "The margins would hold with {-gains}, all other gains as they are.",
+        "Die Reserven wären eingehalten mit {gains}, alle anderen Verstärkungen unverändert.",
+    ),
+    ("Kv up to {1} 1/s", "Kv bis {1} 1/s"),
+    ("Kp up to {1} N s/m", "Kp bis {1} N s/m"),
+    ("Kp up to {1} N m s/rad", "Kp bis {1} N m s/rad"),
+    ("Tn from {1} ms on", "Tn ab {1} ms"),
+    ("{-one} or {-other}", "{one} oder {other}"),
+    (
+        "No single gain cures that; leave the gains out to have them tuned.",
+        "Keine Verstärkung allein behebt das; ohne Vorgaben werden sie eingestellt.",
+    ),
+    (
+        "With the given gains the closed velocity loop reaches {1} Hz in its worst corner, less "
+        "than minimum_bandwidth = {2} Hz.",
+        "Mit den vorgegebenen Verstärkungen erreicht der Geschwindigkeitsregelkreis im "
+        "ungünstigsten Eckfall {1} Hz, weniger als minimum_bandwidth = {2} Hz.",
+    ),
+    (
+        "The set-force filters make the loop soft: its bandwidth is {1} Hz with them, {2} Hz "
+        "without.",
+        "Die Kraftsollwertfilter machen den Regelkreis weich: seine Bandbreite ist {1} Hz mit "
+        "ihnen, {2} Hz ohne sie.",
+    ),
+    (
+        "The loop takes damping from mode {name}: its damping ratio is {1} in the closed loop, {2} "
+        "without control.",
+        "Der Regelkreis entdämpft die Eigenform {name}: ihr Dämpfungsgrad ist {1} im geschlossenen "
+        "Kreis, {2} ohne Regelung.",
+    ),
+    (
+        "Kp by the symmetrical optimum, m / (2 T_sigma) x {1} (the state feedback allows more).",
+        "Kp nach dem symmetrischen Optimum, m / (2 T_σ) × {1} (die Zustandsrückführung lässt mehr "
+        "zu).",
+    ),
+    (
+        "With it the tool is {1} times as stiff against a disturbance.",
+        "Damit ist das Werkzeug {1}-mal so steif gegen eine Störung.",
+    ),
+    (
+        'The control must offer state feedback; if yours does not, set state_feedback = "off".',
+        "Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, "
+        'state_feedback = "off" setzen.',
+    ),
     # remarks on the optima
     ("Optimum under the bounds on peaks: {-error}.", "Optimum mit Höchstwerten: {error}."),
     ("Damping-optimal control: {-error}.", "Dämpfungsoptimale Steuerung: {error}."),

@@ -152,7 +152,13 @@ def _warning_count(record: Record, f: Formatter) -> tuple[Paragraph, ...]:
     count = len(record["warnings"])
     if not count:
         return ()
-    return (Paragraph(text=f.labels.warning_count.format(count=count), tone=Tone.WARNING),)
+    return (
+        *(
+            Paragraph(text=f.labels.say(line), tone=Tone.WARNING)
+            for line in record["loop"]["warnings"]
+        ),
+        Paragraph(text=f.labels.warning_count.format(count=count), tone=Tone.WARNING),
+    )
 
 
 def _result(record: Record, f: Formatter) -> Table:
