@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from pydantic import ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from mtcommission.errors import Fault
@@ -81,6 +82,57 @@ def list_faults(error: ValidationError, *, where: str, lines: KeyLines) -> list[
     gone = {show_key(_written(path)) for path in meant}
     kept = [f for f in faults if not (f.key in gone and f.message.startswith(MISSING))]
     return sorted(kept, key=lambda fault: fault.line)
+
+
+def find_unknown(path: Sequence[str]) -> str:
+    """Return a proposal for the part of a key that no profile knows; "" if all are known.
+
+    Parameters
+    ----------
+    path
+        Names of tables and key; numbers of elements count as nothing.
+
+    Returns
+    -------
+    str
+        As ``propose`` words it. Names below a table of signals are free.
+
+    Examples
+    --------
+    >>> find_unknown(["drive", "force_lg"])
+    '; did you mean "force_lag"?'
+    >>> find_unknown(["moves", "0", "distance"]), find_unknown(["requirements", "peaks", "x"])
+    ('', '')
+    """
+    names = tuple(name for name in path if not name.isdigit())
+    for depth, name in enumerate(names):
+        fields = _fields_at(names[:depth])
+        if fields and name not in fields:
+            return propose(name, fields)
+    return ""
+
+
+def may_be_left_out(path: Sequence[str]) -> bool:
+    """Return whether a profile without this key means the same as with its default.
+
+    Examples
+    --------
+    >>> may_be_left_out(["moves", "0", "dwell"]), may_be_left_out(["drive", "max_force"])
+    (True, False)
+    """
+    *tables, name = (name for name in path if not name.isdigit())
+    field = _fields_at(tuple(tables)).get(name)
+    return field is not None and not field.is_required()
+
+
+def _fields_at(names: tuple[str, ...]) -> dict[str, FieldInfo]:
+    """The keys of the tables of this name; a plant of either kind."""
+    return {
+        field.alias or key: field
+        for place, table in _TABLES.items()
+        if tuple(part for part in place if part not in ("manipulator", "modal")) == names
+        for key, field in table.model_fields.items()
+    }
 
 
 def _written(loc: KeyPath) -> KeyPath:

@@ -148,6 +148,8 @@ def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
 
 
 def si_value(answers: Answers, key: str, dimension: Dimension) -> float | None:
-    """Return an answer as SI number; None while it is not known."""
-    text = answers.get(key, "")
-    return parse_quantity(text, dimension, decimal_comma=True) if text else None
+    """Return an answer as SI number; None while it is not known, or wrong in a file."""
+    try:
+        return parse_quantity(answers.get(key, ""), dimension, decimal_comma=True)
+    except ValueError:
+        return None  # asked, or named by the profile's reader, in its turn

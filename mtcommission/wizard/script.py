@@ -220,9 +220,10 @@ def _requirements(answers: Answers) -> tuple[Question, ...]:
         Question(
             key="requirements.frequency_spread",
             text="Uncertainty of the eigenfrequencies",
-            where="5 % for measured values, 10 to 20 % for calculated ones; costs some speed.",
+            where="5 % for measured values, 10 to 20 % for calculated ones; costs some speed. "
+            "With 0 % the limits fit exactly these frequencies.",
             dimension=RATIO,
-            default="5 %",
+            default="0 %",
             low=0.0,
             high=0.3,
         ),

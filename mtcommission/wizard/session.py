@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-
-import tomlkit
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
 from mtcommission.machine import Machine
 from mtcommission.plausibility import check_plausibility
-from mtcommission.profile import parse_profile, read_profile_text
-from mtcommission.profile_lines import read_key
+from mtcommission.profile import parse_profile
+from mtcommission.profile_faults import may_be_left_out
+from mtcommission.profile_lines import KeyPath, read_key, show_key
 from mtcommission.wizard.console import (
     BACK,
     COMMANDS,
@@ -25,15 +22,13 @@ from mtcommission.wizard.console import (
     explain,
     introduce,
 )
-from mtcommission.wizard.convert import to_answers, to_profile
+from mtcommission.wizard.convert import to_profile
 from mtcommission.wizard.document import update_document, write_document
+from mtcommission.wizard.gather import KEPT, Source, gather, keep
 from mtcommission.wizard.insight import find_insights
 from mtcommission.wizard.measures import NO, YES
 from mtcommission.wizard.question import Answers, Question, read_reply
 from mtcommission.wizard.script import list_questions
-
-KEPT = ".answers"
-"""Ending of the file beside the profile that keeps answers of an unfinished session."""
 
 
 class Ending(Enum):
@@ -57,15 +52,6 @@ class Session:
 
     ending: Ending
     wants_run: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Source:
-    """What was known before the first question."""
-
-    answers: dict[str, str]
-    text: str
-    is_resumed: bool
 
 
 class _Left(Exception):
@@ -109,16 +95,19 @@ def run_wizard(
         If answers are missing or wrong where nobody can be asked, or input ends; the answers
         so far are kept beside the output.
     """
-    source = _gather(output, answers_file)
+    source = gather(output, answers_file)
     if take_defaults:
-        answers = _fill(source.answers, where=str(answers_file or "--yes"))
-        text = _compose(source.text, answers)
-        machine = parse_profile(text, where=str(output))
+        answers = _fill(source)
+        text = _compose(source, answers)
+        try:
+            machine = parse_profile(text, where=str(output))
+        except InputError as error:
+            raise InputError([source.locate(fault) for fault in error.faults]) from error
     else:
         try:
             answers, text, machine = _interview(source, console, output)
         except _Left as left:
-            _keep(output, left.answers)
+            keep(output, left.answers, place=left.where)
             message = (
                 f"{left.how} at {left.where}; answers kept in {output}{KEPT}, the same command "
                 "goes on from there"
@@ -135,36 +124,9 @@ def run_wizard(
     return Session(ending=Ending.WRITTEN, wants_run=wants_run)
 
 
-def _gather(output: Path, answers_file: Path | None) -> _Source:
-    """Existing profile, then kept answers, then the file of answers; later ones win."""
-    text, answers = "", {}
-    if output.exists():
-        text = read_profile_text(output)
-        answers = to_answers(_load(text, str(output)))
-    kept = Path(f"{output}{KEPT}")
-    if kept.exists():
-        answers |= to_answers(_load(read_profile_text(kept), str(kept)))
-    if answers_file is not None:
-        answers |= to_answers(_load(read_profile_text(answers_file), str(answers_file)))
-    is_resumed = kept.exists() or answers_file is not None
-    return _Source(answers=answers, text=text, is_resumed=is_resumed)
-
-
-def _load(text: str, where: str) -> Mapping[str, object]:
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        message = f"TOML syntax: {error}"
-        raise InputError([Fault(where=where, message=message)]) from error
-
-
-def _keep(output: Path, answers: Answers) -> None:
-    write_text(f"{output}{KEPT}", tomlkit.dumps(dict(answers)))
-
-
-def _fill(answers: dict[str, str], *, where: str) -> dict[str, str]:
+def _fill(source: Source) -> dict[str, str]:
     """Take defaults for all that is open; every fault at once."""
-    filled, faults = dict(answers), []
+    filled, faults = dict(source.answers), []
     place = 0
     while place < len(questions := list_questions(filled)):
         question = questions[place]
@@ -172,7 +134,8 @@ def _fill(answers: dict[str, str], *, where: str) -> dict[str, str]:
             typed = filled.get(question.key, "")
             filled[question.key] = read_reply(question, typed).text
         except ValueError as error:
-            faults.append(Fault(where=where, key=question.key, message=str(error)))
+            fault = Fault(where="", key=show_key(_path(question.key)), message=str(error))
+            faults.append(source.locate(fault))
             filled[question.key] = ""
         place += 1
     if faults:
@@ -180,25 +143,29 @@ def _fill(answers: dict[str, str], *, where: str) -> dict[str, str]:
     return filled
 
 
+def _path(key: str) -> KeyPath:
+    return tuple(int(part) if part.isdigit() else part for part in key.split("."))
+
+
 def _interview(
-    source: _Source, console: Console, output: Path
+    source: Source, console: Console, output: Path
 ) -> tuple[dict[str, str], str, Machine]:
     """Ask until the profile is valid."""
     answers = dict(source.answers)
     console.tell(
         f"Profile {output}. Enter takes the value in [brackets]. At every question: {COMMANDS}."
     )
-    place = _first_open(answers) if source.is_resumed else 0
+    place = _first_place(source)
     if source.is_resumed and place:
         console.tell("Going on with the answers that are known; < goes back to them.")
     while True:
         answers = _ask_from(place, answers, console)
-        text = _compose(source.text, answers)
+        text = _compose(source, answers)
         try:
             return answers, text, parse_profile(text, where=str(output))
         except InputError as error:
             if not console.is_interactive:
-                _keep(output, answers)
+                keep(output, answers, place="")
                 raise
             console.tell("\n".join(fault_line(fault) for fault in error.faults))
             place = _place_of(read_key(error.faults[0].key), answers)
@@ -260,10 +227,14 @@ def _take(
     return found, True
 
 
-def _first_open(answers: Answers) -> int:
-    questions = list_questions(answers)
-    open_places = [i for i, question in enumerate(questions) if question.key not in answers]
-    return open_places[0] if open_places else len(questions)
+def _first_place(source: Source) -> int:
+    """Where the user left, or the first open question; the first of all in a new session."""
+    if not source.is_resumed:
+        return 0
+    keys = [question.key for question in list_questions(source.answers)]
+    if source.place in keys:
+        return keys.index(source.place)
+    return next((i for i, key in enumerate(keys) if key not in source.answers), len(keys))
 
 
 def _place_of(key: str, answers: Answers) -> int:
@@ -278,9 +249,19 @@ def _place_of(key: str, answers: Answers) -> int:
     return 0
 
 
-def _compose(existing: str, answers: Answers) -> str:
-    data = to_profile(answers)
-    return update_document(existing, data) if existing else write_document(data, answers)
+def _compose(source: Source, answers: Answers) -> str:
+    if not source.text:
+        return write_document(to_profile(answers), answers)
+    # What the user never wrote and only confirmed need not appear in his file.
+    defaults = {question.key: question.default for question in list_questions(answers)}
+    kept = {
+        key: text
+        for key, text in answers.items()
+        if key in source.in_profile
+        or text != defaults.get(key)
+        or not may_be_left_out(key.split("."))
+    }
+    return update_document(source.text, to_profile(kept))
 
 
 def _summarise(console: Console, answers: Answers, machine: Machine, output: Path) -> None:

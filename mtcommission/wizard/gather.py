@@ -1,0 +1,153 @@
+"""What is known before the first question: the profile, kept answers, a file of answers."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import tomlkit
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.files import write_text
+from mtcommission.profile import read_profile_text
+from mtcommission.profile_faults import find_unknown
+from mtcommission.profile_lines import find_key_lines, read_key
+from mtcommission.profile_values import propose
+from mtcommission.wizard.convert import OWN, to_answers
+from mtcommission.wizard.measures import WAYS, YES
+from mtcommission.wizard.question import Answers
+from mtcommission.wizard.script import list_questions
+
+KEPT = ".answers"
+"""Ending of the file beside the profile that keeps answers of an unfinished session."""
+
+PLACE = "wizard.place"
+"""Key of that file: the question at which the user left."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Source:
+    """What was known before the first question.
+
+    Parameters
+    ----------
+    answers
+        From all sources; later ones win.
+    text
+        Of the profile that is changed; "" for a new one.
+    in_profile
+        Keys that stand in it.
+    is_resumed
+        Whether only open questions shall be asked.
+    place
+        Key of the question at which the user left last time; "" for the first open one.
+    where
+        Name of the file of answers; "" without one.
+    lines
+        Line of each key in that file.
+    """
+
+    answers: dict[str, str]
+    text: str
+    in_profile: frozenset[str]
+    is_resumed: bool
+    place: str
+    where: str
+    lines: Mapping[str, int]
+
+    def locate(self, fault: Fault) -> Fault:
+        """Return a fault with its place in the file of answers; the profile is not written."""
+        key = read_key(fault.key)
+        return replace(fault, where=self.where or "answers", line=self.lines.get(key, 0))
+
+
+def gather(output: Path, answers_file: Path | None) -> Source:
+    """Return what is known: existing profile, then kept answers, then the file of answers.
+
+    Parameters
+    ----------
+    output
+        Profile to be written or changed.
+    answers_file
+        TOML with answers by the profile's own keys; None without one.
+
+    Returns
+    -------
+    Source
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or the file of answers has a key that nobody knows.
+    """
+    text, answers = "", {}
+    if output.exists():
+        text = read_profile_text(output)
+        answers = to_answers(_load(text, str(output)))
+    in_profile = frozenset(answers)
+    kept = Path(f"{output}{KEPT}")
+    if kept.exists():
+        answers |= to_answers(_load(read_profile_text(kept), str(kept)))
+    place = answers.pop(PLACE, "")
+    lines: dict[str, int] = {}
+    if answers_file is not None:
+        given = read_profile_text(answers_file)
+        data = _load(given, str(answers_file))
+        found = find_key_lines(given).lines
+        lines = {".".join(map(str, path)): line for path, line in found.items()}
+        answers |= _known(to_answers(data), where=str(answers_file), lines=lines)
+        place = ""
+    return Source(
+        answers=answers,
+        text=text,
+        in_profile=in_profile,
+        is_resumed=kept.exists() or answers_file is not None,
+        place=place,
+        where=str(answers_file or ""),
+        lines=lines,
+    )
+
+
+def keep(output: Path, answers: Answers, *, place: str) -> None:
+    """Write the answers of an unfinished session beside the profile."""
+    write_text(f"{output}{KEPT}", tomlkit.dumps({**answers, PLACE: place}))
+
+
+def _load(text: str, where: str) -> Mapping[str, object]:
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        message = f"TOML syntax: {error}"
+        raise InputError([Fault(where=where, message=message)]) from error
+
+
+def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> dict[str, str]:
+    """The answers, if each has a key of the profile or of the wizard."""
+    own = _own_keys()
+    faults = []
+    for key in answers:
+        if _generic(key) in own:
+            continue
+        wrong = propose(key, own) if key.startswith(OWN) else find_unknown(tuple(key.split(".")))
+        if wrong:
+            message = f"unknown key{wrong}"
+            faults.append(Fault(where=where, line=lines.get(key, 0), key=key, message=message))
+    if faults:
+        raise InputError(sorted(faults, key=lambda fault: fault.line))
+    return answers
+
+
+def _own_keys() -> tuple[str, ...]:
+    """Every key that is asked for in some way, elements of arrays as the first one."""
+    keys: dict[str, None] = {}
+    for way in WAYS:
+        asked = {"wizard.way": way, "plant.modes.0.more": YES, "moves.0.more": YES}
+        keys |= dict.fromkeys(_generic(question.key) for question in list_questions(asked))
+    return tuple(keys)
+
+
+def _generic(key: str) -> str:
+    return re.sub(r"\.\d+(?=\.)", ".0", key)
