@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shutil
-import subprocess
 from base64 import b64encode
-from copy import deepcopy
 from dataclasses import fields, replace
 from hashlib import sha256
-from html import unescape
 from html.parser import HTMLParser
 from io import BytesIO, StringIO, TextIOWrapper
 from math import pi
@@ -48,7 +43,6 @@ from mtcommission.plant import build_plant
 from mtcommission.plausibility import check_plausibility
 from mtcommission.profile import read_profile
 from mtcommission.record.data import list_assumptions, list_data
-from mtcommission.record.files import find_checksum
 from mtcommission.rule import FORMULA
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
@@ -70,6 +64,7 @@ from .sheet_record import (
     HOSTILE,
     example_record,
     five_moves_record,
+    retuned,
     rotary_record,
     unsettled_record,
 )
@@ -572,87 +567,6 @@ def test_the_page_names_each_part_once_and_describes_each_plot(pages):
     assert len(told) == len(drawn)
 
 
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs the browser chromium")
-def test_a_browser_draws_every_plot(pages, tmp_path: Path):
-    file = tmp_path / "sheet.html"
-    file.write_text(pages["example"], encoding="utf-8")
-    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom"]
-    finished = subprocess.run(
-        [*command, f"--user-data-dir={tmp_path / 'user'}", file.as_uri()],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    )
-    drawn = Page(finished.stdout)
-    expected = [value for key, value in drawn.attributes if key == "data-plot"]
-    # every plot, and the block diagram, which needs no script
-    assert drawn.tags.count("svg") == len(expected) + 1 > 1
-    assert drawn.tags.count("path") > 100
-    assert "Settling time in ms" in drawn.text
-
-
-AXE_RUN = """
-axe.run(document).then(found => {
-  const told = document.createElement("pre");
-  told.id = "axe";
-  const faults = found.violations.map(v => [v.id, ...v.nodes.map(node => node.failureSummary)]);
-  const ground = getComputedStyle(document.body).backgroundColor;
-  told.textContent = JSON.stringify({faults, passes: found.passes.length, ground});
-  document.body.append(told);
-});
-"""
-
-
-def axe_finds(html: str, folder: Path, *options: str) -> dict:
-    """What axe-core says about a page that admits its script."""
-    script = axe_file().read_text(encoding="utf-8")
-    open_page = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", html)
-    added = f"<script>{script}</script><script>{AXE_RUN}</script></body>"
-    file = folder / "axe.html"
-    file.write_text(open_page.replace("</body>", added), encoding="utf-8")
-    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", *options]
-    finished = subprocess.run(
-        [
-            *command,
-            f"--user-data-dir={folder / 'user'}",
-            "--virtual-time-budget=20000",
-            file.as_uri(),
-        ],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
-    )
-    return json.loads(unescape(re.search('<pre id="axe">(.*?)</pre>', finished.stdout)[1]))
-
-
-def axe_file() -> Path:
-    """Where ``npm install --global axe-core`` puts it, or AXE_CORE says it is."""
-    if "AXE_CORE" in os.environ:
-        return Path(os.environ["AXE_CORE"])
-    if shutil.which("npm") is None:
-        return Path("axe.min.js")
-    root = subprocess.run(["npm", "root", "-g"], capture_output=True, text=True, check=True)
-    return Path(root.stdout.strip()) / "axe-core" / "axe.min.js"
-
-
-@pytest.mark.skipif(
-    shutil.which("chromium") is None or not axe_file().exists(),
-    reason="needs chromium and axe-core",
-)
-def test_axe_finds_nothing_in_light_and_dark_and_can_find(pages, tmp_path: Path):
-    german = print_html(example_record(), language="de", before=retuned(example_record()))
-    light = axe_finds(pages["five moves"], tmp_path, "--blink-settings=preferredColorScheme=1")
-    dark = axe_finds(german, tmp_path, "--blink-settings=preferredColorScheme=0")
-    assert light["faults"] == dark["faults"] == []
-    assert min(light["passes"], dark["passes"]) > 20
-    assert light["ground"] == "rgb(255, 255, 255)"
-    assert dark["ground"] == "rgb(22, 22, 22)"
-    unnamed = pages["example"].replace('role="img" aria-label=', 'role="img" data-label=')
-    assert "svg-img-alt" in {fault[0] for fault in axe_finds(unnamed, tmp_path)["faults"]}
-
-
 # PDF
 
 
@@ -968,23 +882,6 @@ def test_the_german_summary_fits_and_speaks_german(encoding):
 
 
 # two records
-
-
-def retuned(record):
-    """The same axis later: more payload, a wider band, other limits, one move more slowly."""
-    later = deepcopy(record)
-    for item in later["data"]:
-        if item["key"] == "requirements.tcp_deviation":
-            item["value"] *= 2.0
-    later["data"] = [item for item in later["data"] if item["key"] != "drive.max_force"]
-    later["data"].append(
-        {"key": "plant.tcp_height", "value": 0.2, "unit": "m", "source": "measured"}
-    )
-    later["limits"]["recommended"] |= {"acceleration": 2.41 * 1.2, "bound_by": "force limit"}
-    later["limits"]["recommended"]["settling_time"] = None
-    later["loop"]["Kv"] *= 0.9
-    later["checksum"] = find_checksum(later)
-    return later
 
 
 def changes(before, after, labels=ENGLISH):

@@ -225,7 +225,7 @@ function drawPoints(svg, plot, view, key) {
     const near = plot.marks.reduce((best, mark) => far(mark) < far(best) ? mark : best);
     if (far(near) < 40) add(title, "tspan", {dx: 16}, `${near.label}: ${show(near.x)}; ${show(near.y)}`);
   };
-  return {x, y, point};
+  return {x, y, point, stops: plot.marks.map(mark => [mark.x, mark.y]).sort((a, b) => a[0] - b[0])};
 }
 
 function edges(values) {
@@ -344,7 +344,12 @@ function press(event, me, all) {
   const from = me.place === null ? (x.from + x.to) / 2 : x.at(me.place);
   const turn = {ArrowLeft: -step, ArrowRight: step}[event.key];
   const factor = {"+": 0.5, "-": 2}[event.key];
-  if (turn !== undefined) {
+  if (turn !== undefined && me.drawn.stops) {
+    // Point plots have nothing between their points: the arrows go from one to the next.
+    const {stops} = me.drawn;
+    me.stop = ((me.stop ?? (turn > 0 ? -1 : 0)) + Math.sign(turn) + stops.length) % stops.length;
+    all(other => other.point(...stops[me.stop]));
+  } else if (turn !== undefined) {
     const place = x.of(Math.min(Math.max(from + turn, x.from), x.to));
     all(other => other.point(place, y ? y.of((y.from + y.to) / 2) : 0));
   } else if (factor !== undefined) {
