@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from mtcommission.limits import MotionLimits
+from mtcommission.loop.discrete import discretise
+from mtcommission.loop.interpolation import delay_weights
 from mtcommission.loop.response import LoopResponse, simulate
-from mtcommission.loop.sampled import delay_weights, discretise
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import (
     FilterKind,

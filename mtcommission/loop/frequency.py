@@ -14,10 +14,9 @@ from math import exp, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from mtcommission.loop.controller import Controller
-from mtcommission.loop.sampled import discretise, discretise_filter
+from mtcommission.loop.discrete import discretise, discretise_disturbance, discretise_filter
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -124,7 +123,7 @@ def respond_at(plant: Plant, controller: Controller, *, omega: Array) -> Frequen
 
     # A disturbance on the line of the drive force enters like the force state itself; the
     # observer does not know it.
-    entries = np.column_stack([B, _held_disturbance(plant, T_v)])
+    entries = np.column_stack([B, discretise_disturbance(plant, T_v)])
     answers = _resolvent(A, entries, z)
     moved, disturbed = answers[:, :, 0], answers[:, :, 1]
     inner = feedback(moved, 1.0)
@@ -155,16 +154,6 @@ def _observer_row(controller: Controller, z: ComplexArray) -> ComplexArray:
     observer = controller.observer
     gains = controller.state_gains[list(observer.states)]
     return _resolvent((observer.A - observer.L @ observer.C).T, gains[:, None], z)[:, :, 0]
-
-
-def _held_disturbance(plant: Plant, step: float) -> Array:
-    """What a disturbance force held over one step adds to the states, shape (n,)."""
-    n = plant.order
-    joint = np.zeros((n + 1, n + 1))
-    joint[:n, :n] = plant.A
-    joint[:n, n] = plant.A[:, plant.force]
-    joint[plant.force, n] = 0.0
-    return np.asarray(expm(joint * step)[:n, n])
 
 
 def _grid(plant: Plant, controller: Controller) -> Array:

@@ -176,7 +176,7 @@ def _name_cure(
         cures += [f"Tn from {1e3 / rate:.4g} ms on"] if rate else []
     if not cures:
         return "No single gain cures that; leave the gains out to have them tuned."
-    return f"The margins would hold with {' or '.join(cures)}, all other gains as they are."
+    return f"The margins would hold with {' or '.join(cures)}, all other given values as they are."
 
 
 def _largest(value: float, keeps: Callable[[float], bool]) -> float:

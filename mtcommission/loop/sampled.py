@@ -24,15 +24,10 @@ from math import ceil, exp, inf
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
-from scipy.signal import cont2discrete, tf2ss
 
-from mtcommission.loop.controller import (
-    Controller,
-    filter_polynomials,
-    reference_state,
-)
-from mtcommission.machine import ForceFilter
+from mtcommission.loop.controller import Controller, reference_state
+from mtcommission.loop.discrete import Stage, discretise, discretise_filter
+from mtcommission.loop.interpolation import delay_weights
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -42,16 +37,6 @@ INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
 HELD = ("held_correction", "held_velocity", "held_force", "held_force_rate")
 """What the position cycle hands down: position controller output, velocity and force ahead, and
 how the force by the wanted state changes until the next one."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Stage:
-    """A discrete single-input single-output block x⁺ = A x + B u, y = C x + D u."""
-
-    A: Array
-    B: Array
-    C: Array
-    D: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -242,83 +227,6 @@ def _position_cycle(
     rows[:, size - 4 * delays : size] = ahead[:, 4:]
     rows[0, : plant.order] = -controller.position_gain * plant.row("encoder")
     return rows
-
-
-def discretise(plant: Plant, step: float) -> tuple[Array, Array]:
-    """Return the zero-order-hold discretisation (A, B) of the plant over one step [s]."""
-    n = plant.order
-    joint = np.zeros((n + 1, n + 1))
-    joint[:n, :n] = plant.A
-    joint[:n, n] = plant.B
-    transition = expm(joint * step)
-    return transition[:n, :n], transition[:n, n]
-
-
-def discretise_filter(item: ForceFilter, controller: Controller) -> Stage:
-    """Return a set-force filter at the velocity cycle (bilinear transform)."""
-    numerator, denominator = filter_polynomials(item)
-    A, B, C, D, _ = cont2discrete(
-        # Leading zeros would make scipy warn of bad conditioning.
-        tf2ss(np.trim_zeros(numerator, "f"), denominator),
-        controller.velocity_cycle,
-        method="bilinear",
-    )
-    return Stage(A=A, B=B[:, 0], C=C[0], D=float(D[0, 0]))
-
-
-def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:
-    """Return the weights of setpoint samples that give the setpoint some time ago.
-
-    Position by quintic Hermite interpolation (exact while the jerk is constant; a jerk step
-    of Δj inside the cycle costs at most some Δj T³/400), the velocity by its derivative,
-    acceleration and jerk linearly.
-
-    Parameters
-    ----------
-    delay
-        [s].
-    cycle
-        Position cycle [s].
-    delays
-        Kept samples; at least delay/cycle.
-
-    Returns
-    -------
-    ndarray, shape (4, 4 (delays + 1))
-        Rows x, v, a, j; columns (x, v, a, j) of the current sample, then of the one before, ...
-    """
-    back = ceil(delay / cycle - 1e-9)
-    s = min(max(back - delay / cycle, 0.0), 1.0)
-    weights = np.zeros((4, delays + 1, 4))
-    if s == 0.0:
-        weights[:, back, :] = np.eye(4)
-        return weights.reshape(4, -1)
-    powers = np.array([1.0, s, s**2, s**3, s**4, s**5])
-    slopes = np.array([0.0, 1.0, 2 * s, 3 * s**2, 4 * s**3, 5 * s**4]) / cycle
-    scale = np.array([1.0, cycle, cycle**2])
-    for row, basis in ((0, powers), (1, slopes)):
-        ends = basis @ _HERMITE
-        weights[row, back, :3] = ends[:3] * scale
-        weights[row, back - 1, :3] = ends[3:] * scale
-    for row in (2, 3):
-        weights[row, back, row] = 1.0 - s
-        weights[row, back - 1, row] = s
-    return weights.reshape(4, -1)
-
-
-# Coefficients of 1, s, ..., s^5 (rows) over x0, v0, a0, x1, v1, a1 (columns) on s in [0, 1].
-_HERMITE = np.linalg.inv(
-    np.array(
-        [
-            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
-            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
-            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
-            [0.0, 0.0, 2.0, 6.0, 12.0, 20.0],
-        ]
-    )
-)
 
 
 def advance_cycle(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.controller import Controller, Observer
-from mtcommission.loop.sampled import discretise
+from mtcommission.loop.discrete import discretise
 from mtcommission.loop.tuned import TuningSettings
 from mtcommission.machine import Machine
 from mtcommission.plant import Plant, PlantMode

@@ -293,8 +293,8 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "sind {4} dB, {5}°, Maximum der Empfindlichkeit höchstens {6}.",
     ),
     (
-        "The margins would hold with {-gains}, all other gains as they are.",
-        "Die Reserven wären eingehalten mit {gains}, alle anderen Verstärkungen unverändert.",
+        "The margins would hold with {-gains}, all other given values as they are.",
+        "Die Reserven wären eingehalten mit {gains}, alle anderen Vorgaben unverändert.",
     ),
     ("Kv up to {1} 1/s", "Kv bis {1} 1/s"),
     ("Kp up to {1} N s/m", "Kp bis {1} N s/m"),

@@ -1,0 +1,65 @@
+"""The setpoint some time ago, from its samples at the position cycle."""
+
+from __future__ import annotations
+
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:
+    """Return the weights of setpoint samples that give the setpoint some time ago.
+
+    Position by quintic Hermite interpolation (exact while the jerk is constant; a jerk step
+    of Δj inside the cycle costs at most some Δj T³/400), the velocity by its derivative,
+    acceleration and jerk linearly.
+
+    Parameters
+    ----------
+    delay
+        [s].
+    cycle
+        Position cycle [s].
+    delays
+        Kept samples; at least delay/cycle.
+
+    Returns
+    -------
+    ndarray, shape (4, 4 (delays + 1))
+        Rows x, v, a, j; columns (x, v, a, j) of the current sample, then of the one before, ...
+    """
+    back = ceil(delay / cycle - 1e-9)
+    s = min(max(back - delay / cycle, 0.0), 1.0)
+    weights = np.zeros((4, delays + 1, 4))
+    if s == 0.0:
+        weights[:, back, :] = np.eye(4)
+        return weights.reshape(4, -1)
+    powers = np.array([1.0, s, s**2, s**3, s**4, s**5])
+    slopes = np.array([0.0, 1.0, 2 * s, 3 * s**2, 4 * s**3, 5 * s**4]) / cycle
+    scale = np.array([1.0, cycle, cycle**2])
+    for row, basis in ((0, powers), (1, slopes)):
+        ends = basis @ _HERMITE
+        weights[row, back, :3] = ends[:3] * scale
+        weights[row, back - 1, :3] = ends[3:] * scale
+    for row in (2, 3):
+        weights[row, back, row] = 1.0 - s
+        weights[row, back - 1, row] = s
+    return weights.reshape(4, -1)
+
+
+# Coefficients of 1, s, ..., s^5 (rows) over x0, v0, a0, x1, v1, a1 (columns) on s in [0, 1].
+_HERMITE = np.linalg.inv(
+    np.array(
+        [
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
+            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            [0.0, 1.0, 2.0, 3.0, 4.0, 5.0],
+            [0.0, 0.0, 2.0, 6.0, 12.0, 20.0],
+        ]
+    )
+)
