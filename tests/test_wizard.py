@@ -585,6 +585,16 @@ def test_real_terminal_with_questionary(command: list[str], tmp_path: Path) -> N
     }
 
 
+def test_a_load_that_takes_all_of_the_force_is_said_at_once() -> None:
+    """Else "at most -4 m/s^2" stands there as if it were a fact."""
+    answers = {"drive.max_force": "2 kN", "drive.static_load": "5 kN"}
+    (insight,) = find_insights(answers)
+    assert insight.is_warning
+    assert "leave -3000 N of the drive's force: the axis cannot move" in insight.text
+    answers |= {"wizard.way": WAYS[0], "plant.slider_mass": "750 kg", "plant.base_mass": "1 kg"}
+    assert find_insights(answers) == (insight,)
+
+
 def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
     talk(
         tmp_path / "m.toml",

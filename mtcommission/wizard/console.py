@@ -8,7 +8,7 @@ from math import inf
 from textwrap import wrap
 from typing import Protocol
 
-from mtcommission.wizard.question import Question
+from mtcommission.wizard.question import Question, show_common
 
 WIDTH = 78
 BACK, HELP, QUIT = ("<", "back"), ("?", "help"), ("q", "quit")
@@ -164,20 +164,7 @@ def explain(question: Question) -> str:
 def _common(question: Question) -> str:
     if question.dimension is None or question.high == inf:
         return ""
-    low, high = (_shown(value, question.dimension.si) for value in (question.low, question.high))
-    return f" Common: {low} to {high}."
-
-
-def _shown(value: float, unit: str) -> str:
-    """Return a round SI number as people write it: 500 us, not 0.0005 s."""
-    if not unit:
-        return f"{100.0 * value:g} %"
-    if unit in ("s", "m", "rad") and value:
-        for size, prefix in ((1.0, ""), (1e-3, "m"), (1e-6, "u")):
-            if abs(value) >= size * (1.0 - 1e-9):
-                return f"{value / size:.6g} {prefix}{unit}"
-        return f"{value / 1e-9:.6g} n{unit}"
-    return f"{value:.15g} {unit}"
+    return f" Common: {show_common(question)}."
 
 
 def fold(text: str) -> str:

@@ -83,11 +83,17 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
     for mode in _modes(answers):
         damped = f", damping ratio {mode.damping_ratio:.3g}" if mode.damping_ratio else ""
         found.append(Insight(text=f"mode {mode.name} at {mode.omega / (2 * pi):.4g} Hz{damped}"))
-        if mode.tcp_gain is not None and force is not None:
+        if mode.tcp_gain is not None and force is not None and force > 0.0:
             found.append(_deflection(answers, mode, force))
     mass = _moving_mass(answers)
-    if mass and force is not None:
-        unit = measures(answers)
+    unit = measures(answers)
+    if force is not None and force <= 0.0:
+        text = (
+            f"weight or process force leave {force:.4g} {unit.force.si} of the drive's force: "
+            "the axis cannot move; go back with < and correct one of the two"
+        )
+        found.append(Insight(text=text, is_warning=True))
+    elif mass and force is not None:
         found.append(
             Insight(
                 text=f"rigid-body acceleration at most {force / mass:.4g} {unit.length.si}/s^2 "

@@ -28,7 +28,7 @@ TOWER_BY_STIFFNESS = "tower: masses and stiffness"
 TOWER_BY_FREQUENCY = "tower: masses and measured eigenfrequencies"
 PAIR_BY_STIFFNESS = "motor and load: masses and stiffness"
 PAIR_BY_FREQUENCY = "motor and load: masses and measured eigenfrequency"
-MODAL = "modes from a bode plot"
+MODAL = "modes from a Bode plot"
 WAYS = (
     TOWER_BY_STIFFNESS,
     TOWER_BY_FREQUENCY,
@@ -41,10 +41,31 @@ WAYS = (
 YES, NO = "yes", "no"
 
 
+Span = tuple[float, float]
+"""Least and largest common value [SI]; empirical, machine tool axes from a router to a gantry."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Common:
+    """What is common on an axis; outside it the wizard asks back.
+
+    The fields say what is measured; stiffness and velocity gain are those of the drive train.
+    """
+
+    mass: Span
+    force: Span
+    distance: Span
+    deviation: Span
+    velocity: Span
+    stiffness: Span
+    velocity_gain: Span
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measures:
     """What masses, forces and lengths are on this axis."""
 
+    common: Common
     mass: Dimension
     force: Dimension
     length: Dimension
@@ -55,6 +76,15 @@ class Measures:
 
 
 LINEAR = Measures(
+    common=Common(
+        mass=(0.01, 1e5),
+        force=(1.0, 1e5),
+        distance=(1e-5, 50.0),
+        deviation=(1e-8, 1e-3),
+        velocity=(1e-4, 10.0),
+        stiffness=(1e3, 1e10),
+        velocity_gain=(1.0, 1e8),
+    ),
     mass=MASS,
     force=FORCE,
     length=LENGTH,
@@ -64,6 +94,15 @@ LINEAR = Measures(
     gain=PER_MASS,
 )
 ROTARY = Measures(
+    common=Common(
+        mass=(1e-6, 1e5),
+        force=(0.01, 1e5),
+        distance=(1e-4, 1e3),
+        deviation=(1e-7, 1e-2),
+        velocity=(1e-3, 1e3),
+        stiffness=(1.0, 1e10),
+        velocity_gain=(1e-4, 1e7),
+    ),
     mass=INERTIA,
     force=TORQUE,
     length=ANGLE,

@@ -188,8 +188,7 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
             "Rotor, screw, gearbox: inertia x (2 pi / lead)^2; moving part of a linear motor.",
             unit.mass,
             motor,
-            1e-6,
-            1e6,
+            *unit.common.mass,
         ),
         ask(
             "pair.load_mass",
@@ -197,8 +196,7 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
             "Table, gantry or head with everything that it carries.",
             unit.mass,
             load,
-            1e-6,
-            1e6,
+            *unit.common.mass,
         ),
     )
     parts = "Screw, nut and bearings in series, belt, rack, coupling: data sheets."
@@ -210,8 +208,7 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
             parts,
             unit.stiffness,
             stiffness,
-            1.0,
-            1e12,
+            *unit.common.stiffness,
         )
         return (*masses, spring, tail)
     frequency = ask(
@@ -229,8 +226,7 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
         CHECK,
         unit.stiffness,
         stiffness,
-        1.0,
-        1e12,
+        *unit.common.stiffness,
         is_optional=True,
     )
     return (*masses, frequency, check, tail)
@@ -245,8 +241,7 @@ def _modal(answers: Answers) -> tuple[Question, ...]:
             "Force over acceleration at low frequencies.",
             unit.mass,
             "8 kg m^2" if is_rotary else "800 kg",
-            1e-6,
-            1e6,
+            *unit.common.mass,
         ),
     ]
     for i in range(MOST_MODES):

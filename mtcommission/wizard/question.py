@@ -111,9 +111,11 @@ def _choose(question: Question, text: str) -> str:
     numbers = {str(number): word for number, word in enumerate(question.choices, start=1)}
     if text in numbers:
         return numbers[text]
-    starts = [word for word in question.choices if word.startswith(text.lower())]
-    if len(starts) == 1 or text.lower() in starts:
-        return text.lower() if text.lower() in starts else starts[0]
+    wanted = text.lower()
+    starts = [word for word in question.choices if word.lower().startswith(wanted)]
+    exact = [word for word in starts if word.lower() == wanted]
+    if len(starts) == 1 or exact:
+        return (exact or starts)[0]
     listed = ", ".join(f"{number} {word}" for number, word in numbers.items())
     raise ValueError(f'got "{text}"; choose one of: {listed}')
 
@@ -141,10 +143,42 @@ def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
     warning = ""
     if not question.low <= value <= question.high:
         warning = (
-            f"{plain} is unusual; common are {question.low:g} to {question.high:g}{unit}. "
+            f"{plain} is unusual; common are {show_common(question)}. "
             "Check number and unit, type < to change it."
         )
     return Reply(text=plain, warning=warning)
+
+
+def show_common(question: Question) -> str:
+    """Return the common range of a quantity as people write it.
+
+    Examples
+    --------
+    >>> from mtcommission.units import STIFFNESS
+    >>> show_common(Question(key="", text="", where="", dimension=STIFFNESS, low=1e4, high=1e10))
+    '10 kN/m to 10 GN/m'
+    """
+    unit = question.dimension.si if question.dimension else ""
+    return " to ".join(_shown(value, unit) for value in (question.low, question.high))
+
+
+SMALL = ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
+LARGE = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""))
+
+
+def _shown(value: float, unit: str) -> str:
+    """Return a round SI number as people write it: 500 us, not 0.0005 s."""
+    if not unit:
+        return f"{100.0 * value:g} %"
+    scales: tuple[tuple[float, str], ...] = ()
+    if unit in ("s", "m", "rad"):
+        scales = SMALL
+    elif unit.startswith("N"):
+        scales = LARGE
+    for size, prefix in scales:
+        if abs(value) >= size * (1.0 - 1e-9):
+            return f"{value / size:.6g} {prefix}{unit}"
+    return f"{value:.15g} {unit}"
 
 
 def si_value(answers: Answers, key: str, dimension: Dimension) -> float | None:

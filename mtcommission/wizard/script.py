@@ -91,8 +91,8 @@ def _drive(answers: Answers) -> tuple[Question, ...]:
             where="Motor data sheet: peak force, or peak torque x 2 pi / lead x gear ratio.",
             dimension=unit.force,
             example=example,
-            low=1.0,
-            high=1e5,
+            low=unit.common.force[0],
+            high=unit.common.force[1],
         ),
         Question(
             key="drive.force_lag",
@@ -109,8 +109,8 @@ def _drive(answers: Answers) -> tuple[Question, ...]:
             where="Motor data sheet: rated or stall value, the thermal (RMS) limit.",
             dimension=unit.force,
             example="400 N m" if is_rotary else "1 kN",
-            low=0.5,
-            high=1e5,
+            low=unit.common.force[0],
+            high=unit.common.force[1],
             is_optional=True,
         ),
         Question(
@@ -146,8 +146,7 @@ def _moves(answers: Answers) -> tuple[Question, ...]:
                     "Feed or rapid traverse that is reached; the end position is free.",
                     unit.velocity,
                     velocity,
-                    1e-4,
-                    1e3,
+                    *unit.common.velocity,
                 )
             )
         else:
@@ -158,8 +157,7 @@ def _moves(answers: Answers) -> tuple[Question, ...]:
                     "A typical step between two operations.",
                     unit.length,
                     "90 deg" if is_rotary else "20 mm",
-                    1e-5,
-                    1e3,
+                    *unit.common.distance,
                 ),
                 ask(
                     f"{place}.max_velocity",
@@ -167,8 +165,7 @@ def _moves(answers: Answers) -> tuple[Question, ...]:
                     "Rapid traverse of the axis, from the control or its data sheet.",
                     unit.velocity,
                     velocity,
-                    1e-4,
-                    1e3,
+                    *unit.common.velocity,
                     is_optional=True,
                 ),
             ]
@@ -204,8 +201,7 @@ def _requirements(answers: Answers) -> tuple[Question, ...]:
             "Half the tolerance that you leave to vibration, not the whole tolerance of the part.",
             unit.length,
             "5 arcsec" if is_rotary else "5 um",
-            1e-8,
-            1e-2,
+            *unit.common.deviation,
         ),
         ask(
             "requirements.max_settling_time",
@@ -243,7 +239,7 @@ def _requirements(answers: Answers) -> tuple[Question, ...]:
             dimension=unit.mass,
             default=f"0 {unit.mass.si}",
             low=0.0,
-            high=1e5,
+            high=unit.common.mass[1],
         ),
     )
 
@@ -286,8 +282,7 @@ def _control(answers: Answers) -> tuple[Question, ...]:
             "Drive: speed controller gain, turned to the axis: x (2 pi / lead)^2.",
             unit.damping,
             gain,
-            1e-3,
-            1e9,
+            *unit.common.velocity_gain,
             is_optional=True,
         ),
         ask(

@@ -183,6 +183,7 @@ def _ask_from(place: int, answers: dict[str, str], console: Console) -> dict[str
         question = questions[place]
         default = known.get(question.key, "") or question.default
         if place != shown:
+            console.tell("")
             console.tell(introduce(question))
             shown = place
         try:
