@@ -62,6 +62,7 @@ def prove_bound(point: DualPoint, *, span: float) -> float:
     """
     problem, bound = point.mesh.problem, point.bound
     doubt = point.doubt + 2.0 * ROUNDOFF * span
+    bound -= min(2.0 * doubt / max(point.end_value, 1e-300) + ROUNDOFF * bound, 0.5 * bound)
     for attempt in range(LOWERINGS):
         inside = point.zeros[point.zeros < bound]
         integral = integrate_switching(problem, point.multipliers, np.append(inside, bound))

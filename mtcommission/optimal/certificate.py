@@ -106,6 +106,8 @@ def certify(plant: Plant, claim: Claim) -> Certificate:
     zeros = claim.t_f - claim.switching_times
     at_switches, slopes, _ = values_and_slopes(problem, multipliers, zeros)
     factor, rank, condition = claim.adjoint_factor, -1, nan
+    rows = moment_rows(plant, problem)
+    end = _adjoint_weights(claim, 0.0) @ rows
     if zeros.size == problem.size:
         values = np.linalg.svd(terminal_jacobian(problem, zeros, claim.t_f), compute_uv=False)
         rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
@@ -113,9 +115,9 @@ def certify(plant: Plant, claim: Claim) -> Certificate:
     return Certificate(
         t_f_lower_bound=bound,
         relative_gap=(claim.t_f - bound) / claim.t_f,
-        adjoint_initial=adjoint(plant, claim, tau=claim.t_f),
+        adjoint_initial=_adjoint_weights(claim, claim.t_f) @ rows,
         switching_slopes=factor * slopes,
-        switching_law_holds=_law_holds(plant, claim, factor * at_switches),
+        switching_law_holds=_law_holds(plant, claim, end, factor * at_switches),
         terminal_jacobian_rank=rank,
         terminal_jacobian_condition=condition,
     )
@@ -139,17 +141,23 @@ def adjoint(plant: Plant, claim: Claim, *, tau: float) -> Array:
     Source: λ(τ) B = -factor σ(τ) with the rows of ``moment_rows``, each of which evolves by its
     own e^{pτ}.
     """
+    rows = moment_rows(plant, claim.point.mesh.problem)
+    return np.asarray(_adjoint_weights(claim, tau) @ rows)
+
+
+def _adjoint_weights(claim: Claim, tau: float) -> Array:
+    """Return the weights of ``moment_rows`` in λ."""
     problem, multipliers = claim.point.mesh.problem, claim.point.multipliers
     n_modal = 2 * problem.rates.size - 2
     complex_c = multipliers[0:n_modal:2] - 1j * multipliers[1:n_modal:2]
     turned = complex_c * np.exp(problem.rates[:-1] * tau)
-    weights = -np.append(multipliers, -1.0)
-    weights[0:n_modal:2], weights[1:n_modal:2] = -turned.real, turned.imag
+    weights = np.append(multipliers, -1.0)
+    weights[0:n_modal:2], weights[1:n_modal:2] = turned.real, -turned.imag
     weights[n_modal] *= np.exp(problem.rates[-1].real * tau)
     if problem.degree:
         # ψ = τ belongs to a Jordan block: its row gains τ times the row of φ = 1.
-        weights[-2] += tau
-    return np.asarray(-claim.adjoint_factor * (weights @ moment_rows(plant, problem)))
+        weights[-2] -= tau
+    return np.asarray(claim.adjoint_factor * weights)
 
 
 def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> Array:
@@ -173,14 +181,15 @@ def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> A
     Source: Christiansen, Maurer & Zirn, sec. 5.1.
     """
     at = np.append(zeros, horizon)
-    functions = np.column_stack([problem.values(at), problem.target_values(at)]).T
-    by_row = functions / np.maximum(np.linalg.norm(functions, axis=1, keepdims=True), 1e-300)
-    return np.asarray(by_row / np.linalg.norm(by_row, axis=0))
+    functions = np.empty((problem.size + 1, at.size))
+    functions[:-1], functions[-1] = problem.values(at).T, problem.target_values(at)
+    by_row = functions / np.maximum(np.sqrt((functions**2).sum(axis=1, keepdims=True)), 1e-300)
+    return np.asarray(by_row / np.sqrt((by_row**2).sum(axis=0)))
 
 
-def _law_holds(plant: Plant, claim: Claim, at_switches: Array) -> bool:
-    """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on the plant's A."""
-    problem, row = claim.point.mesh.problem, adjoint(plant, claim, tau=0.0)
+def _law_holds(plant: Plant, claim: Claim, row: Array, at_switches: Array) -> bool:
+    """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on A from λ(t_f) on."""
+    problem = claim.point.mesh.problem
     tau, lambda_force = [], []
     for piece in uniform_pieces(problem, claim.t_f, radians=CHECK_RADIANS):
         rows = _march(row, expm(plant.A * piece.step), piece.count + 1)

@@ -30,6 +30,9 @@ from mtcommission.optimal.switching import cubic_zeros
 Array = NDArray[np.float64]
 
 NEWTON_STEPS = 12
+FINISHING_STEPS = 24
+"""Five are usual; the second limit is for feasible controls, whose last digits may take their
+time where hundreds of pairs of zeros nearly meet."""
 CONVERGED = 1e-14
 """Moments against ∫|φ| that count as zero (empirical: reaches 1e-16)."""
 ON_ZERO = 1e-12
@@ -52,6 +55,8 @@ ASCENT_STEPS = 6
 """From each later start."""
 REFINEMENTS = 8
 """Divisions; the last has cells of 1e-5 of the fastest period where σ is near zero."""
+SHORTEST_ARC = 1e-20
+"""Against the final time; guards a division."""
 TO_BOUNDARY = 0.9
 """Longest step, as a share of the one that closes an arc."""
 
@@ -105,7 +110,9 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> BangBang:
     jumps = sign_jumps(k, first_sign=start.first_sign)
     ends, c = np.append(start.zeros, start.horizon), start.multipliers
     best_ends, best_c, least = ends, c, inf
-    for _ in range(NEWTON_STEPS):
+    for steps in range(FINISHING_STEPS):
+        if steps >= NEWTON_STEPS and least > FEASIBLE:
+            break
         here = _equations(problem, ends, c, jumps=jumps, span=span)
         defect = here.defect / scale
         residual = float(np.abs(defect).max())
@@ -189,6 +196,8 @@ def _share(ends: Array, step: Array) -> float:
     lengths, closing = ends.copy(), -step
     lengths[1:] -= ends[:-1]
     closing[1:] += step[:-1]
+    # An arc that Newton has closed to the last digit holds the others up no longer than that.
+    lengths = np.maximum(lengths, SHORTEST_ARC * ends[-1])
     return min(1.0, TO_BOUNDARY / max(float((closing / lengths).max()), 1e-300))
 
 

@@ -15,9 +15,10 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, VelocityStep
 from mtcommission.optimal.bang_bang import bang_bang_motion, signal_peaks
 from mtcommission.optimal.certificate import Claim, certify
+from mtcommission.optimal.final_state import final_state
 from mtcommission.optimal.moments import moment_problem
 from mtcommission.optimal.polish import Attempt, find_bang_bang
-from mtcommission.optimal.solution import Arc, TimeOptimum, constant_arc, propagate
+from mtcommission.optimal.solution import Arc, TimeOptimum, constant_arc
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -72,9 +73,15 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     problem = moment_problem(plant, move)
     found = find_bang_bang(problem, span=problem.target / force_limit)
     claim = _claim(found, force_limit)
-    arcs = _arcs(claim)
     motion = bang_bang_motion(
         plant, claim.switching_times, t_f=claim.t_f, first_force=claim.first_force
+    )
+    final = final_state(
+        plant,
+        claim.switching_times,
+        t_f=claim.t_f,
+        first_force=claim.first_force,
+        rate=float(problem.magnitudes.max()),
     )
     optimum = TimeOptimum(
         move=move,
@@ -82,9 +89,9 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
         bounds=(),
         method="exact",
         t_f=claim.t_f,
-        arcs=arcs,
+        arcs=_arcs(claim),
         touch_points=(),
-        terminal_error=_terminal_error(plant, move, propagate(plant, arcs)),
+        terminal_error=_terminal_error(plant, move, final),
         peaks=signal_peaks(motion),
         certificate=certify(plant, claim),
     )
