@@ -15,6 +15,7 @@ from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine, corners
 from mtcommission.plant import Plant
+from mtcommission.setpoint import jerk_steps
 from mtcommission.variations import (
     Variations,
     as_variations,
@@ -37,6 +38,9 @@ class RobustnessSettings:
         or two per cent; a study may take 10 000).
     seed
         Of the generator.
+    sample_cycles
+        Position cycles of all samples together: on slow moves fewer machines are drawn, so that
+        the time that it takes stays bounded; 100 at least.
     frequency_range
         Least range of the frequency error looked at, to either side [-]; the stated spread,
         doubled, where that is more.
@@ -46,6 +50,7 @@ class RobustnessSettings:
 
     samples: int = 1000
     seed: int = 0
+    sample_cycles: int = 1_000_000
     frequency_range: float = 0.1
     frequency_points: int = 40
 
@@ -173,13 +178,28 @@ def examine_robustness(
     monte_carlo = None
     if len(corners(machine)) > 1:
         monte_carlo = run_monte_carlo(
-            machine, plant, tuned, limits, samples=settings.samples, seed=settings.seed
+            machine,
+            plant,
+            tuned,
+            limits,
+            samples=_affordable(machine, limits, settings),
+            seed=settings.seed,
         )
     return Robustness(
         monte_carlo=monte_carlo,
         frequency_error=find_frequency_error(machine, plant, tuned, limits, settings=settings),
         sensitivities=find_sensitivities(machine, plant, tuned, limits),
     )
+
+
+FEWEST_SAMPLES = 100
+
+
+def _affordable(machine: Machine, limits: MotionLimits, settings: RobustnessSettings) -> int:
+    a, j = np.array([limits.acceleration]), np.array([limits.jerk])
+    ends = [jerk_steps(move, acceleration=a, jerk=j).duration[0] for move in machine.moves]
+    cycles = float(np.sum(ends)) / machine.control.position_cycle
+    return max(min(settings.samples, int(settings.sample_cycles / cycles)), FEWEST_SAMPLES)
 
 
 def run_monte_carlo(
