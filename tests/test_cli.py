@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -125,6 +126,33 @@ def test_bad_force_writes_nothing(run: Run, tmp_path: Path, options: list[str], 
     assert code == 2
     assert words in err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", PAPER, "-o", "{file}"], "this is a file"),
+        (["run", PAPER, "-o", "{file}/below"], "file.txt is a file"),
+        (["simulate", PAPER, "--acceleration", "-2", "--jerk", "10"], "got -2, must be > 0 m/s^2"),
+        (["limits", PAPER, "--json", "{file}/x.json"], "there is no folder"),
+        (["simulate", PAPER, "--acceleration", "2", "--jerk", "9", "--csv", "."], "is a folder"),
+        (["optimal", PAPER, "--kind", "time", "--json", "none/x.json"], "there is no folder none"),
+        (["sweep", PAPER, "-o", "{file}", "--f-max", "1kN:2kN:3"], "this is a file"),
+    ],
+)
+def test_what_cannot_work_is_refused_before_computing(
+    run: Run, tmp_path: Path, arguments: list[str | Path], words: str
+) -> None:
+    """Else the user waits for a computation that is thrown away."""
+    file = tmp_path / "file.txt"
+    file.write_text("mine")
+    begun = time.process_time()
+    code, out, err = run(*(str(text).replace("{file}", str(file)) for text in arguments))
+    assert time.process_time() - begun < 4.0  # imports alone; the shortest computation takes 5 s
+    assert (code, out) == (2, "")
+    assert words in err
+    assert list(tmp_path.iterdir()) == [file]
+    assert file.read_text() == "mine"
 
 
 @pytest.mark.parametrize(

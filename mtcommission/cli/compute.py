@@ -1,4 +1,7 @@
-"""Commands that compute from a profile: run, optimal, limits, simulate."""
+"""Commands that compute from a profile: run, optimal, limits, simulate.
+
+What can be refused is refused before the loop's libraries are imported, which takes seconds.
+"""
 
 from __future__ import annotations
 
@@ -35,8 +38,14 @@ def run(
     no_pdf: NoPdfOption = False,
 ) -> None:
     """Compute limits and write record.json, sheet.html, sheet.pdf and setpoint.csv."""
+    from mtcommission.files import require_folder, write_files
+
+    require_folder(output)
+    source = describe_profile(profile)
+    machine = parse_machine(source, f_max, where=profile)
+
     from mtcommission.commission import commission
-    from mtcommission.files import require_folder, setpoint_csv, write_files
+    from mtcommission.csv_texts import setpoint_csv
     from mtcommission.record.build import build_record
     from mtcommission.record.files import dump_json
     from mtcommission.sheet import print_html, print_pdf, summarise
@@ -44,9 +53,6 @@ def run(
     from mtcommission.terminal import show
 
     find_labels(language)
-    require_folder(output)
-    source = describe_profile(profile)
-    machine = parse_machine(source, f_max, where=profile)
     with show_stage() as progress:
         found = commission(machine, progress=progress)
     record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
@@ -103,7 +109,8 @@ def optimal(
     """Compute one optimal control."""
     from time import perf_counter
 
-    from mtcommission.files import motion_csv, require_writable, write_text
+    from mtcommission.csv_texts import motion_csv
+    from mtcommission.files import require_writable, write_text
     from mtcommission.options import OptimalRequest, read_optimal_request, solve
     from mtcommission.plant import build_plant
     from mtcommission.record.files import dump_json
@@ -143,14 +150,16 @@ def optimal(
 
 def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOption = "") -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
-    from mtcommission.commission import commission
     from mtcommission.files import require_writable, write_text
+
+    require_writable(json_file)
+    machine = read_machine(profile, f_max)
+
+    from mtcommission.commission import commission
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_part
     from mtcommission.terminal import describe_limits, show
 
-    require_writable(json_file)
-    machine = read_machine(profile, f_max)
     with show_stage() as progress:
         found = commission(machine, progress=progress)
     if json_file:
@@ -170,20 +179,23 @@ def simulate(
     csv_file: CsvOption = "",
 ) -> None:
     """Run one setpoint through the loop and judge it."""
-    from mtcommission.files import require_writable, response_csv, write_text
-    from mtcommission.loop_choice import Settings, settle_on_loop
+    from mtcommission.files import require_writable, write_text
     from mtcommission.optima import require_force
     from mtcommission.options import read_limits
+
+    require_writable(json_file, csv_file)
+    machine = read_machine(profile, f_max)
+    chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
+    require_force(machine)
+
+    from mtcommission.csv_texts import response_csv
+    from mtcommission.loop_choice import Settings, settle_on_loop
     from mtcommission.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
     from mtcommission.terminal import describe_simulation, show
     from mtcommission.trials import run_moves
 
-    require_writable(json_file, csv_file)
-    machine = read_machine(profile, f_max)
-    chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
-    require_force(machine)
     plant = build_plant(machine)
     with show_stage() as progress:
         progress("feedback loop")
