@@ -13,11 +13,12 @@ from mtcommission.assess import Assessment
 from mtcommission.attainable import Attainable, find_attainable, find_least_residual
 from mtcommission.choose import Choice, choose_limits
 from mtcommission.comparison import ComparedControl, compare_controls
-from mtcommission.feedforward import FedForward, feed_forward
+from mtcommission.feedforward import FedForward, feed_forward, follow_setpoint
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.continuous import ContinuousResponse, simulate_continuous
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.loop_choice import LoopChoice, Settings, settle_on_loop
+from mtcommission.loop_study import LoopStudy, study_loop
 from mtcommission.machine import Machine
 from mtcommission.move_sizes import MoveSizes, SetpointWay, vary_move_sizes
 from mtcommission.optima import Optima, condense_optima, find_optima, require_force
@@ -67,7 +68,8 @@ class MoveComparison:
     controls
         The paper's comparison.
     fed_forward
-        Names of the optimal controls, and what each does when it is fed forward.
+        Names of the optimal controls, and what each does when it is fed forward; then the
+        recommended limits on the same machines.
     continuous
         The recommended setpoint through the continuous approximation of the loop.
     """
@@ -91,6 +93,8 @@ class Commissioning:
         One for each move.
     loop
         The loop that is used, and its variants.
+    loop_study
+        Its answer to a disturbance, and the effect of the jerk feed-forward.
     choice
         Recommended limits and the landscape of the search.
     moves
@@ -121,6 +125,7 @@ class Commissioning:
     settings: Settings
     optima: tuple[Optima, ...]
     loop: LoopChoice
+    loop_study: LoopStudy
     choice: Choice
     moves: tuple[MoveResult, ...]
     recommended: Trial
@@ -216,6 +221,7 @@ def commission(
         settings=settings,
         optima=optima,
         loop=loop,
+        loop_study=study_loop(machine, loop, choice.limits),
         choice=choice,
         moves=moves,
         recommended=recommended,
@@ -318,9 +324,12 @@ def compare(
             limits=result.setpoint.limits,
             optima=tuple(found.values()),
         ),
-        fed_forward=tuple(
-            (name, feed_forward(machine, plant, tuned, solution))
-            for name, solution in found.items()
+        fed_forward=(
+            *(
+                (name, feed_forward(machine, plant, tuned, solution))
+                for name, solution in found.items()
+            ),
+            ("recommended limits", follow_setpoint(machine, plant, tuned, result.setpoint)),
         ),
         continuous=simulate_continuous(
             plant,

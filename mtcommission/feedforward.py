@@ -14,11 +14,13 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.sampled import SampledLoop, build_loop
+from mtcommission.loop.response import simulate
+from mtcommission.loop.sampled import SampledLoop, build_loop, lift_loop
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import NOMINAL, Corner, Machine, corners, vary
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_evenly
 from mtcommission.plant import Plant, build_plant
+from mtcommission.setpoint import Setpoint
 
 Array = NDArray[np.float64]
 
@@ -35,17 +37,17 @@ TAIL = 0.4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FedForward:
-    """One optimal control fed forward on one machine.
+    """One optimal control fed forward, or a setpoint, on one machine.
 
     Parameters
     ----------
     corner
         The machine.
     settling_time
-        Last time with the tool outside the band about the delayed optimal motion [s]; at least
+        Last time with the tool outside the band about the delayed motion wanted [s]; at least
         the end of the motion.
     residual_deviation, peak_deviation
-        Of the tool from the delayed optimal motion, after its end and ever [m].
+        Of the tool from the delayed motion wanted, after its end and ever [m].
     saturated_share
         Share of the move during which the correction found no force left [-].
     """
@@ -74,10 +76,7 @@ def feed_forward(
     tuple of FedForward
         The nominal machine first; corners with ``USUAL_SPREAD`` where the profile states none.
     """
-    places: Sequence[Corner] = corners(machine)
-    if places == (NOMINAL,):
-        needs = replace(machine.requirements, frequency_spread=USUAL_SPREAD)
-        places = corners(replace(machine, requirements=needs))
+    places = _places(machine)
     cycle = tuned.controller.velocity_cycle
     count = ceil((solution.t_f + TAIL) / cycle)
     wanted = sample_evenly(plant, solution.arcs, step=cycle, until=(count + 1) * cycle)
@@ -104,6 +103,57 @@ def feed_forward(
             )
         )
     return tuple(found)
+
+
+def follow_setpoint(
+    machine: Machine, plant: Plant, tuned: TunedLoop, setpoint: Setpoint
+) -> tuple[FedForward, ...]:
+    """Return what a setpoint does on the same machines, beside the fed-forward optima.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    setpoint
+        Of the recommended limits.
+
+    Returns
+    -------
+    tuple of FedForward
+        The nominal machine first.
+    """
+    found = []
+    for corner in _places(machine):
+        loop = build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)
+        response = simulate(
+            loop,
+            lift_loop(loop),
+            setpoint,
+            drive=machine.drive,
+            band=machine.requirements.tcp_deviation,
+        )
+        moving = response.t <= setpoint.duration
+        limit = machine.drive.motion_force * (1.0 - ROUNDING)
+        at_limit = response.saturated & (np.abs(response.force) >= limit)
+        found.append(
+            FedForward(
+                corner=corner,
+                settling_time=response.settling_time,
+                residual_deviation=response.residual_deviation,
+                peak_deviation=response.peak_deviation,
+                saturated_share=float(np.mean(at_limit[moving])),
+            )
+        )
+    return tuple(found)
+
+
+def _places(machine: Machine) -> Sequence[Corner]:
+    """The corners of a machine, with ``USUAL_SPREAD`` where its profile states none."""
+    places = corners(machine)
+    if places != (NOMINAL,):
+        return places
+    needs = replace(machine.requirements, frequency_spread=USUAL_SPREAD)
+    return corners(replace(machine, requirements=needs))
 
 
 def _advance(

@@ -73,7 +73,10 @@ def build_record(
         limits=limits_part(commissioning),
         loop=loop_part(commissioning),
         moves=[move_entry(plant, commissioning.tuned, result) for result in commissioning.moves],
-        comparisons=[comparison_entry(plant, item) for item in commissioning.comparisons],
+        comparisons=[
+            comparison_entry(machine, plant, item, result)
+            for item, result in zip(commissioning.comparisons, commissioning.moves, strict=True)
+        ],
         robustness=robustness_part(machine, commissioning.robustness),
         assessment=assessment_part(commissioning.assessment),
     )

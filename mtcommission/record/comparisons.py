@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 from mtcommission.commission import MoveComparison
+from mtcommission.loop.continuous import ContinuousResponse
+from mtcommission.loop.response import LoopResponse
+from mtcommission.machine import Machine
 from mtcommission.plant import Plant
+from mtcommission.record.claims import explain_why_not, state_claims
 from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
     ComparedEntry,
@@ -11,10 +17,13 @@ from mtcommission.record.schema import (
     ContinuousEntry,
     FedForwardEntry,
 )
+from mtcommission.trials import MoveResult
 
 
-def comparison_entry(plant: Plant, comparison: MoveComparison) -> ComparisonEntry:
-    """Return the loop beside the optima of one move."""
+def comparison_entry(
+    machine: Machine, plant: Plant, comparison: MoveComparison, result: MoveResult
+) -> ComparisonEntry:
+    """Return the loop beside the optima of one move, done with the recommended limits, too."""
     return ComparisonEntry(
         controls=[
             ComparedEntry(
@@ -35,15 +44,30 @@ def comparison_entry(plant: Plant, comparison: MoveComparison) -> ComparisonEntr
                 frequency_factor=found.corner.frequency_factor,
                 damping_factor=found.corner.damping_factor,
                 settling_time=finite_or_none(found.settling_time),
-                residual_deviation=found.residual_deviation,
+                residual_deviation=finite_or_none(found.residual_deviation),
                 peak_deviation=found.peak_deviation,
                 saturated_share=found.saturated_share,
             )
             for name, rows in comparison.fed_forward
             for found in rows
         ],
-        continuous=ContinuousEntry(
-            settling_time=finite_or_none(comparison.continuous.settling_time),
-            residual_deviation=comparison.continuous.residual_deviation,
+        claims=state_claims(comparison.controls),
+        why_not_the_optimum=explain_why_not(machine, comparison.fed_forward),
+        continuous=_continuous_entry(comparison.continuous, result.responses[0]),
+    )
+
+
+def _continuous_entry(continuous: ContinuousResponse, sampled: LoopResponse) -> ContinuousEntry:
+    both_settle = isfinite(continuous.settling_time) and isfinite(sampled.settling_time)
+    return ContinuousEntry(
+        settling_time=finite_or_none(continuous.settling_time),
+        residual_deviation=continuous.residual_deviation,
+        settling_difference=(
+            continuous.settling_time / sampled.settling_time - 1.0 if both_settle else None
+        ),
+        residual_difference=(
+            continuous.residual_deviation / sampled.residual_deviation - 1.0
+            if isfinite(sampled.residual_deviation)
+            else None
         ),
     )

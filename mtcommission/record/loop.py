@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
+from mtcommission.loop.controller import Controller, filter_delay
+from mtcommission.loop.tuned import TunedLoop
 from mtcommission.loop_choice import LoopVariant
+from mtcommission.loop_study import LoopStudy
 from mtcommission.plant import Plant
 from mtcommission.record.optima import finite_or_none
-from mtcommission.record.schema import ClosedLoop, LoopPart, ObserverEntry, Series, VariantEntry
+from mtcommission.record.schema import (
+    ClosedLoop,
+    DelayEntry,
+    JerkFeedforwardEntry,
+    LoopCornerEntry,
+    LoopPart,
+    ObserverEntry,
+    Series,
+    VariantEntry,
+)
 
 Array = NDArray[np.float64]
 
@@ -57,6 +71,8 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         ),
         poles=[[float(pole.real), float(pole.imag)] for pole in nominal.poles],
         gain_margin_db=finite_or_none(nominal.gain_margin_db),
+        gain_margin_up_db=finite_or_none(nominal.gain_margin_up_db),
+        gain_margin_down_db=finite_or_none(nominal.gain_margin_down_db),
         phase_margin_deg=finite_or_none(nominal.phase_margin_deg),
         sensitivity_peak=nominal.sensitivity_peak,
         bandwidth_hz=finite_or_none(nominal.bandwidth_hz),
@@ -68,8 +84,14 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
             "gain_margin_db": finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
             "phase_margin_deg": finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
             "sensitivity_peak": max(a.sensitivity_peak for a in tuned.analyses),
-            "bandwidth_hz": finite_or_none(min(a.bandwidth_hz for a in tuned.analyses)),
+            "bandwidth_hz": finite_or_none(tuned.least_bandwidth_hz),
+            "dynamic_stiffness": tuned.least_stiffness,
         },
+        worst_mode_damping=_by_mode(plant, tuned.least_damping),
+        corners=_corner_entries(plant, tuned),
+        delays=_delay_entries(controller),
+        disturbance=_disturbance_entry(commissioning.loop_study),
+        jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
         bode=Series(
             t=bode.frequency_hz.tolist(),
             signals={
@@ -89,7 +111,82 @@ def _phase_deg(response: NDArray[np.complex128]) -> Array:
     return np.asarray(phase - 360.0 * np.ceil(phase[0] / 360.0))
 
 
-def _by_mode(plant: Plant, values: Array) -> dict[str, float]:
+def _corner_entries(plant: Plant, tuned: TunedLoop) -> list[LoopCornerEntry]:
+    return [
+        LoopCornerEntry(
+            payload=corner.payload,
+            frequency_factor=corner.frequency_factor,
+            damping_factor=corner.damping_factor,
+            gain_margin_db=finite_or_none(analysis.gain_margin_db),
+            phase_margin_deg=finite_or_none(analysis.phase_margin_deg),
+            sensitivity_peak=analysis.sensitivity_peak,
+            bandwidth_hz=finite_or_none(analysis.bandwidth_hz),
+            dynamic_stiffness=analysis.dynamic_stiffness,
+            mode_damping=_by_mode(plant, analysis.mode_damping),
+        )
+        for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True)
+    ]
+
+
+def _delay_entries(controller: Controller) -> list[DelayEntry]:
+    """Which path carries which dead time."""
+    T_p, T_v = controller.position_cycle, controller.velocity_cycle
+    filters = sum(filter_delay(item) for item in controller.force_filters)
+    left = (1.0 - controller.jerk_feedforward) * controller.force_lag
+    held = 0.5 * (T_p - T_v)
+
+    def entry(
+        path: str, *, age: float = 0.0, dead: float = 0.0, hold: float = 0.0, lag: float = 0.0
+    ) -> DelayEntry:
+        return DelayEntry(
+            path=path,
+            setpoint_age=age,
+            dead_time=dead,
+            hold=hold,
+            lag=lag,
+            total=age + dead + hold + lag,
+        )
+
+    ahead = {"age": controller.reference_age, "dead": T_p, "hold": held}
+    wanted = [entry("wanted state", **ahead)] if controller.state_gains.any() else []
+    return [
+        entry("position setpoint", age=controller.reference_delay),
+        entry("position controller", dead=T_p, hold=held),
+        entry("velocity ahead", **ahead),
+        *wanted,
+        entry("force ahead", dead=T_p + T_v, hold=held + 0.5 * T_v, lag=left + filters),
+        entry("velocity controller", dead=T_v, hold=0.5 * T_v, lag=controller.force_lag + filters),
+    ]
+
+
+def _disturbance_entry(study: LoopStudy) -> Series:
+    t = study.pushed[0].step.t
+    every = max(1, round(PUSH_STEP / (t[1] - t[0])))
+    return Series(
+        t=t[::every].tolist(),
+        signals={item.name: item.step.deflection[::every].tolist() for item in study.pushed},
+    )
+
+
+PUSH_STEP = 0.5e-3
+"""Spacing of the samples of a disturbance response for its plot [s]."""
+
+
+def _jerk_feedforward_entries(study: LoopStudy) -> list[JerkFeedforwardEntry]:
+    return [
+        JerkFeedforwardEntry(
+            weight=item.weight,
+            used=item.is_used,
+            reference_delay=item.reference_delay,
+            max_force=item.max_force,
+            settling_time=finite_or_none(item.settling_time),
+            residual_deviation=finite_or_none(item.residual_deviation),
+        )
+        for item in study.jerk_feedforward
+    ]
+
+
+def _by_mode(plant: Plant, values: Sequence[float] | Array) -> dict[str, float]:
     return {mode.name: float(value) for mode, value in zip(plant.modes, values, strict=True)}
 
 

@@ -306,11 +306,64 @@ class VariantEntry(TypedDict):
     max_force: float
 
 
+class LoopCornerEntry(TypedDict):
+    """How good the loop is in one corner of payload and spread, the nominal machine first.
+
+    ``dynamic_stiffness`` is the least disturbance force per tool displacement over all
+    frequencies [N/m, N m/rad]; ``mode_damping`` the damping ratio of each mode in the closed
+    loop [-].
+    """
+
+    payload: float
+    frequency_factor: float
+    damping_factor: float
+    gain_margin_db: float | None
+    phase_margin_deg: float | None
+    sensitivity_peak: float
+    bandwidth_hz: float | None
+    dynamic_stiffness: float
+    mode_damping: dict[str, float]
+
+
+class DelayEntry(TypedDict):
+    """What delays one path of the loop, all in seconds.
+
+    ``setpoint_age`` is how old the setpoint is that is taken, ``dead_time`` whole cycles until it
+    acts, ``hold`` the mean age of a held value, ``lag`` first-order lags (drive, filters);
+    ``total`` their sum.
+    """
+
+    path: str
+    setpoint_age: float
+    dead_time: float
+    hold: float
+    lag: float
+    total: float
+
+
+class JerkFeedforwardEntry(TypedDict):
+    """The recommended limits with some weight of the jerk feed-forward, worst case.
+
+    ``max_force`` is the largest |F_set| that the loop asks for, whatever the drive can give.
+    """
+
+    weight: float
+    used: bool
+    reference_delay: float
+    max_force: float
+    settling_time: float | None
+    residual_deviation: float | None
+
+
 class LoopPart(TypedDict):
     """The controller and how good its loop is; margins with the loop cut at F_set.
 
-    ``remarks`` say which rule chose what; ``warnings`` say what is poor about the loop, and are
-    part of the record's warnings, too.
+    ``gain_margin_up_db`` and ``gain_margin_down_db`` say by how much the gain may rise and fall
+    (null: by any amount), ``gain_margin_db`` is the smaller one. ``worst_corner`` and
+    ``worst_mode_damping`` are the least favourable values over ``corners``. ``disturbance`` is
+    the tool's displacement per newton (m/N, rad/(N m)) after a step of force on the line of the
+    drive, by the name of the loop. ``remarks`` say which rule chose what; ``warnings`` say what
+    is poor about the loop, and are part of the record's warnings, too.
     """
 
     Kv: float
@@ -326,6 +379,8 @@ class LoopPart(TypedDict):
     closed_loop: ClosedLoop
     poles: list[list[float]]
     gain_margin_db: float | None
+    gain_margin_up_db: float | None
+    gain_margin_down_db: float | None
     phase_margin_deg: float | None
     sensitivity_peak: float
     bandwidth_hz: float | None
@@ -334,6 +389,11 @@ class LoopPart(TypedDict):
     mode_damping: dict[str, float]
     variants: list[VariantEntry]
     worst_corner: dict[str, float | None]
+    worst_mode_damping: dict[str, float]
+    corners: list[LoopCornerEntry]
+    delays: list[DelayEntry]
+    disturbance: Series
+    jerk_feedforward: list[JerkFeedforwardEntry]
     bode: Series
     remarks: list[str]
     warnings: list[str]
@@ -393,30 +453,43 @@ class ComparedEntry(TypedDict):
 
 
 class FedForwardEntry(TypedDict):
-    """An optimal control fed forward while the loop corrects, on one machine."""
+    """An optimal control fed forward while the loop corrects, or the limits, on one machine."""
 
     control: str
     payload: float
     frequency_factor: float
     damping_factor: float
     settling_time: float | None
-    residual_deviation: float
+    residual_deviation: float | None
     peak_deviation: float
     saturated_share: float
 
 
 class ContinuousEntry(TypedDict):
-    """The recommended setpoint through the continuous approximation of the loop."""
+    """The recommended setpoint through the continuous approximation of the loop.
+
+    The differences are relative to the sampled loop on the nominal machine, by which all is
+    judged [-]; null where a loop does not settle.
+    """
 
     settling_time: float | None
     residual_deviation: float
+    settling_difference: float | None
+    residual_difference: float | None
 
 
 class ComparisonEntry(TypedDict):
-    """One move in the loop and by its optima."""
+    """One move in the loop and by its optima.
+
+    ``claims`` measure the two claims of the paper, terminal overshoot and a transfer time much
+    larger than the least one, a sentence each for the rectangular and the trapezoidal setpoint;
+    ``why_not_the_optimum`` says what each optimum does when it is fed forward.
+    """
 
     controls: list[ComparedEntry]
     fed_forward: list[FedForwardEntry]
+    claims: list[str]
+    why_not_the_optimum: list[str]
     continuous: ContinuousEntry
 
 

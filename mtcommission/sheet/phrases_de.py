@@ -337,6 +337,46 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, "
         'state_feedback = "off" setzen.',
     ),
+    # the paper's claims, and why the optimum is not fed forward
+    (
+        "The rectangular acceleration setpoint {-overshoot} and {-transfer}.",
+        "Der rechteckige Beschleunigungssollwert {overshoot} und {transfer}.",
+    ),
+    (
+        "The trapezoidal one with the recommended limits {-overshoot} and {-transfer}.",
+        "Der trapezförmige mit den empfohlenen Grenzwerten {overshoot} und {transfer}.",
+    ),
+    ("overshoots by {1} %", "schwingt um {1} % über"),
+    ("does not overshoot (less than 0.05 %)", "schwingt nicht über (weniger als 0,05 %)"),
+    (
+        "takes {1} ms, {2} times the least time of {3} ms",
+        "braucht {1} ms, das {2}-Fache der kürzesten Zeit von {3} ms",
+    ),
+    (
+        "does not settle, where the least time is {1} ms",
+        "schwingt nicht ein; die kürzeste Zeit ist {1} ms",
+    ),
+    ("recommended limits", "empfohlene Grenzwerte"),
+    (
+        "Fed forward, the {-name} control {-outcome}, where it leaves {1} {unit}.",
+        "Vorgesteuert: Die Steuerung „{name}“ {outcome}; dort lässt sie {1} {unit} übrig.",
+    ),
+    (
+        "The setpoint with the recommended limits {-outcome}, where it leaves {1} {unit}.",
+        "Der Sollwert mit den empfohlenen Grenzwerten {outcome}; dort lässt er {1} {unit} übrig.",
+    ),
+    (
+        "settles after {-one} on the machine as stated and after {-other} on the worst one",
+        "schwingt auf der Maschine laut Angaben nach {one} ein, auf der ungünstigsten nach {other}",
+    ),
+    ("no time looked at", "keiner betrachteten Zeit"),
+    (
+        "The band is {1} {unit}, the machines differ by up to {2} % in frequency, and controls "
+        "take acceleration and jerk, not a force every velocity cycle.",
+        "Das Band ist {1} {unit}, die Maschinen unterscheiden sich um bis zu {2} % in der "
+        "Frequenz, und Steuerungen nehmen Beschleunigung und Ruck entgegen, keine Kraft in jedem "
+        "Geschwindigkeitsreglertakt.",
+    ),
     # remarks on the optima
     ("Optimum under the bounds on peaks: {-error}.", "Optimum mit Höchstwerten: {error}."),
     ("Damping-optimal control: {-error}.", "Dämpfungsoptimale Steuerung: {error}."),
