@@ -121,6 +121,8 @@ def run_wizard(
     _summarise(console, answers, machine, output)
     may_ask = offers_run and not take_defaults and console.is_interactive
     wants_run = may_ask and _offer_run(console)
+    if offers_run and not wants_run:
+        console.tell(f"Compute the limits with: mtcommission run {output}")
     return Session(ending=Ending.WRITTEN, wants_run=wants_run)
 
 
