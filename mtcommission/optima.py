@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, pi
+from math import isfinite
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits import MotionLimits, condense
@@ -81,7 +81,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     Optima
     """
     force = machine.drive.motion_force
-    time = _find_reference(plant, move, force_limit=force)
+    time = find_time_optimum(plant, move, force_limit=force, bounds=())
     constrained, remarks = None, []
     if time.method == "composed":
         remarks.append(
@@ -110,26 +110,6 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
         damping=damping,
         remarks=tuple(remarks),
     )
-
-
-LONG_CRUISE = 2.0
-"""Periods of the slowest mode from which a cruise counts as long: the exact search then needs
-some ten seconds or does not end (measured on the shipped profiles), and what the modes can
-still gain by ringing through the cruise is a few per cent at most (the gap says how much)."""
-
-
-def _find_reference(plant: Plant, move: Move, *, force_limit: float) -> TimeOptimum:
-    """Return the time-optimal reference of a move, composed where it cruises for long."""
-    if isinstance(move, Positioning) and isfinite(move.max_velocity):
-        slowest = min(mode.natural_frequency for mode in plant.modes)
-        limit = LONG_CRUISE * 2.0 * pi / slowest
-        rigid = move.max_velocity * plant.moving_mass / force_limit
-        if move.distance / move.max_velocity - rigid > limit:
-            composed = compose_cruise(plant, move, force_limit=force_limit)
-            cruise = composed.arcs[len(composed.arcs) // 2]
-            if cruise.t_end - cruise.t_start > limit:
-                return composed
-    return find_time_optimum(plant, move, force_limit=force_limit, bounds=())
 
 
 def find_time_optimum(

@@ -195,8 +195,10 @@ def _place(problem: BoundedProblem, sequence: Sequence, zone: DensityZone) -> _P
     if order not in DIP_LENGTH:
         return None
     room = ROOM * min(middle - start, float(ends[index]) - middle)
-    half = 0.25 * DIP_LENGTH[order] * (zone.start - zone.end)
-    return _Place(index=index, start=start, middle=middle, half=min(half, room))
+    half = min(0.25 * DIP_LENGTH[order] * (zone.start - zone.end), room)
+    if half < VANISHED * float(ends[-1]):
+        return None
+    return _Place(index=index, start=start, middle=middle, half=half)
 
 
 def _state_at(problem: BoundedProblem, sequence: Sequence, t: float) -> Array:
@@ -235,6 +237,8 @@ def _solved_dip(miss: Callable[[Array], Array], first: Array, length: float) -> 
         value = miss(first)
         columns = [(miss(first + step * unit) - value) / step for unit in np.eye(first.size)]
         first = first - np.linalg.lstsq(np.column_stack(columns), value, rcond=None)[0]
+        if not np.abs(first).max() < length:
+            return None
     lengths = np.append(first, length - float(first.sum()))
     return lengths if np.all(lengths > 0.0) else None
 

@@ -31,6 +31,10 @@ LOOSE = 1e-6
 FEASIBILITY = 1e-10
 """Tolerance of the simplex method: its smallest."""
 
+MOST_ITERATIONS = 3000
+"""Steps of the simplex method after which a program is given up: several times what those that
+end need (measured), and an end for those that turn in circles within the rounding."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
@@ -198,6 +202,7 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         options={
             "primal_feasibility_tolerance": FEASIBILITY,
             "dual_feasibility_tolerance": FEASIBILITY,
+            "maxiter": MOST_ITERATIONS,
         },
     )
     if result.status != 0 or result.x is None:
