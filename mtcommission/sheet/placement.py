@@ -9,9 +9,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-DIRECTIONS = 12
-RINGS = (1.0, 1.6, 2.4, 3.4, 4.6, 6.0)
+DIRECTIONS = 16
+RINGS = (1.0, 1.6, 2.4, 3.4, 4.6, 6.0, 8.0, 11.0)
 """Directions and distances tried, the nearest first."""
+
+AIR = 0.5
+"""Room kept free around a label."""
 
 
 def place_labels(points: Array, sizes: Array, *, width: float, height: float, gap: float) -> Array:
@@ -46,7 +49,8 @@ def place_labels(points: Array, sizes: Array, *, width: float, height: float, ga
     centres = np.zeros_like(points)
     for k, (point, size) in enumerate(zip(points, sizes, strict=True)):
         tried = _candidates(point, size, gap)
-        spots = np.hstack([tried - size / 2, tried + size / 2])
+        half = size / 2 + AIR
+        spots = np.hstack([tried - half, tried + half])
         cost = _covered(spots, symbols) + _covered(spots, boxes)
         cost += 10.0 * _outside(spots, width, height)
         best = int(np.argmin(cost))

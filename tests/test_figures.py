@@ -1,0 +1,205 @@
+"""Plots for print: every value at its place, every label readable."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
+
+from mtcommission.sheet.axes import Axis, span
+from mtcommission.sheet.canvas import SIZE, text_width, write_png
+from mtcommission.sheet.figures import draw_svg, drop_straight
+from mtcommission.sheet.format import tick_text
+from mtcommission.sheet.labels_de import GERMAN
+from mtcommission.sheet.labels_en import ENGLISH
+from mtcommission.sheet.placement import place_labels
+from mtcommission.sheet.plot_model import Border, HeatMap, Line, LinePlot, Mark, Panel, PointPlot
+
+ENDS = st.tuples(st.floats(min_value=-1e6, max_value=1e6), st.floats(min_value=1e-6, max_value=1e6))
+
+
+@given(ENDS, st.integers(min_value=3, max_value=12))
+def test_even_ticks_are_round_few_and_inside(ends, most):
+    """A plot with no tick, or with a hundred, or with ticks at 0.137, cannot be read."""
+    low, width = ends
+    axis = Axis(low=low, high=low + width, begin=0.0, end=100.0)
+    if axis.low == axis.high:
+        return
+    found = axis.ticks(most=most)
+    step = (axis.high - axis.low) / most
+    assert len(found) <= most + 1
+    assert len(found) >= 1 or most < 4
+    assert all(axis.low - 1e-6 * step <= tick <= axis.high + 1e-6 * step for tick in found)
+    if len(found) > 1:
+        gap = found[1] - found[0]
+        mantissa = float(f"{gap:.6e}".partition("e")[0])
+        # Far from zero, the difference of two ticks has lost digits.
+        if abs(low) < 1e6 * gap:
+            assert min(abs(mantissa - nice) for nice in (1.0, 2.0, 5.0, 10.0)) < 1e-3
+
+
+@given(st.floats(min_value=1e-6, max_value=1e6), st.floats(min_value=1.2, max_value=1e6))
+def test_logarithmic_ticks_are_inside_and_at_least_two(low, ratio):
+    axis = Axis(low=low, high=low * ratio, begin=0.0, end=100.0, is_log=True)
+    found = axis.ticks()
+    assert len(found) >= 2
+    assert all(axis.low * (1 - 1e-9) <= tick <= axis.high * (1 + 1e-9) for tick in found)
+
+
+@given(st.lists(st.floats(min_value=1e-9, max_value=1e9), min_size=1, max_size=20), st.booleans())
+def test_every_value_is_seen(values, is_log):
+    low, high = span([np.array(values)], is_log=is_log)
+    assert low < min(values)
+    assert max(values) < high
+    axis = Axis(low=low, high=high, begin=10.0, end=20.0, is_log=is_log)
+    places = axis.at(np.array(values))
+    assert np.all((places > 10.0) & (places < 20.0))
+
+
+def test_nothing_to_show_still_has_axes():
+    assert span([np.array([np.nan])], is_log=False) == (0.0, 1.0)
+    assert span([], is_log=True) == (1.0, 10.0)
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.floats(min_value=0.0, max_value=430.0), st.floats(min_value=0.0, max_value=120.0)
+        ),
+        min_size=1,
+        max_size=16,
+    )
+)
+def test_labels_hide_neither_each_other_nor_leave_the_frame(points):
+    """Rules of thumb often end up in the same corner; their numbers must not."""
+    places = np.array(points)
+    sizes = np.array([[text_width(str(k)), SIZE] for k in range(len(points))])
+    centres = place_labels(places, sizes, width=432.0, height=128.0, gap=3.0)
+    low, high = centres - sizes / 2, centres + sizes / 2
+    for i in range(len(points)):
+        for k in range(i):
+            beside = np.any(low[i] >= high[k] - 1e-9) or np.any(low[k] >= high[i] - 1e-9)
+            assert beside, (i, k)
+    assert np.all(low >= -1e-9)
+    assert np.all(high <= (432.0 + 1e-9, 128.0 + 1e-9))
+
+
+@given(st.integers(min_value=3, max_value=400), st.integers(min_value=0, max_value=2**32 - 1))
+def test_points_left_out_change_nothing_that_is_seen(count, seed):
+    """Compared at every place of the full curve; 0.05 pt is a sixtieth of a millimetre."""
+    generator = np.random.default_rng(seed)
+    x = np.linspace(0.0, 430.0, count)
+    y = np.cumsum(generator.choice([0.0, 0.0, 0.001, -0.3, 2.0], size=count))
+    kept = drop_straight(np.column_stack([x, y]))
+    assert np.max(np.abs(np.interp(x, kept[:, 0], kept[:, 1]) - y)) < 0.05
+    assert kept[0].tolist() == [x[0], y[0]]
+    assert kept[-1].tolist() == [x[-1], y[-1]]
+
+
+def test_a_spike_is_no_straight():
+    spike = np.array([[0.0, 0.0], [1.0, 5.0], [1.0, 0.0], [2.0, 0.0]])
+    assert drop_straight(spike).tolist() == spike.tolist()
+
+
+def test_the_picture_of_a_map_reads_back():
+    """Read by the specification: filter 0, grey with alpha, white is the least value."""
+    grey = np.array([[0.0, 0.5, 1.0], [np.nan, 0.2, 0.8]])
+    data = write_png(grey)
+    width, height, depth, kind = struct.unpack(">IIBB", data[16:26])
+    assert (width, height, depth, kind) == (3, 2, 8, 4)
+    begin = data.index(b"IDAT") + 4
+    length = struct.unpack(">I", data[begin - 8 : begin - 4])[0]
+    rows = np.frombuffer(zlib.decompress(data[begin : begin + length]), np.uint8).reshape(2, 7)
+    assert rows[:, 0].tolist() == [0, 0]
+    assert rows[:, 1::2].tolist() == [[255, 128, 0], [255, 204, 51]]
+    assert rows[:, 2::2].tolist() == [[255, 255, 255], [0, 255, 255]]
+
+
+def line_plot(**changes):
+    x = np.linspace(0.0, 10.0, 11)
+    line = Line(label="a & b", x=x, y=x**2, style=4)
+    panel = Panel(y_label="y in m", lines=(line,), borders=(Border(label="top", y=150.0),))
+    options = {"x_is_log": False, "panels": (panel,)} | changes
+    return LinePlot(key="k", caption="c", alt="a", x_label="x in s", link="k", **options)
+
+
+def test_a_curve_lies_where_its_numbers_are():
+    svg = draw_svg(line_plot()).decode()
+    # The first one is the sample in the legend; the curve is inside the clipped group.
+    curve = re.search(r'<g clip-path.*?<path d="M([^"]*)"[^>]*stroke="#0b4f9e"', svg, re.DOTALL)
+    assert curve
+    points = np.array([[float(v) for v in part.split()] for part in curve[1].split("L")])
+    x = (points[:, 0] - points[0, 0]) / (points[-1, 0] - points[0, 0])
+    y = (points[:, 1] - points[0, 1]) / (points[-1, 1] - points[0, 1])
+    np.testing.assert_allclose(y, x**2, atol=2e-3)
+    assert "a &amp; b" in svg
+
+
+def test_a_marked_point_stands_in_the_legend_with_its_number():
+    marks = tuple(Mark(label=f"rule {k}", x=10.0 + k, y=5.0 + k, style=min(k, 2)) for k in range(4))
+    plot = PointPlot(
+        key="k",
+        caption="c",
+        alt="a",
+        x_label="x",
+        y_label="y",
+        marks=marks,
+        border=Border(label="band", y=5.0),
+    )
+    words = re.findall(r">([^<>]+)</text>", draw_svg(plot).decode())
+    assert {"rule 0", "1 rule 1", "2 rule 2", "3 rule 3", "band", "1", "2", "3"} <= set(words)
+
+
+def test_the_chosen_point_of_a_map_is_explained():
+    plot = HeatMap(
+        key="k",
+        caption="c",
+        alt="a",
+        x_label="x",
+        y_label="y",
+        value_label="v",
+        x=np.array([1.0, 2.0, 4.0]),
+        y=np.array([1.0, 2.0]),
+        values=np.array([[1.0, 2.0, np.nan], [2.0, 4.0, 8.0]]),
+        missing_label="m",
+        chosen=Mark(label="chosen", x=2.0, y=1.5, style=0),
+    )
+    svg = draw_svg(plot, decimal_mark=",").decode()
+    assert ">chosen</text>" in svg
+    assert svg.count("#d00000") == 2
+    assert {"1", "8"} <= set(re.findall(r">([^<>]+)</text>", svg))
+
+
+@pytest.mark.parametrize("labels", [ENGLISH, GERMAN], ids=["en", "de"])
+def test_names_of_curves_keep_to_their_room_in_the_legend(labels):
+    """The room is estimated from the number of letters; the drawn word is the truth."""
+    font = FontProperties(family="DejaVu Sans")
+    for key in (
+        "setpoint",
+        "response",
+        "time_optimal",
+        "constrained",
+        "damping_optimal",
+        "open_loop",
+        "closed_velocity",
+        "usage_border",
+        "residual_border",
+        "chosen",
+        "recommended",
+        "machines",
+    ):
+        words = getattr(labels, key)
+        drawn = TextPath((0, 0), words, size=SIZE, prop=font, usetex=False).get_extents().width
+        assert drawn < text_width(words) + 8.0, words
+
+
+def test_ticks_speak_the_language():
+    assert tick_text(0.5, ",") == "0,5"
+    assert tick_text(-1e-7, ".") == "−1×10⁻⁷"
