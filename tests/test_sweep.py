@@ -8,6 +8,7 @@ import multiprocessing
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -271,6 +272,29 @@ def test_full_disk_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame) -> Non
     assert resumed(tmp_path).equals(undisturbed)
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="mounts a tmpfs")
+def test_really_full_disk_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
+    """A disk that fills up midway: a message, exit code 2, and --resume once there is space."""
+    small = tmp_path / "small"
+    small.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=12k", "tmpfs", str(small)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode != 0:
+        pytest.skip("only root may mount; the quota above stands in")
+    try:
+        stopped = subprocess.run(command(small), capture_output=True, text=True, check=False)
+        assert stopped.returncode == 2, stopped.stderr
+        assert "No space left" in stopped.stderr
+        assert "--resume" in stopped.stderr
+        before = (small / NAME).read_bytes()
+        assert before.endswith(b"\n")
+        assert before.count(b"\n") > 1
+        subprocess.run(["mount", "-o", "remount,size=4m", str(small)], check=True)
+        assert resumed(small).equals(undisturbed)
+        assert (small / NAME).read_bytes().startswith(before)
+    finally:
+        subprocess.run(["umount", str(small)], check=True)
+
+
 def test_lost_worker_and_any_number_of_workers(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
     """A killed process costs its piece at most; two processes give the rows of one."""
     killed: list[int] = []
@@ -520,9 +544,83 @@ def test_page_shows_the_rows_and_the_profile_of_each_case(tmp_path: Path) -> Non
     assert parse_profile(profile, where="p") == parse_profile(expected, where="p")
 
 
+def test_lines_of_the_readme_do_what_they_say(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whoever copies them gets certified columns, the same as the command's."""
+    readme = (PAPER.parent.parent / "README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)
+    lines = next(block for block in blocks if "sweep" in block)
+    assert len([line for line in lines.splitlines() if line.strip()]) <= 6
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "profiles").symlink_to(PAPER.parent)
+    names: dict[str, Any] = {}
+    exec(lines, names)
+    assert capsys.readouterr().out.endswith("True\n")
+    frame = names["table"].frame
+    assert frame["t_f"].to_list() == pytest.approx(
+        [0.082396, 0.04352, 0.036119, 0.026324], rel=1e-4
+    )
+    axis = read_axis(names["forces"], where="--vary")
+    command_rows = read_table(plan_of(axis), run_sweep(plan_of(axis), folder=tmp_path / "b")).frame
+    assert frame.drop("inputs").equals(command_rows.drop("inputs"))
+
+
+CLICKS = """<script>
+document.querySelectorAll("#head button")[1].click();
+document.querySelectorAll("#head button")[1].click();
+document.querySelector("#body button").click();
+setTimeout(() => {
+  const drawn = [...document.querySelectorAll("canvas")].map((canvas) =>
+    canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v));
+  document.documentElement.dataset.drawn = drawn.filter((is) => is).length;
+}, 500);
+</script></body>"""
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs chromium")
+def test_page_in_a_browser(tmp_path: Path) -> None:
+    """Sorting, the profile behind a row and the plots work where people will open the page."""
+    plan = plan_of(read_axis("drive.max_force=1kN,3kN,2kN", where="--f-max"))
+    table = read_table(plan, run_sweep(plan, folder=tmp_path))
+    page = print_sweep(plan, table, created="2025-01-01")
+    unguarded = re.sub(r"<meta http-equiv=\"Content-Security-Policy\"[^>]*>", "", page)
+    (tmp_path / "page.html").write_text(unguarded.replace("</body>", CLICKS), encoding="utf-8")
+    browser = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1300,4000"]
+    browser += ["--virtual-time-budget=5000", "--dump-dom", f"--user-data-dir={tmp_path}/browser"]
+    seen = subprocess.run(
+        [*browser, (tmp_path / "page.html").as_uri()], capture_output=True, text=True, check=True
+    ).stdout
+    body = seen[seen.index('<tbody id="body">') : seen.index("</tbody>")]
+    assert re.findall(r"<button[^>]*>(\d)</button>", body) == ["1", "2", "0"], (
+        "sorted by F_max, down"
+    )
+    shown = html.unescape(seen[seen.index('<pre id="profile">') + 18 : seen.index("</pre>")])
+    expected = vary_profile(TEXT, plan.settings(1), where="p")
+    assert parse_profile(shown, where="p") == parse_profile(expected, where="p")
+    assert f'data-drawn="{len(page_data(page)["plotted"]) + 1}"' in seen
+
+
+def test_bands_and_summary_speak_of_requirements_where_limits_are_chosen(tmp_path: Path) -> None:
+    """A certified optimum must not be counted as met requirements."""
+    tight = TEXT.replace(
+        'tcp_deviation = "5 um"', 'tcp_deviation = "5 um"\nmax_settling_time = 0.12'
+    )
+    assert tight != TEXT
+    plan = replace(plan_of(quantity=Quantity.LIMITS), profile_text=tight)
+    plan = replace(plan, axes=(read_axis("drive.max_force=0.6kN,2kN", where="--f-max"),))
+    table = read_table(plan, run_sweep(plan, folder=tmp_path))
+    assert table.frame["certified"].all()
+    assert table.frame["requirements_met"].to_list() == [False, True]
+    summary = summarise_table(table)
+    assert "requirements met: 1" in summary.text
+    assert not summary.is_met
+    assert page_data(print_sweep(plan, table, created=""))["flag"] == "requirements_met"
+
+
 def test_page_runs_nothing_but_its_own_script(tmp_path: Path) -> None:
     """A profile from elsewhere must not bring a script, nor the page call any network."""
-    hostile = TEXT.replace('Table 1"', '</script><script>alert(1)</script>"', 1)
+    hostile = TEXT.replace('name = "', 'name = "</script><script>alert(1)</script>', 1)
     plan = replace(plan_of(), profile_text=hostile, where="<b>x</b>")
     page = print_sweep(
         plan, read_table(plan, run_sweep(plan, folder=tmp_path)), created="2025-01-01"

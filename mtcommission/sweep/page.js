@@ -1,9 +1,19 @@
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
 const columns = data.columns, count = data.count, PAGE = 50;
+for (const column of columns) if (!("values" in column)) column.values = new Array(count).fill(column.all);
 const by = new Map(columns.map((column) => [column.name, column]));
 const $ = (id) => document.getElementById(id);
-const title = (column) => column.unit ? `${column.name} [${column.unit}]` : column.name;
+const PREFIXES = [[1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
+for (const column of columns) {
+  // Numbers are shown between 1 and 1000 where the unit takes a prefix; the files stay in SI.
+  let largest = 0;
+  if (column.kind === "float") for (const value of column.values) if (value !== null && Math.abs(value) > largest) largest = Math.abs(value);
+  const takes = /^(m|s|N|rad)(?![a-zA-Z])/.test(column.unit);
+  const [size, prefix] = (takes && PREFIXES.find(([limit]) => largest >= limit)) || [1, ""];
+  column.size = size; column.shown = prefix + column.unit;
+}
+const title = (column) => column.shown ? `${column.name} [${column.shown}]` : column.name;
 const number = (value) => value === null ? "" : String(Number(value.toPrecision(6)));
 const short = (value) => String(Number(value.toPrecision(4)));
 const text = (column, row) => {
@@ -11,11 +21,15 @@ const text = (column, row) => {
   if (value === null) return "";
   if (column.kind === "str") return column.words[value];
   if (column.kind === "bool") return value ? "yes" : "no";
-  return number(value);
+  return number(value / column.size);
 };
 const numeric = (column) => column.kind === "float" || column.kind === "int";
 const keys = columns.filter((column) => column.varies && numeric(column));
 const results = columns.filter((column) => column.result && numeric(column));
+const plotted = data.plotted.map((name) => by.get(name));
+const bounds = keys.filter((column) => column.name.startsWith("requirements.peaks."));
+const parameter = bounds[0] || keys[0];
+const labelled = parameter && count <= 200;
 const flag = by.get(data.flag);
 const colour = (row) => flag.values[row] ? "#1a7f37" : "#b42318";
 
@@ -45,47 +59,95 @@ function prepare(canvas) {
   return { pen, width: box.width, height: box.height };
 }
 
-function axes(pen, width, height, x, y, xColumn) {
+function axes(pen, width, height, x, y, xColumn, yColumn) {
   pen.fillStyle = pen.strokeStyle = "#57606a";
   pen.strokeRect(72.5, 8.5, width - 84, height - 44);
-  pen.textAlign = "right"; pen.fillText(short(y.high), 68, 18); pen.fillText(short(y.low), 68, height - 38);
-  pen.fillText(short(x.high), width - 12, height - 20);
-  pen.textAlign = "left"; pen.fillText(short(x.low), 72, height - 20);
+  pen.textAlign = "right"; pen.fillText(short(y.high / yColumn.size), 68, 18); pen.fillText(short(y.low / yColumn.size), 68, height - 38);
+  pen.fillText(short(x.high / xColumn.size), width - 12, height - 20);
+  pen.textAlign = "left"; pen.fillText(short(x.low / xColumn.size), 72, height - 20);
   pen.textAlign = "center"; pen.fillText(title(xColumn), width / 2, height - 5);
 }
 
-function scatter(canvas, xColumn, yColumn, log, ringed) {
+// Where every case at a place of the horizontal axis is good, and where some are.
+function bands(pen, height, xColumn, x, log) {
+  const places = new Map();
+  for (let row = 0; row < count; row++) {
+    const value = xColumn.values[row];
+    if (value === null || (log && value <= 0)) continue;
+    const px = Math.round(x.at(value)), seen = places.get(px) || [0, 0];
+    seen[flag.values[row] ? 0 : 1]++; places.set(px, seen);
+  }
+  const sorted = [...places.keys()].sort((a, b) => a - b);
+  sorted.forEach((px, i) => {
+    const left = i ? (sorted[i - 1] + px) / 2 : px - 5, right = i + 1 < sorted.length ? (px + sorted[i + 1]) / 2 : px + 5;
+    const [good, bad] = places.get(px);
+    pen.fillStyle = bad === 0 ? "#d7f0dd" : good === 0 ? "#fbe0dd" : "#fdf3cf";
+    pen.fillRect(left, 9, right - left + 0.3, height - 45);
+  });
+}
+
+// Many points are drawn once for each pixel that they share.
+function dots(pen, points) {
+  const size = count > 2000 ? 1.5 : 4, taken = new Set();
+  for (const [px, py, row] of points) {
+    if (count > 2000) {
+      const place = Math.round(py) * 65536 + Math.round(px) * 2 + (flag.values[row] ? 1 : 0);
+      if (taken.has(place)) continue;
+      taken.add(place);
+    }
+    pen.fillStyle = colour(row);
+    pen.fillRect(px - size / 2, py - size / 2, size, size);
+  }
+}
+
+function nearest(canvas, points, event) {
+  const box = canvas.getBoundingClientRect(), px = event.clientX - box.left, py = event.clientY - box.top;
+  let best = null, least = 400;
+  for (const point of points) {
+    const distance = (point[0] - px) ** 2 + (point[1] - py) ** 2;
+    if (distance < least) { least = distance; best = point; }
+  }
+  return best;
+}
+
+function listen(canvas, points, shown) {
+  canvas.onmousemove = (event) => {
+    const point = nearest(canvas, points, event);
+    canvas.title = point ? `case ${point[2]}: ${shown.map((column) => `${title(column)} ${text(column, point[2])}`).join(", ")}` : "";
+  };
+  canvas.onclick = (event) => { const point = nearest(canvas, points, event); if (point) showProfile(point[2]); };
+}
+
+function scatter(canvas, xColumn, yColumn, log, front) {
   const { pen, width, height } = prepare(canvas);
   const x = scaleOf(xColumn.values, 78, width - 18, log), y = scaleOf(yColumn.values, height - 42, 14, false);
-  axes(pen, width, height, x, y, xColumn);
-  const size = count > 2000 ? 1.5 : 4, drawn = [];
+  if (!front) bands(pen, height, xColumn, x, log);
+  axes(pen, width, height, x, y, xColumn, yColumn);
+  const drawn = [];
   for (let row = 0; row < count; row++) {
     const a = xColumn.values[row], b = yColumn.values[row];
     if (a === null || b === null || (log && a <= 0)) continue;
-    const point = [x.at(a), y.at(b), row];
-    drawn.push(point);
-    pen.fillStyle = colour(row);
-    pen.fillRect(point[0] - size / 2, point[1] - size / 2, size, size);
+    drawn.push([x.at(a), y.at(b), row]);
   }
-  if (ringed) {
-    const wanted = new Set(ringed);
-    pen.strokeStyle = "#1b1f24";
-    for (const [px, py, row] of drawn) if (wanted.has(row)) { pen.beginPath(); pen.arc(px, py, 5, 0, 7); pen.stroke(); }
+  dots(pen, drawn);
+  if (front) ring(pen, width, front, x, y, xColumn, yColumn);
+  listen(canvas, drawn, [...new Set([...keys, xColumn, yColumn])]);
+}
+
+// The front as a line, its points ringed and, as far as there is room, with the parameter's value.
+function ring(pen, width, front, x, y, xColumn, yColumn) {
+  const places = front.map((row) => [x.at(xColumn.values[row]), y.at(yColumn.values[row]), row]);
+  pen.strokeStyle = pen.fillStyle = "#1b1f24"; pen.beginPath();
+  places.forEach(([px, py], i) => (i ? pen.lineTo(px, py) : pen.moveTo(px, py)));
+  pen.stroke();
+  let last = null;
+  for (const [px, py, row] of places) {
+    pen.beginPath(); pen.arc(px, py, 5, 0, 7); pen.stroke();
+    if (!labelled || (last && Math.hypot(px - last[0], py - last[1]) < 40)) continue;
+    last = [px, py];
+    pen.textAlign = px > width - 90 ? "right" : "left";
+    pen.fillText(short(parameter.values[row] / parameter.size), px + (px > width - 90 ? -8 : 8), Math.max(py - 6, 20));
   }
-  const nearest = (event) => {
-    const box = canvas.getBoundingClientRect(), px = event.clientX - box.left, py = event.clientY - box.top;
-    let best = null, least = 400;
-    for (const point of drawn) {
-      const distance = (point[0] - px) ** 2 + (point[1] - py) ** 2;
-      if (distance < least) { least = distance; best = point; }
-    }
-    return best;
-  };
-  canvas.onmousemove = (event) => {
-    const point = nearest(event);
-    canvas.title = point ? `case ${point[2]}: ${text(xColumn, point[2])}, ${text(yColumn, point[2])}` : "";
-  };
-  canvas.onclick = (event) => { const point = nearest(event); if (point) showProfile(point[2]); };
 }
 
 function figure(parent, caption) {
@@ -113,29 +175,41 @@ function fill(select, options, chosen) {
   }
 }
 
-function drawPlots() {
-  const x = by.get($("x").value);
-  results.forEach((column, i) => scatter($("plots").querySelectorAll("canvas")[i], x, column, $("log").checked, null));
-}
+// A plot is drawn when it comes into view, so that a long page opens at once.
+const painters = new Map(), stale = new Set(), visible = new Set();
+const paint = (canvas) => { if (stale.delete(canvas)) painters.get(canvas)(); };
+const watcher = new IntersectionObserver((entries) => {
+  for (const entry of entries) {
+    if (entry.isIntersecting) { visible.add(entry.target); paint(entry.target); } else visible.delete(entry.target);
+  }
+});
+function redraw(canvas) { stale.add(canvas); if (visible.has(canvas)) paint(canvas); }
+function keep(canvas, painter) { painters.set(canvas, painter); stale.add(canvas); watcher.observe(canvas); }
 
-function drawTrade() {
+function drawTrade(canvas) {
   const x = by.get($("tx").value), y = by.get($("ty").value);
-  scatter($("trade").querySelector("canvas"), x, y, false, pareto(x, y));
+  $("trade-caption").textContent = `${title(y)} over ${title(x)}` + (labelled ? `; numbers: ${title(parameter)}` : "");
+  scatter(canvas, x, y, false, pareto(x, y));
 }
 
-function drawHeat() {
-  const canvas = $("heat").querySelector("canvas"), { pen, width, height } = prepare(canvas);
+function drawHeat(canvas) {
+  const { pen, width, height } = prepare(canvas);
   const [xColumn, yColumn] = keys, value = by.get($("hv").value), [low, high] = range(value.values, false);
   const place = (column) => new Map([...new Set(column.values)].sort((a, b) => a - b).map((v, i) => [v, i]));
   const xs = place(xColumn), ys = place(yColumn), w = (width - 84) / xs.size, h = (height - 44) / ys.size;
+  const middles = [];
   for (let row = 0; row < count; row++) {
     const v = value.values[row], share = (v - low) / (high - low || 1);
+    const px = 72 + w * xs.get(xColumn.values[row]), py = height - 36 - h * (ys.get(yColumn.values[row]) + 1);
     pen.fillStyle = v === null ? "#b0b0b0" : `hsl(${240 - 190 * share} 70% ${35 + 35 * share}%)`;
-    pen.fillRect(72 + w * xs.get(xColumn.values[row]), height - 36 - h * (ys.get(yColumn.values[row]) + 1), w + 0.5, h + 0.5);
+    pen.fillRect(px, py, w + 0.5, h + 0.5);
+    if (!flag.values[row] && v !== null && w > 3 && h > 3) { pen.fillStyle = "#b42318"; pen.fillRect(px + w / 2 - 1, py + h / 2 - 1, 3, 3); }
+    middles.push([px + w / 2, py + h / 2, row]);
   }
   const [xl, xh] = range(xColumn.values, false), [yl, yh] = range(yColumn.values, false);
-  axes(pen, width, height, { low: xl, high: xh }, { low: yl, high: yh }, xColumn);
-  $("heat-scale").textContent = `Vertical: ${title(yColumn)}. Blue ${number(low)} to yellow ${number(high)}; grey: no result.`;
+  axes(pen, width, height, { low: xl, high: xh }, { low: yl, high: yh }, xColumn, yColumn);
+  $("heat-scale").textContent = `Vertical: ${title(yColumn)}. Blue ${number(low / value.size)} to yellow ${number(high / value.size)}; grey: no result; red dot: not ${data.good}. Equal steps for equal places in the list of values.`;
+  listen(canvas, middles, [xColumn, yColumn, value]);
 }
 
 let order = Array.from({ length: count }, (_, row) => row), page = 0, sorted = "", falling = false;
@@ -198,20 +272,24 @@ $("back").onclick = () => { page--; drawRows(); };
 $("on").onclick = () => { page++; drawRows(); };
 const xs = keys.length ? keys : [by.get("case")];
 fill($("x"), xs, xs[0].name);
-const last = results.length - 1;
-fill($("tx"), [...results, ...keys], (by.get("settling_time") || results[0]).name);
-fill($("ty"), [...results, ...keys], (by.get("residual_deviation") || results[last]).name);
-results.forEach((column) => figure($("plots"), title(column)));
-figure($("trade"), "Trade-off");
-for (const id of ["x", "log"]) $(id).onchange = drawPlots;
-for (const id of ["tx", "ty"]) $(id).onchange = drawTrade;
-drawRows(); drawPlots(); drawTrade();
+const peak = bounds.length ? by.get(`peak_${bounds[0].name.slice(19)}`) : undefined;
+const firstOf = (...names) => names.map((name) => by.get(name)).find((column) => column);
+fill($("tx"), [...results, ...keys], firstOf("settling_time", "t_f").name);
+fill($("ty"), [...results, ...keys], (peak || firstOf("peak_tcp_vibration", "residual_deviation") || results[results.length - 1]).name);
+const over = plotted.map((column) => [figure($("plots"), title(column)), column]);
+for (const [canvas, column] of over) keep(canvas, () => scatter(canvas, by.get($("x").value), column, $("log").checked, null));
+for (const id of ["x", "log"]) $(id).onchange = () => over.forEach(([canvas]) => redraw(canvas));
+const trade = figure($("trade"), "Trade-off");
+trade.previousSibling.id = "trade-caption";
+keep(trade, () => drawTrade(trade));
+for (const id of ["tx", "ty"]) $(id).onchange = () => redraw(trade);
 if (keys.length === 2) {
   $("heat-section").hidden = false;
-  fill($("hv"), results, results[0].name);
-  figure($("heat"), "Map");
-  $("hv").onchange = drawHeat;
-  drawHeat();
+  fill($("hv"), results, (by.get("settling_time") || results[0]).name);
+  const map = figure($("heat"), "Map");
+  keep(map, () => drawHeat(map));
+  $("hv").onchange = () => redraw(map);
 }
-window.onresize = () => { drawPlots(); drawTrade(); if (keys.length === 2) drawHeat(); };
+drawRows();
+window.onresize = () => { for (const canvas of painters.keys()) redraw(canvas); };
 document.documentElement.dataset.ready = "yes";

@@ -19,6 +19,8 @@ from mtcommission.sweep.table import SweepTable, summarise_table
 FOLDER = Path(__file__).parent
 DIGITS = 7
 """Significant digits on the page; the files beside it have all."""
+UNPLOTTED = ("t_f_lower_bound", "relative_gap")
+"""Proofs, which say yes or no; they stand in the table."""
 LEFT_OUT = ("inputs", "switching_times")
 """Long texts of every row; they stand in the files."""
 
@@ -49,7 +51,6 @@ def print_sweep(plan: Plan, table: SweepTable, *, created: str) -> str:
         "default-src 'none'; base-uri 'none'; form-action 'none'; "
         f"style-src {_hash_source(style)}; script-src {_hash_source(script)}"
     )
-    is_optimal = plan.quantity is Quantity.OPTIMAL
     return environment.get_template("page.html").render(
         name=plan.where,
         policy=policy,
@@ -58,19 +59,30 @@ def print_sweep(plan: Plan, table: SweepTable, *, created: str) -> str:
         summary=summarise_table(table).text,
         quantity=plan.quantity.value,
         created=created,
-        good="certified" if is_optimal else "all requirements met",
+        good=_good(plan),
         data=_json_for_script(_page_data(plan, table)),
     )
+
+
+def _good(plan: Plan) -> str:
+    return "certified" if plan.quantity is Quantity.OPTIMAL else "all requirements met"
 
 
 def _page_data(plan: Plan, table: SweepTable) -> dict[str, Any]:
     places = tuple((key, f"@@{place}@@") for place, key in enumerate(plan.keys))
     place = [column.name for column in table.columns].index("t_f")
     results = {column.name for column in table.columns[place:-2]}
+    plotted = [
+        column.name
+        for column in table.columns[place:-2]
+        if column.kind in ("float", "int") and column.name not in UNPLOTTED
+    ]
     shown = [column for column in table.columns if column.name not in LEFT_OUT]
     return {
         "count": table.frame.height,
         "flag": "certified" if plan.quantity is Quantity.OPTIMAL else "requirements_met",
+        "good": _good(plan),
+        "plotted": plotted,
         "keys": plan.keys,
         "template": vary_profile(plan.profile_text, places, where=plan.where),
         "columns": [
@@ -93,6 +105,10 @@ def _column(column: Column, values: pl.Series, *, is_exact: bool) -> dict[str, A
         found["values"] = kept.set(~kept.is_finite().fill_null(value=False), None).to_list()
     else:
         found["values"] = values.to_list()
+    listed = found["values"]
+    if len(listed) > 1 and listed.count(listed[0]) == len(listed):
+        found["all"] = listed[0]
+        del found["values"]
     return found
 
 

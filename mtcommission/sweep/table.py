@@ -138,7 +138,7 @@ def summarise_table(table: SweepTable) -> Summary:
     """
     frame = table.frame
     outcomes = frame["outcome"].value_counts(sort=True).rows()
-    name = "certified" if "certified" in frame.columns else "requirements_met"
+    name = "requirements_met" if "requirements_met" in frame.columns else "certified"
     met = int(frame[name].sum() or 0)
     done = sum(count for outcome, count in outcomes if outcome == DONE)
     ends = [f"{count} {outcome.replace('_', ' ')}" for outcome, count in outcomes]
