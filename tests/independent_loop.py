@@ -67,15 +67,17 @@ class Axis:
     v: float = 0.0
     F: float = 0.0
 
-    def advance(self, u: float, h: float) -> None:
+    def advance(self, u: float, h: float, push: float = 0.0) -> None:
+        """Set force u and a constant push beside the motor, for the time h."""
         T, excess = self.lag, self.F - u
         fade = exp(-h / T).real
+        self.F = u + excess * fade
+        u += push
         self.x += self.v * h + (u * h * h / 2 + excess * T * (h - T * (1 - fade))) / self.mass
         self.v += (u * h + excess * T * (1 - fade)) / self.mass
         for mode in self.modes:
             p, turn = mode.pole, exp(mode.pole * h)
             mode.w = turn * mode.w + u * (turn - 1) / p + excess * (turn - fade) / (p + 1 / T)
-        self.F = u + excess * fade
 
     def state(self) -> Array:
         state = np.zeros(len(self.names))
@@ -256,8 +258,12 @@ def run(
     nominal: Machine,
     samples: int,
     force_limit: float = float("inf"),
+    push: float = 0.0,
 ) -> Run:
-    """The machine under the cascade; ``nominal`` is what the controller believes it to be."""
+    """The machine under the cascade; ``nominal`` is what the controller believes it to be.
+
+    ``push`` is a force beside the motor from the beginning on.
+    """
     axis, h, T_p = axis_of(machine), gains.velocity_cycle, gains.position_cycle
     tau = gains.reference_delay
     estimate, advance = _observer(gains, nominal)
@@ -296,7 +302,7 @@ def run(
             modelled = fade * modelled + (1 - fade) * handed[0]
         measured = np.array([axis.tool if s == "tcp" else axis.encoder for s in gains.sensors])
         estimate = advance(estimate, acting, measured)
-        axis.advance(acting, h)
+        axis.advance(acting, h, push)
         acting = granted
     table = np.array(out)
     t = np.arange(samples) * h

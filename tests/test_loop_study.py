@@ -1,0 +1,107 @@
+"""What the sheet says about disturbances, delays and the jerk feed-forward must be so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mtcommission.feedforward import follow_setpoint
+from mtcommission.limits import MotionLimits
+from mtcommission.loop.disturbance import push
+from mtcommission.loop.tuning import TunedLoop, tune_loop
+from mtcommission.loop_choice import LoopChoice
+from mtcommission.loop_study import study_loop
+from mtcommission.machine import Machine, Requirements, StateFeedback, corners
+from mtcommission.plant import build_plant
+from mtcommission.trials import judge, run_moves
+from tests.independent_loop import Profile, quiet_copy, run
+from tests.machines import paper_machine, random_modal_machine
+
+LIMITS = MotionLimits(acceleration=1.5, jerk=50.0)
+REST = Profile(knots=(0.0,), jerks=(0.0,))
+
+
+def loops() -> list[tuple[Machine, TunedLoop]]:
+    cascade = quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)
+    machines = [paper_machine(), cascade, random_modal_machine(3, n_modes=2)]
+    return [(machine, tune_loop(machine)) for machine in machines]
+
+
+@pytest.mark.parametrize("case", loops(), ids=["state feedback", "cascade", "random"])
+def test_pushed_tool_moves_as_in_a_second_program(case: tuple[Machine, TunedLoop]) -> None:
+    """The disturbance curve would belong to another loop, or to another line of force."""
+    machine, tuned = case
+    ours = push(tuned.loops[0], duration=0.2)
+    theirs = run(machine, tuned.controller, REST, nominal=machine, samples=len(ours.t), push=100.0)
+    assert np.allclose(100.0 * ours.deflection, theirs.tool, atol=1e-7 * 100.0 * ours.peak)
+
+
+def test_static_force_is_taken_up_by_the_integrator() -> None:
+    """The encoder comes back; what is left at the tool is what only the tool's own mode bends."""
+    tuned = tune_loop(paper_machine())
+    late = push(tuned.loops[0], duration=2.0)
+    assert abs(late.deflection[-1]) < 1e-3 * late.peak
+
+
+def test_no_sine_moves_the_tool_more_than_the_dynamic_stiffness_says() -> None:
+    """The stiffness in the table and the curve beside it would contradict each other."""
+    tuned = tune_loop(paper_machine())
+    answer = push(tuned.loops[0], duration=1.0)
+    # The step's derivative is the impulse response; its transform is the compliance.
+    T_v = tuned.controller.velocity_cycle
+    impulse = np.diff(answer.deflection) / T_v
+    omega = 2 * np.pi * tuned.nominal.weakest_frequency_hz
+    compliance = abs(np.sum(impulse * np.exp(-1j * omega * answer.t[1:])) * T_v)
+    assert compliance == pytest.approx(1.0 / tuned.nominal.dynamic_stiffness, rel=0.01)
+
+
+def test_jerk_feedforward_costs_force_and_saves_the_lag() -> None:
+    """The row of the weight in use would not be the recommendation's own, or not comparable."""
+    machine = paper_machine()
+    tuned = tune_loop(machine)
+    without, with_it = study_loop(
+        machine, LoopChoice(tuned=tuned, variants=()), LIMITS
+    ).jerk_feedforward
+    own = judge(machine, build_plant(machine), tuned, "", "", LIMITS)
+    assert (without.weight, with_it.weight) == (0.0, 1.0)
+    assert without.is_used
+    assert not with_it.is_used
+    assert without.settling_time == pytest.approx(own.settling_time)
+    lag = machine.drive.force_lag
+    assert without.reference_delay - with_it.reference_delay == pytest.approx(lag)
+    again = judge(
+        machine,
+        build_plant(machine),
+        tune_loop(quiet_copy(machine, jerk_feedforward=1.0)),
+        "",
+        "",
+        LIMITS,
+    )
+    assert with_it.settling_time == pytest.approx(again.settling_time)
+    force = next(check for check in again.assessment.checks if check.name == "set force")
+    assert with_it.max_force == pytest.approx(force.value)
+
+
+def test_recommended_limits_stand_beside_the_optimum_on_the_same_machines() -> None:
+    """Comparing the optimum off by 5 % with limits on the exact machine would be unfair."""
+    machine = paper_machine()
+    tuned, plant = tune_loop(machine), build_plant(machine)
+    setpoint = run_moves(machine, tuned, LIMITS)[0].setpoint
+    rows = follow_setpoint(machine, plant, tuned, setpoint)
+    needs: Requirements = replace(machine.requirements, frequency_spread=0.05)
+    spread = replace(machine, requirements=needs)
+    assert [row.corner for row in rows] == list(corners(spread))
+    fixed = quiet_copy(
+        spread,
+        position_gain=tuned.controller.position_gain,
+        velocity_gain=tuned.controller.velocity_gain,
+        integral_time=tuned.controller.integral_time,
+        state_feedback=StateFeedback.OFF,
+    )
+    plain = tune_loop(replace(fixed, requirements=machine.requirements))
+    again = run_moves(spread, tune_loop(fixed), LIMITS)[0].responses
+    for row, response in zip(follow_setpoint(machine, plant, plain, setpoint), again, strict=True):
+        assert row.settling_time == pytest.approx(response.settling_time)
+        assert row.residual_deviation == pytest.approx(response.residual_deviation)
