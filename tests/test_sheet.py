@@ -820,7 +820,9 @@ def test_the_command_line_knows_the_languages(tmp_path):
     assert CliRunner().invoke(app, argv).exit_code == 0
     assert "Alle Anforderungen erfüllt" in (tmp_path / "sheet.html").read_text("utf-8")
     # before minutes of computation, not after
-    finished = CliRunner().invoke(app, ["run", "missing.toml", "--language", "fr"])
+    (tmp_path / "axis.toml").write_text(read_shipped("milling-manipulator").text, "utf-8")
+    argv = ["run", str(tmp_path / "axis.toml"), "-o", str(tmp_path), "--language", "fr"]
+    finished = CliRunner().invoke(app, argv)
     assert isinstance(finished.exception, InputError)
     assert "--language" in str(finished.exception)
 

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from mtcommission.record.schema import ComparedEntry, FedForwardEntry, Record
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import Block, Column, Paragraph, Section, Subheading, Table, Tone
+from mtcommission.sheet.model import (
+    Block,
+    Bullets,
+    Column,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+)
 from mtcommission.sheet.motion_part import flexible_rates
 from mtcommission.sheet.phrases import polish
 from mtcommission.sheet.verdict_part import move_title
@@ -20,17 +29,33 @@ def comparisons(record: Record, f: Formatter) -> Section:
         short = text.move.format(number=number)
         blocks.append(Subheading(text=move_title(move["move"], number, f)))
         blocks.append(_controls(record, entry["controls"], short, f))
+        blocks += _told(text.claims, entry["claims"], f)
         if entry["fed_forward"]:
             blocks.append(_fed_forward(entry["fed_forward"], short, f))
+        blocks += _told(text.why_not, entry["why_not_the_optimum"], f)
         check = text.continuous_check.format(
             settling=f.settling(entry["continuous"]["settling_time"]),
             residual=f.quantity(
                 entry["continuous"]["residual_deviation"], motion_unit("m", rotary=f.rotary)
             ),
             sampled=f.settling(move["response"]["settling_time"]),
+            settling_difference=_difference(entry["continuous"]["settling_difference"], f),
+            residual_difference=_difference(entry["continuous"]["residual_difference"], f),
         )
         blocks.append(Paragraph(text=check, tone=Tone.NOTE))
     return Section(key="comparisons", heading=text.comparison_heading, blocks=tuple(blocks))
+
+
+def _told(lead: str, sentences: list[str], f: Formatter) -> tuple[Block, ...]:
+    """Return sentences of the record behind the words that lead to them."""
+    if not sentences:
+        return ()
+    told = tuple(f.labels.say(sentence) for sentence in sentences)
+    return Paragraph(text=lead), Bullets(items=told)
+
+
+def _difference(share: float | None, f: Formatter) -> str:
+    return "–" if share is None else f.signed_percent(share)
 
 
 def _controls(record: Record, controls: list[ComparedEntry], move: str, f: Formatter) -> Table:
@@ -92,7 +117,7 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, f: Formatter) -> Tab
                 f.percent(entry["frequency_factor"]),
                 f.percent(entry["damping_factor"]),
                 f.settling(entry["settling_time"]),
-                f.quantity(entry["residual_deviation"], length),
+                f.quantity(entry["residual_deviation"], length, missing=text.not_settled),
                 f.quantity(entry["peak_deviation"], length),
                 f.percent(entry["saturated_share"]),
             )

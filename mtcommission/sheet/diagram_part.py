@@ -43,7 +43,7 @@ def structure(record: Record, f: Formatter) -> Diagram:
         wires=tuple(wires),
         words=(
             Word(x=2, y=MAIN - 5, text="x_ref"),
-            Word(x=148, y=AHEAD - 5, text="v_ref"),
+            Word(x=128, y=AHEAD - 5, text="v_ref"),
             Word(x=288, y=AHEAD - 5, text="a_ref, j_ref"),
             Word(x=712, y=MAIN - 19, text="TCP"),
             Word(x=640, y=BACK - 5, text=text.name("encoder")),
@@ -77,16 +77,18 @@ def _forward_boxes(record: Record, f: Formatter) -> list[Box]:
             48,
             f"Kv = {f.quantity(part['Kv'], '1/s')}",
             text.diagram_cycle.format(cycle=f.quantity(part["position_cycle"], "s")),
+            _late(record, "position controller", f),
         ),
         _box(
             286,
-            top,
+            top - 6,
             140,
-            48,
+            60,
             "Kp (1 + 1/(Tn s))",
             f"Kp = {f.quantity(part['Kp'], motion_unit('N s/m', rotary=f.rotary))}",
             f"Tn = {f.quantity(part['Tn'], 's')}, "
             f"{text.diagram_cycle.format(cycle=f.quantity(part['velocity_cycle'], 's'))}",
+            _late(record, "velocity controller", f),
         ),
         _box(
             474,
@@ -116,7 +118,7 @@ def _ahead_boxes(record: Record, f: Formatter) -> list[Box]:
     )
     mass = f.quantity(ahead["mass"], motion_unit("kg", rotary=f.rotary))
     return [
-        _box(178, AHEAD - 14, 62, 28, f"× {velocity}"),
+        _box(160, AHEAD - 17, 92, 34, f"× {velocity}", _late(record, "velocity ahead", f)),
         _box(
             352,
             AHEAD - 21,
@@ -124,8 +126,15 @@ def _ahead_boxes(record: Record, f: Formatter) -> list[Box]:
             42,
             f"m ({acceleration} a_ref + {jerk} T j_ref)",
             f"m = {mass}",
+            _late(record, "force ahead", f),
         ),
     ]
+
+
+def _late(record: Record, path: str, f: Formatter) -> str:
+    """Return how late a path acts, drive and filters included."""
+    totals = {entry["path"]: entry["total"] for entry in record["loop"]["delays"]}
+    return f.labels.diagram_late.format(time=f.quantity(totals.get(path), "s"))
 
 
 def _forward_wires() -> list[Wire]:
@@ -140,8 +149,8 @@ def _forward_wires() -> list[Wire]:
         _wire((force + R, MAIN), (474, MAIN)),
         _wire((582, MAIN), (610, MAIN)),
         _wire((708, MAIN - 12), (WIDTH - 2, MAIN - 12)),
-        _wire((146, AHEAD), (178, AHEAD)),
-        _wire((240, AHEAD), (velocity, AHEAD), (velocity, MAIN - R)),
+        _wire((126, AHEAD), (160, AHEAD)),
+        _wire((252, AHEAD), (velocity, AHEAD), (velocity, MAIN - R)),
         _wire((286, AHEAD), (352, AHEAD)),
         _wire((force, AHEAD + 21), (force, MAIN - R)),
     ]

@@ -53,6 +53,8 @@ _LADDERS: dict[str, tuple[Scale, ...]] = {
     "N^2 s": (Scale(1e6, "kN²·s", 0.1), Scale(1.0, "N²·s")),
     "N^2 m^2 s": (Scale(1e6, "kN²·m²·s", 0.1), Scale(1.0, "N²·m²·s")),
     "Hz": (Scale(1e3, "kHz"), Scale(1.0, "Hz")),
+    "m/N": (Scale(1e-6, "µm/N"), Scale(1e-9, "µm/kN")),
+    "rad/(N m)": (Scale(1e-3, "mrad/(N·m)"), Scale(1e-6, "µrad/(N·m)")),
     "rad": (Scale(1.0, "rad"), Scale(1e-3, "mrad"), Scale(1e-6, "µrad")),
     "rad/s": (Scale(1.0, "rad/s"), Scale(1e-3, "mrad/s"), Scale(1e-6, "µrad/s")),
 }
@@ -176,6 +178,10 @@ class Formatter:
     def percent(self, fraction: float) -> str:
         """Return a fraction in per cent, three digits."""
         return self.with_unit(self.number(100.0 * fraction, digits=3), "%")
+
+    def percent_if_known(self, fraction: float | None) -> str:
+        """Return a fraction in per cent; None is a dash."""
+        return "–" if fraction is None else self.percent(fraction)
 
     def signed_percent(self, fraction: float) -> str:
         """Return a change in per cent with its sign.

@@ -325,8 +325,14 @@ GERMAN = Labels(
     saturated_share="Zeitanteil ohne Kraftreserve",
     continuous_check=(
         "Gegenprobe: derselbe Sollwert schwingt in einer kontinuierlichen Näherung des "
-        "Regelkreises nach {settling} ein (abgetastet: {sampled}), Restabweichung {residual}."
+        "Regelkreises nach {settling} ein (abgetastet: {sampled}; {settling_difference}), "
+        "Restabweichung {residual} ({residual_difference})."
     ),
+    claims=(
+        "Die Veröffentlichung sagt: ein Sollwert im Regelkreis schwingt am Ende über und braucht "
+        "viel länger als die kleinste Zeit. Hier gemessen:"
+    ),
+    why_not="Warum das Optimum nicht einfach eingegeben wird:",
     # loop
     loop_heading="Regelkreis",
     diagram_caption="Struktur des Regelkreises",
@@ -337,6 +343,7 @@ GERMAN = Labels(
     ),
     diagram_delay="Verzögerung",
     diagram_cycle="Takt {cycle}",
+    diagram_late="wirkt {time} später",
     diagram_mechanics="Mechanik",
     diagram_modes="Eigenformen: {count}",
     diagram_observer="Beobachter",
@@ -347,6 +354,29 @@ GERMAN = Labels(
     nominal="Nennmaschine",
     worst_corner="Ungünstigster Eckfall",
     gain_margin="Amplitudenreserve",
+    gain_margin_up="Verstärkung darf steigen um",
+    gain_margin_down="Verstärkung darf fallen um",
+    bandwidth_short="Bandbreite",
+    stiffness_short="Kleinste dynamische Steifigkeit",
+    loop_corners_caption="Der Regelkreis in jedem Eckfall von Zuladung und Streuung",
+    disturbance_caption="Antwort des Werkzeugs auf einen Kraftsprung in der Wirklinie des Antriebs",
+    disturbance_alt=(
+        "Auslenkung des Werkzeugs je Kraft über der Zeit, eine Kurve je Regelkreis. Größte Werte: "
+        "{largest}."
+    ),
+    deflection="Auslenkung des Werkzeugs je Kraft",
+    delays_caption="Verzögerungen in jedem Pfad des Regelkreises",
+    path="Pfad",
+    setpoint_age="Alter des Sollwerts",
+    dead_time="Totzeit (ganze Takte)",
+    hold="Mittleres Alter des gehaltenen Werts",
+    lag="Verzögerungsglieder (Antrieb, Filter)",
+    total="Summe",
+    jerk_feedforward_caption=(
+        "Was die Ruckvorsteuerung ändert, empfohlene Grenzwerte, ungünstigster Fall"
+    ),
+    jerk_weight="Gewicht der Ruckvorsteuerung",
+    wanted_force="Verlangte Sollkraft, Spitze",
     phase_margin="Phasenreserve",
     sensitivity_peak="Maximum der Empfindlichkeit",
     bandwidth="Bandbreite des Geschwindigkeitsregelkreises (−3 dB)",
@@ -486,6 +516,11 @@ GERMAN = Labels(
             "seeds": "Gleichzeitig verfeinerte Zellen",
             "refinements": "Verfeinerungen, jede halbiert eine Zelle",
             "digits": "Signifikante Stellen des Ergebnisses",
+            "samples": "Ausgeloste Maschinen, höchstens",
+            "sample_cycles": "Über alle Maschinen simulierte Lagereglertakte, höchstens",
+            "seed": "Startwert der Zufallszahlen",
+            "frequency_range": "Größter versuchter Frequenzfehler, relativ",
+            "frequency_points": "Versuchte Frequenzfehler",
             "landscape": "Punkte des Kennfelds je Richtung",
             "largest_fraction": "Größter versuchter Faktor auf Kp mit Zustandsrückführung",
             "mode_noise": "Rauschen der Eigenform im Beobachter, bezogen auf F_max",

@@ -307,8 +307,15 @@ class Labels:
     saturated_share: str = "Time without force left"
     continuous_check: str = (
         "Cross-check: the same setpoint through a continuous approximation of the loop settles "
-        "after {settling} (sampled loop: {sampled}), residual deviation {residual}."
+        "after {settling} (sampled loop: {sampled}; {settling_difference}), residual deviation "
+        "{residual} ({residual_difference})."
     )
+
+    claims: str = (
+        "The paper says that a setpoint in a feedback loop overshoots at the end and takes much "
+        "longer than the least time. Measured here:"
+    )
+    why_not: str = "Why the optimum is not simply entered:"
 
     # 5 loop
     loop_heading: str = "Control loop"
@@ -320,6 +327,7 @@ class Labels:
     )
     diagram_delay: str = "Delay"
     diagram_cycle: str = "cycle {cycle}"
+    diagram_late: str = "acts {time} late"
     diagram_mechanics: str = "Mechanics"
     diagram_modes: str = "modes: {count}"
     diagram_observer: str = "Observer"
@@ -330,6 +338,29 @@ class Labels:
     nominal: str = "Nominal machine"
     worst_corner: str = "Worst corner"
     gain_margin: str = "Gain margin"
+    gain_margin_up: str = "Gain may rise by"
+    gain_margin_down: str = "Gain may fall by"
+    bandwidth_short: str = "Bandwidth"
+    stiffness_short: str = "Least dynamic stiffness"
+    loop_corners_caption: str = "The loop in every corner of payload and spread"
+    disturbance_caption: str = "Response of the tool to a step of force on the line of the drive"
+    disturbance_alt: str = (
+        "Displacement of the tool per force over time, one curve for each loop. Largest values: "
+        "{largest}."
+    )
+    deflection: str = "Displacement of the tool per force"
+    delays_caption: str = "Delays in each path of the loop"
+    path: str = "Path"
+    setpoint_age: str = "Age of the setpoint"
+    dead_time: str = "Dead time (whole cycles)"
+    hold: str = "Mean age of the held value"
+    lag: str = "Lags (drive, filters)"
+    total: str = "Sum"
+    jerk_feedforward_caption: str = (
+        "What the jerk feed-forward changes, recommended limits, worst case"
+    )
+    jerk_weight: str = "Weight of the jerk feed-forward"
+    wanted_force: str = "Set force wanted, peak"
     phase_margin: str = "Phase margin"
     sensitivity_peak: str = "Sensitivity peak"
     bandwidth: str = "Bandwidth of the velocity loop (−3 dB)"
@@ -463,6 +494,11 @@ class Labels:
             "seeds": "Cells refined at once",
             "refinements": "Refinements, each halves a cell",
             "digits": "Significant digits of the result",
+            "samples": "Machines drawn, at most",
+            "sample_cycles": "Position cycles simulated over all machines drawn, at most",
+            "seed": "Seed of the random numbers",
+            "frequency_range": "Largest frequency error tried, relative",
+            "frequency_points": "Frequency errors tried",
             "landscape": "Points of the map in each direction",
             "largest_fraction": "Largest factor on Kp tried with state feedback",
             "mode_noise": "Mode noise of the observer, relative to F_max",

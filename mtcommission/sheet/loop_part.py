@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mtcommission.record.schema import LoopPart, Record, VariantEntry
 from mtcommission.sheet.diagram_part import structure
 from mtcommission.sheet.format import Formatter, motion_unit
+from mtcommission.sheet.loop_study_part import loop_study
 from mtcommission.sheet.model import (
     Block,
     Bullets,
@@ -60,6 +61,7 @@ def loop(record: Record, f: Formatter) -> Section:
             _margins(record, f),
             *_variants(record, f),
             _bode(record, f),
+            *loop_study(record, f),
             _poles(record, f),
             *remarks,
         ),
@@ -98,6 +100,8 @@ def _margins(record: Record, f: Formatter) -> Table:
             f.decibel(part["gain_margin_db"]),
             f.decibel(worst.get("gain_margin_db")),
         ),
+        (text.gain_margin_up, f.decibel(part["gain_margin_up_db"]), "–"),
+        (text.gain_margin_down, f.decibel(part["gain_margin_down_db"]), "–"),
         (
             text.phase_margin,
             f.degree(part["phase_margin_deg"]),
@@ -113,9 +117,17 @@ def _margins(record: Record, f: Formatter) -> Table:
             f.quantity(part["bandwidth_hz"], "Hz"),
             f.quantity(worst.get("bandwidth_hz"), "Hz"),
         ),
-        (text.dynamic_stiffness, _stiffness(part, f), "–"),
+        (
+            text.dynamic_stiffness,
+            _stiffness(part, f),
+            f.quantity(worst.get("dynamic_stiffness"), motion_unit("N/m", rotary=f.rotary)),
+        ),
         *(
-            (text.damping_of.format(mode=mode), f.percent(damping), "–")
+            (
+                text.damping_of.format(mode=mode),
+                f.percent(damping),
+                f.percent_if_known(part["worst_mode_damping"].get(mode)),
+            )
             for mode, damping in part["mode_damping"].items()
         ),
     )

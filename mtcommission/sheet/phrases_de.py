@@ -164,6 +164,13 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "no limits were found that meet all requirements with this band",
         "es wurden keine Grenzwerte gefunden, die mit diesem Band alle Anforderungen erfüllen",
     ),
+    # paths of the loop
+    ("position setpoint", "Lagesollwert"),
+    ("position controller", "Lageregler"),
+    ("velocity ahead", "Geschwindigkeitsvorsteuerung"),
+    ("wanted state", "Sollzustand"),
+    ("force ahead", "Kraftvorsteuerung"),
+    ("velocity controller", "Geschwindigkeitsregler"),
     # small changes
     ("jerk {1} %", "Ruck {1} %"),
     ("acceleration {1} %", "Beschleunigung {1} %"),
@@ -511,6 +518,7 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("tuning", "Reglereinstellung"),
     ("search", "Suche"),
     ("comparison", "Vergleichssuche"),
+    ("robustness", "Robustheit"),
     # last, since they fit much: what is inside must be known
     ("{key}: {-message}", "{key}: {message}"),
     ("{-a} and {-b}", "{a} und {b}"),
