@@ -19,11 +19,11 @@ from mtcommission.loop.tuned import (
 )
 from mtcommission.machine import NOMINAL, Machine
 
-LOWERED = 0.95
+LOWERED = 0.9
 """Factor from one try of a given gain to the next."""
 
-TRIES = 60
-"""A gain is looked for down to 5 % of what was given."""
+TRIES = 25
+"""A gain is looked for down to 8 % of what was given."""
 
 SOFTENED = 0.5
 """Set-force filters that leave less than this share of the bandwidth are warned about."""
@@ -185,7 +185,7 @@ def _largest(value: float, keeps: Callable[[float], bool]) -> float:
         low = value * LOWERED**power
         if keeps(low):
             high = low / LOWERED
-            for _ in range(3):
+            for _ in range(4):
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if keeps(middle) else (low, middle)
             step = 10.0 ** (floor(log10(low)) - 2)

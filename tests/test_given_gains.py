@@ -1,0 +1,167 @@
+"""What the profile gives is used as given, judged, and warned about; the rest follows the rules."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from math import pi
+
+import pytest
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop.tuned import TunedLoop, TuningSettings, has_margins
+from mtcommission.loop.tuning import check_loop, tune_loop, tune_variants
+from mtcommission.machine import (
+    FilterKind,
+    FlexibleMode,
+    ForceFilter,
+    Machine,
+    Modal,
+    StateFeedback,
+)
+from tests.independent_loop import quiet_copy
+from tests.machines import paper_machine
+
+WANTED = TuningSettings()
+
+
+def cascade(**changes: object) -> Machine:
+    return quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF, **changes)
+
+
+def has_all_margins(tuned: TunedLoop) -> bool:
+    return all(has_margins(analysis, settings=WANTED) for analysis in tuned.analyses)
+
+
+@pytest.mark.parametrize(
+    ("given", "symbol", "unit"),
+    [
+        ({"position_gain": 4000.0 / 60.0}, "Kv", "1/s"),  # 4 (m/min)/mm
+        ({"velocity_gain": 200e3}, "Kp", "N s/m"),
+    ],
+)
+def test_one_given_gain_is_kept_and_the_largest_good_one_named(
+    given: dict[str, float], symbol: str, unit: str
+) -> None:
+    """A user who typed one gain would find another machine's gains, or no result at all."""
+    free = tune_loop(cascade()).controller
+    tuned = tune_loop(cascade(**given))
+    gains = tuned.controller
+    if symbol == "Kv":
+        assert gains.position_gain == given["position_gain"]
+        assert (gains.velocity_gain, gains.integral_time) == (
+            free.velocity_gain,
+            free.integral_time,
+        )
+    else:
+        assert gains.velocity_gain == given["velocity_gain"]
+        assert gains.integral_time == pytest.approx(4.0 * 750.0 / 200e3)
+        assert gains.position_gain == pytest.approx(200e3 / (4.0 * 750.0))
+    (warning,) = tuned.warnings
+    assert "margins are poor" in warning
+    named = re.search(rf"{symbol} up to ([\d.e+]+) {re.escape(unit)}", warning)
+    assert named is not None
+    best, key = float(named[1]), next(iter(given))
+    assert has_all_margins(tune_loop(cascade(**{key: best})))
+    assert tune_loop(cascade(**{key: best})).warnings == ()
+    assert not has_all_margins(tune_loop(cascade(**{key: 1.03 * best})))
+
+
+def test_low_given_gains_are_used_without_warning() -> None:
+    for given in ({"position_gain": 20.0}, {"velocity_gain": 60e3}, {"integral_time": 0.1}):
+        tuned = tune_loop(cascade(**given))
+        key, value = next(iter(given.items()))
+        assert getattr(tuned.controller, key) == value
+        assert tuned.warnings == ()
+
+
+def test_gains_that_no_single_change_cures_are_said_so() -> None:
+    tuned = tune_loop(cascade(position_gain=95.0, velocity_gain=150e3, integral_time=15e-3))
+    assert "No single gain cures that" in tuned.warnings[0]
+
+
+def test_poor_gains_never_hide_behind_a_sooner_settling_loop() -> None:
+    """State feedback "auto" beside given gains keeps the margins or is left out."""
+    found = tune_variants(
+        quiet_copy(paper_machine(), velocity_gain=180e3, position_gain=30.0), settings=WANTED
+    )
+    assert found.feedback is None or has_all_margins(found.feedback)
+
+
+def test_bandwidth_that_given_gains_miss_is_a_warning_and_not_an_end() -> None:
+    tuned = tune_loop(cascade(velocity_gain=30e3, minimum_bandwidth_hz=15.0))
+    assert tuned.controller.velocity_gain == 30e3
+    (warning,) = tuned.warnings
+    assert f"{tuned.least_bandwidth_hz:.3g} Hz" in warning
+    assert "minimum_bandwidth = 15 Hz" in warning
+
+
+def test_tuned_loops_keep_the_minimum_bandwidth_with_state_feedback_too() -> None:
+    """State feedback trades bandwidth for damping: it must stop at the stated minimum."""
+    least = 25.0
+    machine = quiet_copy(paper_machine(), minimum_bandwidth_hz=23.0)
+    found = tune_variants(machine, settings=WANTED)
+    assert found.plain.least_bandwidth_hz >= 23.0
+    assert found.feedback is not None
+    assert found.feedback.least_bandwidth_hz >= 23.0
+    with pytest.raises(ComputationError, match=r"has 23\.8 Hz, minimum_bandwidth is 25 Hz") as end:
+        tune_loop(cascade(minimum_bandwidth_hz=least))
+    assert end.value.outcome is Outcome.BANDWIDTH_OUT_OF_REACH
+
+
+def low_pass(frequency_hz: float) -> ForceFilter:
+    return ForceFilter(
+        kind=FilterKind.LOW_PASS, natural_frequency=2 * pi * frequency_hz, damping=0.7
+    )
+
+
+def test_filters_that_soften_the_loop_or_shake_a_mode_are_warned_about() -> None:
+    """A 30 Hz low-pass makes every setpoint look gentle, the tool soft, and the base ring."""
+    tuned = tune_loop(cascade(force_filters=(low_pass(30.0),)))
+    plain = tune_loop(cascade())
+    softness = next(text for text in tuned.warnings if "make the loop soft" in text)
+    assert f"{tuned.least_bandwidth_hz:.3g} Hz with them" in softness
+    assert f"{plain.least_bandwidth_hz:.3g} Hz without" in softness
+    assert any("takes damping from mode base" in text for text in tuned.warnings)
+    assert tuned.least_damping[0] < 0.5 * 0.0301
+    assert tune_loop(cascade(force_filters=(low_pass(600.0),))).warnings == ()
+
+
+def test_check_says_what_run_would_say() -> None:
+    """`check` is where one looks before a long run."""
+    poor = cascade(position_gain=70.0)
+    assert check_loop(poor) == tune_loop(poor).warnings != ()
+    assert check_loop(paper_machine()) == ()
+    (unstable,) = check_loop(cascade(position_gain=400.0, velocity_gain=600e3))
+    assert unstable.startswith("unstable loop")
+    (short,) = check_loop(cascade(minimum_bandwidth_hz=200.0))
+    assert short.startswith("bandwidth out of reach")
+
+
+def test_a_mode_out_of_reach_and_without_damping_has_its_own_name() -> None:
+    """ "Lower minimum_bandwidth" would be no remedy for a mode that rings for ever."""
+    tower = FlexibleMode(
+        name="tower", natural_frequency=2 * pi * 70.0, damping_ratio=0.0, tcp_gain=1e-3
+    )
+    machine = replace(cascade(), mechanics=Modal(moving_mass=750.0, modes=(tower,)))
+    with pytest.raises(ComputationError, match=r"tower \(70 Hz\).*damping_ratio") as end:
+        tune_loop(machine)
+    assert end.value.outcome is Outcome.UNDAMPED_MODE
+    damped = replace(tower, damping_ratio=0.002)
+    tuned = tune_loop(replace(machine, mechanics=Modal(moving_mass=750.0, modes=(damped,))))
+    assert has_all_margins(tuned)
+
+
+def test_a_mode_that_every_cascade_shakes_ends_as_margins_out_of_reach() -> None:
+    """Encoder and drive on opposite sides of a node: any velocity gain takes damping."""
+    node = FlexibleMode(
+        name="node",
+        natural_frequency=2 * pi * 20.0,
+        damping_ratio=1e-5,
+        tcp_gain=1e-3,
+        measured_gain=-2e-3,
+    )
+    machine = replace(cascade(), mechanics=Modal(moving_mass=750.0, modes=(node,)))
+    with pytest.raises(ComputationError, match="symmetrical optimum, they are") as end:
+        tune_loop(machine)
+    assert end.value.outcome is Outcome.MARGINS_OUT_OF_REACH
