@@ -25,24 +25,16 @@ from scipy.linalg import expm
 
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
-    impulse_response,
-    step_response,
     transition,
 )
+from mtcommission.optimal.bounded_sigma import integrate_sigma, sigma_magnitude
 
 Array = NDArray[np.float64]
-
-CELLS_PER_RADIAN = 4
-"""First cells of the integral of |σ|; cells that may hide a zero are halved."""
 
 DENSITY_CELLS_PER_RADIAN = 16
 """Samples of a density: its sign changes are located to a sample."""
 SMALL_DENSITY = 1e-8
 """Share of the largest density below which a wrong sign is rounding."""
-
-HALVINGS = 14
-BISECTIONS = 36
-"""A zero off by δ costs σ' δ² of the integral: far below rounding."""
 
 ROUNDING = 1e-13
 """Allowance for rounding, relative to the sum of the magnitudes of all terms: some hundred
@@ -230,95 +222,19 @@ def dual_value(
 
     Source: weak duality; zeros isolated by the largest possible |σ''| in each cell.
     """
-    shares = [_share(problem, part) for part in parts]
-    value = sum(share.value for share in shares) + sum(abs(atom.weight) for atom in atoms)
+    adjoints = np.array([part.adjoint for part in parts])
+    lengths = np.array([part.length for part in parts])
+    off = np.array([part.limit < 0 for part in parts])
+    found = integrate_sigma(problem, adjoints[off], lengths[off])
+    held = [_density(problem, part) for part in parts if part.limit >= 0]
+    F, ends = problem.force_limit, np.array([part.end for part in parts])[off]
+    value = F * found.value + sum(share.value for share in held)
+    value += sum(abs(atom.weight) for atom in atoms)
     return Integral(
-        value=value + ROUNDING * (value + problem.force_limit * _envelope(problem, parts)),
-        allowance=sum(share.allowance for share in shares),
-        zeros=np.sort(np.concatenate([share.zeros for share in shares])),
+        value=value + ROUNDING * (value + F * sigma_magnitude(problem, adjoints, lengths)),
+        allowance=F * found.allowance + sum(share.allowance for share in held),
+        zeros=np.sort(ends[found.stretch] + found.zeros),
     )
-
-
-def _share(problem: BoundedProblem, part: Stretch) -> Integral:
-    if part.limit >= 0:
-        return _density(problem, part)
-    found, F = _bang(problem, part), problem.force_limit
-    return Integral(value=F * found.value, allowance=F * found.allowance, zeros=found.zeros)
-
-
-def _envelope(problem: BoundedProblem, parts: tuple[Stretch, ...]) -> float:
-    """Return ∫ of the summed magnitudes of the terms of σ, for the rounding."""
-    ends = np.array([part.adjoint for part in parts])
-    return float(sum(_terms(problem, ends).sum(axis=1) * [part.length for part in parts]))
-
-
-def _terms(problem: BoundedProblem, adjoint: Array) -> Array:
-    """Return the largest magnitude of each exponential in σ; shape (..., n_modes + 2)."""
-    plant = problem.plant
-    lag, m = -1.0 / plant.force_lag, plant.moving_mass
-    rigid = np.abs(adjoint[..., plant.velocity]) / m
-    rigid = rigid + np.abs(adjoint[..., plant.position]) * plant.force_lag / m
-    force = np.abs(adjoint[..., plant.force]) * -lag + 2.0 * rigid
-    columns = []
-    for mode in plant.modes:
-        p = mode.pole
-        to_pole = 2.0 * mode.scale * -lag / ((p - p.conjugate()) * (p - lag))
-        to_lag = mode.scale / (lag**2 - 2.0 * p.real * lag + abs(p) ** 2)
-        d, v = adjoint[..., mode.deflection], adjoint[..., mode.rate]
-        columns.append(np.abs(to_pole * (d + p * v)))
-        force = force + np.abs(lag * to_lag * (d + lag * v))
-    return np.stack([*columns, force, rigid], axis=-1)
-
-
-def _bang(problem: BoundedProblem, part: Stretch) -> Integral:
-    """Return ∫|σ| over a stretch off the cores, from exact primitives between its zeros."""
-    plant, adjoint = problem.plant, part.adjoint
-    rates = np.array([abs(mode.pole) for mode in plant.modes] + [1.0 / plant.force_lag, 0.0])
-    bend = float(_terms(problem, adjoint) @ rates**2)
-    count = int(np.ceil(part.length * problem.rate * CELLS_PER_RADIAN)) + 1
-    edges = np.linspace(0.0, part.length, count + 1)
-    for _ in range(HALVINGS):
-        unsure = _may_hide_zeros(problem, adjoint, edges, bend)
-        if not unsure.any():
-            break
-        middles = 0.5 * (edges[:-1] + edges[1:])[unsure]
-        edges = np.sort(np.concatenate([edges, middles]))
-    unsure = _may_hide_zeros(problem, adjoint, edges, bend)
-    widths = np.diff(edges)[unsure]
-    allowance = float(np.sum(bend * widths**3) / 4.0)
-    zeros = _sign_changes(problem, adjoint, edges)
-    primitive = step_response(plant, np.concatenate([[0.0], zeros, [part.length]])) @ adjoint
-    value = float(np.abs(np.diff(primitive)).sum())
-    return Integral(value=value + allowance, allowance=allowance, zeros=part.end + zeros)
-
-
-def _sigma(problem: BoundedProblem, adjoint: Array, tau: Array) -> Array:
-    return np.asarray(impulse_response(problem.plant, tau) @ adjoint)
-
-
-def _may_hide_zeros(
-    problem: BoundedProblem, adjoint: Array, edges: Array, bend: float
-) -> NDArray[np.bool_]:
-    """Return which cells may hold zeros that the signs at their ends do not show."""
-    response = impulse_response(problem.plant, edges)
-    sigma, slope = response @ adjoint, response @ (adjoint @ problem.plant.A)
-    widths = np.diff(edges)
-    left, right = sigma[:-1], sigma[1:]
-    monotone = np.maximum(np.abs(slope[:-1]), np.abs(slope[1:])) >= bend * widths
-    # Between its ends σ deviates from the chord by at most bend widths² / 8.
-    clear = np.minimum(np.abs(left), np.abs(right)) >= bend * widths**2 / 8.0
-    return np.asarray(~monotone & ~(clear & (left * right > 0.0)))
-
-
-def _sign_changes(problem: BoundedProblem, adjoint: Array, edges: Array) -> Array:
-    sigma = _sigma(problem, adjoint, edges)
-    where = np.nonzero(np.sign(sigma[:-1]) * np.sign(sigma[1:]) < 0.0)[0]
-    low, high, sign = edges[where], edges[where + 1], np.sign(sigma[where])
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        same = np.sign(_sigma(problem, adjoint, middle)) == sign
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return np.asarray(0.5 * (low + high))
 
 
 def _density(problem: BoundedProblem, part: Stretch) -> Integral:
