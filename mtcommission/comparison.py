@@ -23,7 +23,7 @@ from mtcommission.optimal.solution import (
     sample_trajectory,
 )
 from mtcommission.plant import Plant
-from mtcommission.rules import NO_JERK_LIMIT
+from mtcommission.rules import without_jerk_limit
 from mtcommission.setpoint import plan_setpoint
 
 Array = NDArray[np.float64]
@@ -93,7 +93,7 @@ def compare_controls(
         trapezoidal one, then the optima in their order.
     """
     a = machine.drive.motion_force / plant.moving_mass
-    rectangular = MotionLimits(acceleration=a, jerk=a / NO_JERK_LIMIT)
+    rectangular = without_jerk_limit(machine, a)
     rows = [
         _in_loop(machine, plant, tuned, move, name=name, limits=chosen)
         for name, chosen in (

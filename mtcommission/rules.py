@@ -14,7 +14,8 @@ from mtcommission.machine import Machine, Move, VelocityStep, moving_mass
 from mtcommission.plant import Plant, PlantMode
 
 NO_JERK_LIMIT = 1e-6
-"""Jerk time that stands for "no jerk limit" [s]: far below every sampling cycle."""
+"""Jerk time that stands for "no jerk limit" ahead of a setpoint filter [s]: far below every
+sampling cycle."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +75,7 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
         Rule(
             name="a = F_max/m, no jerk limit",
             source="naive",
-            limits=_with_jerk_time(a, NO_JERK_LIMIT),
+            limits=without_jerk_limit(machine, a),
         ),
         Rule(
             name=f"j = a f ({mode.name}, {f:.3g} Hz)",
@@ -107,6 +108,26 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
             )
         )
     return tuple(rules)
+
+
+def without_jerk_limit(machine: Machine, acceleration: float) -> MotionLimits:
+    """Return an acceleration without a jerk limit as a control sends it.
+
+    A control sees its setpoint once in a position cycle, so the acceleration is there after one
+    cycle; a faster ramp would hand the feed-forward a jerk that no control ever computes.
+
+    Parameters
+    ----------
+    machine
+        Its position cycle counts.
+    acceleration
+        [m/s²].
+
+    Returns
+    -------
+    MotionLimits
+    """
+    return _with_jerk_time(acceleration, machine.control.position_cycle)
 
 
 def peak_velocity(move: Move, acceleration: float) -> float:

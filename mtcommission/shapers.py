@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import exp, pi, sqrt
+from math import exp, inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from mtcommission.loop.response import simulate
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine, Move, moving_mass
 from mtcommission.plant import Plant, PlantMode
-from mtcommission.rules import NO_JERK_LIMIT, dominant_mode
+from mtcommission.rules import NO_JERK_LIMIT, dominant_mode, without_jerk_limit
 from mtcommission.setpoint import Setpoint, plan_setpoint
 from mtcommission.trials import Trial
 from mtcommission.variations import as_variations
@@ -150,7 +150,7 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[T
 
     All are designed for the dominant mode of the nominal plant; each gets the acceleration, of
     ``ACCELERATIONS`` tried, that settles soonest within all requirements (if none does, within
-    force and peaks; if none does, the one that exceeds them least).
+    force and peaks; if none does, F_max/m).
 
     Parameters
     ----------
@@ -174,8 +174,8 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[T
             tuned,
             name=f"{shaper.name} shaper ({mode.name}, {mode.frequency_hz:.3g} Hz)",
             source=shaper.source,
-            plan=_shaped_by(shaper),
-            jerk_time=NO_JERK_LIMIT,
+            plan=_shaped_by(machine, shaper),
+            jerk_time=machine.control.position_cycle,
         )
         for shaper in design_shapers(mode)
     ]
@@ -186,19 +186,22 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[T
             tuned,
             name=f"moving average 1/f ({mode.name}, {mode.frequency_hz:.3g} Hz)",
             source="jerk filter of the controls, Biagiotti & Melchiorri 2008",
-            plan=lambda move, a: plan_setpoint(move, _trapezoid(a), moving_average=period),
+            plan=lambda move, a: _filtered(move, a, period),
             jerk_time=period,
         )
     )
     return tuple(trials)
 
 
-def _shaped_by(shaper: Shaper) -> Callable[[Move, float], Setpoint]:
-    return lambda move, a: shape_setpoint(plan_setpoint(move, _trapezoid(a)), shaper)
+def _shaped_by(machine: Machine, shaper: Shaper) -> Callable[[Move, float], Setpoint]:
+    return lambda move, a: shape_setpoint(
+        plan_setpoint(move, without_jerk_limit(machine, a)), shaper
+    )
 
 
-def _trapezoid(acceleration: float) -> MotionLimits:
-    return MotionLimits(acceleration=acceleration, jerk=acceleration / NO_JERK_LIMIT)
+def _filtered(move: Move, acceleration: float, time: float) -> Setpoint:
+    trapezoid = MotionLimits(acceleration=acceleration, jerk=acceleration / NO_JERK_LIMIT)
+    return plan_setpoint(move, trapezoid, moving_average=time)
 
 
 def _best_trial(
@@ -213,22 +216,28 @@ def _best_trial(
 ) -> Trial:
     """The acceleration that settles soonest and meets all; else soonest within force and peaks.
 
-    If none keeps those, the one that comes closest to it.
+    If none keeps those, F_max/m, which saturates.
     """
     largest = machine.drive.motion_force / moving_mass(machine)
     places, band = as_variations(tuned.corners), machine.requirements.tcp_deviation
-    ranked = []
+    ranked: list[tuple[bool, float, float, list[Setpoint]]] = []
+    soonest = inf
     for a in largest * np.geomspace(1.0, LEAST_ACCELERATION, ACCELERATIONS):
         setpoints = [plan(move, float(a)) for move in machine.moves]
+        if max(setpoint.duration for setpoint in setpoints) > soonest:
+            break
         found = follow_setpoints(machine, plant, tuned, setpoints, variations=places)
-        is_outside = bool(np.any(found.residual_deviation > band))
-        settling, usage = float(found.settling_time.max()), float(found.usage.max())
-        ranked.append((is_outside, settling, usage, float(a), setpoints))
-    # What saturates settles otherwise than it seems here, and takes long to simulate.
-    possible = [item for item in ranked if item[2] <= 1.0]
-    possible = sorted(possible, key=lambda item: item[:2]) or [min(ranked, key=lambda x: x[2])]
+        # What saturates settles otherwise than it seems here, and takes long to simulate.
+        if np.all(found.usage <= 1.0):
+            is_outside = bool(np.any(found.residual_deviation > band))
+            ranked.append((is_outside, float(found.settling_time.max()), float(a), setpoints))
+            soonest = min([item[1] for item in ranked if not item[0]], default=inf)
+    if not ranked:
+        setpoints = [plan(move, largest) for move in machine.moves]
+        ranked.append((True, inf, largest, setpoints))
+    ranked.sort(key=lambda item: item[:2])
     outside: list[Trial] = []
-    for is_outside, _, _, a, setpoints in possible:
+    for is_outside, _, a, setpoints in ranked:
         if is_outside and outside:
             break
         limits = MotionLimits(acceleration=a, jerk=a / jerk_time)

@@ -27,7 +27,7 @@ def test_rules_on_the_papers_machine_by_hand() -> None:
     f = sqrt(44.41e6 / 450.0) / (2 * pi)  # the base: 1/k_b exceeds h r / k
     soft = min(a, 5e-6 * (2 * pi * f) ** 2)
     expected = {
-        "a = F_max/m, no jerk limit": (a, a / 1e-6),
+        "a = F_max/m, no jerk limit": (a, a / 2e-3),
         "j = a f (base, 50 Hz)": (a, a * f),
         "a = e ω², j = a f": (soft, soft * f),
         "j = 10 a": (a, 10 * a),

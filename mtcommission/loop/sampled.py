@@ -255,13 +255,15 @@ def advance_cycle(
     z, held = loop.integrator, loop.held
     handed_down = loop.handed_down @ np.vstack([X, references])
     outputs = np.empty((loop.controller.cycles, len(loop.outputs), X.shape[1]))
+    # One product a velocity cycle: a saturated simulation spends its time here.
+    rows = np.vstack([loop.observation, loop.demand, loop.integration, loop.step])
+    seen = len(loop.observation)
     for i in range(loop.controller.cycles):
-        outputs[i] = loop.observation @ X
-        demand = loop.demand @ X
-        force = np.clip(demand, -force_limit, force_limit)
-        increment = np.where(force == demand, loop.integration @ X, 0.0)
-        X = loop.step @ X
-        X[z] += increment
+        Y = rows @ X
+        outputs[i] = Y[:seen]
+        demand, increment, X = Y[seen], Y[seen + 1], Y[seen + 2 :]
+        force = np.minimum(np.maximum(demand, -force_limit), force_limit)
+        X[z] += np.where(force == demand, increment, 0.0)
         X[z + 1] = force
     kept = np.vstack([references, X[held + len(HELD) :]])[: len(X) - held - len(HELD)]
     return np.vstack([X[:held], handed_down, kept]), outputs
