@@ -11,6 +11,7 @@ from html.parser import HTMLParser
 from io import BytesIO, StringIO, TextIOWrapper
 from math import pi
 from pathlib import Path
+from time import process_time
 
 import matplotlib as mpl
 import numpy as np
@@ -56,7 +57,7 @@ from mtcommission.sheet.model import Form, Formula, Paragraph, Table
 from mtcommission.sheet.motion_part import MOST_POINTS, thin_out
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
-from mtcommission.sheet.terminal import summary_rows
+from mtcommission.sheet.terminal import further_sentences, summary_rows
 from mtcommission.shipped import read_shipped, shipped_names
 from mtcommission.units import read_unit
 
@@ -500,9 +501,13 @@ def test_terminal_record_page_and_pdf_agree(name, pages, pdfs):
     )
     page, pdf = squeeze(Page(pages[name]).text), squeeze(" ".join(pdf_pages(pdfs[name])))
     terminal = squeeze(render(record))
-    for value in rows.values():
+    told = [text for text in further_sentences(record, f) if not text.startswith("Could be met")]
+    assert len(told) >= 2
+    for value in [*rows.values(), *told]:
         for medium in (page, pdf, terminal):
             assert squeeze(value) in medium
+    for warning in record["warnings"]:
+        assert squeeze(ENGLISH.say(warning)) in terminal
 
 
 @pytest.mark.parametrize("name", RECORDS)
@@ -637,6 +642,15 @@ def test_the_same_record_gives_the_same_bytes(pages, pdfs):
     assert print_html(record) == pages["example"]
     record["created"] = "2026-03-04T05:06:08+00:00"
     assert print_pdf(record) != pdfs["example"]
+
+
+def test_page_and_paper_of_five_moves_are_printed_within_three_seconds():
+    """CPU time, so that a busy machine does not count; a whole run takes not much more."""
+    record = five_moves_record()
+    begun = process_time()
+    print_html(record)
+    print_pdf(record)
+    assert process_time() - begun < 3.0
 
 
 def test_a_date_that_nobody_can_read_does_not_stop_the_print():

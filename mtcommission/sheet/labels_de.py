@@ -131,6 +131,9 @@ GERMAN = Labels(
         "{move}: zeitoptimaler Vergleichswert, exakte Ruhe: {optimum}; empfohlen: {settling}, "
         "{less} weniger, da am Band und nicht an exakter Ruhe gemessen."
     ),
+    reference_bounded=(
+        "Mit Höchstwerten braucht der Vergleichswert {optimum}; die Empfehlung: {change}."
+    ),
     reference_composed=(
         "{optimum} (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter {bound})"
     ),
@@ -151,6 +154,8 @@ GERMAN = Labels(
     permitted="Zulässig",
     verdict="Urteil",
     where="Ungünstigster Fall",
+    warning="Warnung: {warning}",
+    could_be_met="Erreichbar: {requirement} {value} statt {limit}.",
     sparkline="Beschleunigungssollwert, {move}, {duration}:",
     # machine
     machine_heading="Maschine und Achse",

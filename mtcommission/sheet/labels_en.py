@@ -114,6 +114,9 @@ class Labels:
         "{move}: time-optimal reference, exact rest: {optimum}; recommended: {settling}, "
         "{less} less, since it is judged by the band and not by exact rest."
     )
+    reference_bounded: str = (
+        "With its peaks bounded the reference takes {optimum}; the recommendation: {change}."
+    )
     reference_composed: str = "{optimum} (composed with a cruise; proved: not below {bound})"
     reference_note: str = (
         "The reference moves the nominal machine to exact rest with ideal control; the "
@@ -133,6 +136,8 @@ class Labels:
     verdict: str = "Verdict"
     where: str = "Worst case"
 
+    warning: str = "Warning: {warning}"
+    could_be_met: str = "Could be met: {requirement} {value} instead of {limit}."
     sparkline: str = "Acceleration setpoint, {move}, {duration}:"
 
     # 2 machine

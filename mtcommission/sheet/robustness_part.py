@@ -32,7 +32,7 @@ def robustness(record: Record, f: Formatter) -> Section:
         heading=text.robustness_heading,
         blocks=(
             *corners,
-            Paragraph(text=_kept(record, f)),
+            Paragraph(text=kept_sentence(record, f)),
             _frequency_error(record, f),
             *found,
             _sensitivities(record, f),
@@ -78,7 +78,7 @@ def _corners(move: MoveEntry, title: str, force_unit: str, f: Formatter) -> Tabl
     )
 
 
-def _kept(record: Record, f: Formatter) -> str:
+def kept_sentence(record: Record, f: Formatter) -> str:
     """Return between which frequency errors every requirement is kept."""
     text, error = f.labels, record["robustness"]["frequency_error"]
     low, high = error["kept_from"], error["kept_to"]
@@ -138,22 +138,26 @@ def _panel(
 def _drawn(record: Record, drawn: MonteCarloEntry, f: Formatter) -> tuple[Block, ...]:
     """Return what was drawn, the distribution, and the worst machines."""
     text = f.labels
-    sentence = text.drawn.format(
-        samples=f.number(drawn["samples"]),
-        seed=drawn["seed"],
-        met=f.percent(drawn["share_met"]),
-        band=f.percent(drawn["share_in_band"]),
-    )
     quantities = ((text.settling_time, "settling_time"), (text.residual, "residual_deviation"))
     histograms = [
         _histogram(key, name, drawn[key], f)  # type: ignore[literal-required]
         for name, key in quantities
     ]
     return (
-        Paragraph(text=sentence),
+        Paragraph(text=drawn_sentence(drawn, f)),
         _quantiles(drawn, f),
         *(plot for plot in histograms if plot is not None),
         _extremes(drawn, f),
+    )
+
+
+def drawn_sentence(drawn: MonteCarloEntry, f: Formatter) -> str:
+    """Return how many machines were drawn and how many of them keep the requirements."""
+    return f.labels.drawn.format(
+        samples=f.number(drawn["samples"]),
+        seed=drawn["seed"],
+        met=f.percent(drawn["share_met"]),
+        band=f.percent(drawn["share_in_band"]),
     )
 
 

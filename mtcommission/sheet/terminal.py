@@ -13,6 +13,7 @@ from rich.text import Text
 from mtcommission.record.schema import Record
 from mtcommission.sheet.format import THIN_SPACE, Formatter
 from mtcommission.sheet.labels_en import Labels
+from mtcommission.sheet.robustness_part import drawn_sentence, kept_sentence
 from mtcommission.sheet.verdict_part import (
     acceleration,
     jerk,
@@ -86,6 +87,8 @@ class Summary:
         yield plain(f"{machine['name']}, {text.axis} {machine['axis']}", "bold")
         verdict = text.verdict_met if is_met else text.verdict_not_met
         yield plain(verdict, "bold green" if is_met else "bold red")
+        for warning in record["warnings"]:
+            yield plain(text.warning.format(warning=text.say(warning)), "yellow")
         if record["assessment"]["obstacle"]:
             yield plain(text.obstacle.format(obstacle=text.say(record["assessment"]["obstacle"])))
         table = Table.grid(padding=(0, 2))
@@ -95,7 +98,8 @@ class Summary:
         yield plain(
             text.values_bound_by.format(bound=text.say(record["limits"]["recommended"]["bound_by"]))
         )
-        yield plain(reference_sentence(record, slowest_move(record), f))
+        for sentence in further_sentences(record, f):
+            yield plain(sentence)
         yield from (plain(line) for line in _small_plot(record, f, is_ascii=options.ascii_only))
         yield plain(text.disclaimer, "dim")
 
@@ -109,6 +113,25 @@ def summary_rows(record: Record, f: Formatter) -> list[tuple[str, str]]:
         (text.jerk_time, f.quantity(limits["jerk_time"], "s")),
         (text.settling_time, f.settling(limits["settling_time"])),
         (text.residual, residual_against_band(record, f)),
+    ]
+
+
+def further_sentences(record: Record, f: Formatter) -> list[str]:
+    """Return what could be met instead, the reference, and the robustness, as on the sheet."""
+    text, drawn = f.labels, record["robustness"]["monte_carlo"]
+    could_be_met = [
+        text.could_be_met.format(
+            requirement=text.say(item["requirement"]),
+            value=f.quantity(item["value"], item["unit"]),
+            limit=f.quantity(item["limit"], item["unit"]),
+        )
+        for item in record["limits"]["attainable"]
+    ]
+    return [
+        *could_be_met,
+        reference_sentence(record, slowest_move(record), f),
+        kept_sentence(record, f),
+        *([] if drawn is None else [drawn_sentence(drawn, f)]),
     ]
 
 

@@ -107,19 +107,27 @@ def reference_sentence(record: Record, number: int, f: Formatter) -> str:
     best = record["optima"][number - 1]["time"]
     least, bound = best["t_f"], best["certificate"].get("t_f_lower_bound")
     settling, optimal = move["response"]["settling_time"], f.quantity(least, "s")
+    bounded = record["optima"][number - 1]["constrained"]
     if best["method"] == "composed" and isinstance(bound, float):
         optimal = text.reference_composed.format(optimum=optimal, bound=f.quantity(bound, "s"))
     if settling is None:
         return text.reference_unsettled.format(move=title, optimum=optimal)
     share = settling / least - 1.0
     form = text.reference if share >= 0.0 else text.reference_faster
-    return form.format(
+    sentence = form.format(
         move=title,
         optimum=optimal,
         settling=f.quantity(settling, "s"),
         more=f.percent(share),
         less=f.percent(-share),
     )
+    if bounded is None:
+        return sentence
+    held = text.reference_bounded.format(
+        optimum=f.quantity(bounded["t_f"], "s"),
+        change=f.signed_percent(settling / bounded["t_f"] - 1.0),
+    )
+    return f"{sentence} {held}"
 
 
 def slowest_move(record: Record) -> int:
