@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from math import ceil
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from mtcommission.profile import read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, load_record
 from mtcommission.record.schema import Profile, Record
+from mtcommission.sheet.content import compose
+from mtcommission.sheet.labels_de import GERMAN
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -117,3 +120,10 @@ def test_recommendation_beats_every_rule_that_meets_the_requirements(record: Rec
         if rule["meets_requirements"]:
             assert rule["settling_time"] is not None
             assert rule["settling_time"] >= 0.99 * best
+
+
+def test_the_german_sheet_has_a_sentence_for_every_sentence_of_the_record(record: Record) -> None:
+    """A sentence without one would stand in English, marked, amid a German sheet."""
+    shown = json.dumps(asdict(compose(record, GERMAN)), default=str, ensure_ascii=False)
+    mark = GERMAN.original.removeprefix("{text}")
+    assert mark.strip() not in shown, shown[: shown.find(mark)][-200:]

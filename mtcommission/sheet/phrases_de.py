@@ -164,6 +164,7 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "no limits were found that meet all requirements with this band",
         "es wurden keine Grenzwerte gefunden, die mit diesem Band alle Anforderungen erfüllen",
     ),
+    ("the loop that is used", "der verwendete Regelkreis"),
     # paths of the loop
     ("position setpoint", "Lagesollwert"),
     ("position controller", "Lageregler"),
