@@ -21,19 +21,20 @@ from mtcommission.optimal.bounded_dual import (
     stretches,
 )
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_touches
-from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
+from mtcommission.optimal.bounded_exchange import exchange, later
 from mtcommission.optimal.bounded_layout import SHRINK, Sight, lay_out, off_arcs
 from mtcommission.optimal.bounded_mesh import Contact, Layout, MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts, read_sequence
+from mtcommission.optimal.bounded_relaxation import enclosed_gap, prove_by_contacts
 
 Array = NDArray[np.float64]
 
 ROUNDS = 5
 """Meshes tried; each is five times as fine at the features as the one before."""
-SHARPENINGS = 5
-"""Solutions of the relaxation with the zeros of the last one as mesh points."""
+SETTLED = 3e-7
+"""Relative change of t_f between two rounds at which its proof is worth the effort."""
 ROOMS = (1.0, 2.0, 4.0, 8.0)
 """Factors tried on the distance between a core and the ends of its arc."""
 MOST_FILLED = 2000
@@ -71,7 +72,8 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         With a gap of at most ``GAP``, or ``LOOSE_GAP`` where only the mesh could be solved.
     """
     nearest: _Enclosure | None = None
-    for _ in range(ROUNDS):
+    last = 0.0
+    for number in range(ROUNDS):
         kept = _kept(problem, sight)
         if kept is None:
             break
@@ -82,14 +84,13 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         exact = solve_exactly(problem, guess)
         if exact is not None:
             return exact
-        if _has_high_order(problem, guess):
-            relaxed = _sharpened(problem, relaxed)
-        enclosure = _Enclosure(
-            kept=kept, relaxed=relaxed, gap=_enclosed_gap(problem, kept, relaxed)
-        )
-        if nearest is None or enclosure.gap < nearest.gap:
-            nearest = enclosure
-        if enclosure.gap < ENOUGH * GAP and _has_high_order(problem, guess):
+        settled = abs(sight.t_f - last) < SETTLED * sight.t_f or number == ROUNDS - 1
+        if settled and _has_high_order(problem, guess):
+            relaxed = prove_by_contacts(problem, kept, goal=ENOUGH * GAP)
+        last, gap = sight.t_f, enclosed_gap(problem, kept, relaxed)
+        if nearest is None or gap < nearest.gap:
+            nearest = _Enclosure(kept=kept, relaxed=relaxed, gap=gap)
+        if gap < ENOUGH * GAP and _has_high_order(problem, guess):
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
@@ -103,34 +104,6 @@ def _kept(problem: BoundedProblem, sight: Sight) -> MeshOptimum | None:
         if kept is not None:
             return kept
     return None
-
-
-def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> float:
-    measure = relaxed.measure
-    value = dual_value(problem, stretches(problem, measure), measure.atoms).value
-    reach = value / float(measure.terminal @ problem.target)
-    return (reach - kept.reach) / max(kept.slope * kept.layout.t_f, LEAST_SLOPE)
-
-
-def _sharpened(problem: BoundedProblem, relaxed: MeshOptimum) -> MeshOptimum:
-    """Return the relaxation on a mesh that has a point at each zero of its own σ.
-
-    In a cell where σ changes sign the program sees less than ∫|σ|; with the zeros as mesh points
-    the loss vanishes quadratically. No contacts are added, so it stays a relaxation.
-    """
-    for _ in range(SHARPENINGS):
-        measure = relaxed.measure
-        integral = dual_value(problem, stretches(problem, measure), measure.atoms)
-        claim = float(measure.terminal @ problem.target)
-        if integral.value / claim - relaxed.reach < 0.1 * GAP:
-            break
-        mesh = np.union1d(relaxed.layout.mesh, integral.zeros)
-        apart = np.append(True, np.diff(mesh) > VANISHED * relaxed.layout.t_f)
-        finer = solve_mesh(problem, replace(relaxed.layout, mesh=mesh[apart]), relaxed=True)
-        if finer is None:
-            break
-        relaxed = finer
-    return relaxed
 
 
 def _has_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
