@@ -30,11 +30,11 @@ from mtcommission.plant import Plant
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-PIECE_ANGLE = 8.0
-"""Longest piece times the fastest eigenvalue [-]: within it the flow grows by at most e^8, which
-costs four of sixteen digits."""
+PIECE_ANGLE = 4.0
+"""Longest piece times the fastest eigenvalue [-]: within it the flow grows by at most e^4, which
+costs two of sixteen digits."""
 
-SAMPLES_PER_PIECE = 32
+SAMPLES_PER_PIECE = 16
 """Samples inside a piece: at most a quarter radian of the fastest eigenvalue apart, so that
 cubic interpolation between them isolates every crossing (empirical)."""
 
@@ -261,7 +261,9 @@ def solve_arcs(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) ->
     start = arcs.edges[owner] + piece * piece_length
     fraction = np.linspace(0.0, 1.0, SAMPLES_PER_PIECE + 1)
     step = lengths / counts / SAMPLES_PER_PIECE
-    powers = _powers(expm(problem.generators[arcs.labels + 1] * step[:, None, None]))
+    powers = matrix_powers(
+        expm(problem.generators[arcs.labels + 1] * step[:, None, None]), SAMPLES_PER_PIECE
+    )
     nodes = _solve_nodes(problem, powers[owner, -1], bound=bound)
     return PiecewiseFlow(
         bound=bound,
@@ -271,15 +273,32 @@ def solve_arcs(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) ->
     )
 
 
-def _powers(E: Array) -> Array:
-    """Return E^0 ... E^SAMPLES_PER_PIECE of a stack of matrices, shape (k, samples + 1, N, N)."""
+def matrix_powers(E: Array, last: int) -> Array:
+    """Return E^0 ... E^last of a stack of matrices.
+
+    Parameters
+    ----------
+    E
+        Shape (k, N, N).
+    last
+        Highest power, >= 1.
+
+    Returns
+    -------
+    ndarray, shape (k, last + 1, N, N)
+
+    Examples
+    --------
+    >>> matrix_powers(np.full((1, 1, 1), 3.0), 4).ravel()
+    array([ 1.,  3.,  9., 27., 81.])
+    """
     k, N = E.shape[:2]
-    powers = np.empty((k, SAMPLES_PER_PIECE + 1, N, N))
+    powers = np.empty((k, last + 1, N, N))
     powers[:, 0] = np.eye(N)
     powers[:, 1] = E
     done = 1
-    while done < SAMPLES_PER_PIECE:
-        more = min(done, SAMPLES_PER_PIECE - done)
+    while done < last:
+        more = min(done, last - done)
         powers[:, done + 1 : done + more + 1] = powers[:, done : done + 1] @ powers[:, 1 : more + 1]
         done += more
     return powers

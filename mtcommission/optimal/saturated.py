@@ -246,12 +246,13 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
     trial, fraction, floor = 1.0, 1.0, 0.0
     for _ in range(STEPS):
         now = _settle(problem, reached.arcs, bound=trial)
+        settled = now.violation <= LAW_TOLERANCE * trial
+        if settled and trial == 1.0:
+            return now
         floor = max(floor, least_bound(problem, now.flow))
         if floor > 1.0 + FORCE_MARGIN:
             break
-        if now.violation <= LAW_TOLERANCE * trial:
-            if trial == 1.0:
-                return now
+        if settled:
             limit, reached, fraction = trial, now, min(0.9, 1.5 * fraction)
         else:
             fraction /= 2.0
