@@ -1,6 +1,7 @@
 """Sweeps over F_max of the paper's machine: time, certificates and memory over the number of cases.
 
-Run as ``python -m benchmarks.sweep [--largest N] [--workers N] [--limits N] [--plot FILE.svg]``.
+Run as ``python -m benchmarks.sweep [--largest N] [--workers N] [--limits N] [--output docs]``,
+which writes benchmarks-sweep.md and benchmarks-sweep.svg there.
 Each size runs in a process of its own, so that the peak of its memory is its own. Processor time
 is that of the process and its workers: on a busy machine it says more than the clock.
 """
@@ -9,14 +10,18 @@ from __future__ import annotations
 
 import argparse
 import multiprocessing
+import os
+import platform
 import resource
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import polars as pl
 
 from mtcommission.sweep.cases import Plan, Quantity, read_axis
 from mtcommission.sweep.engine import Engine, run_sweep
@@ -27,6 +32,7 @@ PAPER = Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
+    quantity: str
     count: int
     wall: float
     processor: float
@@ -53,7 +59,10 @@ def measure(count: int, workers: int, quantity: Quantity) -> Row:
         below = resource.getrusage(resource.RUSAGE_CHILDREN)
         frame = read_table(plan, store).frame
     is_optimal = quantity is Quantity.OPTIMAL
+    if is_optimal:
+        check(frame)
     return Row(
+        quantity=quantity.value,
         count=count,
         wall=wall,
         processor=here.ru_utime + here.ru_stime + below.ru_utime + below.ru_stime,
@@ -61,6 +70,49 @@ def measure(count: int, workers: int, quantity: Quantity) -> Row:
         passed=int(frame["certified" if is_optimal else "requirements_met"].sum() or 0),
         largest_gap=float(frame["relative_gap"].max()) if is_optimal else 0.0,  # type: ignore[arg-type]
     )
+
+
+def check(frame: pl.DataFrame) -> None:
+    """Every row certified, t_f strictly falling with F_max: else the benchmark is void."""
+    if not frame["certified"].all():
+        raise SystemExit("a row is not certified")
+    if frame["t_f"].diff().drop_nulls().max() >= 0.0:  # type: ignore[operator]
+        raise SystemExit("t_f does not fall strictly with F_max")
+
+
+HEAD = (
+    "| quantity | cases | wall [s] | CPU [s] | CPU per case [ms] | peak memory [MB] | "
+    "certified or met | worst gap |\n|---|---|---|---|---|---|---|---|"
+)
+
+
+def describe(row: Row) -> str:
+    gap = f"{row.largest_gap:.0e}" if row.quantity == Quantity.OPTIMAL.value else "-"
+    return (
+        f"| {row.quantity} | {row.count} | {row.wall:.1f} | {row.processor:.1f} | "
+        f"{1e3 * row.processor / row.count:.3g} | {row.megabytes:.0f} | {row.passed} | {gap} |"
+    )
+
+
+def write(rows: list[Row], workers: int, folder: Path) -> None:
+    lines = [
+        "# Sweeps: time and memory over the number of cases",
+        "",
+        "`python -m benchmarks.sweep --limits N --output docs`, the paper's machine over F_max: "
+        "300 N to 20 kN for `optimal`, 1 to 4 kN for `limits`.",
+        f"{workers} worker(s), {platform.python_version()}, {date.today().isoformat()}; CPU time "
+        f"includes start-up of every process. Load of the machine meanwhile: "
+        f"{os.getloadavg()[1]:.1f} on {os.cpu_count()} cores, so compare CPU time, not the clock.",
+        "",
+        HEAD,
+        *map(describe, rows),
+        "",
+        "Every `optimal` row is certified and t_f falls strictly with F_max, else the benchmark "
+        "stops. Memory is the sum of the parent's and the largest worker's peak.",
+    ]
+    (folder / "benchmarks-sweep.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    optimal = [row for row in rows if row.quantity == Quantity.OPTIMAL.value]
+    plot(optimal, str(folder / "benchmarks-sweep.svg"))
 
 
 def report(row: Row) -> None:
@@ -79,7 +131,7 @@ def plot(rows: list[Row], file: str) -> None:
     times.set(xlabel="cases", ylabel="processor time [s]")
     memory.semilogx(counts, [row.megabytes for row in rows], "o-")
     memory.set(xlabel="cases", ylabel="peak memory [MB]", ylim=(0, None))
-    figure.savefig(file)
+    figure.savefig(file, metadata={"Date": None})
 
 
 def main() -> None:
@@ -87,7 +139,7 @@ def main() -> None:
     parser.add_argument("--largest", type=int, default=100_000)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--limits", type=int, default=0, help="choices of limits to time as well")
-    parser.add_argument("--plot", default="")
+    parser.add_argument("--output", type=Path, default=None, help="folder for table and plot")
     options = parser.parse_args()
     context = multiprocessing.get_context("spawn")
     print("   cases  wall [s]   cpu [s]  cpu/case [ms]  MB   passed  worst gap")
@@ -101,8 +153,8 @@ def main() -> None:
         with ProcessPoolExecutor(1, mp_context=context) as executor:
             rows.append(executor.submit(measure, *job).result())
         report(rows[-1])
-    if options.plot:
-        plot(rows[: len(sizes)], options.plot)
+    if options.output:
+        write(rows, options.workers, options.output)
 
 
 if __name__ == "__main__":

@@ -7,8 +7,9 @@ nothing slower than the best of it need be looked at. The search itself is globa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from math import inf, isfinite
 
 import numpy as np
@@ -28,7 +29,7 @@ from mtcommission.search.bench import (
     use_of_bounds,
 )
 from mtcommission.search.explore import explore, guess_usage, join
-from mtcommission.search.landscape import Landscape, chart_landscape, no_landscape
+from mtcommission.search.landscape import Landscape, chart_landscape
 from mtcommission.search.region import Region, lay_grid, narrow_region, widest_region
 from mtcommission.search.settings import SearchSettings
 from mtcommission.search.typed import pick
@@ -50,8 +51,8 @@ class Choice:
         What forbids faster limits.
     meets_requirements
         Whether all requirements hold by the search's own judgement.
-    landscape
-        To be printed; without points where the settings ask for none.
+    chart
+        Charts the landscape to be printed when it is first asked for: few choices are.
     evaluations
         Limits judged in every corner, or until others were better already.
     """
@@ -59,33 +60,33 @@ class Choice:
     limits: MotionLimits
     bound_by: str
     meets_requirements: bool
-    landscape: Landscape
+    chart: Callable[[], Landscape]
     evaluations: int
 
     @property
     def acceleration(self) -> Array:
         """First axis of the landscape [m/s²]."""
-        return self.landscape.acceleration
+        return self.chart().acceleration
 
     @property
     def jerk_time(self) -> Array:
         """Second axis of the landscape [s]."""
-        return self.landscape.jerk_time
+        return self.chart().jerk_time
 
     @property
     def settling_time(self) -> Array:
         """Of the landscape [s]."""
-        return self.landscape.settling_time
+        return self.chart().settling_time
 
     @property
     def residual_deviation(self) -> Array:
         """Of the landscape [m]."""
-        return self.landscape.residual_deviation
+        return self.chart().residual_deviation
 
     @property
     def usage(self) -> Array:
         """Of the landscape [-]."""
-        return self.landscape.usage
+        return self.chart().usage
 
 
 def choose_limits(
@@ -131,16 +132,11 @@ def choose_limits(
         more = explore(bench, guess, grid, region, starts=begin, settings=settings, urgency=0.0)
         pool = join([pool, more])
     found = pick(bench, pool, settings)
-    landscape = no_landscape()
-    if settings.landscape:
-        bench = build_bench(machine, plant, tuned, longest=_longest(machine, widest))
-        guess = guess_usage(bench, widest, widest=widest, points=settings.coarse_grid)
-        landscape = chart_landscape(bench, guess, widest, points=settings.landscape)
     return Choice(
         limits=found.limits,
         bound_by=_explain(bench, found.limits, found.meets_requirements),
         meets_requirements=found.meets_requirements,
-        landscape=landscape,
+        chart=cache(partial(_chart, machine, plant, tuned, widest, settings)),
         evaluations=len(pool.settling),
     )
 
@@ -152,6 +148,14 @@ class _Stage:
     bench: Bench
     region: Region
     best: tuple[MotionLimits, ...]
+
+
+def _chart(
+    machine: Machine, plant: Plant, tuned: TunedLoop, widest: Region, settings: SearchSettings
+) -> Landscape:
+    bench = build_bench(machine, plant, tuned, longest=_longest(machine, widest))
+    guess = guess_usage(bench, widest, widest=widest, points=settings.coarse_grid)
+    return chart_landscape(bench, guess, widest, points=settings.landscape)
 
 
 SLOWER = ((1.0, 0.8, 0.6), (0.4, 0.25, 0.1))

@@ -258,7 +258,7 @@ def test_search_never_settles_later_than_what_is_known(seed: int) -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     named = [rule.limits for rule in apply_rules(machine, plant)]
     named.append(apply_commissioning_rule(machine, plant, tuned).limits)
-    found = choose_limits(machine, plant, tuned, settings=SearchSettings(landscape=0))
+    found = choose_limits(machine, plant, tuned)
     ours = try_limits(machine, plant, tuned, "search", "", found.limits)
     assert ours.assessment.is_met
     for limits in named:
@@ -271,7 +271,7 @@ def test_a_start_off_the_grid_is_not_lost() -> None:
     """What an optimum suggests must be tried, even where the search would not look."""
     plant, tuned = build_plant(PAPER), tune_loop(PAPER)
     alone = choose_limits(PAPER, plant, tuned)
-    blind = SearchSettings(grid=2, coarse_grid=2, seeds=1, refinements=1, landscape=0)
+    blind = SearchSettings(grid=2, coarse_grid=2, seeds=1, refinements=1)
     helped = choose_limits(PAPER, plant, tuned, starts=[alone.limits], settings=blind)
     times = [
         try_limits(PAPER, plant, tuned, "", "", choice.limits).settling_time

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Landscape:
-    """Worst over moves and corners, at a first look; n may be 0.
+    """Worst over moves and corners, at a first look.
 
     Parameters
     ----------
@@ -62,16 +62,4 @@ def chart_landscape(bench: Bench, guess: Guess, region: Region, *, points: int) 
         settling_time=found.settling_time.reshape(points, points),
         residual_deviation=found.residual_deviation.reshape(points, points),
         usage=guess.at(a_grid, t_grid).reshape(points, points),
-    )
-
-
-def no_landscape() -> Landscape:
-    """Return a landscape without points."""
-    none, nowhere = np.zeros(0), np.zeros((0, 0))
-    return Landscape(
-        acceleration=none,
-        jerk_time=none,
-        settling_time=nowhere,
-        residual_deviation=nowhere,
-        usage=nowhere,
     )

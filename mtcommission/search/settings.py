@@ -29,7 +29,7 @@ class SearchSettings:
     digits
         Significant digits of what is to be typed in.
     landscape
-        Points in each direction of the landscape to be printed; 0 for none.
+        Points in each direction of the landscape to be printed.
     """
 
     least_acceleration: float = 0.05

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from hashlib import sha256
 
 import numpy as np
@@ -62,9 +62,7 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     tuned = settle_on_loop(machine, plant, settings).tuned
     starts = [limits for _, limits in condense_optima(plant, optima)]
-    # The landscape is for the sheet; the limits do not hang on it.
-    search = replace(settings.search, landscape=0)
-    choice = choose_limits(machine, plant, tuned, starts=starts, settings=search)
+    choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
     moves = run_moves(machine, tuned, choice.limits)
     trial = judge(machine, plant, tuned, "recommended", "this search", choice.limits)
     return _cells(plant, optima, moves, trial, choice.bound_by)

@@ -1,0 +1,212 @@
+"""The search for limits against brute force, and what it costs.
+
+    python -m benchmarks.choose [--points 300] [--machines 20] [--output docs/benchmarks-search.md]
+
+Brute force as the issue states it: a from 5 % to 100 % of F_max/m, a/j from 0.5 ms to three periods
+of the slowest mode, both logarithmic, the response seen at every velocity cycle, the same gains.
+To be found are limits that settle more than 2 % sooner, so what has already lasted longer than
+98 % of our settling time (the setpoint alone, or in one corner) is not followed further; that
+leaves nothing out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf, isfinite
+from pathlib import Path
+
+import numpy as np
+
+from mtcommission.choose import choose_limits
+from mtcommission.loop.superposition import (
+    build_tables,
+    find_extremes,
+    moving_average_steps,
+    settle,
+)
+from mtcommission.loop.tuning import TunedLoop, tune_loop
+from mtcommission.machine import Machine, Move, moving_mass
+from mtcommission.optima import condense_optima, find_optima
+from mtcommission.plant import Plant, build_plant
+from mtcommission.population import random_machine
+from mtcommission.profile import read_profile
+from mtcommission.setpoint import JerkSteps, jerk_steps
+from mtcommission.trials import judge
+
+PROFILES = Path(__file__).parent.parent / "profiles"
+SOONER = 0.98
+SLICE = 3000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    name: str
+    corners: int
+    moves: int
+    is_met: bool
+    settling_time: float
+    best_other: float
+    looked_at: int
+    processor: float
+
+    @property
+    def is_beaten(self) -> bool:
+        return self.best_other < SOONER * self.settling_time
+
+
+def measure(machine: Machine, points: int) -> Row:
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
+    starts = [limits for _, limits in condense_optima(plant, optima)]
+    begun = time.process_time()
+    choice = choose_limits(machine, plant, tuned, starts=starts)
+    spent = time.process_time() - begun
+    ours = judge(machine, plant, tuned, "search", "", choice.limits)
+    met = ours.assessment.is_met
+    latest = ours.settling_time if isfinite(ours.settling_time) else inf
+    limits = candidates(machine, tuned, points, SOONER * latest)
+    best = brute_force(machine, plant, tuned, limits, latest=SOONER * latest, met=met)
+    return Row(
+        name=machine.name,
+        corners=len(tuned.corners),
+        moves=len(machine.moves),
+        is_met=met,
+        settling_time=ours.settling_time,
+        best_other=best,
+        looked_at=len(limits),
+        processor=spent,
+    )
+
+
+def candidates(machine: Machine, tuned: TunedLoop, points: int, latest: float) -> np.ndarray:
+    """(a, a/j) whose setpoints end soon enough, shape (n, 2)."""
+    a_max = machine.drive.motion_force / moving_mass(machine)
+    plant = build_plant(machine)
+    period = max(1.0 / mode.frequency_hz for mode in plant.modes)
+    a = np.geomspace(0.05 * a_max, a_max, points)
+    t = np.geomspace(0.5e-3, 3.0 * period, points)
+    pairs = np.array([axis.ravel() for axis in np.meshgrid(a, t, indexing="ij")]).T
+    ends = np.max([steps_of(machine, move, pairs).duration for move in machine.moves], axis=0)
+    return pairs[ends + tuned.controller.reference_delay <= latest]
+
+
+def steps_of(machine: Machine, move: Move, pairs: np.ndarray) -> JerkSteps:
+    steps = jerk_steps(move, acceleration=pairs[:, 0], jerk=pairs[:, 0] / pairs[:, 1])
+    mean = machine.control.moving_average_time
+    return moving_average_steps(steps, time=mean) if mean else steps
+
+
+def brute_force(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    pairs: np.ndarray,
+    *,
+    latest: float,
+    met: bool,
+) -> float:
+    """Least settling time below ``latest``; inf if there is none.
+
+    With ``met`` all requirements must hold, else those on force and peaks.
+    """
+    if not len(pairs):
+        return inf
+    settling = np.zeros(len(pairs))
+    for move in machine.moves:
+        longest = float(steps_of(machine, move, pairs).duration.max())
+        for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True):
+            filtered = machine.control.moving_average_time > 0.0
+            tables = build_tables(loop, lifted, longest=longest, filtered=filtered)
+            alive = np.flatnonzero(settling <= latest)
+            for part in slices(alive):
+                band = machine.requirements.tcp_deviation
+                found = settle(tables, steps_of(machine, move, pairs[part]), band=band)
+                missed = met & (found.residual_deviation > band)
+                late = np.where(missed, inf, found.settling_time)
+                settling[part] = np.maximum(settling[part], late)
+    good = np.flatnonzero(settling <= latest)
+    order = good[np.argsort(settling[good], kind="stable")]
+    for part in slices(order, 100):
+        fits = keeps_bounds(machine, plant, tuned, pairs[part])
+        if fits.any():
+            return float(settling[part[fits][0]])
+    return inf
+
+
+def slices(places: np.ndarray, size: int = SLICE) -> Iterator[np.ndarray]:
+    for start in range(0, len(places), size):
+        yield places[start : start + size]
+
+
+def keeps_bounds(machine: Machine, plant: Plant, tuned: TunedLoop, pairs: np.ndarray) -> np.ndarray:
+    n, needs, drive = plant.order, machine.requirements, machine.drive
+    outputs = np.vstack([np.zeros((3, n)), np.eye(n)])
+    signals = np.array([np.eye(n + 3)[2], *(outputs @ plant.row(p.name) for p in needs.peaks)])
+    bounds = np.array([drive.motion_force, *(peak.bound for peak in needs.peaks)])
+    fits = np.ones(len(pairs), dtype=bool)
+    for move in machine.moves:
+        for lifted in tuned.lifted:
+            found = find_extremes(
+                lifted,
+                steps_of(machine, move, pairs),
+                signals=signals,
+                order=4 if machine.control.moving_average_time else 3,
+                dwell=move.dwell,
+                tail=0.1,
+            )
+            load = abs(drive.static_load)
+            square = found.mean_square_force + load**2 + 2.0 * load * np.abs(found.mean_force)
+            fits &= np.all(found.peaks <= bounds, axis=1)
+            fits &= np.sqrt(square) <= drive.continuous_force
+    return fits
+
+
+HEAD = (
+    "| machine | corners x moves | met | settles [ms] | grid's best [ms] | sooner by | "
+    "grid looked at | search, CPU [s] |\n|---|---|---|---|---|---|---|---|"
+)
+
+
+def describe(row: Row, points: int) -> str:
+    other = f"{1e3 * row.best_other:.2f}" if isfinite(row.best_other) else "none"
+    gain = f"{100 * (1 - row.best_other / row.settling_time):.1f} %" if row.is_beaten else "-"
+    return (
+        f"| {row.name} | {row.corners} x {row.moves} | {'yes' if row.is_met else 'no'} | "
+        f"{1e3 * row.settling_time:.2f} | {other} | {gain} | "
+        f"{100 * row.looked_at / points**2:.0f} % | {row.processor:.2f} |"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--points", type=int, default=300)
+    parser.add_argument("--machines", type=int, default=20, help="random ones, besides profiles/")
+    parser.add_argument("--output", type=Path, default=None, help="Markdown file for the table")
+    options = parser.parse_args()
+    machines = [read_profile(path) for path in sorted(PROFILES.glob("*.toml"))]
+    machines += [random_machine(seed) for seed in range(options.machines)]
+    lines, rows = [HEAD], []
+    print(HEAD)
+    for machine in machines:
+        rows.append(measure(machine, options.points))
+        lines.append(describe(rows[-1], options.points))
+        print(lines[-1], flush=True)
+    beaten = sum(row.is_beaten for row in rows)
+    lines += [
+        "",
+        f"Of {len(rows)} machines brute force ({options.points} x {options.points}) settles more "
+        f"than 2 % sooner on {beaten}. CPU time of the search: median "
+        f"{np.median([row.processor for row in rows]):.2f} s, largest "
+        f"{max(row.processor for row in rows):.2f} s.",
+    ]
+    print("\n".join(lines[-2:]))
+    if options.output:
+        title = "# Search for limits against brute force\n\n`python -m benchmarks.choose`\n\n"
+        options.output.write_text(title + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
