@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import importlib.util
+import io
+import tokenize
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,7 +31,8 @@ class Tool:
     package, install
         What it imports, and the command that installs it.
     cells
-        Grids for the main problems; 0 stands for no grid.
+        Grids for the main problems, coarse to fine; 0 stands for no grid. A finer one is not
+        tried where a coarser one had no answer in time.
     ladder_cells
         Grid for the ladders.
     better
@@ -87,7 +90,7 @@ TOOLS = (
         module="casadi_collocation",
         package="casadi",
         install="pip install casadi",
-        cells=(1000, 10_000),
+        cells=(200, 1000, 10_000),
         ladder_cells=200,
         better="nonlinear plants, any cost and constraint, stiff ones too",
     ),
@@ -96,7 +99,7 @@ TOOLS = (
         module="rockit_peer",
         package="rockit",
         install="pip install rockit-meco",
-        cells=(1000, 10_000),
+        cells=(200, 1000, 10_000),
         ladder_cells=200,
         better="nonlinear plants, several phases, and the shortest statement of all",
     ),
@@ -105,7 +108,7 @@ TOOLS = (
         module="pyomo_peer",
         package="pyomo",
         install="pip install pyomo",
-        cells=(1000, 10_000),
+        cells=(100, 1000, 10_000),
         ladder_cells=100,
         better="nonlinear and differential-algebraic plants, integer decisions, any AMPL solver",
     ),
@@ -143,21 +146,18 @@ def is_installed(tool: Tool) -> bool:
 
 def user_lines(tool: Tool) -> int:
     """Lines that a user writes, by LINES_RULE."""
-    tree = ast.parse((PEERS / f"{tool.module}.py").read_text(encoding="utf-8"))
-    used: set[int] = set()
-    for node in ast.walk(tree):
-        for child in ast.iter_child_nodes(node):
-            if isinstance(child, ast.Import | ast.ImportFrom) or _is_docstring(child):
-                continue
-            if isinstance(child, ast.stmt | ast.expr):
-                used.add(child.lineno)
-                used.add(child.end_lineno or child.lineno)
-    return len(used)
+    text = (PEERS / f"{tool.module}.py").read_text(encoding="utf-8")
+    silent = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
+    written: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in silent and token.type != tokenize.ENDMARKER:
+            written.update(range(token.start[0], token.end[0] + 1))
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import | ast.ImportFrom | ast.Expr) and not _is_call(node):
+            written.difference_update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    return len(written)
 
 
-def _is_docstring(node: ast.AST) -> bool:
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-    )
+def _is_call(node: ast.stmt) -> bool:
+    """Whether an expression that stands alone does something; else it is a docstring."""
+    return isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)
