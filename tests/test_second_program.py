@@ -1,0 +1,85 @@
+"""Recommended limits in every corner, by a program that shares nothing with the package.
+
+``python -m benchmarks.second_program`` does so for every shipped profile and random machines.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission.choose import choose_limits
+from mtcommission.loop_choice import Settings, settle_on_loop
+from mtcommission.machine import Machine, vary
+from mtcommission.plant import build_plant
+from mtcommission.population import random_machine
+from mtcommission.profile import read_profile
+from mtcommission.trials import judge as judge_here
+from tests.independent_loop import judge, profile_of, run
+
+PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
+
+TAIL = 0.4
+"""Free motion simulated after the end [s]."""
+
+EXACTLY = 1e-6
+"""Room for rounding in the comparison with a requirement that is just kept."""
+
+
+def broken_requirements(machine: Machine) -> list[str] | None:
+    """What the second program finds broken; None where the product promises nothing."""
+    plant = build_plant(machine)
+    tuned = settle_on_loop(machine, plant, Settings()).tuned
+    limits = choose_limits(machine, plant, tuned).limits
+    if not judge_here(machine, plant, tuned, "", "", limits).assessment.is_met:
+        return None
+    needs, drive, gains = machine.requirements, machine.drive, tuned.controller
+    broken = []
+    for number, move in enumerate(machine.moves, start=1):
+        profile = profile_of(
+            move, limits.acceleration, limits.jerk, mean=machine.control.moving_average_time
+        )
+        samples = ceil((profile.end + gains.reference_delay + TAIL) / gains.velocity_cycle)
+        for corner in tuned.corners:
+            motion = run(vary(machine, corner), gains, profile, nominal=machine, samples=samples)
+            found = judge(
+                motion,
+                profile,
+                tau=gains.reference_delay,
+                band=needs.tcp_deviation,
+                dwell=move.dwell,
+            )
+            grid = np.linspace(0.0, profile.end + move.dwell, 20001)
+            motor = np.interp(grid, motion.t, motion.states[:, -1], right=0.0)
+            load = abs(drive.static_load)
+            rms = np.sqrt(found.rms_force**2 + load**2 + 2.0 * load * abs(np.mean(motor)))
+            peaks = [
+                (peak.name, float(np.max(np.abs(motion.states @ plant.row(peak.name)))), peak.bound)
+                for peak in needs.peaks
+            ]
+            for name, value, limit in (
+                ("residual", found.residual, needs.tcp_deviation),
+                ("settling", found.settling_time, needs.max_settling_time),
+                ("force", float(np.max(np.abs(motion.force))), drive.motion_force),
+                ("RMS force", float(rms), drive.continuous_force),
+                *peaks,
+            ):
+                if value > limit * (1.0 + EXACTLY):
+                    broken.append(f"move {number}, {corner}: {name} {value:.6g} > {limit:.6g}")
+    return broken
+
+
+@pytest.mark.parametrize("name", ["honing-z", "milling-manipulator"])
+def test_shipped_profile(name: str) -> None:
+    """If it failed, a sheet would promise what an outsider's simulation refutes."""
+    machine = read_profile(next(path for path in PROFILES if path.stem == name))
+    assert broken_requirements(machine) == []
+
+
+@pytest.mark.parametrize("seed", [2, 5])
+def test_random_machine(seed: int) -> None:
+    """If it failed, the promise would hold on the shipped examples alone."""
+    assert broken_requirements(random_machine(seed)) == []
