@@ -222,7 +222,7 @@ def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """
     plant = data.get("plant")
     given = plant.get("kind", "") if isinstance(plant, dict) else ""
-    if not isinstance(plant, dict) or given in KINDS:
+    if not isinstance(plant, dict) or (isinstance(given, str) and given in KINDS):
         return data, ""
     kind = find_close(given, KINDS) if isinstance(given, str) else ""
     shared = {

@@ -560,6 +560,11 @@ def test_a_misspelt_table_is_one_fault() -> None:
             "kind = 5",
             '7: plant.kind: got 5, must be "manipulator" or "modal"; did you mean "manipulator"?',
         ),
+        (
+            "kind = [{}]",
+            '7: plant.kind: got an array, must be "manipulator" or "modal"; '
+            'did you mean "manipulator"?',
+        ),
     ],
 )
 def test_a_wrong_kind_does_not_hide_the_other_faults_of_the_plant(kind: str, words: str) -> None:
