@@ -52,9 +52,9 @@ def paper_optimum(
 
 
 def random_case(seed: int) -> tuple[Plant, Move, tuple[Weight, ...], float]:
-    """A machine with one to five modes, a move, mode weights, and a t_f of some periods."""
+    """A machine with one to eight modes, a move, mode weights, and a t_f of some periods."""
     generator = np.random.default_rng(seed)
-    machine = random_modal_machine(seed, n_modes=1 + seed % 5)
+    machine = random_modal_machine(seed, n_modes=1 + seed % 8)
     plant = build_plant(machine)
     move = machine.moves[0] if seed % 2 else Positioning(distance=float(generator.uniform(0.01, 1)))
     slowest = min(mode.natural_frequency for mode in plant.modes)

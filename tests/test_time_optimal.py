@@ -22,9 +22,16 @@ from mtcommission.machine import (
     Positioning,
     VelocityStep,
 )
+from mtcommission.optimal.dual_start import start_force
+from mtcommission.optimal.final_state import final_state
 from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
 from mtcommission.optimal.polish import find_bang_bang
-from mtcommission.optimal.solution import TimeOptimum, sample_trajectory
+from mtcommission.optimal.solution import (
+    TimeOptimum,
+    constant_arc,
+    propagate,
+    sample_trajectory,
+)
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import Plant, build_plant
 from tests.machines import REQUIREMENTS, paper_machine, random_modal_machine
@@ -296,3 +303,56 @@ def test_static_load_acts_through_the_force_left() -> None:
     assert optimum.t_f == pytest.approx(
         solve_time_optimal(PAPER, STEP, force_limit=1500.0).t_f, rel=1e-13
     )
+
+
+@pytest.mark.parametrize("decades", [-3.0, 4.0])
+@pytest.mark.parametrize("n_modes", [2, 5])
+def test_tiny_and_huge_forces_under_a_static_load_are_certified(
+    n_modes: int, decades: float
+) -> None:
+    # A vertical axis whose load takes 70 % of the force, moved very slowly and very hard.
+    machine = random_modal_machine(11, n_modes=n_modes)
+    force = machine.drive.max_force * 10.0**decades
+    drive = replace(machine.drive, max_force=force, static_load=-0.7 * force)
+    plant, left = build_plant(machine), drive.motion_force
+    for move in (machine.moves[0], Positioning(distance=0.05)):
+        optimum = solve_time_optimal(plant, move, force_limit=left)
+        assert optimum.force_limit == pytest.approx(0.3 * force)
+        assert 0.0 <= optimum.certificate.relative_gap < 1e-9
+        assert optimum.certificate.switching_law_holds
+        assert relative_error(plant, optimum) < 1e-9
+
+
+@pytest.mark.parametrize("force_lag", [1e-5, 3e-3])
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
+def test_final_state_is_that_of_arc_by_arc_integration(move: Move, force_lag: float) -> None:
+    # A wrong final state would hide that a control misses its target.
+    plant = modal_plant((40.0, 0.02), (71.0, 0.05), (160.0, 0.01), force_lag=force_lag)
+    optimum = solve_time_optimal(plant, move, force_limit=900.0)
+    times = np.array(optimum.switching_times) * 1.01
+    edges = [0.0, *times.tolist(), 1.02 * optimum.t_f]
+    arcs = tuple(
+        constant_arc(start, end, control="", force=900.0 * (-1.0) ** i)
+        for i, (start, end) in enumerate(pairwise(edges))
+    )
+    found = final_state(
+        plant, times, t_f=edges[-1], first_force=900.0, rate=max(1.0 / force_lag, 1005.0)
+    )
+    expected = propagate(plant, arcs)
+    assert np.all(np.abs(found - expected) < 1e-11 * optimum.peaks[: plant.order])
+
+
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
+def test_start_comes_near_the_optimum_by_itself(move: Move) -> None:
+    # Were the start far off, every case would pay for the refinements that are meant for few.
+    problem = moment_problem(PAPER, move)
+    for force in (200.0, 2e3, 2e5):
+        span = problem.target / force
+        cells = start_force(problem, span=span, tolerance=1e-4)
+        optimum = solve_time_optimal(PAPER, move, force_limit=force)
+        assert cells.horizon == pytest.approx(optimum.t_f, rel=5e-3)
+        assert np.all(np.abs(cells.force) < 1.0)
+        ends = np.minimum(cells.mesh.nodes, cells.horizon)
+        moments = np.diff(problem.integrals(ends), axis=0).T @ cells.force
+        size = np.abs(np.diff(problem.integrals(ends), axis=0)).sum(axis=0)
+        assert np.all(np.abs(moments) < 0.02 * size)
