@@ -143,7 +143,8 @@ def print_peer(cells: int, ours: float) -> None:
     peer = time.process_time() - start
     exact = solve_time_optimal(plant, move, force_limit=2e3).t_f
     print(
-        f"IPOPT, trapezoidal, N = {cells}, t_f by secant: {peer:.1f} s CPU, off by {abs(t_f - exact):.1e} s; "
+        f"IPOPT, trapezoidal, N = {cells}, t_f by secant: {peer:.1f} s CPU, "
+        f"off by {abs(t_f - exact):.1e} s; "
         f"{peer / ours:.0f} x the time"
     )
 
