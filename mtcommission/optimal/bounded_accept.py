@@ -96,7 +96,7 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
     -------
     Found or None
     """
-    layout, found = kept.layout, kept
+    layout, found, slope = kept.layout, kept, kept.slope
     for attempt in range(EXCHANGES + 2):
         motion = _followed(problem, found)
         # A reach short of 1 has raised all levels by its inverse: that is lateness, not excess.
@@ -105,7 +105,8 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         if excess < EXCESS and -1e-8 < late <= 0.0:
             touches = tuple(at for at in found.contacts if at.weight > 0.0)
             return _proved(problem, motion, relaxed.measure, touches, exact=False)
-        t_f = later(layout, found) + 2e-10 / max(found.slope, LEAST_SLOPE / layout.t_f)
+        found = replace(found, slope=slope)
+        t_f = later(layout, found) + 2e-10 / max(slope, LEAST_SLOPE / layout.t_f)
         worse = broken(problem, found, tolerance=BROKEN)
         margin = layout.margin + (1.1 * excess if excess > 0.0 and (attempt or not worse) else 0.0)
         contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
@@ -113,6 +114,11 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         following = solve_mesh(problem, layout, relaxed=False)
         if following is None:
             return None
+        # The marginal knows one cell only; the secant knows the way gone.
+        gone = following.layout.t_f - found.layout.t_f
+        secant = (following.reach - found.reach) / gone if gone else 0.0
+        same = following.layout.contacts == found.layout.contacts
+        slope = secant if same and secant > 0.0 and attempt else following.slope
         found = following
     return None
 

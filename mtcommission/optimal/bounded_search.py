@@ -43,6 +43,8 @@ EDITS = 30
 """Changes of a sequence in one round: pieces taken out, dips and touch points put in."""
 SLIVER = 1e-6
 """Share of t_f of a piece that is taken out if the sequence can be solved without it."""
+FINISHED = 3
+"""Mesh controls that are finished at most; one with long cores may not reach full precision."""
 ENOUGH = 0.7
 """Share of the gap at which a mesh is fine enough: finishing it costs a little."""
 
@@ -71,7 +73,7 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
     Found or None
         With a gap of at most ``GAP``, or ``LOOSE_GAP`` where only the mesh could be solved.
     """
-    nearest: _Enclosure | None = None
+    seen: list[_Enclosure] = []
     last = 0.0
     for number in range(ROUNDS):
         kept = _kept(problem, sight)
@@ -88,13 +90,27 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         if settled and _has_high_order(problem, guess):
             relaxed = prove_by_contacts(problem, kept, goal=ENOUGH * GAP)
         last, gap = sight.t_f, enclosed_gap(problem, kept, relaxed)
-        if nearest is None or gap < nearest.gap:
-            nearest = _Enclosure(kept=kept, relaxed=relaxed, gap=gap)
+        seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
         if gap < ENOUGH * GAP and _has_high_order(problem, guess):
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
-    return None if nearest is None else on_mesh(problem, nearest.kept, nearest.relaxed)
+    return _best_on_mesh(problem, seen)
+
+
+def _best_on_mesh(problem: BoundedProblem, seen: list[_Enclosure]) -> Found | None:
+    """Return the fastest mesh control that can be finished; the best multipliers prove them all."""
+    best: Found | None = None
+    if not seen:
+        return None
+    relaxed = min(seen, key=lambda one: one.gap).relaxed
+    for one in sorted(seen, key=lambda one: later(one.kept.layout, one.kept))[:FINISHED]:
+        found = on_mesh(problem, one.kept, relaxed)
+        if found is not None and (best is None or found.gap < best.gap):
+            best = found
+        if best is not None and best.gap <= GAP:
+            break
+    return best
 
 
 def _kept(problem: BoundedProblem, sight: Sight) -> MeshOptimum | None:
