@@ -13,7 +13,14 @@ from scipy.optimize import linprog
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Positioning, VelocityStep
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
-from mtcommission.optimal.bounded_dual import Atom, dual_value, lower_bound, stretches
+from mtcommission.optimal.bounded_dual import (
+    Atom,
+    dual_value,
+    lower_bound,
+    negative_zones,
+    stretches,
+)
+from mtcommission.optimal.bounded_mesh import Contact
 from mtcommission.optimal.bounded_newton import solve_sequence
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
@@ -22,6 +29,7 @@ from mtcommission.optimal.bounded_problem import (
     step_response,
     transition,
 )
+from mtcommission.optimal.bounded_reading import place_touches
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
 from mtcommission.optimal.time_optimal import solve_time_optimal
@@ -61,7 +69,7 @@ def check_motion(plant: Plant, optimum: TimeOptimum) -> None:
     assert np.all(np.abs(error) <= 1e-9 * optimum.peaks[: plant.order])
     for before, after in pairwise(optimum.arcs):
         assert before.t_end == after.t_start
-    path = sample_trajectory(plant, optimum.arcs, step=optimum.t_f / 5000)
+    path = sample_trajectory(plant, optimum.arcs, step=min(optimum.t_f / 5000, 3e-5))
     assert np.abs(path.force).max() <= F * (1.0 + 1e-9)
     for limit in optimum.bounds:
         assert np.abs(path.states @ plant.row(limit.name)).max() <= limit.value * (1.0 + 1e-9)
@@ -139,6 +147,64 @@ def test_bound_of_order_three_is_enclosed() -> None:
     optimum = paper_optimum(bound("phi", 5e-5))
     assert optimum.certificate.relative_gap <= 1e-6
     check_motion(paper_plant(), optimum)
+
+
+@pytest.mark.parametrize(
+    ("move", "value"),
+    [
+        (PAPER_STEP, 100.0),
+        (Positioning(distance=0.02), 100.0),
+        (Positioning(distance=0.02), 300.0),
+        (Positioning(distance=0.05, max_velocity=0.1), 100.0),
+    ],
+)
+def test_tight_bound_on_the_force_is_solved_and_lies_between_two_free_optima(
+    move: VelocityStep | Positioning, value: float
+) -> None:
+    """Force that small may follow at once or with its lag: the bounded optimum lies between."""
+    plant, bounds = paper_plant(), bound("F", value)
+    optimum = paper_optimum(bounds, move)
+    assert optimum.certificate.relative_gap < 1e-9
+    assert optimum.certificate.switching_law_holds
+    check_motion(plant, optimum)
+    slow = solve_bounded_time_optimal(plant, move, force_limit=value, bounds=())
+    assert optimum.t_f < slow.t_f
+    at_once = 1e-3 * plant.force_lag
+    A = plant.A.copy()
+    A[plant.force] *= plant.force_lag / at_once
+    swift = replace(plant, force_lag=at_once, A=A, B=plant.B * (plant.force_lag / at_once))
+    fastest = solve_bounded_time_optimal(swift, move, force_limit=value, bounds=())
+    assert fastest.t_f < optimum.t_f
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_density_of_the_wrong_sign_is_found_where_a_bound_is_held_too_long(order: int) -> None:
+    """Without the sign of the density a core that costs time would look optimal."""
+    name, value = ("F", 1500.0) if order == 1 else ("v_phi", 0.005)
+    problem, optimum = paper_problem(name, value), paper_optimum(bound(name, value))
+    pieces = tuple(
+        Piece(
+            limit=0 if arc.control.startswith("boundary") else -1,
+            side=-1 if "-" in arc.control else 1,
+            duration=arc.t_end - arc.t_start,
+        )
+        for arc in optimum.arcs
+    )
+    contacts = tuple(
+        Contact(remaining=optimum.t_f - at.t, limit=0, side=1 if at.limit.endswith("+") else -1)
+        for at in optimum.touch_points
+    )
+    right = Sequence(pieces=pieces, touches=place_touches(problem, pieces, contacts))
+    found = solve_sequence(problem, right)
+    assert found.residual < 1e-10
+    assert not negative_zones(problem, found.measure)
+    core = found.measure.cores[0]
+    turned = replace(core, side=-core.side)
+    zones = negative_zones(
+        problem, replace(found.measure, cores=(turned, *found.measure.cores[1:]))
+    )
+    longest = max(zones, key=lambda zone: zone.start - zone.end)
+    assert longest.start - longest.end > 0.9 * (core.start - core.end)
 
 
 def test_two_bounds_at_once_take_longer_than_each() -> None:
