@@ -193,9 +193,11 @@ def examine_robustness(
 
 
 FEWEST_SAMPLES = 100
+"""However slow the moves (a share is then known to within some five per cent)."""
 
 
 def _affordable(machine: Machine, limits: MotionLimits, settings: RobustnessSettings) -> int:
+    """How many machines are drawn, by the length of the moves."""
     a, j = np.array([limits.acceleration]), np.array([limits.jerk])
     ends = [jerk_steps(move, acceleration=a, jerk=j).duration[0] for move in machine.moves]
     cycles = float(np.sum(ends)) / machine.control.position_cycle

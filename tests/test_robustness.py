@@ -12,16 +12,28 @@ from mtcommission.limits import MotionLimits
 from mtcommission.loop.response import simulate
 from mtcommission.loop.sampled import build_loop, lift_loop
 from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Control, Machine, Positioning, StateFeedback, vary
+from mtcommission.machine import (
+    Control,
+    Machine,
+    Peak,
+    Positioning,
+    StateFeedback,
+    corners,
+    vary,
+)
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
+from mtcommission.record.robustness import robustness_part
 from mtcommission.robustness import (
+    RobustnessSettings,
+    examine_robustness,
+    find_frequency_error,
     find_sensitivities,
     run_monte_carlo,
 )
 from mtcommission.setpoint import plan_setpoint
 from mtcommission.trials import judge
-from mtcommission.variations import Variations, draw_variations
+from mtcommission.variations import Variations, as_variations, draw_variations
 from mtcommission.varied_response import respond_to_variations
 from tests.machines import paper_machine
 
@@ -146,6 +158,98 @@ def test_sensitivities_against_trials() -> None:
     assert item.residual_change == pytest.approx(expected, rel=1e-4)
     assert item.settling_time == pytest.approx(more.settling_time, abs=1e-8)
     assert found["frequencies +1 %"].residual_deviation != item.residual_deviation
+
+
+def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
+    """If it failed, samples that saturate or exceed a peak would count as good ones."""
+    machine = spread_paper_machine()
+    needs = replace(machine.requirements, peaks=(Peak(name="v_phi", bound=2e-3),))
+    machine = replace(
+        machine, requirements=needs, drive=replace(machine.drive, continuous_force=900.0)
+    )
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = MotionLimits(acceleration=1.3, jerk=30.0)
+    places = as_variations(corners(machine))
+    found = respond_to_variations(machine, plant, tuned, limits, variations=places)
+    checks = judge(machine, plant, tuned, "", "", limits).assessment.checks
+    shares = {check.name: check.value / check.limit for check in checks}
+    used = max(shares[name] for name in ("set force", "peak v_phi", "RMS force"))
+    assert found.usage.max() == pytest.approx(used, rel=2e-3)
+    for name, bound in (("peak v_phi", 1e-3), ("RMS force", 300.0), ("set force", 700.0)):
+        strict = machine
+        if name == "peak v_phi":
+            strict = replace(
+                machine, requirements=replace(needs, peaks=(Peak(name="v_phi", bound=bound),))
+            )
+        elif name == "RMS force":
+            strict = replace(machine, drive=replace(machine.drive, continuous_force=bound))
+        else:
+            strict = replace(machine, drive=replace(machine.drive, max_force=bound))
+        found = respond_to_variations(strict, plant, tuned, limits, variations=places)
+        share = shares[name] * next(c.limit for c in checks if c.name == name) / bound
+        assert found.usage.max() == pytest.approx(share, rel=2e-3), name
+        assert not found.meets(strict).any()
+
+
+def test_frequency_error_names_the_range_that_is_kept() -> None:
+    """If it failed, the sheet would promise a margin of frequency that is not there."""
+    machine = spread_paper_machine()
+    machine = replace(machine, requirements=replace(machine.requirements, frequency_spread=0.0))
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = MotionLimits(acceleration=0.9, jerk=15.0)
+    settings = RobustnessSettings(frequency_range=0.3, frequency_points=15)
+    found = find_frequency_error(machine, plant, tuned, limits, settings=settings)
+    assert found.factor[[0, 15, 30]] == pytest.approx([0.7, 1.0, 1.3])
+    nominal = judge(machine, plant, tuned, "", "", limits)
+    assert nominal.assessment.is_met
+    assert found.residual_deviation[15] == pytest.approx(nominal.residual_deviation, rel=1e-6)
+    kept = found.residual_deviation <= machine.requirements.tcp_deviation
+    inside = (found.factor >= found.kept_from) & (found.factor <= found.kept_to)
+    assert inside[15]
+    assert kept[inside].all()
+    assert not kept[found.factor < found.kept_from][-1:].any()
+    assert not kept[found.factor > found.kept_to][:1].any()
+
+
+def test_nothing_is_drawn_without_a_spread_and_less_on_slow_moves() -> None:
+    """If it failed, a run would take minutes, or print a distribution of one machine."""
+    limits, settings = MotionLimits(acceleration=1.3, jerk=30.0), RobustnessSettings(samples=300)
+    alone = replace(paper_machine(), control=Control(state_feedback=StateFeedback.OFF))
+    plant, tuned = build_plant(alone), tune_loop(alone)
+    found = examine_robustness(alone, plant, tuned, limits, settings=settings)
+    assert found.monte_carlo is None
+    assert robustness_part(alone, found)["monte_carlo"] is None
+    machine = spread_paper_machine()
+    for cycles, samples in ((1_000_000, 300), (10_000, 100)):
+        few = replace(settings, sample_cycles=cycles, frequency_points=2)
+        drawn = examine_robustness(machine, plant, tuned, limits, settings=few).monte_carlo
+        assert drawn is not None
+        assert len(drawn.settling_time) == samples
+
+
+def test_record_holds_the_distribution() -> None:
+    """If it failed, quantiles and histogram on the sheet would be those of something else."""
+    machine = spread_paper_machine()
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = MotionLimits(acceleration=1.3, jerk=30.0)
+    settings = RobustnessSettings(samples=200, frequency_points=2)
+    found = examine_robustness(machine, plant, tuned, limits, settings=settings)
+    drawn, entry = found.monte_carlo, robustness_part(machine, found)["monte_carlo"]
+    assert drawn is not None
+    assert entry is not None
+    part = entry["residual_deviation"]
+    assert part["not_settled"] == 0
+    assert sum(part["histogram"]["counts"]) == 200
+    edges = part["histogram"]["edges"]
+    assert edges[0] == drawn.residual_deviation.min()
+    assert edges[-1] == drawn.residual_deviation.max()
+    for item in part["quantiles"]:
+        value = item["value"]
+        assert value is not None
+        below = np.mean(drawn.residual_deviation <= value)
+        assert item["share"] <= below < item["share"] + 1 / 200 + 1e-12
+    assert entry["worst"]["residual_deviation"] == drawn.residual_deviation.max()
+    assert entry["slowest"]["settling_time"] == drawn.settling_time.max()
 
 
 def test_thousands_of_samples_in_seconds() -> None:
