@@ -153,18 +153,16 @@ def parts(repeats: int) -> list[Job]:
     from mtcommission.plant import build_plant
     from mtcommission.profile import read_profile
     from mtcommission.robustness import run_monte_carlo
-    from mtcommission.search.settings import SearchSettings
 
     machine = read_profile(PROFILE)
     plant, tuned = build_plant(machine), tune_loop(machine)
-    bare = SearchSettings(landscape=0)
-    limits = choose_limits(machine, plant, tuned, settings=bare).limits
+    limits = choose_limits(machine, plant, tuned).limits
     calls: dict[str, Callable[[], object]] = {
         "tune the cascade": lambda: tune_loop(machine),
-        "search for limits, without map": lambda: choose_limits(
-            machine, plant, tuned, settings=bare
-        ),
-        "search for limits, with its map": lambda: choose_limits(machine, plant, tuned),
+        "search for limits": lambda: choose_limits(machine, plant, tuned),
+        "search for limits and the map to be printed": lambda: choose_limits(
+            machine, plant, tuned
+        ).chart(),
         "Monte Carlo, 1 000 machines": lambda: run_monte_carlo(
             machine, plant, tuned, limits, samples=1000
         ),

@@ -9,19 +9,33 @@ in gekko's minimum-time examples. IPOPT (SOLVER 3), three nodes a step, the forc
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from gekko import GEKKO
 
 from benchmarks.answer import Answer, grid_answer
-from benchmarks.problems import Problem
+from benchmarks.problems import Problem, Scaled
 
 NODES = 3
 
 
 def prepare(problem: Problem, cells: int) -> Callable[[], Answer]:
-    """Return the solver; gekko translates its model inside every solve."""
-    given, n = problem.scaled(), problem.plant.order
+    """Return the solver; a model that was solved would start from its solution, one step on."""
+
+    def solve() -> Answer:
+        m, u, time = _model(problem.scaled(), cells)
+        m.solve(disp=False)
+        force = np.array(list(u.value))[:-1].reshape(-1, 1)
+        cost = m.options.OBJFCNVAL if problem.weights else np.nan
+        return grid_answer(problem, force, time=time.value[0], cost=cost)
+
+    return solve
+
+
+def _model(given: Scaled, cells: int) -> tuple[Any, Any, Any]:
+    """Return the model, its control and its final time."""
+    n = given.order
     m = GEKKO(remote=False)
     m.time = np.linspace(0.0, 1.0, cells + 1)
     states, control = given.guess(cells + 1)
@@ -48,11 +62,4 @@ def prepare(problem: Problem, cells: int) -> Callable[[], Answer]:
         m.Minimize((u**2 + weighted) / cells)
     m.options.IMODE, m.options.NODES, m.options.SOLVER, m.options.MV_TYPE = 6, NODES, 3, 0
     m.options.MAX_ITER = 3000
-
-    def solve() -> Answer:
-        m.solve(disp=False)
-        force = np.array(list(u.value))[:-1].reshape(-1, 1)
-        cost = np.nan if given.minimises_time else m.options.OBJFCNVAL
-        return grid_answer(problem, force, time=time.value[0], cost=cost)
-
-    return solve
+    return m, u, time

@@ -27,8 +27,12 @@ def prepare(problem: Problem, cells: int) -> Callable[[], Answer]:
     """Return the solver of a model that is discretised once."""
     given = problem.scaled()
     model = _model(given, cells)
+    unknowns = list(model.component_data_objects(pyo.Var))
+    guess = [unknown.value for unknown in unknowns]
 
     def solve() -> Answer:
+        for unknown, value in zip(unknowns, guess, strict=True):
+            unknown.set_value(value, skip_validation=True)
         if pyo.SolverFactory("ipopt").available(exception_flag=False):
             pyo.SolverFactory("ipopt").solve(model, load_solutions=True)
         else:
