@@ -21,6 +21,7 @@ from mtcommission.record.schema import (
     LimitsEntry,
     LimitsPart,
     ModeLimitsEntry,
+    MoveSizesEntry,
     RuleResult,
     SimulationPart,
 )
@@ -175,6 +176,33 @@ def describe_limits(machine: Machine, part: LimitsPart, *, met: bool) -> Group:
             f"a = {printed.quantity(rule['acceleration'], f'{length}/s^2')}, "
             f"j = {printed.quantity(rule['jerk'], f'{length}/s^3')}."
         ),
+        *(
+            Text(_hold_sentence(item, printed, length))
+            for item in part["move_sizes"]
+            if item["way"] == "recommended"
+        ),
+        *(
+            Text(
+                f"In the way: {item['requirement']}; instead of "
+                f"{printed.quantity(item['limit'], item['unit'])} could be met: "
+                f"{printed.quantity(item['value'], item['unit'])}."
+            )
+            for item in part["attainable"]
+        ),
+    )
+
+
+def _hold_sentence(item: MoveSizesEntry, printed: Formatter, length: str) -> str:
+    """Between which sizes of a move the recommendation keeps the band."""
+    is_step = "velocity_step" in item["move"]
+    unit, kind = (f"{length}/s", "velocity steps") if is_step else (length, "distances")
+    reached = printed.quantity(item["full_from"], unit, missing="no size")
+    if item["kept_from"] is None:
+        return f"For {kind} of {printed.quantity(item['own'], unit)} the band is not kept."
+    return (
+        f"The recommended limits keep the band for {kind} from "
+        f"{printed.quantity(item['kept_from'], unit)} to "
+        f"{printed.quantity(item['kept_to'], unit)}; a is reached from {reached} on."
     )
 
 
