@@ -74,7 +74,7 @@ def _controls(record: Record, controls: list[ComparedEntry], move: str, f: Forma
         (
             text.say(control["name"]),
             f.settling(control["transfer_time"]),
-            f.percent(control["overshoot"]),
+            f.signed_percent(control["overshoot"]).removeprefix("+"),
             *(f.quantity(control["peaks"].get(rate), units[rate]) for rate in rates),
             f.quantity(control["max_force"], force),
             f.quantity(control["heat"], "N^2 m^2 s" if f.rotary else "N^2 s"),

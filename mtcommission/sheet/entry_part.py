@@ -18,7 +18,8 @@ def parameters(record: Record, f: Formatter) -> Section:
     """Return the parameters for the control, with empty columns."""
     text = f.labels
     limits, kv = record["limits"]["recommended"], record["loop"]["Kv"]
-    kv_text = f.with_unit(f.number(kv / KV_UNIT), "(m/min)/mm")
+    per_minute = (60.0 * kv, "1/min") if f.rotary else (kv / KV_UNIT, "(m/min)/mm")
+    kv_text = f.with_unit(f.number(float(f"{per_minute[0]:.4g}")), per_minute[1])
     rows = [
         (text.acceleration, acceleration(record, f), _other_unit(limits["acceleration"], "s²", f)),
         (text.jerk, jerk(record, f), _other_unit(limits["jerk"], "s³", f)),

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"
 DIGITS = 4
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+FINEST = 5e-5
+"""Change or overshoot below which it is nothing: half of 0.01 %."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,14 +186,17 @@ class Formatter:
         return "–" if fraction is None else self.percent(fraction)
 
     def signed_percent(self, fraction: float) -> str:
-        """Return a change in per cent with its sign.
+        """Return a change in per cent with its sign; below 0.005 % it is none.
 
         Examples
         --------
+        >>> Formatter(rotary=False, labels=Labels()).signed_percent(-1e-7).split(THIN_SPACE)
+        ['0', '%']
         >>> Formatter(rotary=False, labels=Labels()).signed_percent(0.25).split(THIN_SPACE)
         ['+25', '%']
         """
-        return ("+" if fraction > 0.0 else "") + self.percent(fraction)
+        shown = 0.0 if abs(fraction) < FINEST else fraction
+        return ("+" if shown > 0.0 else "") + self.percent(shown)
 
     def settling(self, value: float | None) -> str:
         """Return a settling time; None is "not settled"."""

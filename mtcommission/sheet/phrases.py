@@ -16,7 +16,7 @@ NUMBER = r"[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|inf|nan)"
 SIGNS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
     (re.compile(pattern), sign)
     for pattern, sign in (
-        (r"(?<=\d) um\b", " µm"),
+        (r"(?<=\d) u(?=m\b|rad\b)", " µ"),
         (r"(?<=[a-z])\^2\b", "²"),
         (r"(?<=[a-z])\^3\b", "³"),
         (r"<=", "≤"),
@@ -30,6 +30,9 @@ SIGNS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
     )
 )
 """What one types, as a pattern, and what one prints; names of machines and keys have none."""
+
+POWER = re.compile(r"(?<=\d)e([+-]?\d+)\b")
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 Phrases = Sequence[tuple[str, str]]
 
@@ -75,10 +78,12 @@ def polish(text: str) -> str:
     --------
     >>> polish("2 to 50 um, v_phi <= 5 rad/s^2, frequencies x 0.95")
     '2 to 50 µm, v_φ ≤ 5 rad/s², frequencies × 0.95'
+    >>> polish("it leaves 1.4e+04 urad")
+    'it leaves 1.4×10⁴ µrad'
     """
     for pattern, sign in SIGNS:
         text = pattern.sub(sign, text)
-    return text
+    return POWER.sub(lambda power: f"×10{str(int(power[1])).translate(SUPERSCRIPTS)}", text)
 
 
 def _put(target: str, values: dict[str, str]) -> str:

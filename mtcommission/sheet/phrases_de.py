@@ -271,6 +271,10 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ),
     ("No state feedback.", "Keine Zustandsrückführung."),
     (
+        "No state feedback: its design failed ({detail}).",
+        "Keine Zustandsrückführung: ihr Entwurf ist gescheitert ({detail}).",
+    ),
+    (
         "No state feedback: none damps mode {name} better than the cascade alone (damping ratio "
         "{1}) with the margins kept.",
         "Keine Zustandsrückführung: keine dämpft bei eingehaltenen Reserven die Eigenform {name} "
