@@ -20,7 +20,7 @@ from time import perf_counter
 
 import numpy as np
 
-from mtcommission.choose import choose_limits
+from mtcommission.choose import SearchSettings, choose_limits
 from mtcommission.errors import ComputationError
 from mtcommission.estimate import estimate_axis, ramp_vibration, servo_parts, vibrations
 from mtcommission.limits import MotionLimits
@@ -68,7 +68,8 @@ def validate(seed: int) -> Row:
         tuned = tune_loop(machine)
     except ComputationError as error:
         return describe(seed, machine, plant, outcome=error.outcome.name)
-    limits = choose_limits(machine, plant, tuned).limits
+    settings = SearchSettings(landscape=0)  # nothing of it is drawn here
+    limits = choose_limits(machine, plant, tuned, settings=settings).limits
     return compare(describe(seed, machine, plant, outcome=""), machine, plant, tuned, limits)
 
 
