@@ -11,6 +11,7 @@ from typing import Any
 from benchmarks.child import Measurement
 from benchmarks.limits_quality import GRID, SEARCH, Score, draw, rank
 from benchmarks.problems import FORCES, MAIN, MEANING, MODES, REST
+from benchmarks.race import LADDER_SHARE
 from benchmarks.tools import LINES_RULE, TOOLS, user_lines
 
 OURS = TOOLS[0].name
@@ -30,6 +31,7 @@ def compose_report(results: Results) -> str:
     if "race" in results:
         rows = sorted((measurement(row) for row in results["race"]["rows"]), key=_place)
         lines += ["## Optimal controls", "", provenance(results["race"]), "", RACE, ""]
+        lines += [_limit(results["race"]), ""]
         lines += [*_main_tables(rows), *_ladders(rows), *_users(rows)]
     if "quality" in results:
         scores = [Score(**_numbers(row)) for row in results["quality"]["rows"]]
@@ -37,7 +39,7 @@ def compose_report(results: Results) -> str:
         lines += [provenance(results["quality"]), "", *_quality(scores)]
     if "jobs" in results:
         lines += ["## Whole jobs", "", provenance(results["jobs"]), "", JOBS, ""]
-        lines += list(_jobs(results["jobs"]["rows"]))
+        lines += _jobs(results["jobs"]["rows"])
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -95,7 +97,16 @@ def provenance(section: Results) -> str:
     load = section["load"][0]
     return (
         f"*{section['date']}, commit {section['commit']}, {section['machine']} "
-        f"(load {load} at the end). {versions}.*"
+        f"(load {load} at the start, {section['workers']} processes at a time). {versions}.*"
+    )
+
+
+def _limit(section: Results) -> str:
+    seconds = section["seconds"]
+    return (
+        f"A solve was stopped after {seconds:g} s of processor time "
+        f"({LADDER_SHARE * seconds:g} s on the ladders), set-up included; `--seconds` gives more, "
+        "and then more grids end with an answer."
     )
 
 
@@ -132,8 +143,8 @@ def _main_tables(rows: Sequence[Measurement]) -> Iterator[str]:
         if ours and not isnan(bound):
             gap = (ours.t_f - bound) / ours.t_f
             yield (
-                f"Certified: t_f = {1e3 * ours.t_f:.9f} ms, proved lower bound below it by "
-                f"{max(gap, 0.0):.1e} of t_f."
+                f"Certified: t_f = {1e3 * ours.t_f:.9f} ms; the proved lower bound is below it by "
+                f"{max(gap, 1e-15):.0e} of t_f at most."
             )
             yield ""
 
@@ -149,10 +160,10 @@ def _main_row(row: Measurement, ours: Measurement | None) -> str:
         return f"| {row.tool} | {grid} | {_plain(row.failure)} | | | | | | | |"
     ratio = f"{_short(row.solve / ours.solve)} ×" if ours else "?"
     over = f"{row.violation:.1e}" if row.violation > 1e-9 else "–"
-    setup = max(row.first - row.solve, 0.0)
+    setup = _time(max(row.first - row.solve, 0.0)) if row.warm else "in it"
     return (
         f"| {row.tool} | {grid} | {ratio} | {_error(row, ours)} | {row.terminal_error:.1e} | "
-        f"{1e6 * row.residual:.1e} | {over} | {_spread(row)} | {_time(setup)} | "
+        f"{1e6 * row.residual:.1e} | {over} | {_spread(row)} | {setup} | "
         f"{row.megabytes:.0f} |"
     )
 
@@ -307,7 +318,9 @@ def _jobs(rows: Sequence[dict[str, Any]]) -> Iterator[str]:
     for row in rows:
         if row["group"] == "sweep":
             continue
-        share = "" if row["group"] == "part" else f"{100 * row['seconds'] / whole:.1f} %"
+        share = f"{100 * row['seconds'] / whole:.1f} %"
+        if row["group"] == "part" or isnan(whole):
+            share = ""
         memory = "" if isnan(row["megabytes"]) else f"{row['megabytes']:.0f}"
         spread = f"{_time(row['low'])} – {_time(row['high'])}"
         kind = {"stage": "stage: ", "part": "part: ", "floor": "floor: "}.get(row["group"], "")

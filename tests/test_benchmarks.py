@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 from dataclasses import asdict, replace
 from math import nan
 from pathlib import Path
@@ -17,7 +18,7 @@ from benchmarks.child import Measurement, measure, read
 from benchmarks.limits_quality import BRUTE, SEARCH, Score, rank, search_by_grid
 from benchmarks.problems import MAIN, NAMES, find_problem
 from benchmarks.race import Entry, entries, is_late, race, run
-from benchmarks.report import compose_report
+from benchmarks.report import compose_report, measurement
 from benchmarks.tools import TOOLS, find_tool, is_installed, user_lines
 from mtcommission.choose import choose_limits
 from mtcommission.loop.tuning import tune_loop
@@ -25,6 +26,8 @@ from mtcommission.optimal.solution import constant_arc
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
 from mtcommission.trials import judge as judge_limits
+
+DOCS = Path(__file__).parent.parent / "docs"
 
 
 def solve(module: str, problem: str, cells: int) -> Answer:
@@ -237,8 +240,18 @@ def test_the_page_shows_ratios_failures_and_who_is_better() -> None:
     faster = replace(ours, tool="gekko", cells=200, warm=(0.0055,), t_f=0.0404, lower_bound=nan)
     broken = Measurement(tool="dymos", problem="P1", cells=20, failure="ValueError: a | b")
     stamp = {"date": "", "commit": "", "machine": "", "load": [1.0], "versions": {"Python": "3"}}
+    stamp |= {"seconds": 10.0, "workers": 1}
     section = {**stamp, "rows": [asdict(row) for row in (ours, faster, broken)]}
     page = compose_report({"race": section})
     assert "| gekko | 200 | 0.5 × | +1.0e-02 |" in page
     assert "| dymos | 20 | ValueError: a / b |" in page
     assert "Faster than this package: P1 (gekko, N = 200)" in page
+
+
+def test_the_printed_page_is_what_the_results_say() -> None:
+    results = json.loads((DOCS / "benchmarks.json").read_text(encoding="utf-8"))
+    assert (DOCS / "benchmarks.md").read_text(encoding="utf-8") == compose_report(results)
+    rows = [measurement(row) for row in results["race"]["rows"]]
+    ours = [row for row in rows if row.tool == "mtcommission"]
+    assert {row.problem for row in ours} == set(NAMES)
+    assert all(not row.failure and row.terminal_error < 1e-9 for row in ours)

@@ -24,17 +24,21 @@ def prepare(problem: Problem, cells: int) -> Callable[[], Answer]:
     """Return the solver; a model that was solved would start from its solution, one step on."""
 
     def solve() -> Answer:
-        m, u, time = _model(problem.scaled(), cells)
+        given = problem.scaled()
+        m, x, u, time = _model(given, cells)
         m.solve(disp=False)
         force = np.array(list(u.value))[:-1].reshape(-1, 1)
-        cost = m.options.OBJFCNVAL if problem.weights else np.nan
+        squares = np.array(list(u.value))[1:] ** 2
+        for weight, state in zip(given.weights, x, strict=False):
+            squares = squares + weight * np.array(list(state.value))[1:] ** 2
+        cost = np.nan if given.minimises_time else squares.mean()
         return grid_answer(problem, force, time=time.value[0], cost=cost)
 
     return solve
 
 
-def _model(given: Scaled, cells: int) -> tuple[Any, Any, Any]:
-    """Return the model, its control and its final time."""
+def _model(given: Scaled, cells: int) -> tuple[Any, list[Any], Any, Any]:
+    """Return the model, its states, control and final time."""
     n = given.order
     m = GEKKO(remote=False)
     m.time = np.linspace(0.0, 1.0, cells + 1)
@@ -62,4 +66,4 @@ def _model(given: Scaled, cells: int) -> tuple[Any, Any, Any]:
         m.Minimize((u**2 + weighted) / cells)
     m.options.IMODE, m.options.NODES, m.options.SOLVER, m.options.MV_TYPE = 6, NODES, 3, 0
     m.options.MAX_ITER = 3000
-    return m, u, time
+    return m, x, u, time
