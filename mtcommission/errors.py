@@ -101,6 +101,10 @@ class Outcome(Enum):
         "the encoder does not see this mode, so it would ring for ever; "
         "state its damping_ratio (measured, or a cautious 0.002)"
     )
+    FEEDBACK_DESIGN_FAILED = (
+        "the Riccati equation of the state feedback or of its observer has no reliable solution "
+        'for these numbers; check their units, or set control.state_feedback = "off"'
+    )
     NO_FORCE_LEFT = (
         "the static load takes all of the force, so the axis cannot move; "
         "raise max_force or balance the load"

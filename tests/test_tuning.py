@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.controller import filter_polynomials
 from mtcommission.loop.frequency import frequency_response, respond_at
-from mtcommission.loop.state_feedback import is_seen
+from mtcommission.loop.state_feedback import design_observer, is_seen
 from mtcommission.loop.tuned import close_loop, corner_plants
 from mtcommission.loop.tuning import TunedLoop, TuningSettings, tune_loop, tune_variants
 from mtcommission.machine import (
@@ -397,3 +397,29 @@ def test_corner_loops_are_those_of_the_varied_machine() -> None:
     for corner, response in zip(tuned.corners, tuned.responses, strict=True):
         again = frequency_response(build_plant(vary(machine, corner)), tuned.controller)
         assert np.array_equal(again.open_loop, response.open_loop)
+
+
+def swift_belt() -> Machine:
+    """The printer's belt axis with a force that answers a thousand times faster."""
+    machine = read_profile(Path("profiles/printer-belt.toml"))
+    return replace(machine, drive=replace(machine.drive, force_lag=2e-6))
+
+
+def test_observer_is_found_beside_a_force_without_inertia() -> None:
+    """In SI units this Riccati equation defeats scipy: the run ended as an internal error."""
+    machine = swift_belt()
+    cascade = tune_variants(machine, settings=WANTED).plain.controller
+    found = design_observer(machine, build_plant(machine), cascade, settings=WANTED)
+    assert np.all(np.abs(np.linalg.eigvals(found.A - found.L @ found.C)) < 1.0)
+
+
+def test_failed_design_of_the_state_feedback_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The cascade alone is still a loop; why it stands alone must be readable."""
+
+    def fail(*_: object) -> None:
+        raise np.linalg.LinAlgError("ill-conditioned")
+
+    monkeypatch.setattr(control, "dlqe", fail)
+    found = tune_variants(paper_machine(), settings=WANTED)
+    assert found.feedback is None
+    assert "its design failed (observer: ill-conditioned)" in found.plain.remarks[-1]

@@ -5,12 +5,15 @@ A door to python-control.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import control
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.controller import Controller, Observer
 from mtcommission.loop.discrete import discretise
 from mtcommission.loop.tuned import TuningSettings
@@ -127,11 +130,16 @@ def design_observer(
         noises[mode.rate, column] = settings.mode_noise * F_max * mode.scale * T_v
     A, B, G = A[np.ix_(states, states)], B[states], noises[states]
     C = np.array([plant.row(sensor) for sensor in cascade.sensors])[:, states]
-    # Noises of variance 1, so that the Riccati equation sees no extreme weights.
+    # Noises of variance 1 and states in units of what they move by in a cycle under F_max, so
+    # that the Riccati equation sees no extreme numbers.
+    scale = np.abs(B) * F_max
     unit, seen = np.eye(G.shape[1]), np.eye(len(cascade.sensors))
-    L, _, _ = control.dlqe(A, G, C / settings.position_noise, unit, seen)
+    scaled = (A * scale / scale[:, None], G / scale[:, None], C * scale / settings.position_noise)
+    with _riccati_errors("observer"):
+        L, _, _ = control.dlqe(*scaled, unit, seen)
     # control.dlqe gives the gain of the filter form; the predicting form needs A L.
-    return Observer(states=tuple(states), A=A, B=B, C=C, L=A @ L / settings.position_noise)
+    L = A @ (L * scale[:, None]) / settings.position_noise
+    return Observer(states=tuple(states), A=A, B=B, C=C, L=L)
 
 
 def _mode_gains(
@@ -172,12 +180,21 @@ def _mode_gains(
     Q[mode.rate, mode.rate] = weight
     kept = [*observed, n]
     inside = np.ix_(kept, kept)
-    K, _, _ = control.lqr(
-        A[inside], (B * force / scale[:, None] / omega)[kept], Q[inside], np.eye(1)
-    )
+    B = (B * force / scale[:, None] / omega)[kept]
+    with _riccati_errors(f"gains for mode {mode.name}"):
+        K, _, _ = control.lqr(A[inside], B, Q[inside], np.eye(1))
     gains = np.zeros(n)
     gains[kept[:-1]] = (K[0] * force / scale[kept])[:-1]
     return gains
+
+
+@contextmanager
+def _riccati_errors(what: str) -> Iterator[None]:
+    """Name what python-control and scipy raise where a Riccati equation defeats them."""
+    try:
+        yield
+    except (ValueError, np.linalg.LinAlgError) as error:
+        raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, f"{what}: {error}") from error
 
 
 LEAST_DAMPING = 1e-4

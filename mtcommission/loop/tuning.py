@@ -88,7 +88,8 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
         UNSTABLE_LOOP if given gains are unstable in a corner; MARGINS_OUT_OF_REACH if no
         cascade has the margins; BANDWIDTH_OUT_OF_REACH if none of those has the minimum
         bandwidth; UNDAMPED_MODE if a mode without damping is out of reach of the loop;
-        NOT_OBSERVABLE if a given state gain needs a state that the sensors do not see.
+        NOT_OBSERVABLE if a given state gain needs a state that the sensors do not see;
+        FEEDBACK_DESIGN_FAILED if the observer for given state gains cannot be computed.
     """
     settings = settings or TuningSettings()
     given = machine.control.state_feedback
@@ -156,10 +157,16 @@ def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
     if mode is None:
         return Variants(plain=_noted(plain, f"No state feedback.{blind}"), feedback=None)
     before = float(plain.nominal.mode_damping[bench.model.modes.index(mode)])
+    try:
+        found = list(_with_each_weight(machine, bench, plain, mode, settings))
+    except ComputationError as error:
+        if error.outcome is not Outcome.FEEDBACK_DESIGN_FAILED:
+            raise
+        remark = f"No state feedback: its design failed ({error.detail}).{blind}"
+        return Variants(plain=_noted(plain, remark), feedback=None)
+    least_hz = machine.control.minimum_bandwidth_hz
     useful = [
-        tuned
-        for tuned in _with_each_weight(machine, bench, plain, mode, settings)
-        if _keeps_what_was(bench.model, mode, plain, tuned, machine.control.minimum_bandwidth_hz)
+        tuned for tuned in found if _keeps_what_was(bench.model, mode, plain, tuned, least_hz)
     ]
     if not useful:
         remark = (
