@@ -89,15 +89,15 @@ from the stages: no stage can be faster than the imports before it."""
 
 
 def provenance(section: Results) -> str:
-    """Return when, where and with what a section ran."""
+    """Return when, where and with what a section ran, and what someone remarked by hand."""
     versions = ", ".join(
         f"{name} {version}" if version != "not installed" else f"{name} not installed"
         for name, version in section["versions"].items()
     )
-    load = section["load"][0]
+    load, remark = section["load"][0], section.get("remark", "")
     return (
         f"*{section['date']}, commit {section['commit']}, {section['machine']} "
-        f"(load {load} at the start, {section['workers']} processes at a time). {versions}.*"
+        f"(load {load} at the start, {section['workers']} processes at a time). {versions}.{remark}*"
     )
 
 
