@@ -951,7 +951,10 @@ def test_the_changes_are_printed_on_page_and_paper(tmp_path):
     finished = CliRunner().invoke(app, argv)
     assert finished.exit_code == 0, finished.output
     page = squeeze(Page((tmp_path / "sheet.html").read_text("utf-8")).text)
-    paper = squeeze(" ".join(pdf_pages((tmp_path / "sheet.pdf").read_bytes())))
+    sheets = [squeeze(text) for text in pdf_pages((tmp_path / "sheet.pdf").read_bytes())]
+    for number, text in enumerate(sheets, start=1):
+        assert f"page{number}/{len(sheets)}" in text
+    paper = "".join(sheets)
     for words in ("Changes since the earlier record", "+20 %", "10.2 µm", "not stated"):
         assert squeeze(words) in page
         assert squeeze(words) in paper
