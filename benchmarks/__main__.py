@@ -60,7 +60,8 @@ def main() -> None:
     results = read_results(folder)
     for section in SECTIONS[:-1]:
         if section in wanted:
-            results[section] = {**stamp(), "rows": []}
+            limits = {"seconds": options.seconds, "workers": options.workers}
+            results[section] = {**stamp(), **limits, "rows": []}
 
             def keep(row: dict[str, Any], section: str = section) -> None:
                 results[section]["rows"].append(row)
@@ -113,7 +114,7 @@ def tell(row: Measurement) -> None:
 
 
 def stamp() -> dict[str, Any]:
-    """Return when, where and with what a section ran."""
+    """Return when, where and with what a section begins."""
     versions = {}
     for package in PACKAGES:
         try:

@@ -97,7 +97,8 @@ def provenance(section: Results) -> str:
     load, remark = section["load"][0], section.get("remark", "")
     return (
         f"*{section['date']}, commit {section['commit']}, {section['machine']} "
-        f"(load {load} at the start, {section['workers']} processes at a time). {versions}.{remark}*"
+        f"(load {load} at the start, {section['workers']} processes at a time). {versions}."
+        f"{remark}*"
     )
 
 
