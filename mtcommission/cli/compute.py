@@ -193,9 +193,18 @@ def simulate(
     from mtcommission.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
+    from mtcommission.rules import without_jerk_limit
     from mtcommission.terminal import describe_simulation, show
     from mtcommission.trials import run_moves
 
+    asked, notes = chosen, []
+    if asked.jerk_time < machine.control.position_cycle:
+        chosen = without_jerk_limit(machine, asked.acceleration)
+        notes.append(
+            f"The ramp a/j = {1e3 * asked.jerk_time:.3g} ms is shorter than the position cycle, in "
+            f"which a control sends its setpoint: simulated with a ramp of one cycle, "
+            f"{1e3 * chosen.jerk_time:.3g} ms."
+        )
     plant = build_plant(machine)
     with show_stage() as progress:
         progress("feedback loop")
@@ -203,6 +212,7 @@ def simulate(
         progress("response")
         moves = run_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
+    part["warnings"] = [*notes, *part["warnings"]]
     if json_file:
         write_text(json_file, dump_json(part))
     if csv_file:

@@ -23,7 +23,7 @@ from mtcommission.optimal.solution import (
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.optimal.weights import balanced_weights
 from mtcommission.plant import Plant, build_plant
-from mtcommission.rules import NO_JERK_LIMIT
+from mtcommission.rules import without_jerk_limit
 from mtcommission.setpoint import plan_setpoint
 from mtcommission.validate.paper import (
     BOUNDED_T_F,
@@ -146,7 +146,7 @@ def _loop_cases(
     ]
     chosen = choose_limits(machine, plant, tuned, starts=closest, settings=settings.search)
     a = machine.drive.motion_force / plant.moving_mass
-    rectangular = MotionLimits(acceleration=a, jerk=a / NO_JERK_LIMIT)
+    rectangular = without_jerk_limit(machine, a)
     cases = []
     for limits in (rectangular, chosen.limits, *closest):
         response = simulate(
