@@ -31,7 +31,7 @@ COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 TEXTS = [read_shipped(name).text for name in shipped_names()]
 
 LONGEST = 20.0
-"""CPU time for one check in this process [s]; a good profile takes some 10 ms."""
+"""CPU time of one check that counts as a hang [s]; a good profile takes some 10 ms."""
 
 JUNK = "\"'#[]{}=,.\n\\\t \0é€µΩ\ufeff\u202e😀-+eE0123456789abcxyz_%/^*()"
 NUMBERS = (
