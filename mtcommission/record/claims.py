@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
+from math import isfinite, pi
+
+import numpy as np
 
 from mtcommission.comparison import ComparedControl
 from mtcommission.feedforward import FedForward
@@ -36,15 +38,15 @@ def state_claims(controls: Sequence[ComparedControl]) -> list[str]:
 def _overshoot(control: ComparedControl) -> str:
     if control.overshoot < 5e-4:
         return "does not overshoot (less than 0.05 %)"
-    return f"overshoots by {100.0 * control.overshoot:.3g} %"
+    return f"overshoots by {_plain(100.0 * control.overshoot)} %"
 
 
 def _transfer(control: ComparedControl, least: float) -> str:
     if not isfinite(control.transfer_time):
-        return f"does not settle, where the least time is {1e3 * least:.4g} ms"
+        return f"does not settle, where the least time is {_milliseconds(least)}"
     return (
-        f"takes {1e3 * control.transfer_time:.4g} ms, {control.transfer_time / least:.3g} times "
-        f"the least time of {1e3 * least:.4g} ms"
+        f"takes {_milliseconds(control.transfer_time)}, {_plain(control.transfer_time / least)} "
+        f"times the least time of {_milliseconds(least)}"
     )
 
 
@@ -66,21 +68,21 @@ def explain_why_not(
     list of str
         One sentence for each way.
     """
-    unit = "um" if machine.motion is Motion.LINEAR else "urad"
-    band = 1e6 * machine.requirements.tcp_deviation
+    motion = machine.motion
     *optima, (_, ours) = fed_forward
     widest = max(abs(row.corner.frequency_factor - 1.0) for row in ours)
     sentences = [
         f"Fed forward, the {name} control {_outcome(rows)}, where it leaves "
-        f"{_residual(rows):.3g} {unit}."
+        f"{_residual(rows, motion)}."
         for name, rows in optima
     ]
     return [
         *sentences,
         f"The setpoint with the recommended limits {_outcome(ours)}, where it leaves "
-        f"{_residual(ours):.3g} {unit}.",
-        f"The band is {band:.3g} {unit}, the machines differ by up to {100.0 * widest:.3g} % in "
-        "frequency, and controls take acceleration and jerk, not a force every velocity cycle.",
+        f"{_residual(ours, motion)}.",
+        f"The band is {_deviation(machine.requirements.tcp_deviation, motion)}, the machines "
+        f"differ by up to {_plain(100.0 * widest)} % in frequency, and controls take acceleration "
+        "and jerk, not a force every velocity cycle.",
     ]
 
 
@@ -93,9 +95,29 @@ def _outcome(rows: Sequence[FedForward]) -> str:
     )
 
 
-def _residual(rows: Sequence[FedForward]) -> float:
-    return 1e6 * max(row.residual_deviation for row in rows)
+def _residual(rows: Sequence[FedForward], motion: Motion) -> str:
+    return _deviation(max(row.residual_deviation for row in rows), motion)
+
+
+_UNITS = {
+    Motion.LINEAR: ((0.5, 1.0, "m"), (1e-3, 1e-3, "mm"), (0.1e-6, 1e-6, "um"), (0.0, 1e-9, "nm")),
+    Motion.ROTARY: (
+        (0.1 * pi / 180.0, pi / 180.0, "deg"),
+        (0.0, pi / 180.0 / 3600.0, "arcsec"),
+    ),
+}
+"""From which deviation on [SI], size [SI] and name of a unit; the first that fits is taken."""
+
+
+def _deviation(value: float, motion: Motion) -> str:
+    size, unit = next((size, unit) for least, size, unit in _UNITS[motion] if value >= least)
+    return f"{_plain(value / size)} {unit}"
 
 
 def _milliseconds(time: float) -> str:
-    return f"{1e3 * time:.4g} ms" if isfinite(time) else "no time looked at"
+    return f"{_plain(1e3 * time, digits=4)} ms" if isfinite(time) else "no time looked at"
+
+
+def _plain(value: float, *, digits: int = 3) -> str:
+    """Return a number with significant digits and never a power of ten."""
+    return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")

@@ -1,0 +1,92 @@
+"""The sentences about the paper's comparison must carry readable numbers in units of the trade."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission.comparison import ComparedControl
+from mtcommission.feedforward import FedForward
+from mtcommission.machine import NOMINAL, Machine
+from mtcommission.profile import read_profile
+from mtcommission.record.claims import explain_why_not, state_claims
+from tests.machines import paper_machine
+
+ROTARY = read_profile(Path(__file__).parent.parent / "profiles" / "rotary-table.toml")
+
+
+def fed(settling: float, residual: float) -> FedForward:
+    return FedForward(
+        corner=NOMINAL,
+        settling_time=settling,
+        residual_deviation=residual,
+        peak_deviation=residual,
+        saturated_share=0.0,
+    )
+
+
+def why_not(machine: Machine, residual: float) -> list[str]:
+    ours = fed(0.08, machine.requirements.tcp_deviation)
+    rows = [("time-optimal", [fed(12.3456, residual)]), ("recommended limits", [ours])]
+    return explain_why_not(machine, rows)
+
+
+@pytest.mark.parametrize(
+    ("residual", "words"),
+    [
+        (37.82e-6, "37.8 um."),
+        (2.18e-3, "2.18 mm."),
+        (0.25, "250 mm."),
+        (0.7, "0.7 m."),
+        (999.96e-6, "1000 um."),
+        (0.7e-3, "700 um."),
+        (42e-9, "42 nm."),
+        (3e-13, "0.0003 nm."),
+        (0.0, "0 nm."),
+    ],
+)
+def test_deviation_of_a_linear_axis_has_a_unit_of_its_size(residual: float, words: str) -> None:
+    """A reader met '2.18e+03 um'."""
+    sentence = why_not(paper_machine(), residual)[0]
+    assert sentence.endswith(f"where it leaves {words}")
+    assert "settles after 12350 ms" in sentence  # four digits, no power of ten
+
+
+@pytest.mark.parametrize(
+    ("degrees", "words"), [(5.0 / 3600.0, "5 arcsec."), (0.05, "180 arcsec."), (0.25, "0.25 deg.")]
+)
+def test_rotary_axis_speaks_of_degrees_and_arc_seconds(degrees: float, words: str) -> None:
+    """The same sheet's tables print degrees and seconds of arc; a sentence said µrad."""
+    machine = replace(
+        ROTARY, requirements=replace(ROTARY.requirements, tcp_deviation=10.0 / 3600.0 * pi / 180.0)
+    )
+    sentences = why_not(machine, degrees * pi / 180.0)
+    assert sentences[0].endswith(f"where it leaves {words}")
+    assert sentences[-1].startswith("The band is 10 arcsec, ")
+
+
+def compared(transfer: float, overshoot: float) -> ComparedControl:
+    return ComparedControl(
+        name="any",
+        transfer_time=transfer,
+        overshoot=overshoot,
+        peaks=np.zeros(1),
+        max_force=1.0,
+        heat=1.0,
+        work=1.0,
+    )
+
+
+def test_claims_are_written_without_powers_of_ten() -> None:
+    """A slow move of a soft axis read 'takes 1.235e+04 ms'."""
+    controls = [compared(12.3456, 31.4), compared(inf, 1e-5), compared(0.010001, 0.0)]
+    first, second = state_claims(controls)
+    assert first == (
+        "The rectangular acceleration setpoint overshoots by 3140 % and takes 12350 ms, "
+        "1230 times the least time of 10 ms."
+    )
+    assert second.endswith("does not settle, where the least time is 10 ms.")
