@@ -7,6 +7,8 @@ import csv
 import io
 import json
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, replace
@@ -24,10 +26,11 @@ from hypothesis import strategies as st
 from mtcommission.choose import SearchSettings
 from mtcommission.commission import Commissioning, commission
 from mtcommission.errors import InputError
-from mtcommission.export import control_keys, export_record, parameter_list
+from mtcommission.export.catalogue import CONTROL_TITLES, control_keys
 from mtcommission.export.rounding import Coding, round_down, round_up, type_limits
 from mtcommission.export.shaping import Shaper, shape_setpoint, shaper_impulses
 from mtcommission.export.subject import Gains, build_subject, with_gains
+from mtcommission.export.write import CONTROLS, export_record, parameter_list
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.loop_choice import Settings
@@ -653,3 +656,22 @@ def test_command_line_writes_a_file_and_tells_the_verdict_by_its_exit_code(
     record.write_text("{}", "utf-8")
     assert run("export", record, "--control", "isg") == 2
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_the_list_of_controls_comes_without_the_libraries_of_the_loop() -> None:
+    """Else who asks for a name waits seconds for it, and longer on an old laptop."""
+    code = (
+        "import sys\nfrom mtcommission import cli\n"
+        "sys.argv=['mtcommission','export','--control','?']\n"
+        "try:\n    cli.main()\nexcept SystemExit:\n    pass\n"
+        "heavy={'numpy','scipy','casadi','control','ruckig','typst'}\n"
+        "sys.exit(', '.join(sorted(heavy & set(sys.modules))) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "klipper" in done.stdout
+
+
+def test_every_listed_control_can_be_exported() -> None:
+    """If not, a listed name would end in an internal error, or a control would stay hidden."""
+    assert set(CONTROL_TITLES) == set(CONTROLS)

@@ -63,9 +63,8 @@ def export(
     ] = False,
 ) -> None:
     """Write the limits in a control's own names, units and syntax: text, to be verified."""
-    from mtcommission.export import describe_controls, export_record, parameter_list
+    from mtcommission.export.catalogue import describe_controls, find_control_key
     from mtcommission.files import require_writable, write_text
-    from mtcommission.record.files import load_record
 
     if control.strip() == "?":
         sys.stdout.write(describe_controls())
@@ -73,7 +72,12 @@ def export(
     if record is None:
         message = "got no record; give the record.json of a run, or --control ? for the list"
         raise InputError([Fault(where="export", message=message)])
+    key = find_control_key(control)
     require_writable(output)
-    found = export_record(load_record(record), control=control)
+
+    from mtcommission.export.write import export_record, parameter_list
+    from mtcommission.record.files import load_record
+
+    found = export_record(load_record(record), control=key)
     write_text(output, parameter_list(found) if as_csv else found.text)
     raise typer.Exit(0 if found.meets_requirements else 1)

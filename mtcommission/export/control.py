@@ -63,9 +63,7 @@ class Control:
     Parameters
     ----------
     key
-        For ``--control``.
-    title
-        Maker and products.
+        For ``--control``; one of ``catalogue.CONTROL_TITLES``.
     coding
         How limits are stored.
     describe
@@ -87,7 +85,6 @@ class Control:
     """
 
     key: str
-    title: str
     coding: Callable[[Subject], Coding]
     describe: Callable[[Subject, Values], tuple[Entry, ...]]
     layout: Callable[[Sequence[Entry]], list[str]]

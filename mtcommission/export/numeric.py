@@ -217,7 +217,6 @@ NUMERIC_CONTROLS = (
     SINUMERIK,
     Control(
         key="heidenhain",
-        title="HEIDENHAIN, NCK-based",
         coding=_heidenhain_coding,
         describe=_heidenhain_entries,
         layout=table_layout,
@@ -229,7 +228,6 @@ NUMERIC_CONTROLS = (
     ),
     Control(
         key="fanuc",
-        title="FANUC 16i / 18i / 30i",
         coding=_fanuc_coding,
         describe=_fanuc_entries,
         layout=table_layout,
@@ -239,7 +237,6 @@ NUMERIC_CONTROLS = (
     ),
     Control(
         key="isg",
-        title="ISG kernel / TwinCAT CNC",
         coding=_isg_coding,
         describe=_isg_entries,
         layout=_isg_lines,

@@ -284,7 +284,6 @@ def _si_coding(_subject: Subject) -> Coding:
 OPEN_CONTROLS = (
     Control(
         key="linuxcnc",
-        title="LinuxCNC 2.10 and newer",
         coding=_jerk_coding,
         describe=_linuxcnc_entries,
         layout=partial(ini_layout, " = "),
@@ -293,7 +292,6 @@ OPEN_CONTROLS = (
     ),
     Control(
         key="klipper",
-        title="Klipper",
         coding=partial(_shaped_coding, control="Klipper"),
         describe=_klipper_entries,
         layout=partial(ini_layout, ": "),
@@ -302,7 +300,6 @@ OPEN_CONTROLS = (
     ),
     Control(
         key="grblhal",
-        title="grblHAL",
         coding=_jerk_coding,
         describe=_grblhal_entries,
         layout=_settings_layout,
@@ -311,7 +308,6 @@ OPEN_CONTROLS = (
     ),
     Control(
         key="fluidnc",
-        title="FluidNC",
         coding=_plain_coding,
         describe=_fluidnc_entries,
         layout=yaml_layout,
@@ -320,7 +316,6 @@ OPEN_CONTROLS = (
     ),
     Control(
         key="marlin",
-        title="Marlin",
         coding=partial(_shaped_coding, control="Marlin"),
         describe=_marlin_entries,
         layout=_gcode_layout,
@@ -329,7 +324,6 @@ OPEN_CONTROLS = (
     ),
     Control(
         key="ros2",
-        title="ROS 2 / MoveIt",
         coding=_si_coding,
         describe=_ros_entries,
         layout=yaml_layout,

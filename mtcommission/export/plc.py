@@ -158,7 +158,6 @@ def _generic_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
 PLC_CONTROLS = (
     Control(
         key="twincat",
-        title="Beckhoff TwinCAT NC / NCI",
         coding=_small_coding,
         describe=_twincat_entries,
         layout=_structured_text,
@@ -167,7 +166,6 @@ PLC_CONTROLS = (
     ),
     Control(
         key="plcopen",
-        title="PLCopen motion blocks, CODESYS",
         coding=_small_coding,
         describe=_plcopen_entries,
         layout=_structured_text,
@@ -176,7 +174,6 @@ PLC_CONTROLS = (
     ),
     Control(
         key="generic",
-        title="any control: SI values in neutral words",
         coding=_si_coding,
         describe=_generic_entries,
         layout=table_layout,

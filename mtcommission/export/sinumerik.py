@@ -183,7 +183,6 @@ def _notes(subject: Subject, values: Values) -> tuple[str, ...]:
 
 SINUMERIK = Control(
     key="sinumerik",
-    title="SINUMERIK 840D / 828D / ONE",
     coding=_coding,
     describe=_entries,
     layout=lambda entries: line_layout("{name}={value}", semicolon_comment, entries),

@@ -5,11 +5,10 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from io import StringIO
 from textwrap import wrap
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.export.catalogue import CONTROL_TITLES, find_control_key
 from mtcommission.export.control import DOUBT, UNVERIFIED, Block, Control
 from mtcommission.export.gains import round_gains
 from mtcommission.export.modes import Values, type_modes
@@ -65,29 +64,6 @@ class Export:
     text: str
 
 
-def control_keys() -> tuple[str, ...]:
-    """Return the names that ``--control`` takes.
-
-    Examples
-    --------
-    >>> control_keys()[:3]
-    ('sinumerik', 'heidenhain', 'fanuc')
-    """
-    return tuple(CONTROLS)
-
-
-def describe_controls() -> str:
-    """Return name and title of every control, a line each.
-
-    Examples
-    --------
-    >>> print(describe_controls().splitlines()[0])
-    sinumerik   SINUMERIK 840D / 828D / ONE
-    """
-    width = max(map(len, CONTROLS)) + 2
-    return "".join(f"{key:<{width}}{control.title}\n" for key, control in CONTROLS.items())
-
-
 def export_record(record: Record, *, control: str) -> Export:
     """Return the recommended limits of a record for a control.
 
@@ -108,7 +84,7 @@ def export_record(record: Record, *, control: str) -> Export:
         If there is no such control, it cannot take this axis, or the record does not belong to
         its own profile.
     """
-    target = _find(control)
+    target = CONTROLS[find_control_key(control)]
     subject = build_subject(record)
     if target.gains.position:
         subject = with_gains(subject, round_gains(subject, target.gains))
@@ -160,22 +136,12 @@ def parameter_list(export: Export) -> str:
     return stream.getvalue()
 
 
-def _find(name: str) -> Control:
-    key = name.strip().lower()
-    if key in CONTROLS:
-        return CONTROLS[key]
-    close = get_close_matches(key, CONTROLS, n=1)
-    hint = f"; did you mean {close[0]}?" if close else "."
-    message = f"no control {name!r}{hint} There are: {', '.join(CONTROLS)}"
-    raise InputError([Fault(where="--control", message=message)])
-
-
 def _header(subject: Subject, control: Control, values: Values) -> tuple[str, ...]:
     record = subject.record
     profile = record["profile"]
     sentences = [
         f"{record['machine']['name']}, axis {record['machine']['axis']}: limits for "
-        f"{control.title}",
+        f"{CONTROL_TITLES[control.key]}",
         f"Computed {record['created']} by {record['tool']['name']} {record['tool']['version']} "
         f"from {profile['name']}",
         f"Profile SHA-256 {profile['sha256']}",
