@@ -80,15 +80,12 @@ def analyse_loop(plant: Plant, response: FrequencyResponse, lifted: LiftedLoop) 
 
     Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4 (margins, sensitivity peak).
     """
-    eigen = _solve_eigen(lifted.A)
-    alive = np.abs(eigen.z) > DEAD_TIME_RADIUS
-    poles = np.asarray(np.log(eigen.z[alive]) / lifted.dt, dtype=np.complex128)
-    shares = _participation(plant, lifted, eigen.left[:, alive], eigen.right[:, alive])
+    found = share_out(plant, lifted)
     weakest = int(np.argmax(np.abs(response.compliance)))
     up, down = _gain_margins_db(response.open_loop)
     return LoopAnalysis(
-        is_stable=bool(np.max(np.abs(eigen.z)) < 1.0 - STEADY),
-        poles=poles,
+        is_stable=found.radius < 1.0 - STEADY,
+        poles=found.poles,
         gain_margin_up_db=up,
         gain_margin_down_db=down,
         phase_margin_deg=_phase_margin_deg(response.open_loop),
@@ -96,7 +93,7 @@ def analyse_loop(plant: Plant, response: FrequencyResponse, lifted: LiftedLoop) 
         bandwidth_hz=_bandwidth_hz(response),
         dynamic_stiffness=1.0 / float(np.abs(response.compliance[weakest])),
         weakest_frequency_hz=float(response.frequency_hz[weakest]),
-        mode_damping=_mode_damping(plant, poles, shares, lifted.dt),
+        mode_damping=_mode_damping(plant, found.poles, found.shares, lifted.dt),
     )
 
 
@@ -108,18 +105,44 @@ STEADY = 1e-10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Eigen:
-    """Eigenvalues, left and right eigenvectors as columns."""
+class PoleShares:
+    """Closed-loop poles, and how much of each is each mode.
 
-    z: ComplexArray
-    left: ComplexArray
-    right: ComplexArray
+    Parameters
+    ----------
+    radius
+        Largest magnitude of a pole in the z plane [-].
+    poles
+        In the s plane, dead times left out, shape (n_poles,) [1/s].
+    shares
+        Participation of each mode in each pole, shape (n_modes, n_poles) [-].
+    """
+
+    radius: float
+    poles: ComplexArray
+    shares: Array
 
 
-def _solve_eigen(A: Array) -> _Eigen:
-    found = eig(A, left=True, right=True)
-    z, left, right = (np.asarray(part, dtype=np.complex128) for part in tuple(found))
-    return _Eigen(z=z, left=left, right=right)
+def share_out(plant: Plant, lifted: LiftedLoop) -> PoleShares:
+    """Return the closed-loop poles and the participation of the plant's modes in them.
+
+    Parameters
+    ----------
+    plant, lifted
+        A plant and its loop.
+
+    Returns
+    -------
+    PoleShares
+    """
+    parts = tuple(eig(lifted.A, left=True, right=True))
+    z, left, right = (np.asarray(part, dtype=np.complex128) for part in parts)
+    alive = np.abs(z) > DEAD_TIME_RADIUS
+    return PoleShares(
+        radius=float(np.max(np.abs(z))),
+        poles=np.asarray(np.log(z[alive]) / lifted.dt, dtype=np.complex128),
+        shares=_participation(plant, lifted, left[:, alive], right[:, alive]),
+    )
 
 
 def _participation(
@@ -157,7 +180,7 @@ def _mode_damping(plant: Plant, poles: ComplexArray, shares: Array, dt: float) -
     upper = np.flatnonzero(poles.imag > 0.0)
     if upper.size < len(shares):
         upper = np.flatnonzero(poles.imag >= 0.0)
-    near = [[_unfold(pole, mode, dt) for pole in poles[upper]] for mode in plant.modes]
+    near = [[unfold(pole, mode, dt) for pole in poles[upper]] for mode in plant.modes]
     own = np.array([[mode.pole] for mode in plant.modes])
     distance = np.abs(np.array(near) - own) / np.abs(own)
     claim = np.maximum(shares[:, upper], LEAST_SHARE) / np.maximum(distance, LEAST_SHARE)
@@ -169,10 +192,23 @@ LEAST_SHARE = 1e-9
 """Keeps a logarithm finite where a mode has no share in a pole, or is left where it was."""
 
 
-def _unfold(pole: complex, mode: PlantMode, dt: float) -> complex:
-    """The pole with the frequency nearest to the mode's that looks alike every ``dt``.
+def unfold(pole: complex, mode: PlantMode, dt: float) -> complex:
+    """Return the pole with the frequency nearest to the mode's that looks alike every ``dt``.
 
     Sampling at the position cycle folds frequencies above 1/(2 T_p).
+
+    Parameters
+    ----------
+    pole
+        Of the lifted loop [1/s].
+    mode
+        The mode it is looked at for.
+    dt
+        Position cycle [s].
+
+    Returns
+    -------
+    complex
     """
     wanted = mode.pole.imag
     turn = 2 * pi / dt

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
 from mtcommission.loop.controller import Controller, filter_delay
+from mtcommission.loop.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuned import TunedLoop
 from mtcommission.loop_choice import LoopVariant
 from mtcommission.loop_study import LoopStudy
@@ -34,6 +35,7 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
     controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.lifted[0]
     bode = tuned.responses[0]
     gains = controller.state_gains
+    mixed = find_mixed_modes(plant, lifted, nominal.mode_damping)
     return LoopPart(
         Kv=controller.position_gain,
         Kp=controller.velocity_gain,
@@ -100,7 +102,7 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
                 "closed_velocity_db": (20 * np.log10(np.abs(bode.closed_velocity_loop))).tolist(),
             },
         ),
-        remarks=list(tuned.remarks),
+        remarks=[*tuned.remarks, *explain_mixing(mixed)],
         warnings=list(tuned.warnings),
     )
 

@@ -336,6 +336,13 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "Kreis, {2} ohne Regelung.",
     ),
     (
+        "Mode {name} and the servo mix in the closed loop: the damping ratio shown is that of the "
+        "poles at {1} Hz, which hold {2} % of the mode; {3} % of it ring at {4} Hz with {5}.",
+        "Eigenform {name} und Antriebsregelung mischen sich im geschlossenen Kreis: Der angegebene "
+        "Dämpfungsgrad gehört zu den Polen bei {1} Hz, die {2} % der Eigenform enthalten; {3} % "
+        "von ihr schwingen bei {4} Hz mit {5}.",
+    ),
+    (
         "Kp by the symmetrical optimum, m / (2 T_sigma) x {1} (the state feedback allows more).",
         "Kp nach dem symmetrischen Optimum, m / (2 T_σ) × {1} (die Zustandsrückführung lässt mehr "
         "zu).",

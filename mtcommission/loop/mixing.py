@@ -1,0 +1,126 @@
+"""Where a mode and the servo mix, so that no closed-loop pole is the mode's alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from mtcommission.loop.analysis import Array, ComplexArray, share_out, unfold
+from mtcommission.loop.sampled import LiftedLoop
+from mtcommission.plant import Plant, PlantMode
+
+LEAST_SHARE = 0.1
+"""A swing that holds less of a mode than this is not counted as the mode's (empirical)."""
+
+CLEARLY_LESS = 0.8
+"""Damping below this share of the shown one is worth a sentence (empirical)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swing:
+    """One pair of closed-loop poles as part of a mode.
+
+    Parameters
+    ----------
+    frequency_hz
+        |s| / (2 π) [Hz].
+    damping_ratio
+        [-].
+    share
+        Participation of the mode in the pair, relative to that in all poles [-].
+    """
+
+    frequency_hz: float
+    damping_ratio: float
+    share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MixedMode:
+    """A mode whose shown damping ratio does not tell all.
+
+    Parameters
+    ----------
+    name
+        Of the mode.
+    shown
+        The pair whose damping ratio is shown as the mode's.
+    weaker
+        The least damped of the other pairs that hold a good part of the mode.
+    """
+
+    name: str
+    shown: Swing
+    weaker: Swing
+
+
+def find_mixed_modes(plant: Plant, lifted: LiftedLoop, damping: Array) -> tuple[MixedMode, ...]:
+    """Return the modes that ring in another pair of poles, too, and there clearly less damped.
+
+    Parameters
+    ----------
+    plant, lifted
+        Plant and loop of one corner.
+    damping
+        Damping ratio shown for each mode, from ``analyse_loop``, shape (n_modes,) [-].
+
+    Returns
+    -------
+    tuple of MixedMode
+        Empty where the shown ratios tell all.
+
+    Examples
+    --------
+    >>> from mtcommission.loop.tuning import tune_loop
+    >>> from mtcommission.population import random_machine
+    >>> tuned = tune_loop(random_machine(3))
+    >>> find_mixed_modes(tuned.loops[0].plant, tuned.lifted[0], tuned.nominal.mode_damping)
+    ()
+    """
+    closed = share_out(plant, lifted)
+    found = []
+    for mode, row, ratio in zip(plant.modes, closed.shares, damping, strict=True):
+        swings = _swings(closed.poles, row / np.sum(row), mode, lifted.dt)
+        shown = min(swings, key=lambda item: abs(item.damping_ratio - ratio), default=None)
+        others = [item for item in swings if item.share >= LEAST_SHARE and item is not shown]
+        weaker = min(others, key=lambda item: item.damping_ratio, default=None)
+        if shown and weaker and weaker.damping_ratio < CLEARLY_LESS * ratio:
+            found.append(MixedMode(name=mode.name, shown=shown, weaker=weaker))
+    return tuple(found)
+
+
+def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[str, ...]:
+    """Return one sentence for each mode.
+
+    Parameters
+    ----------
+    mixed
+        From ``find_mixed_modes``.
+
+    Returns
+    -------
+    tuple of str
+    """
+    return tuple(
+        f"Mode {item.name} and the servo mix in the closed loop: the damping ratio shown is that "
+        f"of the poles at {item.shown.frequency_hz:.3g} Hz, which hold "
+        f"{100.0 * item.shown.share:.0f} % of the mode; {100.0 * item.weaker.share:.0f} % of it "
+        f"ring at {item.weaker.frequency_hz:.3g} Hz with {item.weaker.damping_ratio:.3g}."
+        for item in mixed
+    )
+
+
+def _swings(poles: ComplexArray, shares: Array, mode: PlantMode, dt: float) -> list[Swing]:
+    """Conjugate pairs, at the frequency where the mode sees them, with its share in both poles."""
+    pairs = [(unfold(p, mode, dt), s) for p, s in zip(poles, shares, strict=True) if p.imag > 0.0]
+    return [
+        Swing(
+            frequency_hz=abs(pole) / (2 * pi),
+            damping_ratio=-pole.real / abs(pole),
+            share=2.0 * float(share),
+        )
+        for pole, share in pairs
+    ]
