@@ -7,7 +7,7 @@ literature, widened generously.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import inf, isfinite, log, sqrt
 
 from mtcommission.machine import (
     FlexibleMode,
@@ -36,6 +36,7 @@ GAIN_RATIO = 100.0
 FEEDFORWARD_RATIO = 1.5
 LONGEST_FORCE_LAG = 0.02
 LONGEST_MOVE = 60.0
+LONGEST_RINGING = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,9 +90,42 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
     )
 
 
+def check_patience(machine: Machine) -> tuple[Remark, ...]:
+    """Return the modes that ring so long that every computation takes long.
+
+    Parameters
+    ----------
+    machine
+        Nominal machine, valid.
+
+    Returns
+    -------
+    tuple of Remark
+        Empty if every mode has decayed to 1 % within 10 s, exp(-zeta omega t) = 0.01.
+    """
+    remarks = []
+    for i, mode in enumerate(flexible_modes(machine)):
+        decay = mode.damping_ratio * mode.natural_frequency
+        ringing = log(100.0) / decay if decay > 0.0 else inf
+        if ringing > LONGEST_RINGING:
+            lasts = f"for {ringing:.3g} s until 1 % is left" if decay > 0.0 else "for ever"
+            message = (
+                f"mode {mode.name}: {frequency_hz(mode):.3g} Hz at a damping ratio of "
+                f"{mode.damping_ratio:.3g} rings {lasts}; limits, simulate and run follow it that "
+                "long and may take minutes"
+            )
+            remarks.append(Remark(key=_mode_key(machine, i), message=message))
+    return tuple(remarks)
+
+
+def _mode_key(machine: Machine, index: int) -> str:
+    is_manipulator = isinstance(machine.mechanics, Manipulator)
+    return "plant" if is_manipulator else f"plant.modes[{index + 1}]"
+
+
 def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> list[Remark]:
     is_manipulator = isinstance(machine.mechanics, Manipulator)
-    key = "plant" if is_manipulator else f"plant.modes[{index + 1}]"
+    key = _mode_key(machine, index)
     f, zeta, control = frequency_hz(mode), mode.damping_ratio, machine.control
     low, high = DAMPING_RATIOS
     remarks = []

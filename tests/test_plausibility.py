@@ -16,8 +16,9 @@ from mtcommission.machine import (
     Positioning,
     VelocityStep,
 )
-from mtcommission.plausibility import check_plausibility
+from mtcommission.plausibility import check_patience, check_plausibility
 from mtcommission.profile import read_profile
+from mtcommission.shipped import read_shipped, shipped_names
 from tests.machines import paper_machine, random_modal_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -207,3 +208,26 @@ def test_a_rotary_axis_is_described_in_its_own_units() -> None:
         "drive.max_force: 2 N m on 750 kg m^2 give 0.00267 rad/s^2, which hardly moves the axis; "
         "check both units"
     ]
+
+
+@pytest.mark.parametrize(
+    ("damping_ratio", "words"),
+    [
+        (0.02, []),
+        (0.004, ["plant.modes[1]: mode column: 15.9 Hz at a damping ratio of 0.004 rings for "]),
+        (0.0, ["plant.modes[1]: mode column: 15.9 Hz at a damping ratio of 0 rings for ever"]),
+    ],
+)
+def test_a_mode_that_rings_for_long_is_announced(damping_ratio: float, words: list[str]) -> None:
+    """Else the user believes that the program hangs. 4.605 / (0.004 x 100/s) = 11.5 s."""
+    machine = with_mode(natural_frequency=100.0, damping_ratio=damping_ratio)
+    found = [f"{remark.key}: {remark.message}" for remark in check_patience(machine)]
+    assert len(found) == len(words)
+    assert all(text.startswith(word) for text, word in zip(found, words, strict=True))
+    assert damping_ratio != 0.004 or "for 11.5 s until 1 % is left" in found[0]
+
+
+@pytest.mark.parametrize("name", shipped_names())
+def test_no_shipped_machine_rings_for_long(name: str) -> None:
+    """Else the first machine that a new user checks would warn him of a wait."""
+    assert check_patience(read_shipped(name).machine) == ()

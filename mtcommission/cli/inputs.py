@@ -48,6 +48,13 @@ def list_warnings(machine: Machine) -> list[str]:
     return [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
 
 
+def list_delays(machine: Machine) -> list[str]:
+    """Return what makes every computation of a machine take long, in sentences."""
+    from mtcommission.plausibility import check_patience
+
+    return [f"{remark.key}: {remark.message}" for remark in check_patience(machine)]
+
+
 def now() -> str:
     """Date and time of the record; SOURCE_DATE_EPOCH fixes it for repeatable builds."""
     from datetime import UTC, datetime

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.compute import run
-from mtcommission.cli.inputs import list_warnings
+from mtcommission.cli.inputs import list_delays, list_warnings
 from mtcommission.errors import Fault, InputError
 
 
@@ -64,7 +64,7 @@ def check(
     from mtcommission.terminal import describe_machine, show
 
     machine = read_profile(profile)
-    warnings = [*list_warnings(machine), *check_loop(machine)]
+    warnings = [*list_warnings(machine), *list_delays(machine), *check_loop(machine)]
     show(describe_machine(machine, build_plant(machine), warnings))
 
 
