@@ -145,8 +145,10 @@ def describe_optimum(
     return Group(_heading(f"{kind} control"), *map(Text, lines), arcs, peaks)
 
 
-def describe_limits(machine: Machine, part: LimitsPart, *, met: bool) -> Group:
-    """Return the recommendation, the optima's bounds and the rules of thumb."""
+def describe_limits(
+    machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[str]
+) -> Group:
+    """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
     printed, length = _formatter(machine), _length(machine)
     best = part["recommended"]
     table = _table("Limits", "a", "j", "Settling", "Residual", "Met")
@@ -189,6 +191,7 @@ def describe_limits(machine: Machine, part: LimitsPart, *, met: bool) -> Group:
             )
             for item in part["attainable"]
         ),
+        *(Text(f"Warning: {warning}", style="yellow") for warning in warnings),
     )
 
 
@@ -198,11 +201,15 @@ def _hold_sentence(item: MoveSizesEntry, printed: Formatter, length: str) -> str
     unit, kind = (f"{length}/s", "velocity steps") if is_step else (length, "distances")
     reached = printed.quantity(item["full_from"], unit, missing="no size")
     if item["kept_from"] is None:
-        return f"For {kind} of {printed.quantity(item['own'], unit)} the band is not kept."
+        return (
+            f"With {kind} of {printed.quantity(item['own'], unit)} the recommended limits leave "
+            "more than the permitted deviation."
+        )
     return (
-        f"The recommended limits keep the band for {kind} from "
+        f"The recommended limits stay within the permitted deviation for {kind} from "
         f"{printed.quantity(item['kept_from'], unit)} to "
-        f"{printed.quantity(item['kept_to'], unit)}; a is reached from {reached} on."
+        f"{printed.quantity(item['kept_to'], unit)}; the acceleration limit is reached from "
+        f"{reached} on."
     )
 
 

@@ -627,6 +627,7 @@ def _robustness() -> Any:
 
 
 def _unsettled_robustness() -> Any:
+        "warnings": [],
     """No spread stated, and nothing settles anywhere."""
     found = _robustness()
     error = found["frequency_error"]

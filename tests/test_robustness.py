@@ -13,6 +13,7 @@ from mtcommission.loop.sampled import build_loop, lift_loop
 from mtcommission.loop.tuning import tune_loop
 from mtcommission.machine import (
     Control,
+    Corner,
     Machine,
     Peak,
     Positioning,
@@ -22,8 +23,9 @@ from mtcommission.machine import (
 )
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
-from mtcommission.record.robustness import robustness_part
+from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
 from mtcommission.robustness import (
+    FrequencyError,
     RobustnessSettings,
     examine_robustness,
     find_frequency_error,
@@ -31,6 +33,7 @@ from mtcommission.robustness import (
     run_monte_carlo,
 )
 from mtcommission.setpoint import plan_setpoint
+from mtcommission.sheet.languages import find_labels
 from mtcommission.trials import judge
 from mtcommission.variations import Variations, as_variations, draw_variations
 from mtcommission.varied_response import respond_to_variations
@@ -249,3 +252,69 @@ def test_record_holds_the_distribution() -> None:
         assert item["share"] <= below < item["share"] + 1 / 200 + 1e-12
     assert entry["worst"]["residual_deviation"] == drawn.residual_deviation.max()
     assert entry["slowest"]["settling_time"] == drawn.settling_time.max()
+
+
+@pytest.mark.parametrize(
+    ("kept", "english", "german"),
+    [
+        ((0.995, 1.1), "-0.5 % to at least +10 %", "−0,5 % bis mindestens +10 %"),
+        ((1.0, 1.1), "0 % to at least +10 %", "0 % bis mindestens +10 %"),
+        ((0.97, 1.0125), "-3 % to +1.25 %", "−3 % bis +1,25 %"),
+        ((0.9, 1.005), "at least -10 % to +0.5 %", "mindestens −10 % bis +0,5 %"),
+    ],
+)
+def test_limits_that_hang_on_an_exact_frequency_are_called_so(
+    kept: tuple[float, float], english: str, german: str
+) -> None:
+    """Otherwise "all requirements met" would be read as true of a machine half a per cent off."""
+    machine = paper_machine()
+    (warning,) = warn_of_narrow_range(machine, _kept(*kept))
+    assert f"off by {english}. State requirements.frequency_spread" in warning
+    assert german in find_labels("de").say(warning)
+    needs = replace(machine.requirements, frequency_spread=0.03)
+    assert warn_of_narrow_range(replace(machine, requirements=needs), _kept(*kept)) == ()
+
+
+def test_limits_that_bear_a_measured_frequency_or_meet_nothing_are_not_warned_of() -> None:
+    """A warning too many teaches people to ignore warnings."""
+    for ends in ((0.98, 1.02), (0.9, 1.1), (np.nan, np.nan)):
+        assert warn_of_narrow_range(paper_machine(), _kept(*ends)) == ()
+
+
+def _kept(low: float, high: float) -> FrequencyError:
+    factor = 1.0 + 0.1 * np.linspace(-1.0, 1.0, 81)
+    return FrequencyError(
+        factor=factor,
+        settling_time=np.full(81, 0.1),
+        residual_deviation=np.full(81, 1e-6),
+        kept_from=float(factor[np.argmin(abs(factor - low))]) if low == low else low,
+        kept_to=float(factor[np.argmin(abs(factor - high))]) if high == high else high,
+    )
+
+
+@pytest.mark.parametrize(
+    ("acceleration", "jerk", "is_narrow"), [(1.3, 20.4, False), (1.83, 63.4, True)]
+)
+def test_the_warning_is_about_the_machine_that_was_simulated(
+    acceleration: float, jerk: float, is_narrow: bool
+) -> None:
+    """If it failed, limits that lose a requirement at 2 % would come without the warning."""
+    machine = paper_machine()
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = MotionLimits(acceleration=acceleration, jerk=jerk)
+    settings = RobustnessSettings(frequency_points=10)
+    error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
+    assert (warn_of_narrow_range(machine, error) != ()) is is_narrow
+    (move,) = machine.moves
+    for factor, is_kept in ((1.0, True), (0.98, not is_narrow)):
+        varied = build_plant(vary(machine, Corner(frequency_factor=factor)))
+        loop = build_loop(varied, tuned.controller, model=plant)
+        response = simulate(
+            loop,
+            lift_loop(loop),
+            plan_setpoint(move, limits),
+            drive=replace(machine.drive, max_force=1e9),
+            band=machine.requirements.tcp_deviation,
+        )
+        assert response.residual_deviation <= machine.requirements.tcp_deviation
+        assert (response.max_force <= machine.drive.motion_force) is is_kept

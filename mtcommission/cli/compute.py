@@ -158,6 +158,7 @@ def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOpt
     from mtcommission.commission import commission
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_part
+    from mtcommission.record.robustness import warn_of_narrow_range
     from mtcommission.terminal import describe_limits, show
 
     with show_stage() as progress:
@@ -165,8 +166,10 @@ def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOpt
     if json_file:
         write_text(json_file, dump_json(limits_part(found)))
     if json_file != "-":
-        met = found.assessment.is_met
-        show(describe_limits(found.machine, limits_part(found), met=met))
+        part, met = limits_part(found), found.assessment.is_met
+        narrow = warn_of_narrow_range(machine, found.robustness.frequency_error)
+        warnings = [*found.tuned.warnings, *narrow]
+        show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if found.assessment.is_met else 1)
 
 

@@ -44,13 +44,14 @@ def build_record(
     created
         Date and time, ISO 8601.
     warnings
-        Physical warnings about the profile; those about its loop are added.
+        Physical warnings about the profile; those about its loop and its robustness are added.
 
     Returns
     -------
     Record
     """
     machine, plant = commissioning.machine, commissioning.plant
+    robustness = robustness_part(machine, commissioning.robustness)
     record = Record(
         schema=SCHEMA,
         checksum="",
@@ -67,7 +68,7 @@ def build_record(
         data=list_data(machine, plant, profile["text"]),
         settings=_settings_entry(commissioning),
         assumptions=list_assumptions(machine),
-        warnings=[*warnings, *commissioning.tuned.warnings],
+        warnings=[*warnings, *commissioning.tuned.warnings, *robustness["warnings"]],
         plant=_plant_entry(plant),
         optima=[_optima_entry(plant, item) for item in commissioning.optima],
         limits=limits_part(commissioning),
@@ -77,7 +78,7 @@ def build_record(
             comparison_entry(machine, plant, item, result)
             for item, result in zip(commissioning.comparisons, commissioning.moves, strict=True)
         ],
-        robustness=robustness_part(machine, commissioning.robustness),
+        robustness=robustness,
         assessment=assessment_part(commissioning.assessment),
     )
     return {**record, "checksum": find_checksum(record)}

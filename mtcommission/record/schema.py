@@ -619,11 +619,14 @@ class RobustnessPart(TypedDict):
     """How the recommended limits fare where machine or limits differ a little.
 
     ``monte_carlo`` is null where the profile states neither spread nor a range of payload.
+    ``warnings`` say on what unstated knowledge the verdict hangs; they are part of the record's
+    warnings, too.
     """
 
     monte_carlo: MonteCarloEntry | None
     frequency_error: FrequencyErrorEntry
     sensitivities: list[SensitivityEntry]
+    warnings: list[str]
 
 
 class Record(TypedDict):

@@ -419,6 +419,17 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ),
     # warnings
     (
+        "The profile states no spread of the frequencies; all requirements are kept only while "
+        "the eigenfrequencies are off by {-range}. State requirements.frequency_spread, at least "
+        "{1} %, and run again.",
+        "Das Profil gibt keine Streuung der Frequenzen an; alle Anforderungen sind nur erfüllt, "
+        "solange die Eigenfrequenzen um {range} abweichen. requirements.frequency_spread angeben, "
+        "mindestens {1} %, und neu rechnen.",
+    ),
+    ("{1} % to {2} %", "{1} % bis {2} %"),
+    ("{1} % to at least {2} %", "{1} % bis mindestens {2} %"),
+    ("at least {1} % to {2} %", "mindestens {1} % bis {2} %"),
+    (
         "mode {name}: damping ratio {1} is below what machine structures show, {2} to {3}",
         "Eigenform {name}: Dämpfungsgrad {1} liegt unter dem von Maschinengestellen, {2} bis {3}",
     ),

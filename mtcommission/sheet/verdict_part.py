@@ -163,7 +163,7 @@ def _warning_count(record: Record, f: Formatter) -> tuple[Paragraph, ...]:
     return (
         *(
             Paragraph(text=f.labels.say(line), tone=Tone.WARNING)
-            for line in record["loop"]["warnings"]
+            for line in (*record["loop"]["warnings"], *record["robustness"]["warnings"])
         ),
         Paragraph(text=f.labels.warning_count.format(count=count), tone=Tone.WARNING),
     )
