@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -273,6 +274,24 @@ def test_impossible_bounds_are_named_with_the_least_possible(
     with pytest.raises(ComputationError, match=least) as caught:
         paper_optimum(bound(name, value), move)
     assert caught.value.outcome is Outcome.BOUND_CANNOT_HOLD
+
+
+def test_least_travel_that_allows_a_velocity_step_is_named() -> None:
+    """A user told to widen a bound must learn by how much; here the grid of the test judges.
+
+    The axis backs off by X and speeds up over 2 X: rigid, X would be m v² / (4 F).
+    """
+    with pytest.raises(ComputationError, match="smallest possible is about") as caught:
+        paper_optimum(bound("x_s", 9e-4))
+    assert caught.value.outcome is Outcome.BOUND_CANNOT_HOLD
+    named = re.search(r"about (\S+) \(SI", str(caught.value))
+    assert named is not None
+    least, rigid = float(named.group(1)), paper_plant().moving_mass * 0.1**2 / (4.0 * 2e3)
+    assert 1.0 < least / rigid < 1.1
+    free = paper_optimum(bound("x_s", 1.0))
+    for factor, reached in ((0.998, False), (1.001, True)):
+        narrow = replace(free, bounds=bound("x_s", factor * least))
+        assert (grid_reach(paper_plant(), narrow, 0.11, n=600) >= 1.0) is reached
 
 
 def test_unknown_signal_is_refused() -> None:

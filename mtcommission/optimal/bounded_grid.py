@@ -39,8 +39,13 @@ TIME_STEPS = 40
 
 STANDSTILL = 1e-3
 """Relative growth of the reach over the last third of the search that counts as none."""
-LEAST_TIMES = (1.2, 1.6, 2.2, 3.0, 5.0)
-"""Where the smallest possible bound is looked for, in multiples of the free optimum."""
+LEAST_TIMES = (1.6, 2.2, 3.0, 4.2, 6.0, 10.0)
+"""Where the smallest possible bound is looked for, in multiples of the free optimum: it falls with
+t_f until more time does not help any more."""
+LEAST_CELLS = (400, 800, 1600)
+"""Grids for the smallest bound: the first for the search of its time, the others to refine it."""
+LEAST_TOLERANCE = 2e-4
+"""Relative change of the smallest bound, over time and over the grid, that counts as none."""
 
 SATURATED = 1e-6
 """Distance from a limit below which a value of the program counts as on it."""
@@ -134,19 +139,50 @@ def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) 
     shorter = _solve(problem, 0.7 * longest.t_f, radians=COARSE_RADIANS)
     names = ", ".join(f"|{k.bound.name}| <= {k.bound.value:.6g}" for k in problem.limits)
     if longest.reach - shorter.reach < STANDSTILL * longest.reach:
-        least = min(_least_factor(problem, share * t_free) for share in LEAST_TIMES)
+        least = smallest_factor(problem, t_free=t_free) * (1.0 + LEAST_TOLERANCE)
         bounds = ", ".join(f"{least * k.bound.value:.4g}" for k in problem.limits)
-        detail = f"{names}: the smallest that was found to do is {bounds} (SI units)"
+        detail = f"{names}: the smallest possible is about {bounds} (SI units)"
         return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
     return ComputationError(
         Outcome.BEYOND_HORIZON, f"{names}: t_f would be longer than {longest.t_f:.4g} s"
     )
 
 
-def _least_factor(problem: BoundedProblem, t_f: float) -> float:
+def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
+    """Return the factor of all bounds below which the target is out of reach at any time.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    t_free
+        Optimum without bounds [s].
+
+    Returns
+    -------
+    float
+        To some ``LEAST_TOLERANCE``; inf if even the longest of ``LEAST_TIMES`` is too short.
+
+    Source: the program of this module with the factor minimised instead of the reach maximised,
+    at longer and longer times, then on finer and finer grids.
+    """
+    least, time = inf, LEAST_TIMES[0]
+    for share in LEAST_TIMES:
+        now = _least_factor(problem, share * t_free, cells=LEAST_CELLS[0])
+        if now > least * (1.0 - LEAST_TOLERANCE):
+            break
+        least, time = now, share
+    for cells in LEAST_CELLS[1:]:
+        before, least = least, _least_factor(problem, time * t_free, cells=cells)
+        if abs(least - before) <= LEAST_TOLERANCE * least:
+            break
+    return least
+
+
+def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:
     """Return the least factor of all bounds with which the target is reached by t_f."""
-    grid = _grid(problem, t_f, radians=COARSE_RADIANS)
-    cells, rows = grid.response.shape[1], grid.response.shape[0]
+    grid = _grid(problem, t_f, cells=cells)
+    rows = grid.response.shape[0]
     result = linprog(
         np.append(np.zeros(cells), 1.0),
         A_ub=np.block(
@@ -174,8 +210,8 @@ def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:
     return int(np.clip(t_f * problem.rate / radians, FEWEST_CELLS, MOST_CELLS))
 
 
-def _grid(problem: BoundedProblem, t_f: float, *, radians: float) -> _Grid:
-    F, cells = problem.force_limit, _cells(problem, t_f, radians)
+def _grid(problem: BoundedProblem, t_f: float, *, cells: int) -> _Grid:
+    F = problem.force_limit
     edges = np.linspace(0.0, t_f, cells + 1)
     final = step_response(problem.plant, t_f - edges)[:, problem.fixed] * F
     moments = (final[:-1] - final[1:]).T
@@ -189,8 +225,8 @@ def _grid(problem: BoundedProblem, t_f: float, *, radians: float) -> _Grid:
 
 
 def _solve(problem: BoundedProblem, t_f: float, *, radians: float) -> GridOptimum:
-    grid, n_limits = _grid(problem, t_f, radians=radians), len(problem.limits)
-    cells = grid.response.shape[1]
+    cells, n_limits = _cells(problem, t_f, radians), len(problem.limits)
+    grid = _grid(problem, t_f, cells=cells)
     follows = np.repeat([limit.follows for limit in problem.limits], cells).astype(np.float64)
     column = -follows[:, np.newaxis]
     result = linprog(
