@@ -153,3 +153,31 @@ def test_a_slow_tail_is_not_taken_for_settled() -> None:
     full = linear_response(soft, tuned, move, 1.0, 50.0).settling_time
     assert full > 0.7
     assert found == pytest.approx(full, rel=1e-6)
+
+
+@pytest.mark.parametrize("move", [VelocityStep(velocity_step=0.1), Positioning(distance=0.1)])
+def test_tables_of_a_slow_move_end_where_the_loop_has_forgotten(move: Move) -> None:
+    """A very small force would fill the memory with zeros, or a cut would change the verdict."""
+    machine = paper_machine()
+    tuned = tune_loop(machine)
+    a, j = np.array([0.02]), np.array([1.0])
+    steps = jerk_steps(move, acceleration=a, jerk=j)
+    longest = float(np.max(steps.duration))
+    assert longest > 4.0
+    tables = build_tables(tuned.loops[0], tuned.lifted[0], longest=longest)
+    assert tables.transients.shape[1] * tables.dt < 3.0
+    assert not tables.transients[:, -1].any()
+    found = settle(tables, steps, band=1e-10)
+    full = linear_response(machine, tuned, move, 0.02, 1.0)
+    assert found.residual_deviation[0] == pytest.approx(full.residual_deviation, rel=1e-6)
+
+
+def test_setpoint_longer_than_the_tables_is_an_error() -> None:
+    """Its early steps would count as if they had just been forgotten."""
+    tuned = tune_loop(paper_machine())
+    tables = build_tables(tuned.loops[0], tuned.lifted[0], longest=0.1)
+    steps = jerk_steps(
+        VelocityStep(velocity_step=0.1), acceleration=np.array([0.2]), jerk=np.array([5.0])
+    )
+    with pytest.raises(IndexError):
+        settle(tables, steps, band=5e-6)

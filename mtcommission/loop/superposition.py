@@ -31,6 +31,9 @@ SEARCH_HORIZON = 2.0
 CHUNK_SAMPLES = 2**21
 """Samples of free motion computed at once: keeps the responses in the cache (measured)."""
 
+FORGOTTEN = 1e-13
+"""A transient whose every state has fallen below this share of its peak counts as zero."""
+
 DECAY = 1e3
 """A mode is followed until it has decayed by this factor."""
 
@@ -58,12 +61,12 @@ class ResponseTables:
         Highest derivative that steps: 3 jerk, 4 snap (behind a moving average).
     transients
         Loop state less its steady motion, n cycles after a basis input began, shape
-        (order + 1, n_cycles, n).
+        (order + 1, n_cycles, n); the last one stands for all later cycles and is zero where the
+        transient has decayed before the longest setpoint ends.
     free_motion
-        Tool deviation at later velocity cycles per unit transient, shape (n, n_samples).
-    steady_deviation
-        Tool deviation while coasting, per unit velocity, shape (n_samples,) [s]: the same in
-        every position cycle, with a ripple inside it where held setpoints meet moving states.
+        Tool deviation at later velocity cycles, shape (n + 1, n_samples): per unit transient and,
+        in the last row, per unit velocity while coasting [s], the same in every position cycle
+        with a ripple inside it where held setpoints meet moving states.
     """
 
     dt: float
@@ -72,7 +75,6 @@ class ResponseTables:
     order: int
     transients: Array
     free_motion: NDArray[np.floating]
-    steady_deviation: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -114,31 +116,38 @@ def build_tables(
     ResponseTables
     """
     T, order = lifted.dt, 4 if filtered else 3
-    count = int(np.ceil(longest / T)) + 3
     following = _following_states(lifted, order)
-    transients = np.empty((order + 1, count, len(lifted.A)))
-    transients[:, 0] = -following[::-1]
-    for i in range(1, count):
-        transients[:, i] = transients[:, i - 1] @ lifted.A.T
     tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
     rows = lifted.C[tool]
     pieces = []
     for _ in range(int(np.ceil(search_horizon(lifted) / T))):
         pieces.append(rows)
         rows = rows @ lifted.A
-    free_motion = np.concatenate(pieces).T
     tau, T_v = loop.controller.reference_delay, loop.controller.velocity_cycle
     ripple = lifted.C[tool] @ following[1] + tau - T_v * np.arange(len(tool))
-    instants: Array = np.arange(free_motion.shape[1], dtype=np.float64) * T_v
+    coasting = np.tile(ripple, len(pieces))
+    instants: Array = np.arange(len(coasting), dtype=np.float64) * T_v
     return ResponseTables(
         dt=T,
         instants=instants,
         reference_delay=tau,
         order=order,
-        transients=transients,
-        free_motion=free_motion,
-        steady_deviation=np.tile(ripple, len(pieces)),
+        transients=_transients(lifted, -following[::-1], count=int(np.ceil(longest / T)) + 3),
+        free_motion=np.vstack([np.concatenate(pieces).T, coasting]),
     )
+
+
+def _transients(lifted: LiftedLoop, start: Array, *, count: int) -> Array:
+    """Free motion from some states, shape (n_states, <= count, n); ends in zero once decayed."""
+    found, largest = [start], np.abs(start)
+    while len(found) < count:
+        found.append(found[-1] @ lifted.A.T)
+        size = np.abs(found[-1])
+        if np.all(size <= FORGOTTEN * largest):
+            found[-1] = np.zeros_like(start)
+            break
+        np.maximum(largest, size, out=largest)
+    return np.stack(found, axis=1)
 
 
 def _following_states(lifted: LiftedLoop, order: int) -> Array:
@@ -205,7 +214,6 @@ def sketch_tables(tables: ResponseTables, plant: Plant) -> ResponseTables:
         tables,
         instants=t[kept],
         free_motion=tables.free_motion[:, kept].astype(np.float32),
-        steady_deviation=tables.steady_deviation[kept],
     )
 
 
@@ -241,20 +249,15 @@ def _settle_chunk(
 ) -> tuple[Array, Array]:
     T, t_e = tables.dt, times[:, -1]
     end = np.ceil((t_e - INSTANT) / T).astype(np.int64)
-    X = _transient_at(tables, times, steps, end)
-    e = X.astype(tables.free_motion.dtype) @ tables.free_motion
-    instants, steady = tables.instants, tables.steady_deviation
+    free, instants = tables.free_motion, tables.instants
+    e = _motion_from(tables, times, steps, end).astype(free.dtype) @ free
     if tables.reference_delay < T:
         # The judgement begins in the position cycle in which the setpoint ends. What the
         # setpoint does in it reaches the drive a cycle later, so its motion is free, too.
         own = instants < T - INSTANT
-        X = _transient_at(tables, times, steps, end - 1)
-        e = np.hstack([X.astype(e.dtype) @ tables.free_motion[:, own], e])
+        before = _motion_from(tables, times, steps, end - 1).astype(free.dtype)
+        e = np.hstack([before @ free[:, own], e])
         instants = np.concatenate([instants[own] - T, instants])
-        steady = np.concatenate([steady[own], steady])
-    order = tables.order
-    velocity = np.sum(steps * (t_e[:, None] - times) ** (order - 1), axis=1) / factorial(order - 1)
-    e += np.outer(velocity, steady).astype(e.dtype)
 
     # Before t_e + τ the delayed setpoint still moves; those samples do not count. The last of
     # them becomes the deviation at t_e + τ itself, between two samples.
@@ -284,19 +287,25 @@ def _settle_chunk(
     return settling, residual
 
 
-def _transient_at(tables: ResponseTables, times: Array, steps: Array, at: IntArray) -> Array:
-    """Loop state at a position sample of each setpoint, less that of coasting on at its end.
+def _motion_from(tables: ResponseTables, times: Array, steps: Array, at: IntArray) -> Array:
+    """Loop state at a position sample, less that of coasting on, and the velocity of coasting.
 
+    Shape (n_limits, n + 1), of each setpoint as at its end.
     A step still to come counts by its polynomial continued backwards, which coasting has and
     the loop has not.
     """
-    T = tables.dt
+    T, order = tables.dt, tables.order
     begun = np.minimum(np.ceil((times - INSTANT) / T).astype(np.int64), at[:, None])
     early = begun * T - times
-    X = np.zeros((len(times), tables.transients.shape[2]))
-    for p in range(tables.order + 1):
+    cycles = at[:, None] - begun
+    if not tables.transients[:, -1].any():
+        cycles = np.minimum(cycles, tables.transients.shape[1] - 1)
+    X = np.zeros((len(times), tables.transients.shape[2] + 1))
+    for p in range(order + 1):
         weight = steps * early**p / factorial(p)
-        X += np.einsum("ms,msn->mn", weight, tables.transients[p][at[:, None] - begun])
+        X[:, :-1] += np.einsum("ms,msn->mn", weight, tables.transients[p][cycles])
+    age = times[:, -1:] - times
+    X[:, -1] = np.sum(steps * age ** (order - 1), axis=1) / factorial(order - 1)
     return X
 
 
