@@ -20,7 +20,7 @@ from mtcommission.errors import InputError
 from mtcommission.machine import Manipulator, Modal, flexible_modes, frequency_hz
 from mtcommission.plant import build_plant
 from mtcommission.profile import parse_profile, read_profile
-from mtcommission.wizard.console import LineConsole, hint, introduce
+from mtcommission.wizard.console import LineConsole, RichConsole, hint, introduce
 from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.insight import find_insights
@@ -618,3 +618,17 @@ def test_measured_pair_shows_the_mode_as_soon_as_it_is_known() -> None:
     assert not find_insights(answers)
     answers["pair.damping_ratio"] = "0.03"
     assert find_insights(answers)[0].text.startswith("mode drive (motor and load free) at 60 Hz")
+
+
+def test_end_of_input_leaves_a_list_of_choices() -> None:
+    """Else Ctrl-D, which ends every other question, seems to hang at this one."""
+    from prompt_toolkit.application import create_app_session
+    from prompt_toolkit.input import create_pipe_input
+    from prompt_toolkit.output import DummyOutput
+
+    plain = LineConsole(read=lambda: "", write=lambda _: None, is_interactive=True)
+    question = next(question for question in list_questions({}) if question.choices)
+    with create_pipe_input() as keys, create_app_session(input=keys, output=DummyOutput()):
+        keys.send_text("\x04\r")  # Enter would take the first choice, were the key ignored
+        with pytest.raises(EOFError):
+            RichConsole(plain).ask(question, default="")

@@ -6,9 +6,12 @@ import sys
 from collections.abc import Callable
 from math import inf
 from textwrap import wrap
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from mtcommission.wizard.question import Question, show_common
+
+if TYPE_CHECKING:
+    from prompt_toolkit.application import Application
 
 WIDTH = 78
 BACK, HELP, QUIT = ("<", "back"), ("?", "help"), ("q", "quit")
@@ -115,14 +118,29 @@ class RichConsole:
                 questionary.Choice(title=f"({words[1]})", value=words[0])
                 for words in (BACK, HELP, QUIT)
             ]
-            chosen = questionary.select(
+            asked = questionary.select(
                 question.text,
                 choices=[*question.choices, *commands],
                 default=default if default in question.choices else None,
-            ).unsafe_ask()
-            return str(chosen)
+            )
+            _end_at_control_d(asked.application)
+            return str(asked.unsafe_ask())
         prompt = f"{question.text}{hint(question, default)}:"
         return str(questionary.text(prompt).unsafe_ask())
+
+
+def _end_at_control_d(application: Application[Any]) -> None:
+    """End of input leaves a list, too: on its own the list takes no letters and ignores the key."""
+    from prompt_toolkit.key_binding import KeyBindings, KeyPressEvent, merge_key_bindings
+
+    own = KeyBindings()
+
+    @own.add("c-d")
+    def _(event: KeyPressEvent) -> None:
+        event.app.exit(exception=EOFError())
+
+    present = application.key_bindings
+    application.key_bindings = merge_key_bindings([present, own]) if present else own
 
 
 def open_console() -> Console:
