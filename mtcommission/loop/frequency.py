@@ -59,6 +59,118 @@ class FrequencyResponse:
     compliance: ComplexArray
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Answers:
+    """What plant and observer do at some frequencies, whatever the gains around them.
+
+    Parameters
+    ----------
+    omega
+        Shape (n,) [rad/s].
+    moved, disturbed
+        Plant states per set force and per force of disturbance, shape (n, n_plant).
+    estimates
+        Observer states per known force and per sensor, shape (n, n_observed, 1 + n_sensors).
+    """
+
+    omega: Array
+    moved: ComplexArray
+    disturbed: ComplexArray
+    estimates: ComplexArray
+
+
+def answer_on_grid(plant: Plant, controller: Controller) -> Answers:
+    """Return what ``scan`` needs of a loop, the same for all gains.
+
+    Parameters
+    ----------
+    plant, controller
+        The loop; of the controller only velocity cycle, sensors and observer count.
+
+    Returns
+    -------
+    Answers
+        From 0.1 Hz to the Nyquist frequency of the velocity cycle, before refinement.
+    """
+    return _answer(plant, controller, _grid(plant, controller))
+
+
+def scan(plant: Plant, controller: Controller, answers: Answers) -> FrequencyResponse:
+    """Return open and closed loop at the frequencies of what is known of them.
+
+    Parameters
+    ----------
+    plant, controller
+        The loop.
+    answers
+        Of the same plant, velocity cycle, sensors and observer.
+
+    Returns
+    -------
+    FrequencyResponse
+    """
+    T_v, N = controller.velocity_cycle, controller.cycles
+    z = np.exp(1j * answers.omega * T_v)
+    pi_law = controller.velocity_gain * (1.0 + T_v / controller.integral_time / (z - 1.0))
+    # The position controller's demand reaches the integral branch through the reference model.
+    model = _reference_model(controller, z)
+    position_law = controller.velocity_gain * (
+        1.0 + T_v / controller.integral_time / (z - 1.0) * model
+    )
+    held = z**-N * (1.0 - z**-N) / (1.0 - 1.0 / z) / N
+    path = 1.0 / z
+    for item in controller.force_filters:
+        stage = discretise_filter(item, controller)
+        path = path * (_resolvent(stage.A, stage.B[:, None], z)[:, :, 0] @ stage.C + stage.D)
+    observed = np.tensordot(
+        answers.estimates, controller.state_gains[list(controller.observer.states)], axes=(1, 0)
+    )
+    sensors = np.array([plant.row(sensor) for sensor in controller.sensors])
+    rate_row = plant.row("encoder") @ plant.A
+
+    def feedback(states: ComplexArray, known: float) -> ComplexArray:
+        """Force asked for by velocity loop and state feedback, sign reversed."""
+        estimated = known * observed[:, 0] + np.sum(observed[:, 1:] * (states @ sensors.T), axis=1)
+        return np.asarray(path * (pi_law * (states @ rate_row) + estimated))
+
+    def position_feedback(states: ComplexArray) -> ComplexArray:
+        gain = path * position_law * controller.position_gain * held
+        return np.asarray(gain * (states @ plant.row("encoder")))
+
+    moved, disturbed = answers.moved, answers.disturbed
+    inner = feedback(moved, 1.0)
+    open_loop = inner + position_feedback(moved)
+    # The observer does not know a disturbance.
+    reaction = feedback(disturbed, 0.0) + position_feedback(disturbed)
+    tool = plant.row("tcp")
+    return FrequencyResponse(
+        frequency_hz=answers.omega / (2 * pi),
+        open_loop=open_loop,
+        closed_velocity_loop=path * position_law * (moved @ rate_row) / (1.0 + inner),
+        compliance=disturbed @ tool - (moved @ tool) * reaction / (1.0 + open_loop),
+    )
+
+
+def refine(plant: Plant, controller: Controller, found: FrequencyResponse) -> FrequencyResponse:
+    """Return a response with frequencies added where margins, bandwidth and peaks are read.
+
+    Parameters
+    ----------
+    plant, controller
+        The loop.
+    found
+        From ``scan`` of ``answer_on_grid``; all of it is kept.
+
+    Returns
+    -------
+    FrequencyResponse
+    """
+    for _ in range(REFINEMENTS):
+        omega = _between(2 * pi * found.frequency_hz, _intervals_of_interest(found))
+        found = _merge(found, respond_at(plant, controller, omega=omega))
+    return found
+
+
 def frequency_response(plant: Plant, controller: Controller) -> FrequencyResponse:
     """Return open and closed loop over frequency.
 
@@ -73,11 +185,7 @@ def frequency_response(plant: Plant, controller: Controller) -> FrequencyRespons
         From 0.1 Hz to the Nyquist frequency of the velocity cycle, finest where margins, the
         bandwidth and the peaks are read.
     """
-    found = respond_at(plant, controller, omega=_grid(plant, controller))
-    for _ in range(REFINEMENTS):
-        omega = _between(2 * pi * found.frequency_hz, _intervals_of_interest(found))
-        found = _merge(found, respond_at(plant, controller, omega=omega))
-    return found
+    return refine(plant, controller, scan(plant, controller, answer_on_grid(plant, controller)))
 
 
 def respond_at(plant: Plant, controller: Controller, *, omega: Array) -> FrequencyResponse:
@@ -94,50 +202,22 @@ def respond_at(plant: Plant, controller: Controller, *, omega: Array) -> Frequen
     -------
     FrequencyResponse
     """
-    T_v, N = controller.velocity_cycle, controller.cycles
-    z = np.exp(1j * omega * T_v)
-    A, B = discretise(plant, T_v)
-    pi_law = controller.velocity_gain * (1.0 + T_v / controller.integral_time / (z - 1.0))
-    # The position controller's demand reaches the integral branch through the reference model.
-    model = _reference_model(controller, z)
-    position_law = controller.velocity_gain * (
-        1.0 + T_v / controller.integral_time / (z - 1.0) * model
-    )
-    held = z**-N * (1.0 - z**-N) / (1.0 - 1.0 / z) / N
-    path = 1.0 / z
-    for item in controller.force_filters:
-        stage = discretise_filter(item, controller)
-        path = path * (_resolvent(stage.A, stage.B[:, None], z)[:, :, 0] @ stage.C + stage.D)
-    observed = _observer_row(controller, z)
-    sensors = np.array([plant.row(sensor) for sensor in controller.sensors])
+    return scan(plant, controller, _answer(plant, controller, omega))
 
-    def feedback(states: ComplexArray, known: float) -> ComplexArray:
-        """Force asked for by velocity loop and state feedback, sign reversed."""
-        drive = known * controller.observer.B + states @ (controller.observer.L @ sensors).T
-        rate = states @ (plant.row("encoder") @ plant.A)
-        return np.asarray(path * (pi_law * rate + np.sum(observed * drive, axis=1)))
 
-    def position_feedback(states: ComplexArray) -> ComplexArray:
-        gain = path * position_law * controller.position_gain * held
-        return np.asarray(gain * (states @ plant.row("encoder")))
-
-    # A disturbance on the line of the drive force enters like the force state itself; the
-    # observer does not know it.
-    entries = np.column_stack([B, discretise_disturbance(plant, T_v)])
-    answers = _resolvent(A, entries, z)
-    moved, disturbed = answers[:, :, 0], answers[:, :, 1]
-    inner = feedback(moved, 1.0)
-    open_loop = inner + position_feedback(moved)
-    reaction = feedback(disturbed, 0.0) + position_feedback(disturbed)
-    tool = plant.row("tcp")
-    return FrequencyResponse(
-        frequency_hz=omega / (2 * pi),
-        open_loop=open_loop,
-        closed_velocity_loop=path
-        * position_law
-        * (moved @ (plant.row("encoder") @ plant.A))
-        / (1.0 + inner),
-        compliance=disturbed @ tool - (moved @ tool) * reaction / (1.0 + open_loop),
+def _answer(plant: Plant, controller: Controller, omega: Array) -> Answers:
+    z = np.exp(1j * omega * controller.velocity_cycle)
+    A, B = discretise(plant, controller.velocity_cycle)
+    # A disturbance on the line of the drive force enters like the force state itself.
+    entries = np.column_stack([B, discretise_disturbance(plant, controller.velocity_cycle)])
+    states = _resolvent(A, entries, z)
+    observer = controller.observer
+    drives = np.column_stack([observer.B, observer.L])
+    return Answers(
+        omega=omega,
+        moved=states[:, :, 0],
+        disturbed=states[:, :, 1],
+        estimates=_resolvent(observer.A - observer.L @ observer.C, drives, z),
     )
 
 
@@ -147,13 +227,6 @@ def _reference_model(controller: Controller, z: ComplexArray) -> ComplexArray:
         return np.ones_like(z)
     share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
     return np.asarray(share / (z - 1.0 + share))
-
-
-def _observer_row(controller: Controller, z: ComplexArray) -> ComplexArray:
-    """K (zI - A + L C)^-1, from what drives the observer to K x̂, shape (n_frequencies, n)."""
-    observer = controller.observer
-    gains = controller.state_gains[list(observer.states)]
-    return _resolvent((observer.A - observer.L @ observer.C).T, gains[:, None], z)[:, :, 0]
 
 
 def _grid(plant: Plant, controller: Controller) -> Array:

@@ -13,9 +13,10 @@ from mtcommission.loop.tuned import (
     CornerPlants,
     TunedLoop,
     TuningSettings,
+    answer_corners,
+    close_within_margins,
     describe_margins,
     has_margins,
-    keeps_margins,
 )
 from mtcommission.machine import NOMINAL, Machine
 
@@ -159,10 +160,12 @@ def _name_cure(
     """The largest value of each given gain that keeps the margins, the others as they are."""
     given = machine.control
     fixed = replace(machine, control=replace(given, velocity_gain=controller.velocity_gain))
+    answers = answer_corners(bench, controller)
 
     def keeps(**gains: float) -> bool:
         changed = replace(fixed, control=replace(fixed.control, **gains))  # type: ignore[arg-type]
-        return keeps_margins(bench, build(changed), settings=settings)
+        found = close_within_margins(bench, build(changed), answers, settings=settings)
+        return found is not None
 
     cures = []
     if given.position_gain is not None:

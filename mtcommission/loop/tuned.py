@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mtcommission.loop.analysis import LoopAnalysis, analyse_loop
 from mtcommission.loop.controller import Controller
-from mtcommission.loop.frequency import FrequencyResponse, frequency_response
+from mtcommission.loop.frequency import (
+    Answers,
+    FrequencyResponse,
+    answer_on_grid,
+    frequency_response,
+    refine,
+    scan,
+)
 from mtcommission.loop.sampled import LiftedLoop, SampledLoop, build_loop, lift_loop
 from mtcommission.machine import Corner, Machine, corners, vary
 from mtcommission.plant import Plant, build_plant
@@ -159,41 +166,95 @@ def close_loop(
     -------
     TunedLoop
     """
-    loops = tuple(build_loop(plant, controller, model=bench.model) for plant in bench.plants)
-    lifted = tuple(map(lift_loop, loops))
-    responses = tuple(frequency_response(plant, controller) for plant in bench.plants)
-    return TunedLoop(
-        controller=controller,
-        corners=bench.corners,
-        loops=loops,
-        lifted=lifted,
-        responses=responses,
-        analyses=tuple(map(analyse_loop, bench.plants, responses, lifted)),
-        remarks=remarks,
-        warnings=warnings,
-    )
+    closed = [
+        _close_on(plant, controller, frequency_response(plant, controller), model=bench.model)
+        for plant in bench.plants
+    ]
+    found = _gather(bench, controller, closed)
+    return replace(found, remarks=remarks, warnings=warnings)
 
 
-def keeps_margins(bench: CornerPlants, controller: Controller, *, settings: TuningSettings) -> bool:
-    """Return whether the loop is stable with the required margins in every corner.
+def close_within_margins(
+    bench: CornerPlants,
+    controller: Controller,
+    answers: Sequence[Answers],
+    *,
+    settings: TuningSettings,
+) -> TunedLoop | None:
+    """Return the loop as ``close_loop`` does, or None where a corner lacks the margins.
 
     Parameters
     ----------
     bench, controller
         As for ``close_loop``; corners behind the first one that fails are not looked at.
+    answers
+        From ``answer_corners`` with the same cycles, sensors and observer.
     settings
         Required margins.
 
     Returns
     -------
-    bool
+    TunedLoop or None
+        Without remarks and warnings.
     """
-    for plant in bench.plants:
-        lifted = lift_loop(build_loop(plant, controller, model=bench.model))
-        analysis = analyse_loop(plant, frequency_response(plant, controller), lifted)
-        if not has_margins(analysis, settings=settings):
-            return False
-    return True
+    closed = []
+    for plant, known in zip(bench.plants, answers, strict=True):
+        coarse = scan(plant, controller, known)
+        # Refinement keeps every frequency: a peak that is too high now stays too high.
+        if np.max(1.0 / np.abs(1.0 + coarse.open_loop)) > settings.sensitivity_peak:
+            return None
+        response = refine(plant, controller, coarse)
+        closed.append(_close_on(plant, controller, response, model=bench.model))
+        if not has_margins(closed[-1].analysis, settings=settings):
+            return None
+    return _gather(bench, controller, closed)
+
+
+def answer_corners(bench: CornerPlants, controller: Controller) -> tuple[Answers, ...]:
+    """Return what all controllers with the same cycles, sensors and observer share.
+
+    Parameters
+    ----------
+    bench, controller
+        As for ``close_loop``.
+
+    Returns
+    -------
+    tuple of Answers
+        One for each corner.
+    """
+    return tuple(answer_on_grid(plant, controller) for plant in bench.plants)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Closed:
+    """The loop in one corner."""
+
+    loop: SampledLoop
+    lifted: LiftedLoop
+    response: FrequencyResponse
+    analysis: LoopAnalysis
+
+
+def _close_on(
+    plant: Plant, controller: Controller, response: FrequencyResponse, *, model: Plant
+) -> _Closed:
+    loop = build_loop(plant, controller, model=model)
+    lifted = lift_loop(loop)
+    analysis = analyse_loop(plant, response, lifted)
+    return _Closed(loop=loop, lifted=lifted, response=response, analysis=analysis)
+
+
+def _gather(bench: CornerPlants, controller: Controller, closed: Sequence[_Closed]) -> TunedLoop:
+    return TunedLoop(
+        controller=controller,
+        corners=bench.corners,
+        loops=tuple(item.loop for item in closed),
+        lifted=tuple(item.lifted for item in closed),
+        responses=tuple(item.response for item in closed),
+        analyses=tuple(item.analysis for item in closed),
+        remarks=(),
+    )
 
 
 def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:

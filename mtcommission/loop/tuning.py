@@ -33,10 +33,11 @@ from mtcommission.loop.tuned import (
     CornerPlants,
     TunedLoop,
     TuningSettings,
+    answer_corners,
     close_loop,
+    close_within_margins,
     corner_plants,
     describe_margins,
-    keeps_margins,
 )
 from mtcommission.machine import Machine, StateFeedback
 from mtcommission.plant import Plant, PlantMode
@@ -249,9 +250,10 @@ def _largest_fraction(machine: Machine, bench: CornerPlants, settings: TuningSet
     """Kp of the cascade by rule alone, as a share of the symmetrical optimum."""
     free = replace(machine.control, position_gain=None, integral_time=None)
     by_rule = replace(machine, control=free)
+    answers = answer_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
     for fraction in _fractions(settings, start=1.0, end=LEAST_FRACTION):
         controller = build_cascade(by_rule, bench.model, fraction=fraction)
-        if keeps_margins(bench, controller, settings=settings):
+        if close_within_margins(bench, controller, answers, settings=settings) is not None:
             return fraction
     softest = close_loop(bench, controller)
     detail = (
@@ -274,15 +276,16 @@ def _with_each_weight(
     largest = build_cascade(machine, bench.model, fraction=settings.largest_fraction)
     least = plain.controller.velocity_gain * settings.reduction**2
     end = least / largest.velocity_gain * settings.largest_fraction
+    answers = answer_corners(bench, replace(largest, observer=observer))
     for weight in settings.mode_weights:
         for fraction in _fractions(settings, start=settings.largest_fraction, end=end):
             cascade = build_cascade(machine, bench.model, fraction=fraction)
             controller = add_state_feedback(
                 machine, bench.model, cascade, mode, weight=weight, observer=observer
             )
-            if keeps_margins(bench, controller, settings=settings):
-                remarks = explain_cascade(machine, controller)
-                yield close_loop(bench, controller, remarks=remarks)
+            found = close_within_margins(bench, controller, answers, settings=settings)
+            if found is not None:
+                yield replace(found, remarks=explain_cascade(machine, controller))
                 break
             if is_fixed:
                 break

@@ -1,0 +1,95 @@
+"""The quick verdict on margins: the same as that of the whole loop, corner by corner."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission.loop.cascade import build_cascade
+from mtcommission.loop.controller import Controller
+from mtcommission.loop.state_feedback import add_state_feedback, design_observer, dominant_mode
+from mtcommission.loop.tuned import (
+    CornerPlants,
+    TuningSettings,
+    answer_corners,
+    close_loop,
+    close_within_margins,
+    corner_plants,
+    has_margins,
+)
+from mtcommission.loop.tuning import tune_variants
+from mtcommission.machine import Machine, TcpSensor
+from mtcommission.population import random_machine
+from mtcommission.profile import read_profile
+
+PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
+LADDER = (2.0, 1.0, 0.5, 0.2)
+SETTINGS = TuningSettings()
+
+
+def machines() -> Iterator[Machine]:
+    """Every shipped profile with all gains by rule, and random machines, half with a TCP scale."""
+    for path in PROFILES:
+        machine = read_profile(path)
+        yield replace(machine, control=replace(machine.control, velocity_gain=None))
+    for seed in range(4):
+        machine = random_machine(seed)
+        sensor = TcpSensor.POSITION if seed % 2 else TcpSensor.NONE
+        yield replace(machine, control=replace(machine.control, tcp_sensor=sensor))
+
+
+def tries(machine: Machine, bench: CornerPlants) -> Iterator[Controller]:
+    """Controllers that share an observer, from far too stiff to soft."""
+    first = build_cascade(machine, bench.model, fraction=1.0)
+    observer = design_observer(machine, bench.model, first, settings=SETTINGS)
+    damping = tuple(mode.damping_ratio for mode in bench.model.modes)
+    mode = dominant_mode(bench.model, first.sensors, damping)
+    for fraction in LADDER:
+        cascade = build_cascade(machine, bench.model, fraction=fraction)
+        if mode is None:
+            yield replace(cascade, observer=observer)
+            continue
+        yield add_state_feedback(machine, bench.model, cascade, mode, weight=1.0, observer=observer)
+
+
+def test_quick_verdict_is_that_of_the_whole_loop() -> None:
+    """A gain would be refused that has the margins, or typed in without them."""
+    kept = refused = 0
+    for machine in machines():
+        bench = corner_plants(machine)
+        ladder = list(tries(machine, bench))
+        answers = answer_corners(bench, ladder[0])
+        for controller in ladder:
+            quick = close_within_margins(bench, controller, answers, settings=SETTINGS)
+            whole = close_loop(bench, controller)
+            expected = all(has_margins(item, settings=SETTINGS) for item in whole.analyses)
+            assert (quick is not None) is expected
+            kept, refused = kept + expected, refused + (not expected)
+            if quick is None:
+                continue
+            for one, other in zip(quick.responses, whole.responses, strict=True):
+                np.testing.assert_allclose(one.open_loop, other.open_loop, rtol=1e-9)
+                np.testing.assert_allclose(one.compliance, other.compliance, rtol=1e-9)
+    assert kept > 10
+    assert refused > 10
+
+
+@pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.stem)
+def test_one_step_more_of_Kp_lacks_the_margins(path: Path) -> None:
+    """Kp would be lower than need be, and the axis softer: seen by the whole loop."""
+    machine = read_profile(path)
+    free = replace(machine.control, velocity_gain=None, position_gain=None, integral_time=None)
+    machine = replace(machine, control=replace(free, force_filters=(), minimum_bandwidth_hz=0.0))
+    plain, bench = tune_variants(machine, settings=SETTINGS).plain, corner_plants(machine)
+    assert all(has_margins(item, settings=SETTINGS) for item in plain.analyses)
+    unit = build_cascade(machine, bench.model, fraction=1.0).velocity_gain
+    share = plain.controller.velocity_gain / unit
+    if share > 1.0 - 1e-9:
+        return
+    above = build_cascade(machine, bench.model, fraction=share / SETTINGS.reduction)
+    analyses = close_loop(bench, above).analyses
+    assert not all(has_margins(item, settings=SETTINGS) for item in analyses)
