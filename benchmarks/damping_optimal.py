@@ -1,5 +1,7 @@
 """Time per damping-optimal solve, warm, beside the same problem by IPOPT: one core.
 
+Then a survey of random problems: the worst accuracy, and every one that is not solved.
+
 OMP_NUM_THREADS=1 python -m benchmarks.damping_optimal
 """
 
@@ -8,15 +10,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import pi
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 
-from mtcommission.machine import VelocityStep, Weight
+from mtcommission.errors import ComputationError
+from mtcommission.machine import Move, Positioning, VelocityStep, Weight
 from mtcommission.optimal.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.discretisation import TranscriptionSettings
 from mtcommission.optimal.solution import DampingOptimum
+from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.optimal.transcription import transcribe_damping_optimal
+from mtcommission.optimal.weights import balanced_weights
 from mtcommission.plant import Plant, build_plant
 from tests.machines import paper_machine, random_modal_machine
 
@@ -90,6 +95,38 @@ def random_cases() -> None:
         print(f"{n_modes:3d} {1e3 * float(np.median(times)):7.1f}")
 
 
+def survey(count: int) -> None:
+    print(f"{count} random problems, 1 ... 8 modes, t_f 1.02 ... 3 t_f,min, both kinds of move")
+    generator = np.random.default_rng(7)
+    errors, laws, times = [], [], []
+    for seed in range(count):
+        share = float(np.exp(generator.uniform(np.log(1.02), np.log(3.0))))
+        step, force, stress = generator.uniform([0.0, -1.0, -2.0], [1.0, 1.0, 2.0])
+        machine = random_modal_machine(seed, n_modes=1 + seed % 8)
+        plant, F = build_plant(machine), machine.drive.max_force * 10.0 ** float(force)
+        move: Move = machine.moves[0] if step < 0.5 else Positioning(distance=0.02)
+        fastest = solve_time_optimal(plant, move, force_limit=F)
+        weights = tuple(
+            Weight(state=weight.state, value=weight.value * 10.0 ** float(stress))
+            for weight in balanced_weights(plant, fastest)
+        )
+        start = process_time()
+        try:
+            found = solve_damping_optimal(
+                plant, move, force_limit=F, t_f=share * fastest.t_f, weights=weights
+            )
+        except ComputationError as error:
+            print(f"seed {seed}, t_f = {share:.3f} t_f,min: {error}")
+            continue
+        times.append(process_time() - start)
+        errors.append(float(np.max(np.abs(found.terminal_error) / found.peaks[: plant.order])))
+        laws.append(found.law_residual)
+    print(f"solved {len(errors)}; terminal error at most {max(errors):.1e} of a peak,")
+    print(f"law residual at most {max(laws):.1e} of F_max; CPU median {1e3 * median(times):.0f} ms")
+    print(f"and at most {1e3 * max(times):.0f} ms")
+
+
 if __name__ == "__main__":
     paper_cases(build_plant(paper_machine()))
     random_cases()
+    survey(200)
