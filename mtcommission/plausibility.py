@@ -37,6 +37,7 @@ FEEDFORWARD_RATIO = 1.5
 LONGEST_FORCE_LAG = 0.02
 LONGEST_MOVE = 60.0
 LONGEST_RINGING = 10.0
+SHORTEST_VELOCITY_CYCLE = 20e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +92,7 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
 
 
 def check_patience(machine: Machine) -> tuple[Remark, ...]:
-    """Return the modes that ring so long that every computation takes long.
+    """Return what makes every computation take long: slow modes, and very short cycles.
 
     Parameters
     ----------
@@ -101,7 +102,8 @@ def check_patience(machine: Machine) -> tuple[Remark, ...]:
     Returns
     -------
     tuple of Remark
-        Empty if every mode has decayed to 1 % within 10 s, exp(-zeta omega t) = 0.01.
+        Empty if every mode has decayed to 1 % within 10 s, exp(-zeta omega t) = 0.01, and the
+        velocity cycle is at least 20 us.
     """
     remarks = []
     for i, mode in enumerate(flexible_modes(machine)):
@@ -115,6 +117,13 @@ def check_patience(machine: Machine) -> tuple[Remark, ...]:
                 "long and may take minutes"
             )
             remarks.append(Remark(key=_mode_key(machine, i), message=message))
+    cycle = machine.control.velocity_cycle
+    if cycle < SHORTEST_VELOCITY_CYCLE:
+        message = (
+            f"{1e6 * cycle:.3g} us is shorter than drives have, 31.25 us to 1 ms; limits, "
+            "simulate and run follow every cycle and may take minutes"
+        )
+        remarks.append(Remark(key="control.velocity_cycle", message=message))
     return tuple(remarks)
 
 

@@ -231,3 +231,11 @@ def test_a_mode_that_rings_for_long_is_announced(damping_ratio: float, words: li
 def test_no_shipped_machine_rings_for_long(name: str) -> None:
     """Else the first machine that a new user checks would warn him of a wait."""
     assert check_patience(read_shipped(name).machine) == ()
+
+
+def test_a_velocity_cycle_shorter_than_drives_have_is_announced() -> None:
+    """A slip of the unit (us for ms) would make the program compute a hundred times longer."""
+    machine = replace(paper_machine(), control=Control(velocity_cycle=1e-6))
+    found = check_patience(machine)
+    assert [remark.key for remark in found] == ["control.velocity_cycle"]
+    assert found[0].message.startswith("1 us is shorter than drives have")
