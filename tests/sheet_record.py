@@ -284,7 +284,11 @@ def _optimum(move: dict[str, float], t_f: float) -> Any:
         "move": move,
         "limits": {},
         "t_f": t_f,
-        "arcs": [{"t_start": 0.0, "t_end": t_f, "control": "+F_max"}],
+        "arcs": [
+            {"t_start": 0.0, "t_end": 0.00934, "control": "+F_max"},
+            {"t_start": 0.00934, "t_end": 0.0367, "control": "-F_max"},
+            {"t_start": 0.0367, "t_end": t_f, "control": "+F_max"},
+        ],
         "switching_times": [0.00934, 0.0367],
         "touch_points": [],
         "peaks": {name: 0.00123 * (k + 1) for k, name in enumerate([*STATES, *OUTPUTS])},
@@ -623,11 +627,11 @@ def _robustness() -> Any:
                 ("damping -10 %", 0.0, -0.001, True),
             )
         ],
+        "warnings": [],
     }
 
 
 def _unsettled_robustness() -> Any:
-        "warnings": [],
     """No spread stated, and nothing settles anywhere."""
     found = _robustness()
     error = found["frequency_error"]

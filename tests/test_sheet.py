@@ -164,7 +164,8 @@ def text_cells(document):
         (-1999.9, "N", "−2_kN"),
         (999.96, "N", "1_kN"),
         (2.667e6, "m/s^3", "2.667×10⁶_m/s³"),
-        (123456.0, "m/s^3", "123456_m/s³"),
+        (123456.0, "m/s^3", "123500_m/s³"),
+        (12345.0, "kg", "12345_kg"),
         (750.0, "kg", "750_kg"),
         (0.0, "s", "0_s"),
         (40.0, "kg m^2", "40_kg·m²"),
@@ -370,6 +371,24 @@ def test_what_is_to_be_measured_has_its_value_and_empty_fields():
     assert rows["Damping ratio of mode base"] == (f"3.01{THIN_SPACE}%", "–")
     assert rows["Move 1: Residual deviation"] == (f"4.581{THIN_SPACE}µm", f"5.1{THIN_SPACE}µm")
     assert rows["Move 1: Largest set force"][0] == f"1.803{THIN_SPACE}kN"
+
+
+def test_arcs_within_the_force_bound_that_follow_one_another_are_no_switches():
+    """A hundred instants at which nothing happens would hide the few that are switches."""
+    record = example_record()
+    ends = [
+        ("+F_max", 0.009),
+        *(("interior", 0.010 + 1e-4 * k) for k in range(99)),
+        ("-F_max", 0.04),
+    ]
+    begins = (0.0, *(end for _, end in ends))
+    record["optima"][0]["time"]["arcs"] = [
+        {"t_start": begin, "t_end": end, "control": control}
+        for begin, (control, end) in zip(begins, ends, strict=False)
+    ]
+    (section,) = (s for s in compose(record, ENGLISH).sections if s.key == "certificates")
+    shown = next(dict(b.rows) for b in section.blocks if isinstance(b, Table))[ENGLISH.switches]
+    assert shown == f"9{THIN_SPACE}ms, 19.8{THIN_SPACE}ms"
 
 
 def table_of(record, key):
@@ -591,6 +610,26 @@ def test_the_verdict_has_the_first_page_to_itself(pdfs):
     assert "All requirements met" in first
     assert ENGLISH.checks_caption in first
     assert ENGLISH.machine_heading not in first
+
+
+def test_a_signature_never_stands_alone(pdfs):
+    """Who signs a page on which nothing else stands does not know what he signs."""
+    record = example_record()
+    for lines in range(20, 90, 22):
+        record["profile"]["text"] = "\n".join(f"line_{k} = {k}" for k in range(lines))
+        last = pdf_pages(print_pdf(record))[-1]
+        assert ENGLISH.signature_fields[-1] in last
+        assert f"line_{lines - 1} =" in last
+
+
+def test_a_split_table_leaves_no_single_row_behind():
+    """The last rows of a form are the ones that nobody fills in, if they stand alone overleaf."""
+    record = example_record()
+    record["data"] = [record["data"][0] | {"key": f"plant.row_{k}_"} for k in range(46)]
+    split = [t for t in pdf_pages(print_pdf(record)) if "plant.row_" in t]
+    assert len(split) == 2, "not split: the test sees nothing"
+    assert "plant.row_42_" in split[1]
+    assert "plant.row_41_" in split[0]
 
 
 def test_nothing_is_printed_outside_the_margins(pdfs):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from mtcommission.record.schema import OptimumEntry, Record
+from itertools import pairwise
+
+from mtcommission.record.schema import ArcEntry, OptimumEntry, Record
 from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.model import (
     Block,
@@ -71,7 +73,7 @@ def _certificate_rows(optimum: OptimumEntry, f: Formatter) -> list[tuple[str, st
     rows = [
         (text.final_time, f.quantity(optimum["t_f"], "s")),
         (text.method, text.say(optimum["method"])),
-        (text.switches, ", ".join(f.quantity(t, "s") for t in optimum["switching_times"])),
+        (text.switches, ", ".join(f.quantity(t, "s") for t in _changes(optimum["arcs"]))),
         (text.largest_error, f.number(_largest_error(optimum), digits=2)),
     ]
     if optimum["cost"] is not None:
@@ -81,6 +83,11 @@ def _certificate_rows(optimum: OptimumEntry, f: Formatter) -> list[tuple[str, st
     for key, value in optimum["certificate"].items():
         rows.append((text.name(key), _evidence(key, value, f)))
     return [row for row in rows if row[1]]
+
+
+def _changes(arcs: list[ArcEntry]) -> list[float]:
+    """Return when the kind of control changes [s]; arcs within the force bound run into another."""
+    return [arc["t_end"] for arc, after in pairwise(arcs) if arc["control"] != after["control"]]
 
 
 def _largest_error(optimum: OptimumEntry) -> float:

@@ -62,6 +62,9 @@ _LADDERS: dict[str, tuple[Scale, ...]] = {
 }
 """Units by SI unit, largest first; a value takes the first that it fills."""
 
+_CUT = frozenset({"m/s^2", "m/s^3", "rad/s^2", "rad/s^3"})
+"""Found by the search to three digits of SI, never stated in a profile: integers are cut, too."""
+
 _DEGREE, _ARCSEC = pi / 180.0, pi / 180.0 / 3600.0
 _ROTARY_LADDERS: dict[str, tuple[Scale, ...]] = {
     "rad": (Scale(_DEGREE, "°", 0.1), Scale(_ARCSEC, "″")),
@@ -103,25 +106,16 @@ class Formatter:
         >>> linear = Formatter(rotary=False, labels=Labels())
         >>> linear.quantity(4.5826e-6, "m").split(THIN_SPACE)
         ['4.583', 'µm']
-        >>> Formatter(rotary=True, labels=Labels()).quantity(3.14159265, "rad/s^2")
-        '180°/s²'
+        >>> Formatter(rotary=True, labels=Labels()).quantity(1810.0, "rad/s^3")
+        '103700°/s³'
         """
         if value is None or not isfinite(value):
             return missing
         scale = self.scale(abs(value), unit)
-        return self.with_unit(self.number(value / scale.size), scale.unit)
-
-    def rounded(self, value: float, unit: str) -> str:
-        """Return a value with its unit, integers cut to significant digits, too.
-
-        Examples
-        --------
-        >>> Formatter(rotary=False, labels=Labels()).rounded(574516.0, "m/s^3").split(THIN_SPACE)
-        ['574500', 'm/s³']
-        """
-        scale = self.scale(abs(value), unit)
-        digits = float(f"{value / scale.size:.{DIGITS}g}")
-        return self.with_unit(self.number(digits), scale.unit)
+        shown = value / scale.size
+        if unit in _CUT:
+            shown = float(f"{shown:.{DIGITS}g}")
+        return self.with_unit(self.number(shown), scale.unit)
 
     def with_unit(self, number: str, unit: str) -> str:
         """Return number and unit with a thin space; degrees follow without one."""

@@ -313,7 +313,7 @@ def shown_jerk(acceleration: float, jerk: float, cycle: float, f: Formatter) -> 
     """
     if acceleration < UNSEEN * cycle * jerk:
         return f.labels.no_jerk_limit
-    return f.rounded(jerk, motion_unit("m/s^3", rotary=f.rotary))
+    return f.quantity(jerk, motion_unit("m/s^3", rotary=f.rotary))
 
 
 def _numbers(
