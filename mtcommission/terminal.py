@@ -6,6 +6,7 @@ Every number is formatted by the sheet's formatter, so terminal, HTML and PDF ag
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import groupby
 
 from rich.console import Console, Group, RenderableType
 from rich.markup import escape
@@ -109,12 +110,13 @@ def describe_optimum(
     """Return arcs, peaks and proof of an optimal control."""
     printed = _formatter(machine)
     arcs = _table("Arc", "From", "To", "F_set")
-    for number, arc in enumerate(solution.arcs[:SHOWN_ARCS], start=1):
-        arcs.add_row(
-            str(number), f"{1e3 * arc.t_start:.6f} ms", f"{1e3 * arc.t_end:.6f} ms", arc.control
-        )
-    if len(solution.arcs) > SHOWN_ARCS:
-        arcs.add_row("...", f"{len(solution.arcs) - SHOWN_ARCS} more:", "see --json", "")
+    # Interior control is kept in many short pieces; to the reader they are one arc.
+    joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
+    for number, run in enumerate(joined[:SHOWN_ARCS], start=1):
+        start, end = 1e3 * run[0].t_start, 1e3 * run[-1].t_end
+        arcs.add_row(str(number), f"{start:.6f} ms", f"{end:.6f} ms", run[0].control)
+    if len(joined) > SHOWN_ARCS:
+        arcs.add_row("...", f"{len(joined) - SHOWN_ARCS} more:", "see --json", "")
     peaks = _table("State or output", "Peak", "Terminal error")
     errors = dict(zip(plant.states, solution.terminal_error.tolist(), strict=True))
     for name, unit, peak in zip(

@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -237,3 +238,12 @@ def test_simulate_says_when_requirements_are_missed(run: Run) -> None:
     assert code == 1
     assert "saturated" in out
     assert "NOT MET" in out
+
+
+def test_pieces_of_one_arc_are_printed_as_one(run: Run) -> None:
+    """Interior control is kept in short pieces: a page of them would hide the structure."""
+    code, out, _ = run("optimal", PAPER, "--kind", "damping", "--t-f", "52.2ms")
+    controls = [line.split()[-1] for line in out.splitlines() if line.count(" ms") == 2]
+    assert code == 0
+    assert controls.count("interior") > 1
+    assert all(before != after for before, after in pairwise(controls))
