@@ -3,7 +3,8 @@
     python -m benchmarks [--quick] [race | jobs | quality | report ...]
 
 Without names everything runs. ``--quick`` takes coarse grids, the three main problems, a few
-machines, and writes nothing but what it prints, unless ``--output`` says where.
+machines, and writes nothing but what it prints, unless ``--output`` says where. With ``--tools`` or
+``--problems`` only those rows of an earlier race are renewed, and the page says when.
 """
 
 from __future__ import annotations
@@ -61,15 +62,28 @@ def main() -> None:
     for section in SECTIONS[:-1]:
         if section in wanted:
             limits = {"seconds": options.seconds, "workers": options.workers}
-            results[section] = {**stamp(), **limits, "rows": []}
+            begun = {**stamp(), **limits}
+            if section == "race" and section in results and (options.tools or options.problems):
+                renewed = results[section].setdefault("renewed", [])
+                renewed.append({**begun, "tools": options.tools, "problems": options.problems})
+            else:
+                results[section] = {**begun, "rows": []}
 
             def keep(row: dict[str, Any], section: str = section) -> None:
-                results[section]["rows"].append(row)
+                results[section]["rows"] = with_row(results[section]["rows"], row)
                 save(results, folder)
 
             run_section(section, options, keep)
     if "report" in wanted:
         write_report(results, folder)
+
+
+def with_row(rows: list[dict[str, Any]], new: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the rows with one more, in place of an earlier one of the same tool and problem."""
+    keys = ("tool", "problem", "cells")
+    if "tool" not in new:
+        return [*rows, new]
+    return [*(row for row in rows if any(row[key] != new[key] for key in keys)), new]
 
 
 def run_section(

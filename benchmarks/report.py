@@ -89,16 +89,21 @@ from the stages: no stage can be faster than the imports before it."""
 
 
 def provenance(section: Results) -> str:
-    """Return when, where and with what a section ran, and what someone remarked by hand."""
+    """Return when, where and with what a section ran, and which rows were renewed later."""
     versions = ", ".join(
         f"{name} {version}" if version != "not installed" else f"{name} not installed"
         for name, version in section["versions"].items()
     )
-    load, remark = section["load"][0], section.get("remark", "")
+    load = section["load"][0]
+    renewed = "".join(
+        f" Renewed {part['date']}, commit {part['commit']}, load {part['load'][0]}: "
+        f"{', '.join([*part['tools'], *part['problems']])}."
+        for part in section.get("renewed", [])
+    )
     return (
         f"*{section['date']}, commit {section['commit']}, {section['machine']} "
         f"(load {load} at the start, {section['workers']} processes at a time). {versions}."
-        f"{remark}*"
+        f"{renewed}{section.get('remark', '')}*"
     )
 
 

@@ -13,6 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from benchmarks import tools
+from benchmarks.__main__ import with_row
 from benchmarks.answer import Answer, grid_answer, judge
 from benchmarks.child import Measurement, measure, read
 from benchmarks.limits_quality import BRUTE, SEARCH, Score, rank, search_by_grid
@@ -246,6 +247,19 @@ def test_the_page_shows_ratios_failures_and_who_is_better() -> None:
     assert "| gekko | 200 | 0.5 × | +1.0e-02 |" in page
     assert "| dymos | 20 | ValueError: a / b |" in page
     assert "Faster than this package: P1 (gekko, N = 200)" in page
+
+
+def test_a_renewed_row_takes_the_place_of_the_old_one_and_the_page_says_so() -> None:
+    old = Measurement(tool="mtcommission", problem="P1", cells=0, first=0.02, t_f=0.04)
+    other = replace(old, tool="gekko", cells=200, first=0.2)
+    rows = with_row([asdict(old), asdict(other)], asdict(replace(old, first=0.01)))
+    assert [(row["tool"], row["first"]) for row in rows] == [("gekko", 0.2), ("mtcommission", 0.01)]
+    begun = {"date": "monday", "commit": "c1", "machine": "", "load": [1.0], "versions": {}}
+    begun |= {"seconds": 10.0, "workers": 1}
+    renewed = [{**begun, "date": "tuesday", "commit": "c2", "tools": ["ours"], "problems": []}]
+    page = compose_report({"race": {**begun, "rows": rows, "renewed": renewed}})
+    assert "Renewed tuesday, commit c2, load 1.0: ours." in page
+    assert "| gekko | 200 | 20 × |" in page
 
 
 def test_the_printed_page_is_what_the_results_say() -> None:
