@@ -13,6 +13,7 @@ import pytest
 from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop import state_feedback
 from mtcommission.loop.controller import filter_polynomials
 from mtcommission.loop.frequency import frequency_response, respond_at
 from mtcommission.loop.state_feedback import design_observer, is_seen
@@ -419,7 +420,7 @@ def test_failed_design_of_the_state_feedback_is_said(monkeypatch: pytest.MonkeyP
     def fail(*_: object) -> None:
         raise np.linalg.LinAlgError("ill-conditioned")
 
-    monkeypatch.setattr(control, "dlqe", fail)
+    monkeypatch.setattr(state_feedback, "observer_gains", fail)
     found = tune_variants(paper_machine(), settings=WANTED)
     assert found.feedback is None
     assert "its design failed (observer: ill-conditioned)" in found.plain.remarks[-1]

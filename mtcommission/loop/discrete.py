@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
-from scipy.signal import cont2discrete, tf2ss
 
 from mtcommission.loop.controller import Controller, filter_polynomials
 from mtcommission.machine import ForceFilter
@@ -37,15 +36,23 @@ def discretise(plant: Plant, step: float) -> tuple[Array, Array]:
 
 
 def discretise_filter(item: ForceFilter, controller: Controller) -> Stage:
-    """Return a set-force filter at the velocity cycle (bilinear transform)."""
+    """Return a set-force filter at the velocity cycle (bilinear transform).
+
+    Of b(s)/a(s) in controllable form, with trapezoidal integration over the cycle:
+    x⁺ = (I - A T/2)⁻¹ ((I + A T/2) x + B T u), read halfway between x and x⁺.
+    """
     numerator, denominator = filter_polynomials(item)
-    A, B, C, D, _ = cont2discrete(
-        # Leading zeros would make scipy warn of bad conditioning.
-        tf2ss(np.trim_zeros(numerator, "f"), denominator),
-        controller.velocity_cycle,
-        method="bilinear",
+    half = 0.5 * controller.velocity_cycle
+    A = np.array([-denominator[1:], [1.0, 0.0]])
+    C = numerator[1:] - numerator[0] * denominator[1:]
+    implicit = np.asarray(np.linalg.inv(np.eye(2) - half * A), dtype=np.float64)
+    B = 2.0 * half * implicit[:, 0]
+    return Stage(
+        A=implicit @ (np.eye(2) + half * A),
+        B=B,
+        C=C @ implicit,
+        D=float(numerator[0] + 0.5 * C @ B),
     )
-    return Stage(A=A, B=B[:, 0], C=C[0], D=float(D[0, 0]))
 
 
 def discretise_disturbance(plant: Plant, step: float) -> Array:

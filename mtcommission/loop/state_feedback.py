@@ -1,7 +1,4 @@
-"""Active damping of one mode: LQR around the closed cascade, states by a Kalman observer.
-
-A door to python-control.
-"""
+"""Active damping of one mode: LQR around the closed cascade, states by a Kalman observer."""
 
 from __future__ import annotations
 
@@ -9,13 +6,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.controller import Controller, Observer
 from mtcommission.loop.discrete import discretise
+from mtcommission.loop.riccati import observer_gains, regulator_gains
 from mtcommission.loop.tuned import TuningSettings
 from mtcommission.machine import Machine
 from mtcommission.plant import Plant, PlantMode
@@ -133,12 +130,9 @@ def design_observer(
     # Noises of variance 1 and states in units of what they move by in a cycle under F_max, so
     # that the Riccati equation sees no extreme numbers.
     scale = np.abs(B) * F_max
-    unit, seen = np.eye(G.shape[1]), np.eye(len(cascade.sensors))
     scaled = (A * scale / scale[:, None], G / scale[:, None], C * scale / settings.position_noise)
     with _riccati_errors("observer"):
-        L, _, _ = control.dlqe(*scaled, unit, seen)
-    # control.dlqe gives the gain of the filter form; the predicting form needs A L.
-    L = A @ (L * scale[:, None]) / settings.position_noise
+        L = observer_gains(*scaled) * scale[:, None] / settings.position_noise
     return Observer(states=tuple(states), A=A, B=B, C=C, L=L)
 
 
@@ -164,7 +158,7 @@ def _mode_gains(
     A[:n, :n] = plant.A
     A[n, :n] = -(encoder @ plant.A + controller.position_gain * encoder) / controller.integral_time
     law = Kp * np.concatenate([encoder @ plant.A + controller.position_gain * encoder, [-1.0]])
-    B = np.append(plant.B, 0.0)[:, None]
+    B = np.append(plant.B, 0.0)
     # States in units of what F_max does at the mode's frequency: all numbers near 1.
     force, omega = machine.drive.max_force, mode.natural_frequency
     scale = np.full(n + 1, force / (plant.moving_mass * omega**2))
@@ -175,22 +169,22 @@ def _mode_gains(
         scale[item.rate] = abs(item.scale) * force / omega
         zeta = max(item.damping_ratio, LEAST_DAMPING)
         A[item.rate, item.rate] = -2.0 * zeta * item.natural_frequency
-    A = (A - B * law) * scale / scale[:, None] / omega
+    A = (A - np.outer(B, law)) * scale / scale[:, None] / omega
     Q = np.zeros((n + 1, n + 1))
     Q[mode.rate, mode.rate] = weight
     kept = [*observed, n]
     inside = np.ix_(kept, kept)
-    B = (B * force / scale[:, None] / omega)[kept]
+    B = (B * force / scale / omega)[kept]
     with _riccati_errors(f"gains for mode {mode.name}"):
-        K, _, _ = control.lqr(A[inside], B, Q[inside], np.eye(1))
+        K = regulator_gains(A[inside], B, Q[inside])
     gains = np.zeros(n)
-    gains[kept[:-1]] = (K[0] * force / scale[kept])[:-1]
+    gains[kept[:-1]] = (K * force / scale[kept])[:-1]
     return gains
 
 
 @contextmanager
 def _riccati_errors(what: str) -> Iterator[None]:
-    """Name what python-control and scipy raise where a Riccati equation defeats them."""
+    """Name what scipy raises where a Riccati equation defeats them."""
     try:
         yield
     except (ValueError, np.linalg.LinAlgError) as error:

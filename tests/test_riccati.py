@@ -1,0 +1,76 @@
+"""Wrong gains would make a loop that the tables call best by a rule it does not follow."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete
+
+from mtcommission.loop import state_feedback
+from mtcommission.loop.controller import filter_polynomials
+from mtcommission.loop.discrete import discretise_filter
+from mtcommission.loop.riccati import observer_gains, regulator_gains
+from mtcommission.loop.tuning import TuningSettings, tune_loop, tune_variants
+from mtcommission.machine import FilterKind, ForceFilter, StateFeedback, TcpSensor
+from mtcommission.population import random_machine
+from mtcommission.profile import read_profile
+from tests.independent_loop import quiet_copy
+from tests.machines import paper_machine, random_modal_machine
+
+MACHINES = {
+    "paper": paper_machine(),
+    "two encoders": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
+    "belt": read_profile(Path("profiles/printer-belt.toml")),
+    "one mode": random_modal_machine(3, n_modes=1),
+    "population": random_machine(3),
+}
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_gains_are_those_of_python_control(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every equation of a whole tuning, solved by a second program."""
+    asked = []
+
+    def regulator(A: np.ndarray, B: np.ndarray, Q: np.ndarray) -> np.ndarray:
+        ours = regulator_gains(A, B, Q)
+        theirs, _, _ = control.lqr(A, B[:, None], Q, np.eye(1))
+        asked.append(np.max(np.abs(ours - theirs[0])) / np.max(np.abs(theirs)))
+        return ours
+
+    def observer(A: np.ndarray, G: np.ndarray, C: np.ndarray) -> np.ndarray:
+        ours = observer_gains(A, G, C)
+        theirs, _, _ = control.dlqe(A, G, C, np.eye(G.shape[1]), np.eye(len(C)))
+        asked.append(np.max(np.abs(ours - theirs)) / np.max(np.abs(theirs)))
+        return ours
+
+    monkeypatch.setattr(state_feedback, "regulator_gains", regulator)
+    monkeypatch.setattr(state_feedback, "observer_gains", observer)
+    tune_variants(MACHINES[name], settings=TuningSettings(mode_weights=(0.1, 10.0)))
+    assert len(asked) >= 3  # the observer and both weights
+    assert max(asked) < 1e-8
+
+
+def test_what_nothing_damps_has_no_gains() -> None:
+    """An oscillator beside the drive would get gains that leave it ringing, without a word."""
+    A = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+    B, Q = np.array([0.0, 0.0, 1.0]), np.eye(3)
+    with pytest.raises(np.linalg.LinAlgError):
+        regulator_gains(A, B, Q)
+
+
+@pytest.mark.parametrize("kind", FilterKind)
+def test_filters_are_those_of_scipy(kind: FilterKind) -> None:
+    """A notch beside its mode would be simulated, and its loop be judged by it."""
+    item = ForceFilter(kind=kind, natural_frequency=2 * np.pi * 72.0, damping=0.1)
+    controller = tune_loop(quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)).controller
+    stage = discretise_filter(item, controller)
+    T = controller.velocity_cycle
+    numerator, denominator = filter_polynomials(item)
+    b, a, _ = cont2discrete((np.trim_zeros(numerator, "f"), denominator), T, method="bilinear")
+    z = np.exp(1j * 2 * np.pi * np.array([1.0, 30.0, 72.0, 90.0, 1000.0]) * T)
+    ours = [stage.C @ np.linalg.solve(x * np.eye(2) - stage.A, stage.B) + stage.D for x in z]
+    theirs = np.polyval(np.ravel(b), z) / np.polyval(a, z)
+    assert np.allclose(ours, theirs, rtol=1e-9, atol=1e-9)
