@@ -15,6 +15,7 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.effort import require_affordable
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine
@@ -116,7 +117,13 @@ def choose_limits(
         Never slower than a rule or a start that meets all requirements (up to the rounding of
         what is typed in). Where nothing meets them, the limits with the least settling time
         within force and peaks.
+
+    Raises
+    ------
+    ComputationError
+        MOVE_TOO_LONG where the moves take more cycles than are followed.
     """
+    require_affordable(machine)
     settings = settings or SearchSettings()
     trusted = [apply_commissioning_rule(machine, plant, tuned).limits, *starts]
     widest = widest_region(machine, plant, settings, trusted)

@@ -13,6 +13,7 @@ from mtcommission.assess import Assessment
 from mtcommission.attainable import Attainable, find_attainable, find_least_residual
 from mtcommission.choose import Choice, choose_limits
 from mtcommission.comparison import ComparedControl, compare_controls
+from mtcommission.effort import require_affordable
 from mtcommission.feedforward import FedForward, feed_forward, follow_setpoint
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.continuous import ContinuousResponse, simulate_continuous
@@ -174,6 +175,7 @@ def commission(
     """
     settings = settings or Settings()
     require_force(machine)
+    require_affordable(machine)
     plant = build_plant(machine)
     progress("optimal controls")
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)

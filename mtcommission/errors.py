@@ -109,6 +109,12 @@ class Outcome(Enum):
         "the static load takes all of the force, so the axis cannot move; "
         "raise max_force or balance the load"
     )
+    MOVE_TOO_LONG = (
+        "so long a motion is not followed cycle by cycle; check the unit of max_force, or state a "
+        "shorter move (a smaller velocity_step, or a shorter distance at the same max_velocity: "
+        "constant velocity and long constant acceleration leave no vibration, so the limits stay "
+        "nearly the same; take what is cut off from max_settling_time, too)"
+    )
     SETPOINT_FAILED = "Ruckig found no setpoint for these limits; check that they are in SI units"
     WORKER_LOST = (
         "processes of the sweep ended again and again, for want of memory or by force; "
