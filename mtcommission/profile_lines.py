@@ -25,6 +25,10 @@ _PIECE = re.compile(
 _KEY_PART = re.compile(r'"((?:\\.|[^"\\])*)"|\'([^\']*)\'|([A-Za-z0-9_-]+)')
 
 
+ACCEPTED_DEFAULT = "default accepted, not measured"
+"""Comment behind a value that nobody stated: the record gives it as the value's source."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeyLines:
     """The line of every table and of every key that starts a line.
@@ -79,6 +83,17 @@ def show_key(path: KeyPath) -> str:
     """
     shown = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in path)
     return shown.removeprefix(".")
+
+
+def read_path(key: str) -> KeyPath:
+    """Return the path of a dotted key.
+
+    Examples
+    --------
+    >>> read_path("moves.0.distance")
+    ('moves', 0, 'distance')
+    """
+    return tuple(int(part) if part.isdigit() else part for part in key.split("."))
 
 
 def read_key(shown: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import time
@@ -20,6 +21,7 @@ from mtcommission.errors import InputError
 from mtcommission.machine import Manipulator, Modal, flexible_modes, frequency_hz
 from mtcommission.plant import build_plant
 from mtcommission.profile import parse_profile, read_profile
+from mtcommission.record.data import list_data
 from mtcommission.wizard.console import LineConsole, RichConsole, hint, introduce
 from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
 from mtcommission.wizard.document import update_document, write_document
@@ -252,6 +254,71 @@ def test_every_shipped_profile_survives_the_wizard(tmp_path: Path) -> None:
         assert copy.read_bytes() == path.read_bytes()
 
 
+def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
+    """Else the sheet credits what nobody knows to the data sheet that the user named."""
+    path = tmp_path / "p.toml"
+    _, said = talk(path, PAPER)
+    text, machine = path.read_text("utf-8"), read_profile(path)
+    sources = {
+        item["key"]: item["source"] for item in list_data(machine, build_plant(machine), text)
+    }
+    accepted = ("drive.static_load", "requirements.frequency_spread", "requirements.damping_spread")
+    for key in accepted:
+        assert sources[key] == "default accepted, not measured"
+        assert key in " ".join(said.partition("Default accepted, not measured:")[2].split())
+    assert sources["drive.force_lag"] == sources["plant.base_mass"] == machine.source
+    assert sources["requirements.tcp_deviation"] == "stated in the profile"
+    # Whoever types the default has stated it; whoever only goes past it has not.
+    answers = "\n" * 7 + "0 N\n" + "\n" * 80
+    talk(path, answers)
+    changed = path.read_text("utf-8")
+    wanted = 'static_load = "0 N"                # Weight or process force that the drive holds'
+    assert [line for line in changed.split("\n") if line not in text.split("\n")] == [wanted]
+
+
+def test_a_default_behind_a_derived_value_is_marked_there(tmp_path: Path) -> None:
+    """The damping of the free pair is derived from the one that nobody measured."""
+    from_answers(tmp_path / "pair.toml", PAIR_TOML)
+    text = (tmp_path / "pair.toml").read_text("utf-8")
+    assert "#   damping_ratio = 0.03 (default accepted, not measured)" in text
+    assert re.search(r'^damping_ratio = "0.06" +# default accepted, not measured$', text, re.M)
+    assert "frequency = " in text
+    assert not re.search(r"^frequency = .*accepted", text, re.M)
+
+
+def test_what_was_only_accepted_is_known_after_a_break(tmp_path: Path) -> None:
+    path = tmp_path / "p.toml"
+    lines = PAPER.splitlines(keepends=True)
+    with pytest.raises(InputError, match="answers kept"):
+        talk(path, "".join(lines[:20]))
+    talk(path, "".join(lines[20:]))
+    assert re.search(r'^static_load = "0 N" .*; default accepted, not measured$',
+                     path.read_text("utf-8"), re.M)  # fmt: skip
+
+
+def test_a_mark_comes_and_goes_without_touching_other_lines(tmp_path: Path) -> None:
+    """Windows line ends, a user's own words behind the mark, and modes in one line."""
+    path = tmp_path / "p.toml"
+    text = (PROFILES / "modal-two-modes.toml").read_text("utf-8")
+    text = re.sub(r"^force_lag = .*$", 'force_lag = "2 ms" # mine; default accepted, not measured; '
+                  "see #4", text, flags=re.M)  # fmt: skip
+    path.write_text(text, "utf-8", newline="\r\n")
+    before = path.read_bytes()
+    talk(path, "\n" * 80)
+    assert path.read_bytes() == before
+    talk(path, "\n" * 5 + "3 ms\n" + "\n" * 80)
+    after = path.read_bytes()
+    assert b'force_lag = "3 ms" # mine; see #4\r\n' in after
+    assert len(set(before.split(b"\r\n")) ^ set(after.split(b"\r\n"))) == 2
+    inline = re.sub(r"\[\[plant\.modes\]\][\s\S]*?(?=\n\[(?!\[plant))", "", text)
+    mode = '{ name = "a", frequency = "40 Hz", tcp_gain = "0.001 1/kg" }'
+    inline = inline.replace("[plant]\n", f"[plant]\nmodes = [{mode}]\n")
+    path.write_text(inline, "utf-8")
+    talk(path, "\n" * 80)
+    assert read_profile(path).mechanics.modes[0].damping_ratio == 0.03  # type: ignore[union-attr]
+    assert re.search(r"^modes = .*# default accepted, not measured$", path.read_text("utf-8"), re.M)
+
+
 def test_changed_values_keep_the_users_comments(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text((PROFILES / "milling-manipulator.toml").read_text("utf-8"), "utf-8")
@@ -274,7 +341,7 @@ def test_another_kind_of_mechanics_replaces_the_old_one() -> None:
     }
     del answers["damping_optimal.weights.x_b"], answers["damping_optimal.weights.phi"]
     del answers["damping_optimal.weights.v_b"], answers["damping_optimal.weights.v_phi"]
-    changed = update_document(text, to_profile(answers))
+    changed = update_document(text, to_profile(answers), ())
     machine = parse_profile(changed, where="changed.toml")
     assert isinstance(machine.mechanics, Modal)
     assert "# The reference machine: every mechanical number" in changed

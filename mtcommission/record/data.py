@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import isfinite, pi
 
 from mtcommission.machine import Machine, Manipulator, Modal, Motion, Move, VelocityStep
 from mtcommission.plant import Plant
-from mtcommission.profile_lines import KeyPath, find_comments, find_key_lines
+from mtcommission.profile_lines import ACCEPTED_DEFAULT, KeyPath, find_comments, find_key_lines
 from mtcommission.record.schema import Quantity
+
+DOUBTS = ("illustrative", ACCEPTED_DEFAULT)
+"""Words in a comment that give a value another source than the profile's."""
 
 
 def describe_move(move: Move) -> dict[str, float]:
@@ -62,14 +66,15 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
     machine, plant
         Nominal.
     profile_text
-        The profile; a comment behind a value may mark it as illustrative.
+        The profile; a comment behind a value may mark it as illustrative, or as a default that
+        was only accepted.
 
     Returns
     -------
     list of Quantity
         Data of plant and drive have the machine's source, moves and requirements the profile
-        itself, unless a comment behind the value says "illustrative"; what the profile does
-        not state is a default.
+        itself, unless a comment behind the value has one of the words ``DOUBTS``; what the
+        profile does not state is a default.
     """
     length, force, mass = (
         ("m", "N", "kg") if machine.motion is Motion.LINEAR else ("rad", "N m", "kg m^2")
@@ -121,13 +126,14 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
     units = dict(zip(plant.signals, plant.signal_units, strict=True))
     rows += [(f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks]
     given = {_spelt(machine, path) for path in find_key_lines(profile_text).lines}
-    illustrative = {
-        _spelt(machine, path)
+    doubted = {
+        _spelt(machine, path): words
         for path, comment in find_comments(profile_text).items()
-        if "illustrative" in comment.lower()
+        for words in DOUBTS
+        if words in comment.lower()
     }
     return [
-        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, given, illustrative))
+        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, given, doubted))
         for key, value, unit in rows
         if not isinstance(value, float) or isfinite(value)
     ]
@@ -144,10 +150,10 @@ def _spelt(machine: Machine, path: KeyPath) -> str:
             return ".".join(map(str, path))
 
 
-def _source(machine: Machine, key: str, given: set[str], illustrative: set[str]) -> str:
+def _source(machine: Machine, key: str, given: set[str], doubted: Mapping[str, str]) -> str:
     plain = key.partition(" (")[0]
-    if plain in illustrative:
-        return "illustrative"
+    if plain in doubted:
+        return doubted[plain]
     if plain not in given:
         return "default"
     return machine.source if key.startswith(("plant.", "drive.")) else "stated in the profile"

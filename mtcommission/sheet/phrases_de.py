@@ -58,6 +58,7 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("illustrative numbers", "Beispielwerte"),
     ("illustrative numbers; derivation in the profile", "Beispielwerte; Herleitung im Profil"),
     ("stated in the profile", "im Profil angegeben"),
+    ("default accepted, not measured", "Vorgabe übernommen, nicht gemessen"),
     ("a = F_max/m, no jerk limit", "a = F_max/m, ohne Ruckgrenze"),
     ("j = a f ({name}, {1} Hz)", "j = a f ({name}, {1} Hz)"),
     ("j = {formula}", "j = {formula}"),
@@ -420,12 +421,16 @@ PHRASES: tuple[tuple[str, str], ...] = (
     # warnings
     (
         "The profile states no spread of the frequencies; all requirements are kept only while "
-        "the eigenfrequencies are off by {-range}. State requirements.frequency_spread, at least "
-        "{1} %, and run again.",
+        "the eigenfrequencies are off by {-range}. Missed beyond: {-lost}. State "
+        "requirements.frequency_spread, at least {1} %, and run again.",
         "Das Profil gibt keine Streuung der Frequenzen an; alle Anforderungen sind nur erfüllt, "
-        "solange die Eigenfrequenzen um {range} abweichen. requirements.frequency_spread angeben, "
-        "mindestens {1} %, und neu rechnen.",
+        "solange die Eigenfrequenzen um {range} abweichen. Dahinter verletzt: {lost}. "
+        "requirements.frequency_spread angeben, mindestens {1} %, und neu rechnen.",
     ),
+    ("{-name} below", "{name} darunter"),
+    ("{-name} below and {-rest}", "{name} darunter und {rest}"),
+    ("{-name} above", "{name} darüber"),
+    ("{-name} above and {-rest}", "{name} darüber und {rest}"),
     ("{1} % to {2} %", "{1} % bis {2} %"),
     ("{1} % to at least {2} %", "{1} % bis mindestens {2} %"),
     ("at least {1} % to {2} %", "mindestens {1} % bis {2} %"),

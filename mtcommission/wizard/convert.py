@@ -18,8 +18,8 @@ from mtcommission.wizard.measures import (
     measures,
 )
 from mtcommission.wizard.mechanics import MOST_MODES
-from mtcommission.wizard.question import Answers, si_value
-from mtcommission.wizard.script import MOST_MOVES, POSITIONING, STEP
+from mtcommission.wizard.question import Answers, list_accepted, si_value
+from mtcommission.wizard.script import MOST_MOVES, POSITIONING, STEP, list_questions
 
 Data = dict[str, object]
 """Nested tables as TOML has them; all values are texts but the schema's number."""
@@ -112,6 +112,44 @@ def to_profile(answers: Answers) -> Data:
     ordered: Data = {"schema": 1}
     ordered |= {name: nested[name] for name in SECTIONS if name in nested}
     return ordered | {name: value for name, value in nested.items() if name not in ordered}
+
+
+DERIVED_FROM = {
+    "measured.base_damping_ratio": "plant.base_damping",
+    "measured.rotary_damping_ratio": "plant.rotary_damping",
+    "pair.damping_ratio": "plant.modes.0.damping_ratio",
+}
+"""Where a default of the wizard's own keys gets to in the profile."""
+
+
+def list_unmeasured(answers: Answers) -> tuple[str, ...]:
+    """Return the profile's keys whose values are defaults that were only accepted.
+
+    Parameters
+    ----------
+    answers
+        As far as known.
+
+    Returns
+    -------
+    tuple of str
+        In the order in which they were accepted.
+
+    Examples
+    --------
+    >>> list_unmeasured({"drive.force_lag": "2 ms", "wizard.accepted": "drive.force_lag"})
+    ('drive.force_lag',)
+    """
+    asked = {question.key for question in list_questions(answers)}
+    # The same key of [plant] may come from another description of the mechanics by now.
+    valid = [key for key in list_accepted(answers) if key in asked or not key.startswith("plant.")]
+    keys = [DERIVED_FROM.get(key, key) for key in valid if answers.get(key)]
+    written = flatten(to_profile(answers))
+    return tuple(
+        key
+        for key in dict.fromkeys(keys)
+        if any(one == key or one.startswith(f"{key}.") for one in written)
+    )
 
 
 def to_answers(data: Mapping[str, object]) -> dict[str, str]:

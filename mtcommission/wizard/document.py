@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import tomlkit
 
-from mtcommission.wizard.convert import Data, as_text
+from mtcommission.profile_lines import (
+    ACCEPTED_DEFAULT,
+    find_comments,
+    find_key_lines,
+    read_path,
+)
+from mtcommission.wizard.convert import Data, as_text, list_unmeasured
 from mtcommission.wizard.measures import (
     MODAL,
     PAIR_BY_FREQUENCY,
@@ -17,7 +23,7 @@ from mtcommission.wizard.measures import (
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
 )
-from mtcommission.wizard.question import Answers
+from mtcommission.wizard.question import Answers, list_accepted
 from mtcommission.wizard.script import list_questions
 
 TABLES = ("requirements.peaks", "requirements.modes")
@@ -53,9 +59,12 @@ def write_document(data: Data, answers: Answers) -> str:
     comments = {
         question.key: question.text.partition(" (empty:")[0] for question in list_questions(answers)
     }
+    for key in list_unmeasured(answers):
+        comments[key] = "; ".join(filter(None, (comments.get(key, ""), ACCEPTED_DEFAULT)))
     lines = [
         "# Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.",
         "# Check it with: mtcommission check FILE; compute with: mtcommission run FILE.",
+        f'# Delete "{ACCEPTED_DEFAULT}" behind a value as soon as somebody knows it.',
         "",
         f"schema = {data['schema']}",
     ]
@@ -70,7 +79,7 @@ def write_document(data: Data, answers: Answers) -> str:
     return "\n".join(lines) + "\n"
 
 
-def update_document(text: str, data: Data) -> str:
+def update_document(text: str, data: Data, unmeasured: Collection[str]) -> str:
     """Return a profile with other values; comments, order and unchanged lines stay.
 
     Parameters
@@ -79,6 +88,8 @@ def update_document(text: str, data: Data) -> str:
         Valid TOML.
     data
         What it shall say.
+    unmeasured
+        Keys of values that are defaults which were only accepted.
 
     Returns
     -------
@@ -88,7 +99,30 @@ def update_document(text: str, data: Data) -> str:
     if _kind_of(document) != _kind_of(data) and "plant" in document:
         document["plant"] = data["plant"]  # another kind shares no key with it
     _merge(document, data)
-    return tomlkit.dumps(document)
+    return _mark(tomlkit.dumps(document), unmeasured)
+
+
+def find_unmeasured(text: str) -> list[str]:
+    """Return the keys of a profile whose comment says that nobody stated the value."""
+    comments = find_comments(text).items()
+    return [".".join(map(str, path)) for path, said in comments if ACCEPTED_DEFAULT in said]
+
+
+def _mark(text: str, unmeasured: Collection[str]) -> str:
+    """Say behind each value whether it is a default that was only accepted."""
+    places, comments = find_key_lines(text), find_comments(text)
+    commented = {places.line_of(path) - 1 for path in comments}
+    present = {places.line_of(read_path(key)) - 1 for key in find_unmeasured(text)}
+    wanted = {places.line_of(read_path(key)) - 1 for key in unmeasured}
+    lines = text.split("\n")
+    for n in present - wanted:
+        line = re.sub(rf";?[ \t]*{ACCEPTED_DEFAULT}", "", lines[n])
+        lines[n] = re.sub(r"[ \t#]+(\r?)$", r"\1", line)
+    for n in wanted - present:
+        line = lines[n].rstrip()
+        mark = "; " if n in commented else "  # "
+        lines[n] = f"{line}{mark}{ACCEPTED_DEFAULT}{lines[n][len(line) :]}"
+    return "\n".join(lines)
 
 
 def _kind_of(data: Mapping[str, object]) -> str:
@@ -136,7 +170,8 @@ def _origins(answers: Answers) -> Iterator[tuple[str, str]]:
     """What was typed where the profile holds derived values."""
     for key, text in answers.items():
         if key.startswith(("measured.", "pair.")) and text:
-            yield key.partition(".")[2], text
+            mark = f" ({ACCEPTED_DEFAULT})" if key in list_accepted(answers) else ""
+            yield key.partition(".")[2], f"{text}{mark}"
 
 
 def _table(name: str, table: object, comments: Mapping[str, str]) -> list[str]:

@@ -13,6 +13,10 @@ Answers = Mapping[str, str]
 
 LONGEST_TEXT = 400
 
+ACCEPTED = "wizard.accepted"
+"""Key of the answers under which those stand, with blanks between, that are only defaults: the
+profile must not credit them to anybody's data sheet."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
@@ -147,6 +151,29 @@ def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
             "Check number and unit, type < to change it."
         )
     return Reply(text=plain, warning=warning)
+
+
+def list_accepted(answers: Answers) -> tuple[str, ...]:
+    """Return the keys of answers that are defaults which were only accepted.
+
+    Examples
+    --------
+    >>> list_accepted(note_accepted({"drive.force_lag": "2 ms"}, "drive.force_lag"))
+    ('drive.force_lag',)
+    """
+    return tuple(answers.get(ACCEPTED, "").split())
+
+
+def note_accepted(answers: Answers, *keys: str) -> dict[str, str]:
+    """Return the answers with some more that are only defaults."""
+    return {**answers, ACCEPTED: " ".join(dict.fromkeys((*list_accepted(answers), *keys)))}
+
+
+def note_stated(answers: Answers, key: str) -> dict[str, str]:
+    """Return the answers with one that somebody stated."""
+    left = tuple(one for one in list_accepted(answers) if one != key)
+    rest = {name: text for name, text in answers.items() if name != ACCEPTED}
+    return note_accepted(rest, *left) if left else rest
 
 
 def show_common(question: Question) -> str:

@@ -12,7 +12,7 @@ from mtcommission.machine import Machine
 from mtcommission.plausibility import check_plausibility
 from mtcommission.profile import parse_profile
 from mtcommission.profile_faults import may_be_left_out
-from mtcommission.profile_lines import KeyPath, read_key, show_key
+from mtcommission.profile_lines import ACCEPTED_DEFAULT, read_key, read_path, show_key
 from mtcommission.wizard.console import (
     BACK,
     COMMANDS,
@@ -22,12 +22,18 @@ from mtcommission.wizard.console import (
     explain,
     introduce,
 )
-from mtcommission.wizard.convert import to_profile
+from mtcommission.wizard.convert import list_unmeasured, to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.gather import KEPT, Source, gather, keep
 from mtcommission.wizard.insight import find_insights
 from mtcommission.wizard.measures import NO, YES
-from mtcommission.wizard.question import Answers, Question, read_reply
+from mtcommission.wizard.question import (
+    Answers,
+    Question,
+    note_accepted,
+    note_stated,
+    read_reply,
+)
 from mtcommission.wizard.script import list_questions
 
 
@@ -132,21 +138,24 @@ def _fill(source: Source) -> dict[str, str]:
     place = 0
     while place < len(questions := list_questions(filled)):
         question = questions[place]
+        typed, text = filled.get(question.key, ""), ""
         try:
-            typed = filled.get(question.key, "")
-            filled[question.key] = read_reply(question, typed).text
+            text = read_reply(question, typed).text
         except ValueError as error:
-            fault = Fault(where="", key=show_key(_path(question.key)), message=str(error))
+            fault = Fault(where="", key=_shown(question.key), message=str(error))
             faults.append(source.locate(fault))
-            filled[question.key] = ""
+        filled[question.key] = text
+        if text and not typed and question.dimension is not None:
+            filled = note_accepted(filled, question.key)
         place += 1
     if faults:
         raise InputError(faults)
     return filled
 
 
-def _path(key: str) -> KeyPath:
-    return tuple(int(part) if part.isdigit() else part for part in key.split("."))
+def _shown(key: str) -> str:
+    """A dotted key as messages spell it."""
+    return show_key(read_path(key))
 
 
 def _interview(
@@ -212,7 +221,7 @@ def _take(
     """Read a reply, keep it, and say what follows from it."""
     before = known.get(question.key, "")
     if typed == "-" and question.is_optional:
-        return {**known, question.key: ""}, True
+        return note_stated({**known, question.key: ""}, question.key), True
     try:
         reply = read_reply(question, typed or before)
     except ValueError as error:
@@ -221,6 +230,10 @@ def _take(
     # A value that was only confirmed stays as it is written in the file.
     text = before if before and typed in ("", before) else reply.text
     found = {**known, question.key: text}
+    if typed:
+        found = note_stated(found, question.key)
+    elif not before and text and question.dimension is not None:
+        found = note_accepted(found, question.key)
     if reply.warning:
         console.tell(f"  Warning: {reply.warning}")
     said = set(find_insights(known))
@@ -264,13 +277,16 @@ def _compose(source: Source, answers: Answers) -> str:
         or text != defaults.get(key)
         or not may_be_left_out(key.split("."))
     }
-    return update_document(source.text, to_profile(kept))
+    return update_document(source.text, to_profile(kept), list_unmeasured(kept))
 
 
 def _summarise(console: Console, answers: Answers, machine: Machine, output: Path) -> None:
     console.tell(f"Written: {output}: {machine.name}, axis {machine.axis}")
     for insight in find_insights(answers):
         console.tell(f"  {'Warning: ' if insight.is_warning else '= '}{insight.text}")
+    unmeasured = list_unmeasured(answers)
+    if unmeasured:
+        console.tell(f"  {ACCEPTED_DEFAULT.capitalize()}: {', '.join(map(_shown, unmeasured))}")
     for remark in check_plausibility(machine):
         console.tell(f"  Warning: {remark.key}: {remark.message}")
 
