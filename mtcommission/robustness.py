@@ -102,6 +102,9 @@ class FrequencyError:
     kept_from, kept_to
         Ends of the range about 1 within which every requirement is kept at all points [-];
         both nan if not even at 1.
+    lost_below, lost_above
+        Requirements missed at the next point beyond either end; empty where that was not looked
+        at, or where there is no range.
     """
 
     factor: Array
@@ -109,6 +112,8 @@ class FrequencyError:
     residual_deviation: Array
     kept_from: float
     kept_to: float
+    lost_below: tuple[str, ...]
+    lost_above: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -287,12 +292,16 @@ def find_frequency_error(
     shape = (len(factor), len(places))
     kept = np.all(found.meets(machine).reshape(shape), axis=1)
     low, high = _stretch_about(kept, middle)
+    below = slice((low - 1) * len(places), low * len(places)) if low > 0 else slice(0)
+    above = slice((high + 1) * len(places), (high + 2) * len(places))
     return FrequencyError(
         factor=factor,
         settling_time=found.settling_time.reshape(shape).max(axis=1),
         residual_deviation=found.residual_deviation.reshape(shape).max(axis=1),
         kept_from=float(factor[low]) if kept[middle] else np.nan,
         kept_to=float(factor[high]) if kept[middle] else np.nan,
+        lost_below=found.missed(machine, below) if kept[middle] else (),
+        lost_above=found.missed(machine, above) if kept[middle] else (),
     )
 
 

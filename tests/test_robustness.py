@@ -269,8 +269,12 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
     """Otherwise "all requirements met" would be read as true of a machine half a per cent off."""
     machine = paper_machine()
     (warning,) = warn_of_narrow_range(machine, _kept(*kept))
-    assert f"off by {english}. State requirements.frequency_spread" in warning
-    assert german in find_labels("de").say(warning)
+    lost = "residual deviation below and set force above and peak v_phi above"
+    assert f"off by {english}. Missed beyond: {lost}. State requirements" in warning
+    translated = find_labels("de").say(warning)
+    assert german in translated
+    lost = "Restabweichung darunter und Sollkraft darüber und Höchstwert v_φ darüber"
+    assert f"Dahinter verletzt: {lost}." in translated
     needs = replace(machine.requirements, frequency_spread=0.03)
     assert warn_of_narrow_range(replace(machine, requirements=needs), _kept(*kept)) == ()
 
@@ -289,6 +293,8 @@ def _kept(low: float, high: float) -> FrequencyError:
         residual_deviation=np.full(81, 1e-6),
         kept_from=float(factor[np.argmin(abs(factor - low))]) if low == low else low,
         kept_to=float(factor[np.argmin(abs(factor - high))]) if high == high else high,
+        lost_below=("residual deviation",),
+        lost_above=("set force", "peak v_phi"),
     )
 
 
@@ -304,7 +310,10 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
     limits = MotionLimits(acceleration=acceleration, jerk=jerk)
     settings = RobustnessSettings(frequency_points=10)
     error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
-    assert (warn_of_narrow_range(machine, error) != ()) is is_narrow
+    warnings = warn_of_narrow_range(machine, error)
+    assert ["Missed beyond: set force below. " in warning for warning in warnings] == (
+        [True] if is_narrow else []
+    )
     (move,) = machine.moves
     for factor, is_kept in ((1.0, True), (0.98, not is_narrow)):
         varied = build_plant(vary(machine, Corner(frequency_factor=factor)))

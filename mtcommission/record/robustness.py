@@ -99,10 +99,15 @@ def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[str, 
         f"{'at least ' if end == last else ''}{f'{100.0 * end:+.3g}' if end else '0'} %"
         for end, last in tried
     )
+    lost = " and ".join(
+        f"{name} {side}"
+        for side, names in (("below", error.lost_below), ("above", error.lost_above))
+        for name in names
+    )
     return (
         "The profile states no spread of the frequencies; all requirements are kept only while "
-        f"the eigenfrequencies are off by {ends}. State requirements.frequency_spread, at least "
-        f"{100.0 * KNOWN_FREQUENCY:g} %, and run again.",
+        f"the eigenfrequencies are off by {ends}. Missed beyond: {lost}. State "
+        f"requirements.frequency_spread, at least {100.0 * KNOWN_FREQUENCY:g} %, and run again.",
     )
 
 
