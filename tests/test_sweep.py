@@ -14,6 +14,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -22,6 +23,7 @@ from typing import Any
 import numpy as np
 import polars as pl
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from mtcommission.cli import main
 from mtcommission.errors import ComputationError, InputError, Outcome
@@ -29,6 +31,7 @@ from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import build_plant
 from mtcommission.profile import parse_profile
+from mtcommission.sweep import forces
 from mtcommission.sweep.cases import (
     Axis,
     Plan,
@@ -39,11 +42,11 @@ from mtcommission.sweep.cases import (
     read_range,
     vary_profile,
 )
-from mtcommission.sweep.engine import Engine, run_sweep
+from mtcommission.sweep.engine import Engine, Lane, open_lane, run_sweep
 from mtcommission.sweep.lock import hold_folder
 from mtcommission.sweep.page import print_sweep
 from mtcommission.sweep.request import read_plan
-from mtcommission.sweep.rows import columns, key_unit
+from mtcommission.sweep.rows import Answer, Work, columns, key_unit, solve_case
 from mtcommission.sweep.store import NAME
 from mtcommission.sweep.table import read_table, summarise_table, write_table
 from tests.machines import paper_machine
@@ -309,6 +312,41 @@ def test_lost_worker_and_any_number_of_workers(tmp_path: Path, undisturbed: pl.D
     store = run_sweep(plan, folder=tmp_path, engine=Engine(workers=2), progress=kill_one)
     assert killed
     assert read_table(plan, store).frame.equals(undisturbed)
+
+
+def test_rows_do_not_depend_on_the_threads_of_the_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From Python, and on a cluster, the order of summation would change with the machine."""
+    seen = []
+
+    def count(work: Work, number: int) -> Answer:
+        seen.extend(library["num_threads"] for library in threadpool_info())
+        return solve_case(work, number)
+
+    monkeypatch.setattr(forces, "solve_case", count)
+    with threadpool_limits(limits=2, user_api="blas"):
+        assert {library["num_threads"] for library in threadpool_info()} == {2}
+        run_sweep(plan_of(read_axis("drive.max_force=2kN", where="")), folder=tmp_path)
+        assert {library["num_threads"] for library in threadpool_info()} == {2}
+    assert set(seen) == {1}
+
+
+def test_no_more_workers_than_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each worker takes a second to start; two cases of a curve would wait for eight of them."""
+    opened = []
+
+    def here(engine: Engine) -> AbstractContextManager[Lane]:
+        opened.append(engine.workers)
+        return open_lane(Engine(workers=1))
+
+    monkeypatch.setattr("mtcommission.sweep.engine.open_lane", here)
+    run_sweep(
+        plan_of(read_axis("drive.max_force=2kN,3kN", where="")),
+        folder=tmp_path,
+        engine=Engine(workers=8),
+    )
+    assert opened == [1]
 
 
 def test_store_of_another_sweep_is_refused(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
+from functools import lru_cache
 from hashlib import sha256
 from math import nan, pi, prod
 from typing import Any
@@ -289,6 +290,7 @@ def read_cases(text: str, *, where: str) -> Axis:
     return Axis(keys=keys, rows=tuple(tuple(row) for row in rows if row))
 
 
+@lru_cache(maxsize=4096)  # each case asks several times, all cases share most of their texts
 def si_number(text: str) -> float:
     """Return the SI value of a number with or without a unit; nan for a word.
 

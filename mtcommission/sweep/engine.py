@@ -53,7 +53,7 @@ class Engine:
     Parameters
     ----------
     workers
-        Processes on this machine; 1 stays in this one.
+        Processes on this machine, no more than there are pieces of work; 1 stays in this one.
     scheduler
         Address of a Dask scheduler; "" for none.
     """
@@ -125,7 +125,8 @@ def _complete(
     while left:
         before = len(left)
         try:
-            with open_lane(engine) as lane:
+            workers = min(engine.workers, len(left))
+            with open_lane(replace(engine, workers=workers)) as lane:
                 _work(plan, store, lane, left, tally)
         except (BrokenExecutor, CancelledError) as error:
             losses = losses + 1 if len(left) == before else 1

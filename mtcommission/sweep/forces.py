@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isfinite
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from mtcommission.errors import MtcommissionError
 from mtcommission.machine import Machine, Positioning
@@ -31,6 +32,9 @@ FEWEST = 3
 def solve_piece(work: Work) -> tuple[Answer, ...]:
     """Return the rows of a piece, in the order of its cases.
 
+    In one thread, whatever the process allows: matrices have some ten rows, so that threads cost
+    more than they give, and the order of summation would change with their number.
+
     Parameters
     ----------
     work
@@ -40,6 +44,11 @@ def solve_piece(work: Work) -> tuple[Answer, ...]:
     -------
     tuple of Answer
     """
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _solve(work)
+
+
+def _solve(work: Work) -> tuple[Answer, ...]:
     answers: dict[int, Answer] = {}
     keys = [key for settings in work.settings[:1] for key, _ in settings]
     bounded = bool(work.base.bounds) or any(key.startswith(PEAKS_KEY) for key in keys)

@@ -288,10 +288,13 @@ def _compute(work: Work, number: int, text: str, machine: Machine) -> Answer:
         bounds = (*base.bounds, *_varied_bounds(machine, work.settings[number]))
         optimum = _time_optimum(machine, plant, base.move, bounds)
         return done(work, number, optimum_cells(plant, optimum))
-    from mtcommission.sweep.chain import choose_case, run_case  # the loop's libraries take seconds
-
+    # Each of both takes seconds to load.
     if base.quantity is Quantity.LIMITS:
+        from mtcommission.sweep.chain import choose_case
+
         return done(work, number, choose_case(machine))
+    from mtcommission.sweep.whole_run import run_case
+
     name = f"case-{work.first + number:06d}.json"
     found = run_case(machine, text=text, name=base.where, created=base.created)
     return done(work, number, (*found.cells, f"records/{name}"), record=found.record)
