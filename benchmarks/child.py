@@ -25,7 +25,7 @@ REPEATS = 15
 LATE = "no answer within"
 """How the message of a tool begins that was stopped at its limit of time."""
 WARM_SHARE = 0.2
-"""Part of the allowed time in which warm solves are begun; the first answer may take all of it."""
+"""Part of the allowed time in which further warm solves are begun; the first may take all of it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,8 +136,12 @@ def measure(tool: str, problem: str, *, cells: int, seconds: float, file: Path) 
         violation=worth.violation,
     )
     write(row, file)
-    until = min(processor_time() + WARM_SHARE * seconds, begin + seconds)
-    while len(row.warm) < REPEATS and processor_time() + 1.2 * row.solve < until:
+    end = begin + seconds
+    until = min(processor_time() + WARM_SHARE * seconds, end)
+    # One warm solve is worth the rest of the time: some tools need long to set up, not to solve.
+    while len(row.warm) < REPEATS and processor_time() + 1.2 * row.solve < (
+        until if row.warm else end
+    ):
         start = processor_time()
         solve()
         row = replace(row, warm=(*row.warm, processor_time() - start))
