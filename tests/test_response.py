@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.response import LoopResponse, cycles_to_decay, simulate, steady_state
+from mtcommission.loop.decay import find_decay
+from mtcommission.loop.response import LoopResponse, simulate, steady_state
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Drive, Move, Positioning, VelocityStep
 from mtcommission.setpoint import plan_setpoint
@@ -75,8 +76,26 @@ def test_nothing_happens_after_the_simulated_time(tuned: TunedLoop) -> None:
     machine, profile = paper_machine(), profile_of(STEP, 1.2, 1.2 / 0.003)
     n = len(ours.t)
     longer = run(machine, tuned.controller, profile, nominal=machine, samples=n + 4000)
-    # Each mode has decayed to 1 % of the band; several may add up.
-    assert np.max(np.abs(longer.tool - longer.reference)[n:]) < 0.04 * BAND
+    # Each mode has decayed to 1 % of the band and of the residual; several may add up.
+    least = min(BAND, ours.residual_deviation)
+    assert np.max(np.abs(longer.tool - longer.reference)[n:]) < 0.04 * least
+
+
+@pytest.mark.parametrize(("a", "t_j"), [(0.05, 0.05), (0.2, 0.2)])
+def test_a_residual_far_within_the_band_is_followed_to_its_peak(
+    tuned: TunedLoop, a: float, t_j: float
+) -> None:
+    """Moves compared by their residual would be ranked by when each simulation ended."""
+    drive = paper_machine().drive
+    ours = respond(tuned, STEP, a, t_j, drive)
+    theirs = respond_again(tuned, STEP, a, t_j, len(ours.t) + 4000, drive.max_force)
+    assert ours.residual_deviation < 0.01 * BAND
+    assert ours.residual_deviation == pytest.approx(theirs.residual, rel=1e-4)
+    # The verdict still rests on the band alone: a wider one settles no later.
+    setpoint = plan_setpoint(STEP, MotionLimits(acceleration=a, jerk=a / t_j))
+    wide = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=drive, band=1e3 * BAND)
+    assert wide.settling_time == ours.settling_time == ours.t_end
+    assert wide.residual_deviation == pytest.approx(ours.residual_deviation, rel=1e-4)
 
 
 def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:
@@ -103,7 +122,7 @@ def test_decay_is_waited_for_until_the_slowest_mode_is_gone(tuned: TunedLoop) ->
     lifted = tuned.lifted[0]
     start = np.zeros(len(lifted.A))
     start[0] = 1e-4
-    cycles = cycles_to_decay(lifted, start, amplitude=1e-8)
+    cycles = find_decay(lifted, start).cycles(1e-8, longest=10.0)
     tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
     later = np.linalg.matrix_power(lifted.A, cycles) @ start
     # Amplitudes of the modes may add up, hence the factor.
