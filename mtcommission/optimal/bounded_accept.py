@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_dual import Measure, lower_bound
 from mtcommission.optimal.bounded_edit import touch_contacts
-from mtcommission.optimal.bounded_exchange import BROKEN, EXCHANGES, LEAST_SLOPE, broken, later
+from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, broken, later
 from mtcommission.optimal.bounded_mesh import Contact, MeshOptimum, settled, solve_mesh
 from mtcommission.optimal.bounded_motion import Motion, follow, mesh_arcs, sequence_arcs
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal
@@ -25,6 +25,12 @@ EXCESS = 1e-9
 """Largest relative excess over a bound or the force limit."""
 TERMINAL = 1e-9
 """Largest terminal error of a state against its peak."""
+FINE = 1e-8
+"""Relative excess over a bound between the points that calls for another point at the end."""
+POINT_STEPS, FINISHING_STEPS = 4, 8
+"""Programs that put in points, and programs at most, until a control on a mesh is finished."""
+LATENESS = 1e-8
+"""Largest reach beyond 1 of a finished control."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -97,18 +103,19 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
     Found or None
     """
     layout, found, slope = kept.layout, kept, kept.slope
-    for attempt in range(EXCHANGES + 2):
+    for attempt in range(FINISHING_STEPS):
         motion = _followed(problem, found)
         # A reach short of 1 has raised all levels by its inverse: that is lateness, not excess.
         excess = max(_levels(problem, motion)[:-1]) * found.reach - 1.0
         late = 1.0 - found.reach
-        if excess < EXCESS and -1e-8 < late <= 0.0:
+        if excess < EXCESS and -LATENESS < late <= 0.0:
             touches = tuple(at for at in found.contacts if at.weight > 0.0)
             return _proved(problem, motion, relaxed.measure, touches, exact=False)
         found = replace(found, slope=slope)
         t_f = later(layout, found) + 2e-10 / max(slope, LEAST_SLOPE / layout.t_f)
-        worse = broken(problem, found, tolerance=BROKEN)
-        margin = layout.margin + (1.1 * excess if excess > 0.0 and (attempt or not worse) else 0.0)
+        # Another point costs less time than a margin kept everywhere; the last bit is the margin's.
+        worse = broken(problem, found, tolerance=FINE) if attempt < POINT_STEPS else []
+        margin = layout.margin + (1.1 * excess if excess > 0.0 and not worse else 0.0)
         contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
         layout = replace(layout, t_f=t_f, contacts=contacts, margin=margin)
         following = solve_mesh(problem, layout, relaxed=False)
@@ -157,6 +164,8 @@ def _proved(
     if max(_levels(problem, motion)) > 1.0 + EXCESS or float(share.max()) > TERMINAL:
         return None
     t_f = motion.arcs[-1].t_end
+    # In remaining time a dual point knows no horizon: it may prove more than the time it is from.
+    measure = replace(measure, t_f=t_f)
     found = Found(
         motion=motion,
         measure=measure,

@@ -40,6 +40,11 @@ ROUNDING = 1e-13
 """Allowance for rounding, relative to the sum of the magnitudes of all terms: some hundred
 operations of 1.1e-16 each."""
 
+FIRST_CUT = 1e-12
+"""Smallest gap that is tried, as a share of t_f: about the rounding of the integrals."""
+CUT_TOLERANCE = 0.05
+"""Relative width to which the smallest provable gap is halved."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Atom:
@@ -362,10 +367,19 @@ def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
     claim = float(measure.terminal @ problem.target)
     claim -= ROUNDING * float(np.abs(measure.terminal) @ np.abs(problem.target))
     claim -= dual_value(problem, tuple(rest), measure.atoms).value if rest else 0.0
-    cut, step = 0.0, 1e-12 * measure.t_f
-    while first.limit < 0 and cut < first.length:
+
+    def proves(cut: float) -> bool:
         left = replace(first, start=first.start - cut)
-        if dual_value(problem, (left,), ()).value < claim:
-            return measure.t_f - cut
-        cut, step = cut + step, 2.0 * step
-    return 0.0
+        return dual_value(problem, (left,), ()).value < claim
+
+    low, high = 0.0, FIRST_CUT * measure.t_f
+    while first.limit < 0 and high < first.length:
+        if proves(high):
+            break
+        low, high = high, 2.0 * high
+    else:
+        return 0.0
+    while high - low > CUT_TOLERANCE * high:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if proves(middle) else (middle, high)
+    return measure.t_f - high

@@ -24,6 +24,12 @@ GROWTH = 1.7
 CORE_MARGINS = (3.0, 15.0)
 """Distance of a core from the ends of its arc, in cells of the round before: for orders 1
 and 2, and for higher orders, where touch points that crowd towards an arc look like its end."""
+JUNCTION_CELLS = (8, 30)
+"""Even cells between a core and an end of its arc, for orders 1 and 2 and for higher orders,
+where an order above 2 is among the bounds and the mesh itself is the result. Touch points follow
+each other in a fixed ratio there, so some thirty cells show all that matter (measured)."""
+BEYOND_JUNCTION = 0.5
+"""How far the even cells go on beyond the end of the arc, as a share of the same distance."""
 MARGIN = 1e-9
 """Relative distance from the bounds kept on a mesh."""
 THINNING = 0.4
@@ -123,6 +129,8 @@ def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
     for arc in arcs:
         if not any(core.start < arc.start and core.end > arc.end for core in cores):
             clouds.append(_spread(arc, local_cell(sight.mesh, arc.start) / SHRINK))
+    junctions = _junctions(problem, arcs, cores)
+    clouds += [np.column_stack([zone, np.gradient(zone)]) for _, zone in junctions]
     mesh = _thinned(np.vstack(clouds), sight.t_f)
     for core in cores:
         near = 0.3 * local_cell(sight.mesh, core.start) / SHRINK
@@ -131,9 +139,25 @@ def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
         t_f=sight.t_f,
         mesh=mesh,
         cores=cores,
-        contacts=_contacts(problem, sight, mesh, cores),
+        contacts=_contacts(problem, sight, mesh, cores, junctions),
         margin=MARGIN,
     )
+
+
+def _junctions(
+    problem: BoundedProblem, arcs: tuple[Core, ...], cores: tuple[Core, ...]
+) -> list[tuple[Core, Array]]:
+    """Return even ascending points about the ends of each arc with a core, and that core."""
+    zones: list[tuple[Core, Array]] = []
+    if max(limit.order for limit in problem.limits) <= 2:
+        return zones
+    for core in cores:
+        arc = next(arc for arc in arcs if arc.start > core.start and arc.end < core.end)
+        cells = JUNCTION_CELLS[problem.limits[core.limit].order > 2]
+        for inside, end in ((core.start, arc.start), (core.end, arc.end)):
+            steps = np.arange(int((1.0 + BEYOND_JUNCTION) * cells) + 1) / cells
+            zones.append((core, np.sort(inside + (end - inside) * steps)))
+    return zones
 
 
 def _cores(problem: BoundedProblem, sight: Sight) -> tuple[Core, ...]:
@@ -183,7 +207,11 @@ def _thinned(cloud: Array, t_f: float) -> Array:
 
 
 def _contacts(
-    problem: BoundedProblem, sight: Sight, mesh: Array, cores: tuple[Core, ...]
+    problem: BoundedProblem,
+    sight: Sight,
+    mesh: Array,
+    cores: tuple[Core, ...],
+    junctions: list[tuple[Core, Array]],
 ) -> tuple[Contact, ...]:
     """Return the mesh points where a bound may act: near arcs and touch points, ends of cores."""
     contacts: list[Contact] = []
@@ -191,6 +219,8 @@ def _contacts(
         low = arc.end - 6.0 * local_cell(sight.mesh, arc.end)
         high = arc.start + 6.0 * local_cell(sight.mesh, arc.start)
         contacts += _points(mesh, low, high, limit=arc.limit, side=arc.side)
+    for core, zone in junctions:
+        contacts += _points(mesh, zone[0], zone[-1], limit=core.limit, side=core.side)
     for touch in sight.reading.touches:
         near = 4.0 * local_cell(sight.mesh, touch.remaining)
         low, high = touch.remaining - near, touch.remaining + near

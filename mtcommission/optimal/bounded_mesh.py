@@ -220,17 +220,25 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         for at in contacts
         if at.weight > 0.0
     )
-    first = segments[0]
-    marginal = result.lower.marginals[0] + result.upper.marginals[0]
     return MeshOptimum(
         layout=layout,
         segments=segments,
         unknowns=result.x[:-1],
         reach=float(result.x[-1]),
-        slope=abs(float(marginal)) / (first.start - first.end),
+        slope=_slope(segments, result.lower.marginals + result.upper.marginals),
         measure=Measure(t_f=layout.t_f, terminal=terminal, atoms=atoms, cores=layout.cores),
         contacts=contacts,
     )
+
+
+def _slope(segments: tuple[Segment, ...], marginals: Array) -> float:
+    """Return dα/dt_f = F |σ(t_f)|, extrapolated from the means of F |σ| over the first cells."""
+    first, second = segments[:2]
+    lengths = np.array([first.start - first.end, second.start - second.end])
+    if first.column < 0 or second.column < 0:
+        return float(abs(marginals[0]) / lengths[0])
+    here, beside = np.abs(marginals[:2]) / lengths
+    return float(max(here + (here - beside) * lengths[0] / lengths.sum(), 0.5 * here))
 
 
 def _segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tuple[Segment, ...]:

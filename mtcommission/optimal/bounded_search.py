@@ -21,20 +21,17 @@ from mtcommission.optimal.bounded_dual import (
     stretches,
 )
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_touches
-from mtcommission.optimal.bounded_exchange import exchange, later
+from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
 from mtcommission.optimal.bounded_layout import SHRINK, Sight, lay_out, off_arcs
 from mtcommission.optimal.bounded_mesh import Contact, Layout, MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts, read_sequence
-from mtcommission.optimal.bounded_relaxation import enclosed_gap, prove_by_contacts
 
 Array = NDArray[np.float64]
 
 ROUNDS = 5
 """Meshes tried; each is five times as fine at the features as the one before."""
-SETTLED = 3e-7
-"""Relative change of t_f between two rounds at which its proof is worth the effort."""
 ROOMS = (1.0, 2.0, 4.0, 8.0)
 """Factors tried on the distance between a core and the ends of its arc."""
 MOST_FILLED = 2000
@@ -74,8 +71,7 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         With a gap of at most ``GAP``, or ``LOOSE_GAP`` where only the mesh could be solved.
     """
     seen: list[_Enclosure] = []
-    last = 0.0
-    for number in range(ROUNDS):
+    for _ in range(ROUNDS):
         kept = _kept(problem, sight)
         if kept is None:
             break
@@ -86,16 +82,21 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         exact = solve_exactly(problem, guess)
         if exact is not None:
             return exact
-        settled = abs(sight.t_f - last) < SETTLED * sight.t_f or number == ROUNDS - 1
-        if settled and _has_high_order(problem, guess):
-            relaxed = prove_by_contacts(problem, kept, goal=ENOUGH * GAP)
-        last, gap = sight.t_f, enclosed_gap(problem, kept, relaxed)
+        gap = _enclosed_gap(problem, kept, relaxed)
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
         if gap < ENOUGH * GAP and _has_high_order(problem, guess):
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
     return _best_on_mesh(problem, seen)
+
+
+def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> float:
+    """Return the relative distance of the times that the two forms of a program give."""
+    measure = relaxed.measure
+    value = dual_value(problem, stretches(problem, measure), measure.atoms).value
+    reach = value / float(measure.terminal @ problem.target)
+    return (reach - kept.reach) / max(kept.slope * kept.layout.t_f, LEAST_SLOPE)
 
 
 def _best_on_mesh(problem: BoundedProblem, seen: list[_Enclosure]) -> Found | None:
