@@ -21,19 +21,16 @@ from pathlib import Path
 import numpy as np
 
 from mtcommission.choose import choose_limits
-from mtcommission.loop.superposition import (
-    build_tables,
-    find_extremes,
-    moving_average_steps,
-    settle,
-)
+from mtcommission.loop.extremes import find_extremes
+from mtcommission.loop.settling import settle
+from mtcommission.loop.tables import build_tables
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Machine, Move, moving_mass
 from mtcommission.optima import condense_optima, find_optima
 from mtcommission.plant import Plant, build_plant
 from mtcommission.population import random_machine
 from mtcommission.profile import read_profile
-from mtcommission.setpoint import JerkSteps, jerk_steps
+from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps
 from mtcommission.trials import judge
 
 PROFILES = Path(__file__).parent.parent / "profiles"

@@ -16,15 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.superposition import (
-    ResponseTables,
-    build_tables,
-    moving_average_steps,
-    settle,
-)
+from mtcommission.loop.settling import settle
+from mtcommission.loop.tables import ResponseTables, build_tables
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine, Move, VelocityStep
-from mtcommission.setpoint import JerkSteps, jerk_steps
+from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps
 
 Array = NDArray[np.float64]
 

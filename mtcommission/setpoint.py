@@ -259,6 +259,27 @@ def jerk_steps(move: Move, *, acceleration: Array, jerk: Array) -> JerkSteps:
     return JerkSteps(times=np.hstack([rise, fall]), steps=jerk[:, None] * signs)
 
 
+def moving_average_steps(steps: JerkSteps, *, time: float) -> JerkSteps:
+    """Return the snap steps of the same setpoints behind a moving average.
+
+    Parameters
+    ----------
+    steps
+        Jerk steps.
+    time
+        Length of the average [s], > 0.
+
+    Returns
+    -------
+    JerkSteps
+        ``steps`` now in m/s⁴; the last instant is the end of the filtered setpoint.
+    """
+    return JerkSteps(
+        times=np.hstack([steps.times, steps.times + time]),
+        steps=np.hstack([steps.steps, -steps.steps]) / time,
+    )
+
+
 def _ramp_times(velocity: Array, acceleration: Array, jerk: Array) -> Array:
     """Jerk steps of a change of velocity from rest, shape (n_limits, 4) [s]."""
     ramp = np.minimum(acceleration / jerk, np.sqrt(velocity / jerk))

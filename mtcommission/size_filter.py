@@ -12,18 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.superposition import (
-    build_tables,
-    moving_average_steps,
-    settle,
-    sketch_tables,
-)
+from mtcommission.loop.settling import settle
+from mtcommission.loop.tables import build_tables, sketch_tables
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine, Move, moving_mass
 from mtcommission.move_sizes import SMALLEST, SetpointWay, resize
 from mtcommission.plant import Plant
 from mtcommission.rules import NO_JERK_LIMIT
-from mtcommission.setpoint import JerkSteps, jerk_steps
+from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps
 from mtcommission.trials import judge
 from mtcommission.variations import as_variations
 from mtcommission.varied_response import respond_to_variations

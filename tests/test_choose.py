@@ -10,13 +10,10 @@ import pytest
 
 from mtcommission.assess import Assessment, assess
 from mtcommission.choose import Choice, SearchSettings, choose_limits
+from mtcommission.loop.extremes import find_extremes
 from mtcommission.loop.response import LoopResponse, simulate
-from mtcommission.loop.superposition import (
-    build_tables,
-    find_extremes,
-    moving_average_steps,
-    settle,
-)
+from mtcommission.loop.settling import settle
+from mtcommission.loop.tables import build_tables
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import (
     Machine,
@@ -33,7 +30,7 @@ from mtcommission.population import random_machine
 from mtcommission.rule import apply_commissioning_rule
 from mtcommission.rules import apply_rules
 from mtcommission.search.region import narrow_region, widest_region
-from mtcommission.setpoint import JerkSteps, jerk_steps, plan_setpoint
+from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps, plan_setpoint
 from mtcommission.trials import judge as try_limits
 from tests.independent_loop import judge, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine

@@ -9,17 +9,13 @@ import pytest
 from numpy.typing import NDArray
 
 from mtcommission.limits import MotionLimits
+from mtcommission.loop.extremes import find_extremes
 from mtcommission.loop.response import LoopResponse, simulate
-from mtcommission.loop.superposition import (
-    build_tables,
-    find_extremes,
-    moving_average_steps,
-    settle,
-    sketch_tables,
-)
+from mtcommission.loop.settling import settle
+from mtcommission.loop.tables import build_tables, sketch_tables
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Machine, Move, Positioning, TcpSensor, VelocityStep, moving_mass
-from mtcommission.setpoint import JerkSteps, jerk_steps, plan_setpoint
+from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps, plan_setpoint
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 

@@ -10,20 +10,14 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.superposition import (
-    ResponseTables,
-    Settling,
-    build_tables,
-    find_extremes,
-    moving_average_steps,
-    settle,
-    sketch_tables,
-)
+from mtcommission.loop.extremes import find_extremes
+from mtcommission.loop.settling import Settling, settle
+from mtcommission.loop.tables import ResponseTables, build_tables, sketch_tables
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine, Move
 from mtcommission.plant import Plant
 from mtcommission.rules import longest_period
-from mtcommission.setpoint import JerkSteps, jerk_steps
+from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps
 
 Array = NDArray[np.float64]
 

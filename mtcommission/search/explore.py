@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.superposition import SEARCH_HORIZON, Settling
+from mtcommission.loop.settling import Settling
+from mtcommission.loop.tables import SEARCH_HORIZON
 from mtcommission.search.bench import Bench, motion_time, settle_gradually, use_of_bounds
 from mtcommission.search.region import Grid, Region
 from mtcommission.search.settings import SearchSettings

@@ -1,0 +1,105 @@
+"""Peaks and mean forces of setpoints while they move, by simulating them side by side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.sampled import LiftedLoop
+from mtcommission.setpoint import INSTANT, JerkSteps
+
+Array = NDArray[np.float64]
+
+BLOCK = 32
+"""Position cycles whose outputs are computed together: bounds the memory for slow moves."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Extremes:
+    """What a setpoint demands of one loop while it moves.
+
+    Parameters
+    ----------
+    peaks
+        Largest magnitude of each signal, shape (n_limits, n_signals).
+    mean_force, mean_square_force
+        Of the motor force over [0, t_e + dwell], shape (n_limits,) [N, N²].
+    """
+
+    peaks: Array
+    mean_force: Array
+    mean_square_force: Array
+
+
+def find_extremes(
+    lifted: LiftedLoop, steps: JerkSteps, *, signals: Array, order: int, dwell: float, tail: float
+) -> Extremes:
+    """Return peaks and mean forces of a moderate number of setpoints on one loop.
+
+    Parameters
+    ----------
+    lifted
+        The loop; the last of its outputs per velocity cycle is the motor force.
+    steps
+        Steps of the derivative ``order``.
+    signals
+        Rows over the outputs of one velocity cycle, shape (n_signals, n_outputs).
+    order
+        3 jerk, 4 snap.
+    dwell
+        Rest after the setpoint that counts for the mean [s].
+    tail
+        Free motion looked at after the longest setpoint [s].
+
+    Returns
+    -------
+    Extremes
+    """
+    per_cycle = signals.shape[1]
+    rows = len(lifted.outputs) // per_cycle
+    C = lifted.C.reshape(rows, per_cycle, -1)
+    D = lifted.D.reshape(rows, per_cycle, -1)
+    C_s, D_s = (signals @ C).reshape(-1, len(lifted.A)), (signals @ D).reshape(-1, 4)
+    C_f, D_f = C[:, -1], D[:, -1]
+    window = steps.duration + dwell
+    step = lifted.dt / rows
+    X = np.zeros((len(lifted.A), len(steps.times)))
+    largest = np.zeros((len(C_s), len(steps.times)))
+    first, second = np.zeros((2, len(steps.times)))
+    count = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
+    for start in range(0, count, BLOCK):
+        t = lifted.dt * np.arange(start, min(start + BLOCK, count), dtype=np.float64)
+        r = _references(steps, t, order=order)
+        drive = lifted.B @ r
+        history = np.empty_like(drive)
+        for i in range(len(t)):
+            history[i] = X
+            X = lifted.A @ X + drive[i]
+        np.maximum(largest, np.abs(C_s @ history + D_s @ r).max(axis=0), out=largest)
+        # Each sample stands for the cycle about it; the window cuts the last one.
+        times = t[:, None, None] + step * np.arange(rows)[:, None]
+        share = np.clip((window - times) / step + 0.5, 0.0, 1.0) * step
+        force = C_f @ history + D_f @ r
+        first += (share * force).sum(axis=(0, 1))
+        second += (share * force**2).sum(axis=(0, 1))
+    return Extremes(
+        peaks=largest.reshape(rows, len(signals), -1).max(axis=0).T,
+        mean_force=first / window,
+        mean_square_force=second / window,
+    )
+
+
+def _references(steps: JerkSteps, t: Array, *, order: int) -> Array:
+    """x_ref, v_ref, a_ref, j_ref of all setpoints at the times t, (n_times, 4, n_limits)."""
+    age = t[:, None, None] - steps.times
+    term = steps.steps * (age >= -INSTANT)
+    age = np.maximum(age, 0.0)
+    result = np.zeros((len(t), 4, len(steps.times)))
+    for power in range(order + 1):
+        if power:
+            term = term * age / power
+        if order - power < 4:
+            result[:, order - power] = term.sum(axis=2)
+    return result
