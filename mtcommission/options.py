@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from math import isfinite
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.effort import least_motion_time
+from mtcommission.errors import ComputationError, Fault, InputError, Outcome
 from mtcommission.limits import MotionLimits
-from mtcommission.machine import Machine, Motion, Move, Positioning, VelocityStep
+from mtcommission.machine import Machine, Motion, Move, Positioning, VelocityStep, corners
 from mtcommission.optima import (
     DAMPING_TIME_FACTOR,
     find_damping_optimum,
@@ -45,6 +46,10 @@ from mtcommission.units import (
 
 MOST_INTERVALS = 20_000
 """Grid of a transcription that still fits into some GB."""
+
+MOST_SIMULATED_CYCLES = 500_000
+"""Velocity cycles of one simulation, all moves and corners together (empirical: about as long as
+the run of a usual machine, and well below a GB)."""
 
 BY_UNIT = {
     "m": LENGTH,
@@ -136,6 +141,38 @@ def read_limits(machine: Machine, *, acceleration: str, jerk: str) -> MotionLimi
     j = _positive("--jerk", jerk, JERK if linear else ANGULAR_JERK, faults)
     _raise(faults)
     return MotionLimits(acceleration=a, jerk=j)
+
+
+def require_short_moves(machine: Machine, limits: MotionLimits) -> None:
+    """Raise MOVE_TOO_LONG if the moves take more velocity cycles than one simulation follows.
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+    limits
+        Of ``--acceleration`` and ``--jerk``.
+
+    Raises
+    ------
+    ComputationError
+        With the count, before anything is computed.
+    """
+    cycle, count = machine.control.velocity_cycle, len(corners(machine))
+    times = [
+        least_motion_time(move, limits.acceleration) + limits.jerk_time for move in machine.moves
+    ]
+    cycles = sum(times) / cycle * count
+    if cycles <= MOST_SIMULATED_CYCLES:
+        return
+    linear = machine.motion is Motion.LINEAR
+    raise ComputationError(
+        Outcome.MOVE_TOO_LONG,
+        f"with {limits.acceleration:.4g} {'m' if linear else 'rad'}/s^2 and a ramp of "
+        f"{limits.jerk_time:.4g} s a move takes {max(times):.4g} s; in {count} corner(s) all moves "
+        f"together are {cycles:.3g} velocity cycles of {1e6 * cycle:.4g} us, simulate follows "
+        f"{MOST_SIMULATED_CYCLES} at most; check the units of --acceleration and --jerk",
+    )
 
 
 def read_optimal_request(

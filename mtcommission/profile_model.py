@@ -81,6 +81,8 @@ VELOCITY_GAIN_Q = Quantity(
 )
 DELAY_Q = Quantity(_range(TIME, 0.0, 10.0), _range(TIME, 0.0, 10.0), word="auto")
 LAG_Q = _same(TIME, 1e-6, 1.0, 0.0)
+# Drives have 31.25 us and more; every simulation steps through the velocity cycles.
+CYCLE_Q = _same(TIME, 1e-5, 1.0, 0.0)
 DWELL_Q = _same(TIME, 0.0, 1e5)
 TIME_Q = _same(TIME, 1e-6, 1e4, 0.0)
 FREQUENCY_Q = _same(FREQUENCY, 1e-2, 1e5, 0.0)
@@ -372,8 +374,10 @@ class ControlTable(Table):
     reference_delay: Annotated[float | None, DELAY_Q] = _option(
         "Delay of the reference path, or auto.", '"auto"'
     )
-    position_cycle: Annotated[float, LAG_Q] = _option("Position controller cycle.", '"2 ms"', 2e-3)
-    velocity_cycle: Annotated[float, LAG_Q] = _option(
+    position_cycle: Annotated[float, CYCLE_Q] = _option(
+        "Position controller cycle.", '"2 ms"', 2e-3
+    )
+    velocity_cycle: Annotated[float, CYCLE_Q] = _option(
         "Velocity controller cycle.", '"125 us"', 125e-6
     )
     tcp_sensor: Literal["none", "position"] = _option(

@@ -232,6 +232,15 @@ def test_simulate_and_limits_agree_with_each_other(run: Run) -> None:
     assert found["assessment"]["met"]
 
 
+def test_simulate_refuses_what_would_take_for_ever(run: Run) -> None:
+    """100 000 s of motion once asked for 6 GB of memory and ended in an internal error."""
+    code, _, err = run("simulate", PAPER, "--acceleration", "1e-6", "--jerk", "1e-3")
+    assert code == 3
+    # 0.1 m/s at 1e-6 m/s^2 and a ramp of 1 ms are 100 000 s, in cycles of 125 us.
+    assert "takes 1e+05 s; in 1 corner(s) all moves together are 8e+08 velocity cycles" in err
+    assert "check the units of --acceleration and --jerk" in err
+
+
 def test_simulate_says_when_requirements_are_missed(run: Run) -> None:
     """Full force and no jerk limit saturate the drive and leave the band: exit code 1."""
     code, out, _ = run("simulate", PAPER, "--acceleration", "2.66", "--jerk", "1e5 m/s^3")

@@ -184,12 +184,13 @@ def simulate(
     """Run one setpoint through the loop and judge it."""
     from mtcommission.files import require_writable, write_text
     from mtcommission.optima import require_force
-    from mtcommission.options import read_limits
+    from mtcommission.options import read_limits, require_short_moves
 
     require_writable(json_file, csv_file)
     machine = read_machine(profile, f_max)
     chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
     require_force(machine)
+    require_short_moves(machine, chosen)
 
     from mtcommission.csv_texts import response_csv
     from mtcommission.loop_choice import Settings, settle_on_loop

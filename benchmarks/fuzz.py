@@ -1,0 +1,237 @@
+"""Commands on thousands of broken profiles: an exit code and a message, never a traceback.
+
+    python -m benchmarks.fuzz --count 10000 --command check
+    python -m benchmarks.fuzz --count 200 --command limits --values --second
+
+Each case is a shipped profile (for ``export`` and ``sheet`` a record), broken by its seed alone.
+Costly commands run in a process of their own with a limit of CPU time. A case is bad if it ends
+otherwise than with exit code 0 to 3, prints a traceback or an internal error, prints nan or inf as
+a number, or takes longer than ``--longest`` times the whole run of the paper's machine, which is
+measured first. ``--values`` only moves numbers, and skips what ``check`` refuses, so that every
+case is computed. ``--second`` lets the second program of the tests judge what ``limits``
+recommends.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+import re
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from unittest.mock import patch
+
+import numpy as np
+
+from benchmarks.mutations import dice_of, mutated, mutated_values, shipped_texts
+from mtcommission import cli
+from mtcommission.errors import ComputationError
+from mtcommission.export.catalogue import control_keys
+from mtcommission.shipped import read_shipped
+
+COMMANDS = ("check", "wizard", "optimal", "simulate", "limits", "run", "export", "sheet")
+QUICK = ("check", "wizard", "export")
+"""Commands that compute little; the others run in a process of their own."""
+
+WARM = tuple(
+    f"mtcommission.{name}"
+    for name in ("commission", "sheet", "terminal", "trials", "wizard", "options", "export.write")
+)
+GOOD = "milling-manipulator"
+NUMBER = re.compile(r"(?<![\w.])(nan|inf)(?![\w.])")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """How a case ended: exit code (-1 killed), CPU time [s], and all that was said."""
+
+    code: int
+    processor: float
+    said: str
+
+
+def call(*arguments: str) -> tuple[int, str]:
+    """One command in this process: exit code and all that was said."""
+    out = io.StringIO()
+    code: object = 0
+    with (
+        patch.object(sys, "argv", ["mtcommission", *arguments]),
+        redirect_stdout(out),
+        redirect_stderr(out),
+    ):
+        try:
+            cli.main()
+        except SystemExit as stopped:
+            code = stopped.code
+    return (code if isinstance(code, int) else 3), out.getvalue()
+
+
+def in_place(work: Callable[[], tuple[int, str]]) -> Ending:
+    """What needs no guard: forking would take longer than the work."""
+    begun = time.process_time()
+    code, said = work()
+    return Ending(code=code, processor=time.process_time() - begun, said=said)
+
+
+def in_child(work: Callable[[], tuple[int, str]], *, seconds: int) -> Ending:
+    """The same in a process of its own, ended when it has used up its CPU time."""
+    import resource  # not on Windows, where the quick commands still run
+
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(read)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+        signal.signal(signal.SIGXCPU, signal.SIG_DFL)
+        code, said = work()
+        with os.fdopen(write, "wb") as pipe:
+            pipe.write(f"{code}\n{said}".encode(errors="replace"))
+        os._exit(0)
+    os.close(write)
+    with os.fdopen(read, "rb") as pipe:
+        code_text, _, said = pipe.read().decode(errors="replace").partition("\n")
+    _, status, used = os.wait4(child, 0)
+    killed = os.waitstatus_to_exitcode(status) != 0
+    return Ending(
+        code=-1 if killed else int(code_text),
+        processor=used.ru_utime + used.ru_stime,
+        said=f"ended by the system, status {status}" if killed else said,
+    )
+
+
+def arguments_of(command: str, profile: Path, dice: np.random.Generator) -> list[str]:
+    """The command line for a profile; options by chance where they matter."""
+    folder = str(profile.parent / "out")
+    match command:
+        case "wizard":
+            return [command, "--yes", "-o", str(profile)]
+        case "optimal":
+            return [command, str(profile), "--kind", str(dice.choice(["time", "damping"]))]
+        case "simulate":
+            a = 10.0 ** dice.uniform(-2.0, 2.0)
+            j = a * 10.0 ** dice.uniform(0.5, 4.0)
+            return [command, str(profile), "--acceleration", f"{a:.4g}", "--jerk", f"{j:.4g}"]
+        case "run":
+            return [command, str(profile), "-o", folder, "--no-pdf"]
+        case "export":
+            return [command, str(profile), "--control", str(dice.choice(control_keys()))]
+        case "sheet":
+            return [command, str(profile), "-o", folder, "--no-pdf"]
+    return [command, str(profile)]
+
+
+def fault_of(command: str, ending: Ending, *, longest: float) -> str:
+    """What is bad about an ending; "" if nothing is."""
+    if ending.code not in (0, 1, 2, 3):
+        return f"exit code {ending.code}"
+    for words in ("Traceback", "internal error"):
+        if words in ending.said:
+            return words
+    if ending.code and not ending.said.strip():
+        return "silent"
+    printed = ending.said.split("Source of the data", 1)[-1]
+    if command in ("check", "limits", "simulate", "optimal") and ending.code in (0, 1):
+        found = NUMBER.search(printed)
+        if found:
+            return f"prints {found[0]}"
+    if ending.processor > longest:
+        return f"{ending.processor:.1f} s of CPU, more than {longest:.1f} s"
+    return ""
+
+
+def second_opinion(profile: Path) -> str:
+    """What a program that shares nothing with the package finds broken in the recommendation."""
+    from mtcommission.profile import read_profile
+    from tests.test_second_program import broken_requirements
+
+    try:
+        broken = broken_requirements(read_profile(profile))
+    except ComputationError:
+        return ""
+    return "; ".join(broken or [])
+
+
+def main() -> None:
+    options = _options()
+    with TemporaryDirectory() as name:
+        raise SystemExit(fuzz(options, Path(name)))
+
+
+def fuzz(options: argparse.Namespace, folder: Path) -> int:
+    """Run the cases, print what is bad and a summary; 1 if something is bad."""
+    command = options.command
+    for name in WARM:  # else every child would import them anew
+        import_module(name)
+    reference = run_good(folder)
+    print(f"the run of a good profile takes {reference:.1f} s of CPU", flush=True)
+    reads_record = command in ("export", "sheet")
+    record = folder / "good" / "record.json"
+    texts = [record.read_text("utf-8")] if reads_record else shipped_texts()
+    case = folder / ("case.json" if reads_record else "case.toml")
+    codes: Counter[int] = Counter()
+    times: list[float] = []
+    bad = skipped = 0
+    seed = options.first - 1
+    while len(times) < options.count:
+        seed += 1
+        dice = dice_of(options.series, seed)
+        mutate = mutated_values if options.values else mutated
+        case.write_text(mutate(texts[seed % len(texts)], dice), "utf-8", newline="")
+        if options.values and call("check", str(case))[0]:
+            skipped += 1
+            continue
+        arguments = arguments_of(command, case, dice)
+        work = partial(call, *arguments)
+        ending = in_place(work) if command in QUICK else in_child(work, seconds=options.seconds)
+        codes[ending.code] += 1
+        times.append(ending.processor)
+        fault = fault_of(command, ending, longest=options.longest * reference)
+        if not fault and options.second and ending.code == 0:
+            fault = second_opinion(case)
+        if fault:
+            bad += 1
+            (options.keep / f"{command}-{seed}{case.suffix}").write_bytes(case.read_bytes())
+            last = ending.said.strip().splitlines()[-1:] or [""]
+            print(f"BAD seed {seed}: {arguments[2:]}: {fault}: {last[0][:200]}", flush=True)
+    ends = ", ".join(f"exit {code}: {number}" for code, number in sorted(codes.items()))
+    seeds = f"seeds {options.first} to {seed} of series {options.series}, {skipped} left out"
+    print(f"{command}: {len(times)} cases, {seeds}; {ends}")
+    shares = ", ".join(f"{t:.3g} s" for t in np.quantile(times, [0.5, 0.9, 0.99, 1.0]))
+    print(f"CPU median, 90 %, 99 %, largest: {shares}; {bad} bad")
+    return 1 if bad else 0
+
+
+def run_good(folder: Path) -> float:
+    """The whole run of the paper's machine, its record left in the folder: CPU time [s]."""
+    profile = folder / "good.toml"
+    profile.write_text(read_shipped(GOOD).text, "utf-8")
+    arguments = ("run", str(profile), "-o", str(folder / "good"), "--no-pdf")
+    return in_child(partial(call, *arguments), seconds=600).processor
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fuzz", description=__doc__)
+    parser.add_argument("--command", choices=COMMANDS, default="check")
+    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--series", type=int, default=23, help="another series of dice")
+    parser.add_argument("--values", action="store_true", help="only move numbers")
+    parser.add_argument("--second", action="store_true", help="judge limits by a second program")
+    parser.add_argument("--longest", type=float, default=1.0, help="in runs of a good profile")
+    parser.add_argument("--seconds", type=int, default=60, help="CPU after which a case is ended")
+    parser.add_argument("--keep", type=Path, default=Path(), help="folder for bad profiles")
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()
