@@ -7,8 +7,6 @@ same way on every computer.
 
 from __future__ import annotations
 
-from math import isfinite
-
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Machine, Motion, Move, Positioning, corners, moving_mass
 from mtcommission.rules import peak_velocity
@@ -76,7 +74,7 @@ def require_affordable(machine: Machine) -> None:
     times = [least_motion_time(move, a) for move in machine.moves]
     slowest = max(range(len(times)), key=lambda i: times[i])
     force, mass = ("N", "kg") if machine.motion is Motion.LINEAR else ("N m", "kg m^2")
-    count = f"{cycles:.3g}" if isfinite(cycles) else "endlessly many"
+    count = f"{cycles:.0f}" if cycles < 1e9 else f"{cycles:.3g}"
     raise ComputationError(
         Outcome.MOVE_TOO_LONG,
         f"move {slowest + 1} takes at least {times[slowest]:.3g} s with "

@@ -153,7 +153,7 @@ def describe_limits(
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
     printed, length = _formatter(machine), _length(machine)
     best = part["recommended"]
-    table = _table("Limits", "a", "j", "Settling", "Residual", "Met")
+    table = _table("Limits", "a", "j", "Settling", "Residual", "Peak", "Met")
     entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
     entries = [("recommended", best, met)]
     for mode in part["modes"]:
@@ -168,6 +168,7 @@ def describe_limits(
             printed.quantity(entry["jerk"], f"{length}/s^3"),
             printed.quantity(entry["settling_time"], "s", missing="not settled"),
             printed.quantity(entry["residual_deviation"], length, missing="not settled"),
+            printed.quantity(entry["peak_deviation"], length),
             "yes" if keeps else "no",
         )
     rule = part["rule"]

@@ -413,6 +413,7 @@ def _mode(name: str, band: float) -> Any:
         "bound_by": "residual deviation",
         "settling_time": 0.11,
         "residual_deviation": 0.9 * band,
+        "peak_deviation": 1.8 * band,
         "meets_requirements": True,
         "reason": "",
         "attainable": None,

@@ -11,12 +11,17 @@ import numpy as np
 import pytest
 
 from mtcommission.commission import Commissioning, commission
+from mtcommission.machine import Motion
 from mtcommission.profile import read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, load_record
+from mtcommission.record.limits import limits_part
 from mtcommission.record.schema import Profile, Record
 from mtcommission.sheet.content import compose
+from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_de import GERMAN
+from mtcommission.sheet.labels_en import Labels
+from mtcommission.terminal import describe_limits, show
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -110,6 +115,26 @@ def test_record_survives_its_file(record: Record, tmp_path: Path) -> None:
     path = tmp_path / "record.json"
     path.write_text(dump_json(record), "utf-8")
     assert load_record(path) == record
+
+
+def test_terminal_shows_the_peak_of_every_row(
+    found: Commissioning, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """If it failed, limits that rest well but swing far on the way would look good."""
+    machine, part = found.machine, limits_part(found)
+    show(describe_limits(machine, part, met=True, warnings=[]))
+    unit = "m" if machine.motion is Motion.LINEAR else "rad"
+    printed = Formatter(rotary=unit == "rad", labels=Labels())
+    rows = [line.split("  ") for line in capsys.readouterr().out.splitlines()]
+    peaks = [
+        found.recommended.peak_deviation,
+        *(mode.trial.peak_deviation for mode in found.modes if mode.trial.assessment.is_met),
+        *(trial.peak_deviation for trial in (*found.alternatives, *found.rules)),
+    ]
+    shown = [cell.strip() for row in rows for cell in row]
+    assert "Peak" in shown
+    for peak in peaks:
+        assert printed.quantity(peak, unit) in shown
 
 
 def test_recommendation_beats_every_rule_that_meets_the_requirements(record: Record) -> None:

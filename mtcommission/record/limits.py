@@ -133,6 +133,7 @@ def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
         bound_by=mode.choice.bound_by if is_met else NO_LIMITS,
         settling_time=finite_or_none(trial.settling_time) if is_met else None,
         residual_deviation=finite_or_none(trial.residual_deviation) if is_met else None,
+        peak_deviation=trial.peak_deviation if is_met else None,
         meets_requirements=is_met,
         reason="" if is_met else NO_LIMITS,
         attainable=mode.attainable.value if mode.attainable else None,

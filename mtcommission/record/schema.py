@@ -204,6 +204,7 @@ class ModeLimitsEntry(TypedDict):
     bound_by: str
     settling_time: float | None
     residual_deviation: float | None
+    peak_deviation: float | None
     meets_requirements: bool
     reason: str
     attainable: float | None
