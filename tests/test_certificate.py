@@ -14,10 +14,16 @@ from mtcommission.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.certificate import Claim, adjoint, certify, terminal_jacobian
 from mtcommission.optimal.dual import DualPoint, evaluate_dual
+from mtcommission.optimal.flow import adjoint_samples, dyadic_flow
 from mtcommission.optimal.mesh import build_mesh
 from mtcommission.optimal.moments import MomentProblem, moment_problem
 from mtcommission.optimal.polish import BangBang, find_bang_bang
-from mtcommission.optimal.solution import constant_arc, propagate, sample_trajectory
+from mtcommission.optimal.solution import (
+    Certificate,
+    constant_arc,
+    propagate,
+    sample_trajectory,
+)
 from mtcommission.optimal.switching import isolate_zeros
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import build_plant
@@ -34,6 +40,10 @@ FORCE = 2e3
 def solved(move: Move) -> tuple[MomentProblem, BangBang]:
     problem = moment_problem(PAPER, move)
     return problem, find_bang_bang(problem, span=problem.target / FORCE).control
+
+
+def certified(claim: Claim) -> Certificate:
+    return certify(claim, dyadic_flow(PAPER, claim.point.mesh.problem, t_f=claim.t_f))
 
 
 def claim_of(problem: MomentProblem, control: BangBang) -> Claim:
@@ -120,6 +130,24 @@ def test_adjoint_obeys_the_adjoint_equation(move: Move) -> None:
         assert end[PAPER.position] == 0.0
 
 
+@pytest.mark.parametrize("t_f", [0.04, 7.0])
+def test_adjoint_samples_are_dense_where_poles_live_and_exact(t_f: float) -> None:
+    # A gap would let a sign of λ_F go unchecked; a wrong sample would refuse a true law.
+    problem = moment_problem(PAPER, POSITIONING)
+    end = np.array([0.3, -0.2, 0.5, 0.1, 1.0, -2.0, 0.4])
+    samples = adjoint_samples(dyadic_flow(PAPER, problem, t_f=t_f), problem, end)
+    assert samples.tau[0] == 0.0
+    assert samples.tau[-1] == pytest.approx(t_f, rel=1e-14)
+    for start, gap in zip(samples.tau[:-1], np.diff(samples.tau), strict=True):
+        alive = -problem.rates.real * start < 36.0
+        assert gap * np.max(np.abs(problem.rates) * alive, initial=0.0) <= 0.2 * (1.0 + 1e-12)
+    assert samples.tau.size < 50.0 + t_f * 452.0 / 0.1
+    chosen = np.arange(0, samples.tau.size, max(1, samples.tau.size // 23))
+    exact = [(end @ expm(PAPER.A * tau))[PAPER.force] for tau in samples.tau[chosen].tolist()]
+    size = float(np.abs(samples.force).max())
+    assert samples.force[chosen] == pytest.approx(np.array(exact), rel=1e-10, abs=1e-12 * size)
+
+
 def test_paper_adjoint_belongs_to_the_paper_times() -> None:
     # λ(0) follows from the zeros of σ; from the printed, rounded times it comes out as printed.
     problem = moment_problem(PAPER, STEP)
@@ -138,7 +166,7 @@ def test_paper_adjoint_belongs_to_the_paper_times() -> None:
 def test_slopes_are_those_of_the_switching_function() -> None:
     problem, control = solved(STEP)
     claim = claim_of(problem, control)
-    certificate = certify(PAPER, claim)
+    certificate = certified(claim)
     step = 1e-7
     for t, slope in zip(claim.switching_times, certificate.switching_slopes, strict=True):
         before = adjoint(PAPER, claim, tau=claim.t_f - t + step)[PAPER.force]
@@ -151,13 +179,13 @@ def test_wrong_claims_are_refused() -> None:
     problem, control = solved(STEP)
     claim = claim_of(problem, control)
     late = replace(claim, switching_times=claim.switching_times + 2e-4)
-    assert not certify(PAPER, late).switching_law_holds
+    assert not certified(late).switching_law_holds
     mirrored = replace(claim, first_force=-claim.first_force)
-    assert not certify(PAPER, mirrored).switching_law_holds
+    assert not certified(mirrored).switching_law_holds
     fewer = replace(claim, switching_times=claim.switching_times[2:])
-    assert not certify(PAPER, fewer).switching_law_holds
+    assert not certified(fewer).switching_law_holds
     slow = replace(claim, t_f=1.01 * claim.t_f)
-    assert certify(PAPER, slow).relative_gap == pytest.approx(1 - 1 / 1.01, rel=1e-6)
+    assert certified(slow).relative_gap == pytest.approx(1 - 1 / 1.01, rel=1e-6)
 
 
 def test_terminal_jacobian_is_that_of_the_states() -> None:

@@ -23,7 +23,7 @@ from mtcommission.machine import (
     VelocityStep,
 )
 from mtcommission.optimal.dual_start import start_force
-from mtcommission.optimal.final_state import final_state
+from mtcommission.optimal.flow import dyadic_flow, final_state
 from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
 from mtcommission.optimal.polish import find_bang_bang
 from mtcommission.optimal.solution import (
@@ -335,9 +335,8 @@ def test_final_state_is_that_of_arc_by_arc_integration(move: Move, force_lag: fl
         constant_arc(start, end, control="", force=900.0 * (-1.0) ** i)
         for i, (start, end) in enumerate(pairwise(edges))
     )
-    found = final_state(
-        plant, times, t_f=edges[-1], first_force=900.0, rate=max(1.0 / force_lag, 1005.0)
-    )
+    flow = dyadic_flow(plant, moment_problem(plant, move), t_f=edges[-1])
+    found = final_state(flow, times, first_force=900.0)
     expected = propagate(plant, arcs)
     assert np.all(np.abs(found - expected) < 1e-11 * optimum.peaks[: plant.order])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +22,62 @@ RADIANS_PER_CELL = 0.25
 """Mesh for peaks against the fastest pole (empirical): cubics through it err by 1e-5 of an
 oscillation and by 1e-4 of a radian in the place of its peak; Newton's parabola there then errs by
 the cube of that."""
+PLANTS = 32
+"""Plants whose rows are kept."""
 SELECTION_MARGIN = 1e-3
 """Relative reserve for the error of the mesh."""
 ROUNDOFF_MARGIN = 1e-13
 """Rise within a cell, against the peak, that is not worth a closer look."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SignalRows:
+    """Signals of a plant and their derivatives, from the moments of the force.
+
+    Parameters
+    ----------
+    problem
+        Moment functions with ψ = τ, so that every state follows from the moments.
+    values, slopes, bends
+        Rows that take the moments to the signals, their first and second derivatives but for
+        the force's own part, shape (n_signals, n).
+    slope_of_force, bend_of_force
+        That part per newton of F_set, shape (n_signals,).
+    """
+
+    problem: MomentProblem
+    values: Array
+    slopes: Array
+    bends: Array
+    slope_of_force: Array
+    bend_of_force: Array
+
+
+@lru_cache(maxsize=PLANTS)
+def signals_of_moments(plant: Plant) -> SignalRows:
+    """Return how ``Plant.signals`` follow from moments.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+
+    Returns
+    -------
+    SignalRows
+    """
+    problem = moment_problem(plant, Positioning(distance=1.0))
+    states = np.linalg.inv(moment_rows(plant, problem))
+    rows = signal_rows(plant)
+    slopes = rows @ plant.A
+    return SignalRows(
+        problem=problem,
+        values=rows @ states,
+        slopes=slopes @ states,
+        bends=slopes @ plant.A @ states,
+        slope_of_force=rows @ plant.B,
+        bend_of_force=slopes @ plant.B,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,30 +86,24 @@ class BangBangMotion:
 
     Parameters
     ----------
-    plant
-        The plant.
+    rows
+        Signals of the plant.
     starts
         Starts of the arcs, shape (n_arcs,) [s].
     t_f
         End of the last arc [s].
     forces
         F_set on each arc, shape (n_arcs,) [N].
-    problem
-        Moment functions with ψ = τ, so that every state follows from the moments.
-    states_of_moments
-        Matrix that takes all moments up to a time to the states then, shape (n, n).
     gathered
         ∫_0^start φ(start - s) F_set ds at each start: modal part, shape (n_arcs, n_rates).
     impulse, double
         The same for φ = 1 and ψ = τ, shape (n_arcs,) [N s], [N s²].
     """
 
-    plant: Plant
+    rows: SignalRows
     starts: Array
     t_f: float
     forces: Array
-    problem: MomentProblem
-    states_of_moments: Array
     gathered: NDArray[np.complex128]
     impulse: Array
     double: Array
@@ -84,32 +131,35 @@ def bang_bang_motion(
 
     Source: variation of constants in modal coordinates.
     """
-    problem = moment_problem(plant, Positioning(distance=1.0))
-    starts = np.append(0.0, switching_times)
-    forces = first_force * (-1.0) ** np.arange(starts.size)
-    lengths = np.diff(starts)
-    growth = np.exp(lengths[:, np.newaxis] * problem.rates)
-    gain = np.expm1(lengths[:, np.newaxis] * problem.rates) / problem.rates
-    gathered = np.zeros((starts.size, problem.rates.size), dtype=complex)
-    for i in range(lengths.size):
-        gathered[i + 1] = growth[i] * gathered[i] + gain[i] * forces[i]
-    impulse = np.append(0.0, np.cumsum(lengths * forces[:-1]))
-    steps = lengths * impulse[:-1] + 0.5 * lengths**2 * forces[:-1]
+    rows, count = signals_of_moments(plant), switching_times.size + 1
+    rates = rows.problem.rates
+    starts = np.zeros(count)
+    starts[1:] = switching_times
+    forces = np.full(count, first_force)
+    forces[1::2] = -first_force
+    lengths = starts[1:] - starts[:-1]
+    less_one = np.expm1(lengths[:, np.newaxis] * rates)
+    growth, gain = less_one + 1.0, less_one / rates * forces[:-1, np.newaxis]
+    gathered = np.zeros((count, rates.size), dtype=complex)
+    for i in range(count - 1):
+        gathered[i + 1] = growth[i] * gathered[i] + gain[i]
+    pushes = lengths * forces[:-1]
+    impulse, double = np.zeros(count), np.zeros(count)
+    pushes.cumsum(out=impulse[1:])
+    (lengths * (impulse[:-1] + 0.5 * pushes)).cumsum(out=double[1:])
     return BangBangMotion(
-        plant=plant,
+        rows=rows,
         starts=starts,
         t_f=t_f,
-        forces=np.asarray(forces),
-        problem=problem,
-        states_of_moments=np.asarray(np.linalg.inv(moment_rows(plant, problem))),
+        forces=forces,
         gathered=gathered,
         impulse=impulse,
-        double=np.append(0.0, np.cumsum(steps)),
+        double=double,
     )
 
 
-def states_at(motion: BangBangMotion, since: Array, arc: Index) -> Array:
-    """Return the states on the arcs with the given indices.
+def moments_at(motion: BangBangMotion, since: Array, arc: Index) -> Array:
+    """Return the moments of the force up to some instants.
 
     Parameters
     ----------
@@ -124,14 +174,15 @@ def states_at(motion: BangBangMotion, since: Array, arc: Index) -> Array:
     -------
     ndarray, shape (k, n)
     """
-    rates, force, impulse = motion.problem.rates, motion.forces[arc], motion.impulse[arc]
+    rates, force, impulse = motion.rows.problem.rates, motion.forces[arc], motion.impulse[arc]
     less_one = np.expm1(since[:, np.newaxis] * rates)
-    modal = (less_one + 1.0) * motion.gathered[arc] + less_one * (force[:, np.newaxis] / rates)
+    steady = motion.forces[:, np.newaxis] / rates
+    modal = less_one * (motion.gathered + steady)[arc] + motion.gathered[arc]
     moments = np.empty((since.size, 2 * rates.size + 1))
     moments[:, :-1] = modal.view(np.float64)
     moments[:, -2] = impulse + since * force
     moments[:, -1] = motion.double[arc] + since * (impulse + 0.5 * since * force)
-    return np.asarray(moments @ motion.states_of_moments.T)
+    return moments
 
 
 def signal_peaks(motion: BangBangMotion) -> Array:
@@ -150,26 +201,28 @@ def signal_peaks(motion: BangBangMotion) -> Array:
     the exact derivative.
     """
     arc, since, step = _cells(motion)
-    rows = signal_rows(motion.plant)
+    rows = motion.rows
     end = np.append(since, motion.t_f - motion.starts[-1])
-    states = states_at(motion, end, np.append(arc, arc[-1]))
-    slopes, jumps = rows @ motion.plant.A, rows @ motion.plant.B
-    values, rates = states @ rows.T, states @ slopes.T
-    drive, h = motion.forces[arc, np.newaxis] * jumps, step[:, np.newaxis]
+    moments = moments_at(motion, end, np.append(arc, arc[-1]))
+    values, rates = moments @ rows.values.T, moments @ rows.slopes.T
+    drive, h = motion.forces[arc, np.newaxis] * rows.slope_of_force, step[:, np.newaxis]
     first, last = h * (rates[:-1] + drive), h * (rates[1:] + drive)
-    largest = np.abs(values).max(axis=0)
-    cell, signal = np.nonzero(_may_peak(values, first, last, largest))
+    size = np.abs(values)
+    largest = size.max(axis=0)
+    cell, signal = np.nonzero(_may_peak(values, size, first, last, largest))
     if not cell.size:
         return np.asarray(largest)
     at = cell, signal
     share = _peak_of_cubic(values[at], values[cell + 1, signal], first[at], last[at])
-    on = arc[cell]
-    x = states_at(motion, since[cell] + share * step[cell], on)
-    rate = x @ motion.plant.A.T + motion.forces[on, np.newaxis] * motion.plant.B
-    slope, bend = ((rate * weights).sum(axis=1) for weights in (rows[signal], slopes[signal]))
-    most = np.array([-share, 1.0 - share]) * step[cell]
-    shift = np.minimum(np.maximum(-newton_quotient(slope, bend), most[0]), most[1])
-    inside = (x * rows[signal]).sum(axis=1) + shift * (slope + 0.5 * shift * bend)
+    on, length = arc[cell], step[cell]
+    there = moments_at(motion, since[cell] + share * length, on)
+    slope = (there * rows.slopes[signal]).sum(axis=1)
+    slope += motion.forces[on] * rows.slope_of_force[signal]
+    bend = (there * rows.bends[signal]).sum(axis=1)
+    bend += motion.forces[on] * rows.bend_of_force[signal]
+    shift = -newton_quotient(slope, bend)
+    shift = np.minimum(np.maximum(shift, -share * length), (1.0 - share) * length)
+    inside = (there * rows.values[signal]).sum(axis=1) + shift * (slope + 0.5 * shift * bend)
     np.maximum.at(largest, signal, np.abs(inside))
     return np.asarray(largest)
 
@@ -179,8 +232,8 @@ def _cells(motion: BangBangMotion) -> tuple[Index, Array, Array]:
 
     A fast pole matters only for a while after each switch, so all arcs share one graded mesh.
     """
-    lengths = np.diff(motion.starts, append=motion.t_f)
-    nodes = graded_nodes(motion.problem, float(lengths.max()), radians=RADIANS_PER_CELL)
+    lengths = np.append(motion.starts[1:], motion.t_f) - motion.starts
+    nodes = graded_nodes(motion.rows.problem, float(lengths.max()), radians=RADIANS_PER_CELL)
     counts = np.maximum(nodes.searchsorted(lengths), 1)
     arc = np.repeat(np.arange(lengths.size), counts)
     index = np.arange(arc.size) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -188,8 +241,9 @@ def _cells(motion: BangBangMotion) -> tuple[Index, Array, Array]:
     return arc, since, np.minimum(nodes[index + 1], lengths[arc]) - since
 
 
-def _may_peak(values: Array, first: Array, last: Array, largest: Array) -> NDArray[np.bool_]:
-    size = np.abs(values)
+def _may_peak(
+    values: Array, size: Array, first: Array, last: Array, largest: Array
+) -> NDArray[np.bool_]:
     inner = np.maximum(np.abs(values[:-1] + first / 3.0), np.abs(values[1:] - last / 3.0))
     # A plateau is nearly largest everywhere, but its control points do not rise above its ends.
     rises = inner > np.maximum(size[:-1], size[1:]) + ROUNDOFF_MARGIN * largest

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Extended = NDArray[np.longdouble]
 
 EXTENDED_ROUNDOFF = float(np.finfo(np.longdouble).eps)
+TINY = float(np.finfo(np.float64).tiny)
 LOWERINGS = 50
 """Attempts to lower the bound below the span; two or three are usual."""
 
@@ -103,18 +104,19 @@ def integrate_switching(
     constant = np.longdouble(problem.constant(multipliers))
     t = tau[:, 0]
     power = 0.5 * t * t if problem.degree else t
-    primitive = power - constant * t - ((less_one / rates) @ weights).real
-    value = (t if problem.degree else 1.0) - constant - ((less_one + 1.0) @ weights).real
-    slope = problem.degree - (((less_one + 1.0) * rates) @ weights).real
+    grown = less_one + 1.0
+    primitive = power - constant * t - (less_one @ (weights / rates)).real
+    value = (t if problem.degree else 1.0) - constant - (grown @ weights).real
+    slope = problem.degree - (grown @ (rates * weights)).real
     # A slope below |σ|/τ says that the zero is known to its own size only: then it hides τ |σ|.
-    least = np.maximum(np.abs(value[:-1]) / t[:-1], np.finfo(np.float64).tiny)
+    least = np.maximum(np.abs(value[:-1]) / t[:-1], TINY)
     hidden = value[:-1] ** 2 / np.maximum(np.abs(slope[:-1]), least)
-    decay = np.abs(less_one + 1.0)
+    decay = np.abs(grown)
     magnitude = np.abs(rates)
     modal = (6.0 + problem.size) * np.minimum(tau, (1.0 + decay) / magnitude) + tau * decay
     terms = modal @ np.abs(weights) + (2.0 + problem.size) * (abs(constant) * t + power)
     return SwitchingIntegral(
-        value=np.abs(np.diff(primitive, prepend=np.longdouble(0.0))).sum(),
+        value=abs(primitive[0]) + np.abs(primitive[1:] - primitive[:-1]).sum(),
         allowance=EXTENDED_ROUNDOFF * float(terms.sum()) + 2.0 * float(hidden.sum()),
         end_value=abs(float(value[-1])),
     )
@@ -122,6 +124,9 @@ def integrate_switching(
 
 def _complex_multipliers(problem: MomentProblem, multipliers: Array) -> NDArray[np.clongdouble]:
     """Return C with Σ c_i φ_i = Re Σ C e^{pτ} (without the constant)."""
-    modal = 2 * problem.rates.size - 2
-    pairs = multipliers[0:modal:2] - 1j * multipliers[1:modal:2]
-    return np.append(pairs, multipliers[modal]).astype(np.clongdouble)
+    rates = problem.rates.size
+    pairs = np.zeros((rates, 2))
+    pairs.reshape(-1)[: 2 * rates - 1] = multipliers[: 2 * rates - 1]
+    weights = np.empty(rates, dtype=np.clongdouble)
+    weights.real, weights.imag = pairs[:, 0], -pairs[:, 1]
+    return weights

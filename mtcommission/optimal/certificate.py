@@ -6,15 +6,15 @@ What is proved, and what each number means, is derived in docs/optimal-control.m
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import nan
+from math import exp, nan
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.dual import DualPoint
-from mtcommission.optimal.mesh import ROUNDOFF, uniform_pieces
+from mtcommission.optimal.flow import DyadicFlow, adjoint_samples
+from mtcommission.optimal.mesh import ROUNDOFF
 from mtcommission.optimal.moments import MomentProblem, moment_rows
 from mtcommission.optimal.solution import Certificate
 from mtcommission.optimal.switching import values_and_slopes
@@ -22,8 +22,6 @@ from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 
-CHECK_RADIANS = 0.2
-"""Distance of the checks of the switching law against the fastest pole (empirical)."""
 SIGN_TOLERANCE = 1e-9
 """|λ_F| against its largest value below which a sign is not judged: there the control switches."""
 SIGN_ROUNDING = 1e3 * ROUNDOFF
@@ -61,17 +59,17 @@ class Claim:
         return 1.0 / (abs(self.first_force) * abs(start))
 
 
-def certify(plant: Plant, claim: Claim) -> Certificate:
+def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     """Return what the multipliers of a control prove about it.
 
     The switching times enter only the comparisons; the bound comes from the multipliers.
 
     Parameters
     ----------
-    plant
-        The plant.
     claim
         Control and multipliers.
+    flow
+        The plant's own motion up to the claimed t_f.
 
     Returns
     -------
@@ -86,6 +84,7 @@ def certify(plant: Plant, claim: Claim) -> Certificate:
 
     >>> from mtcommission.machine import Positioning
     >>> from mtcommission.optimal.dual import evaluate_dual
+    >>> from mtcommission.optimal.flow import dyadic_flow
     >>> from mtcommission.optimal.mesh import build_mesh
     >>> from mtcommission.optimal.moments import moment_problem
     >>> from mtcommission.plant import build_plant
@@ -95,7 +94,8 @@ def certify(plant: Plant, claim: Claim) -> Certificate:
     >>> point = evaluate_dual(build_mesh(problem, 0.5), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.19]),
     ...     span=problem.target / 2e3, near=0.4)
     >>> claim = Claim(switching_times=np.array([0.2]), t_f=0.4, first_force=2e3, point=point)
-    >>> round(certify(plant, claim).t_f_lower_bound, 6)
+    >>> flow = dyadic_flow(plant, problem, t_f=0.4)
+    >>> round(certify(claim, flow).t_f_lower_bound, 6)
     0.387231
     """
     problem, multipliers = claim.point.mesh.problem, claim.point.multipliers
@@ -106,7 +106,7 @@ def certify(plant: Plant, claim: Claim) -> Certificate:
     zeros = claim.t_f - claim.switching_times
     at_switches, slopes, _ = values_and_slopes(problem, multipliers, zeros)
     factor, rank, condition = claim.adjoint_factor, -1, nan
-    rows = moment_rows(plant, problem)
+    rows = factor * moment_rows(flow.plant, problem)
     end = _adjoint_weights(claim, 0.0) @ rows
     if zeros.size == problem.size:
         values = np.linalg.svd(terminal_jacobian(problem, zeros, claim.t_f), compute_uv=False)
@@ -117,7 +117,7 @@ def certify(plant: Plant, claim: Claim) -> Certificate:
         relative_gap=(claim.t_f - bound) / claim.t_f,
         adjoint_initial=_adjoint_weights(claim, claim.t_f) @ rows,
         switching_slopes=factor * slopes,
-        switching_law_holds=_law_holds(plant, claim, end, factor * at_switches),
+        switching_law_holds=_law_holds(claim, flow, end, factor * at_switches),
         terminal_jacobian_rank=rank,
         terminal_jacobian_condition=condition,
     )
@@ -142,22 +142,22 @@ def adjoint(plant: Plant, claim: Claim, *, tau: float) -> Array:
     own e^{pτ}.
     """
     rows = moment_rows(plant, claim.point.mesh.problem)
-    return np.asarray(_adjoint_weights(claim, tau) @ rows)
+    return np.asarray(claim.adjoint_factor * _adjoint_weights(claim, tau) @ rows)
 
 
 def _adjoint_weights(claim: Claim, tau: float) -> Array:
-    """Return the weights of ``moment_rows`` in λ."""
+    """Return the weights of ``moment_rows`` in λ, but for the adjoint factor."""
     problem, multipliers = claim.point.mesh.problem, claim.point.multipliers
     n_modal = 2 * problem.rates.size - 2
-    complex_c = multipliers[0:n_modal:2] - 1j * multipliers[1:n_modal:2]
-    turned = complex_c * np.exp(problem.rates[:-1] * tau)
     weights = np.append(multipliers, -1.0)
-    weights[0:n_modal:2], weights[1:n_modal:2] = turned.real, -turned.imag
-    weights[n_modal] *= np.exp(problem.rates[-1].real * tau)
+    pairs = weights[:n_modal].view(np.complex128)
+    # Conjugate: Re C e^{pτ} with C = c_1 - i c_2.
+    pairs *= np.exp(problem.rates[:-1] * tau).conj()
+    weights[n_modal] *= exp(problem.rates[-1].real * tau)
     if problem.degree:
         # ψ = τ belongs to a Jordan block: its row gains τ times the row of φ = 1.
         weights[-2] -= tau
-    return np.asarray(claim.adjoint_factor * weights)
+    return weights
 
 
 def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> Array:
@@ -187,31 +187,15 @@ def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> A
     return np.asarray(by_row / np.sqrt((by_row**2).sum(axis=0)))
 
 
-def _law_holds(plant: Plant, claim: Claim, row: Array, at_switches: Array) -> bool:
+def _law_holds(claim: Claim, flow: DyadicFlow, end: Array, at_switches: Array) -> bool:
     """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on A from λ(t_f) on."""
-    problem = claim.point.mesh.problem
-    tau, lambda_force = [], []
-    for piece in uniform_pieces(problem, claim.t_f, radians=CHECK_RADIANS):
-        rows = _march(row, expm(plant.A * piece.step), piece.count + 1)
-        row = rows[-1]
-        tau.append(piece.start + piece.step * np.arange(piece.count + 1))
-        lambda_force.append(rows[:, plant.force])
-    values = np.concatenate(lambda_force)
-    arcs = claim.switching_times.searchsorted(claim.t_f - np.concatenate(tau))
-    force = np.where(arcs % 2, -claim.first_force, claim.first_force)
-    composed = np.sum(problem.amplitudes(claim.point.multipliers)) + claim.t_f**problem.degree
-    composed *= claim.adjoint_factor * plant.force_lag
-    zero = SIGN_TOLERANCE * np.max(np.abs(values)) + SIGN_ROUNDING * composed
-    vanishes = np.all(np.abs(at_switches) * plant.force_lag <= zero)
-    return bool(vanishes and np.all((force * values < 0.0) | (np.abs(values) <= zero)))
-
-
-def _march(row: Array, transition: Array, count: int) -> Array:
-    """Return row, row E, row E², ..., shape (count, n), by doubling."""
-    rows = np.empty((count, row.size))
-    rows[0], done = row, 1
-    while done < count:
-        more = min(done, count - done)
-        np.matmul(rows[:more], transition, out=rows[done : done + more])
-        done, transition = done + more, transition @ transition
-    return rows
+    problem, lag = claim.point.mesh.problem, flow.plant.force_lag
+    samples = adjoint_samples(flow, problem, end)
+    arcs = claim.switching_times.searchsorted(claim.t_f - samples.tau)
+    signs = (1.0 if claim.first_force > 0.0 else -1.0) * (1.0 - 2.0 * (arcs & 1))
+    composed = problem.amplitudes(claim.point.multipliers).sum() + claim.t_f**problem.degree
+    composed *= claim.adjoint_factor * lag
+    sizes = np.abs(samples.force)
+    zero = SIGN_TOLERANCE * float(sizes.max()) + SIGN_ROUNDING * float(composed)
+    is_met = (signs * samples.force < 0.0) | (sizes <= zero)
+    return bool(is_met.all() and (np.abs(at_switches) * lag <= zero).all())

@@ -15,9 +15,11 @@ from mtcommission.optimal.bound import EXTENDED_ROUNDOFF
 from mtcommission.optimal.mesh import ROUNDOFF, Mesh, build_mesh
 from mtcommission.optimal.moments import MomentProblem
 from mtcommission.optimal.switching import (
-    MAX_HALVINGS,
+    MAX_DIVISIONS,
+    PARTS,
     crosses_zero,
-    halved,
+    divided,
+    inner_nodes,
     is_monotone,
     is_noise,
     may_vanish,
@@ -101,7 +103,7 @@ def isolate_owned_zeros(mesh: Mesh, multipliers: Array, times: Array) -> OwnedZe
     cells, owner = _first_cells(mesh, multipliers, times)
     doubt = np.zeros(times.size)
     found, owners = [np.empty((8, 0))], [np.empty(0, dtype=np.intp)]
-    for _ in range(MAX_HALVINGS):
+    for _ in range(MAX_DIVISIONS):
         live = may_vanish(cells)
         cells, owner = cells[:, live], owner[live]
         if not owner.size:
@@ -113,7 +115,7 @@ def isolate_owned_zeros(mesh: Mesh, multipliers: Array, times: Array) -> OwnedZe
         crossing = settled & crosses_zero(cells)
         found.append(cells[:, crossing])
         owners.append(owner[crossing])
-        cells, owner = _halve(mesh.problem, multipliers, cells[:, ~settled], owner[~settled])
+        cells, owner = _divide(mesh.problem, multipliers, cells[:, ~settled], owner[~settled])
     else:
         # An unsettled cell may hide anything: nothing is proved for its owner.
         doubt[owner] = np.inf
@@ -170,12 +172,14 @@ def _values_and_slopes(
     return sigma, problem.degree - np.einsum("ij,ij->i", slope, multipliers)
 
 
-def _halve(
+def _divide(
     problem: MomentProblem, multipliers: Array, cells: Array, owner: Index
 ) -> tuple[Array, Index]:
-    middle = cells[0] + 0.5 * cells[1]
-    sigma, slope = _values_and_slopes(problem, multipliers[owner], middle)
-    return halved(cells, sigma, slope), np.concatenate([owner, owner])
+    tau = inner_nodes(cells)
+    c = multipliers[np.tile(owner, len(tau))]
+    sigma, slope = _values_and_slopes(problem, c, tau.ravel())
+    parts = divided(cells, sigma.reshape(tau.shape), slope.reshape(tau.shape))
+    return parts, np.tile(owner, PARTS)
 
 
 def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Array:

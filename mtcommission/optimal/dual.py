@@ -53,10 +53,6 @@ class DualPoint:
         Sign changes of σ before the bound, ascending, shape (k,) [s].
     first_sign
         Sign of σ before the first zero.
-    moments
-        ∫_0^{T'} sign(σ) φ, shape (size,); the gradient of T' up to 1/|σ(T')|.
-    norms
-        Size of ∫_0^{T'} |φ|, shape (size,), for scaling.
     end_value
         |σ(T')|.
     doubt
@@ -68,15 +64,13 @@ class DualPoint:
     bound: float
     zeros: Array
     first_sign: float
-    moments: Array
-    norms: Array
     end_value: float
     doubt: float
 
-    @property
-    def residual(self) -> float:
-        """Largest moment against ∫|φ|; 0 at the optimum."""
-        return float(np.max(np.abs(self.moments) / self.norms))
+    def moments(self) -> Array:
+        """Return ∫_0^{T'} sign(σ) φ, shape (size,); the gradient of T' up to 1/|σ(T')|."""
+        integrals = self.mesh.problem.integrals(np.append(self.zeros, self.bound))
+        return np.asarray(sign_jumps(self.zeros.size, first_sign=self.first_sign) @ integrals)
 
 
 def sign_jumps(count: int, *, first_sign: float) -> Array:
@@ -155,7 +149,16 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float, near: float) -
     base = float(primitive[k - 1]) if k else 0.0
     missing = span - (float(reached[k - 1]) if k else 0.0)
     bound = _reach(problem, multipliers, (start, near, float(ends[k])), base, missing)
-    return _dual_point(mesh, multipliers, zeros[:k], integrals[:k], bound, isolated.doubt)
+    _, end_value = problem.combination(multipliers, bound)
+    return DualPoint(
+        mesh=mesh,
+        multipliers=multipliers,
+        bound=bound,
+        zeros=zeros[:k],
+        first_sign=(1.0 if end_value >= 0.0 else -1.0) * (-1.0) ** k,
+        end_value=abs(end_value),
+        doubt=isolated.doubt,
+    )
 
 
 def _reach(
@@ -180,24 +183,9 @@ def _reach(
     return tau
 
 
-def _dual_point(
-    mesh: Mesh, multipliers: Array, zeros: Array, integrals: Array, bound: float, doubt: float
-) -> DualPoint:
-    problem = mesh.problem
-    _, end_value = problem.combination(multipliers, bound)
-    first_sign = (1.0 if end_value >= 0.0 else -1.0) * (-1.0) ** zeros.size
-    at_bound = problem.integrals(np.array([bound]))
-    return DualPoint(
-        mesh=mesh,
-        multipliers=multipliers,
-        bound=bound,
-        zeros=zeros,
-        first_sign=first_sign,
-        moments=sign_jumps(zeros.size, first_sign=first_sign) @ np.vstack([integrals, at_bound]),
-        norms=moment_norms(mesh, bound),
-        end_value=abs(end_value),
-        doubt=doubt,
-    )
+def _residual(point: DualPoint) -> float:
+    """Return the largest moment against ∫|φ|; 0 at the optimum."""
+    return float(np.max(np.abs(point.moments()) / moment_norms(point.mesh, point.bound)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -245,11 +233,13 @@ def ascend(ascent: Ascent, *, span: float) -> Ascent:
     hessian = weighted.T @ weighted
     if not point.zeros.size:
         return Ascent(point=point, damping=ascent.damping, stalled=True)
+    moments, norms = point.moments(), moment_norms(point.mesh, point.bound)
+    residual = _residual(point)
     scale = np.sqrt(np.diag(hessian))
     # A φ that has decayed at all zeros has next to no curvature; its step would overflow.
-    scale = np.maximum(scale, FLATTEST * point.norms * float((scale / point.norms).max()))
+    scale = np.maximum(scale, FLATTEST * norms * float((scale / norms).max()))
     values, vectors = np.linalg.eigh(hessian / scale[:, np.newaxis] / scale)
-    along = vectors.T @ (point.moments / scale)
+    along = vectors.T @ (moments / scale)
     values = np.maximum(values, 1e-15 * max(float(values[-1]), 1e-300))
     damping = ascent.damping
     while damping < DAMPING_LIMIT:
@@ -261,7 +251,7 @@ def ascend(ascent: Ascent, *, span: float) -> Ascent:
             return Ascent(
                 point=trial,
                 damping=eased if eased > LEAST_DAMPING else 0.0,
-                stalled=level and trial.residual >= 0.5 * point.residual,
+                stalled=level and _residual(trial) >= 0.5 * residual,
             )
         damping = max(4.0 * damping, 1e3 * LEAST_DAMPING)
     return Ascent(point=point, damping=damping, stalled=True)

@@ -12,7 +12,7 @@ from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgeqrf, dgesv, dorgqr, dtrtri
+from scipy.linalg.lapack import dgeqrf, dgesv, dtrtri
 
 from mtcommission.optimal.mesh import Mesh, build_mesh, tabulate
 from mtcommission.optimal.moments import MomentProblem
@@ -34,8 +34,10 @@ CENTRING = 0.2
 RECENTRING = 0.5
 LONG_STEP = 0.3
 """The aim after a step shorter than this share of a full one (empirical)."""
-BACK_OFF = 0.95
-"""Longest step, as a share of the one that makes a force reach its limit."""
+BACK_OFF = 0.99
+"""Longest step, as a share of the one that makes a force reach its limit (empirical)."""
+FIRST_BARRIER = 0.25
+"""Where the central path is entered, against the mean of |σ| (empirical: fewest steps)."""
 SHRINKING = 0.9
 """Least horizon after a step against that before (empirical)."""
 SIDES = np.array([[1.0], [-1.0]])
@@ -160,15 +162,14 @@ def guess_horizon(problem: MomentProblem, *, span: float) -> float:
     longest = least + 1.5 * float(np.sum(2.0 * np.pi / problem.magnitudes))
     low, high = log(least), log(longest)
     x = (np.arange(GUESS_NODES) + 0.5) / GUESS_NODES
+    columns = np.empty((GUESS_NODES, problem.size + 1), order="F")
     guess, known = 0.5 * (low + high), [False, False]
     error = [0.0, 0.0]
     for _ in range(GUESS_STEPS):
         tau = exp(guess) * x
-        phi = problem.values(tau)
-        columns = np.empty((GUESS_NODES, problem.size + 1), order="F")
-        columns[:, :-1] = phi / (np.abs(phi).max(axis=0) + 1e-300)
+        columns[:, :-1] = problem.values(tau)
         columns[:, -1] = problem.target_values(tau)
-        triangle = dgeqrf(columns, overwrite_a=True)[0]
+        triangle = dgeqrf(columns)[0]
         distance = abs(float(triangle[problem.size, -1])) * exp(guess) / sqrt(GUESS_NODES)
         now = log(max(MEAN_TO_SQUARE * distance, 1e-300) / span)
         side = now > 0.0
@@ -191,21 +192,21 @@ def _means(mesh: Mesh) -> tuple[Array, Array]:
 
 def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
     """Return the force that follows σ of the fit in the mean square up to the horizon."""
-    problem = mesh.problem
     phi, psi = _means(mesh)
-    root = np.sqrt(mesh.lengths)[:, np.newaxis]
     scale = np.abs(phi).max(axis=0) + 1e-300
-    reflectors, factors, _, _ = dgeqrf(phi / scale * root)
-    basis = dorgqr(reflectors, factors)[0] / root
-    weight = np.minimum(np.maximum(horizon - mesh.nodes[:-1], 0.0), mesh.lengths)
-    weighted = basis.T * weight
+    root = np.sqrt(mesh.lengths)[:, np.newaxis]
+    reflectors = dgeqrf(phi * (root / scale))[0]
+    transform = np.triu(dtrtri(reflectors[: mesh.problem.size])[0])
+    transform /= scale[:, np.newaxis]
+    basis = phi @ transform
+    weighted = basis.T * _weights(mesh, horizon)
     coefficients = dgesv(weighted @ basis, weighted @ psi)[2]
     force, part = _central(mesh, psi - basis @ coefficients, horizon)
     return CellForce(
         mesh=mesh,
         psi=psi,
         basis=basis,
-        transform=np.triu(dtrtri(reflectors[: problem.size])[0]) / scale[:, np.newaxis],
+        transform=transform,
         coefficients=coefficients,
         force=force,
         part=part,
@@ -213,13 +214,17 @@ def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
     )
 
 
+def _weights(mesh: Mesh, horizon: float) -> Array:
+    """Return the lengths of the cells as far as they are before the horizon."""
+    return np.minimum(np.maximum(horizon - mesh.nodes[:-1], 0.0), mesh.lengths)
+
+
 def _central(mesh: Mesh, sigma: Array, horizon: float) -> tuple[Array, Array]:
-    """Return force and parts of σ at the beginning of the central path, μ being the mean of |σ|."""
-    inside = mesh.nodes[:-1] < horizon
-    mean = float(mesh.lengths[inside] @ np.abs(sigma[inside])) / horizon + 1e-300
-    root = np.sqrt(mean * mean + sigma * sigma)
-    force = sigma / (mean + root)
-    return force, 0.5 * (mean + root + SIDES * sigma)
+    """Return force and parts of σ on the central path, near its beginning."""
+    mean = float(_weights(mesh, horizon) @ np.abs(sigma)) / horizon
+    barrier = FIRST_BARRIER * mean + 1e-300
+    root = np.sqrt(barrier * barrier + sigma * sigma) + barrier
+    return sigma / root, 0.5 * (root + SIDES * sigma)
 
 
 def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
@@ -242,42 +247,55 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
     floating end.
     """
     nodes, lengths, basis = begun.mesh.nodes, begun.mesh.lengths, begun.basis
-    u, c, part = begun.force.copy(), begun.coefficients, begun.part.copy()
-    sigma, room = begun.psi - basis @ c, np.array([1.0 - u, 1.0 + u])
-    across, horizon, proved, share = basis.T.copy(), begun.horizon, 0.0, 1.0
+    c, part, room = begun.coefficients, begun.part.copy(), 1.0 - SIDES * begun.force
+    sigma, across = begun.psi - basis @ c, np.ascontiguousarray(basis.T)
+    horizon, proved, share = begun.horizon, 0.0, 1.0
     for _ in range(STEPS):
         reached = (lengths * np.abs(sigma)).cumsum()
         # Any c proves its time; one that is far from the best may prove next to nothing.
-        proved = max(proved, float(np.interp(span, reached, nodes[1:])))
+        proved = max(proved, _crossing(nodes, reached, span))
         horizon = max(proved, SHRINKING * horizon)
         k = int(nodes.searchsorted(horizon))
         weight = lengths[:k].copy()
         weight[-1] = horizon - nodes[k - 1]
         left, half = room[:, :k], part[:, :k]
-        gap = float(((half * left) @ weight).sum())
+        product = left * half
+        gap = sum((product @ weight).tolist())
         if gap < tolerance * min(span, float(reached[k - 1])):
             break
         aim = CENTRING if share > LONG_STEP else RECENTRING
-        barrier, ratio = (0.5 * aim * gap / horizon) / left, half / left
+        relative = (0.5 * aim * gap / horizon) / product
+        ratio, barrier = half / left, relative * half
         stiffness = 1.0 / (ratio[0] + ratio[1])
         pull = sigma[:k] - barrier[0] + barrier[1]
-        hessian = (across[:, :k] * (weight * stiffness)) @ basis[:k]
-        _, _, step, info = dgesv(hessian, across[:, :k] @ (weight * (u[:k] + stiffness * pull)))
+        pressed = weight * stiffness
+        hessian = (across[:, :k] * pressed) @ basis[:k]
+        right = across[:, :k] @ (weight * (left[1] - 1.0) + pressed * pull)
+        _, _, step, info = dgesv(hessian, right)
         if info:
             break
         change = basis @ step
-        move = stiffness * (pull - change[:k])
-        spent = move * SIDES
-        gain = barrier + ratio * spent - half
-        primal, dual = _longest(spent / left), _longest(gain / -half)
+        spent = (stiffness * (pull - change[:k])) * SIDES
+        used = spent / left
+        lost = 1.0 - used - relative
+        primal, dual = _longest(used), _longest(lost)
         share = min(primal, dual)
-        u[:k] += primal * move
         left -= primal * spent
-        half += dual * gain
+        half *= 1.0 - dual * lost
         c, sigma = c + dual * step, sigma - dual * change
-    return replace(begun, coefficients=c, force=u, part=part, horizon=horizon)
+    return replace(begun, coefficients=c, force=room[1] - 1.0, part=part, horizon=horizon)
 
 
-def _longest(spent: Array) -> float:
+def _crossing(nodes: Array, reached: Array, span: float) -> float:
+    """Return where a sum over cells reaches the span, the last node where it does not."""
+    i = int(reached.searchsorted(span))
+    if i == reached.size:
+        return float(nodes[-1])
+    before = float(reached[i - 1]) if i else 0.0
+    start, end = float(nodes[i]), float(nodes[i + 1])
+    return start + (end - start) * (span - before) / (float(reached[i]) - before)
+
+
+def _longest(used: Array) -> float:
     """Return the step that leaves some of everything, at most 1."""
-    return min(1.0, BACK_OFF / max(float(spent.max()), 1e-300))
+    return min(1.0, BACK_OFF / max(float(used.max()), 1e-300))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +11,6 @@ from mtcommission.optimal.moments import MomentProblem
 
 Array = NDArray[np.float64]
 
-DECAY = 41.0
-"""e^-41 is below the unit roundoff: a mode is gone after DECAY times its time constant."""
 RADIANS_PER_CELL = 0.4
 """Length of a cell against the fastest pole at τ = 0 (empirical: fastest search; accuracy does
 not depend on it)."""
@@ -22,56 +19,6 @@ LEAST_CELLS = 56
 DENSITY_NODES = np.linspace(0.0, 1.0, 49)
 """Where the density of nodes is tabulated, in the logarithm of τ."""
 ROUNDOFF = float(np.finfo(np.float64).eps)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UniformPiece:
-    """Equal cells one after the other.
-
-    Parameters
-    ----------
-    start
-        First node [s].
-    step
-        Length of a cell [s].
-    count
-        Number of cells.
-    """
-
-    start: float
-    step: float
-    count: int
-
-
-def uniform_pieces(
-    problem: MomentProblem, horizon: float, *, radians: float
-) -> tuple[UniformPiece, ...]:
-    """Return pieces of equal cells that reach from 0 to the horizon, one more as each pole dies.
-
-    Parameters
-    ----------
-    problem
-        The moment problem.
-    horizon
-        End of the last piece [s].
-    radians
-        Largest |p| h on a cell, over the poles p that have not decayed [rad].
-
-    Returns
-    -------
-    tuple of UniformPiece
-    """
-    magnitude = np.abs(problem.rates)
-    with np.errstate(divide="ignore"):
-        life = np.minimum(DECAY / np.abs(problem.rates.real), horizon)
-    edges = [0.0, *sorted({float(end) for end in life if end < horizon}), horizon]
-    pieces = []
-    for start, end in pairwise(edges):
-        alive = magnitude[life > start]
-        fastest = float(alive.max()) if alive.size else 0.0
-        count = max(4, int(np.ceil((end - start) * fastest / radians)))
-        pieces.append(UniformPiece(start=start, step=(end - start) / count, count=count))
-    return tuple(pieces)
 
 
 def graded_nodes(

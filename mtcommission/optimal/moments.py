@@ -68,33 +68,19 @@ class MomentProblem:
 
     def values(self, tau: Array) -> Array:
         """Return φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
-        return self._real(np.exp(tau[:, np.newaxis] * self.rates), 1.0)
+        return self.columns(np.exp(tau[:, np.newaxis] * self.rates), 1.0)
 
     def values_and_slopes(self, tau: Array) -> tuple[Array, Array]:
         """Return φ and dφ/dτ at remaining times τ [s] of shape (k,), each of shape (k, size)."""
         exponentials = np.exp(tau[:, np.newaxis] * self.rates)
         return (
-            self._real(exponentials, 1.0),
-            self._real(exponentials * self.rates, 0.0),
-        )
-
-    def values_slopes_integrals(self, tau: Array) -> tuple[Array, Array, Array]:
-        """Return φ, dφ/dτ and ∫_0^τ φ, each of shape (k, size), from one set of exponentials.
-
-        A mode that has decayed is exact to the unit roundoff of 1, not of itself: enough for
-        equations that are scaled by ∫|φ|, not for the search for zeros.
-        """
-        less_one: Complex = np.expm1(tau[:, np.newaxis] * self.rates)
-        exponentials: Complex = less_one + 1.0
-        return (
-            self._real(exponentials, 1.0),
-            self._real(exponentials * self.rates, 0.0),
-            self._real(less_one / self.rates, tau),
+            self.columns(exponentials, 1.0),
+            self.columns(exponentials * self.rates, 0.0),
         )
 
     def integrals(self, tau: Array) -> Array:
         """Return ∫_0^τ φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
-        return self._real(np.expm1(tau[:, np.newaxis] * self.rates) / self.rates, tau)
+        return self.columns(np.expm1(tau[:, np.newaxis] * self.rates) / self.rates, tau)
 
     def combination(self, multipliers: Array, tau: float) -> tuple[float, float]:
         """Return ∫_0^τ σ and σ at one τ, σ = ψ - Σ c_i φ_i; scalar, since it sits in root searches.
@@ -123,9 +109,12 @@ class MomentProblem:
         """Return ∫_0^τ ψ."""
         return 0.5 * tau * tau if self.degree else tau
 
-    def _real(self, modal: Complex, constant: Array | float) -> Array:
-        # The real view of (re, im) pairs; the lag's pole is real, so its last column is void, or
-        # room for φ = 1.
+    def columns(self, modal: Complex, constant: Array | float) -> Array:
+        """Return one real column for each φ, given one complex column for each rate.
+
+        The lag's pole is real, so its imaginary part is void, or room for φ = 1, whose column is
+        ``constant``; shape (k, n_rates) -> (k, size), a view.
+        """
         columns = modal.view(np.float64)
         if not self.degree:
             return columns[:, :-1]

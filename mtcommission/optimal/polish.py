@@ -7,7 +7,7 @@ arcs of any length converge; the number of zeros is that of the start.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf, isfinite, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,10 @@ from mtcommission.optimal.dual import (
 from mtcommission.optimal.dual_start import PARTS, CellForce, improve, refine_cells, start_force
 from mtcommission.optimal.mesh import Mesh
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.switching import cubic_zeros
+from mtcommission.optimal.switching import bracket_zeros, cubic_zeros
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 NEWTON_STEPS = 12
 FINISHING_STEPS = 24
@@ -48,7 +49,7 @@ LARGEST_MULTIPLIER = 1e14
 """|c| ∫|φ| against ∫|σ| beyond which σ is nothing but rounding."""
 EXCHANGES = 4
 """Changes of structure in a row; one is usual next to the birth of an arc."""
-TOLERANCES = (1e-3, 3e-5, 1e-6)
+TOLERANCES = (3e-3, 1e-4, 1e-6)
 """Complementarity of the starts on the first cells: nine of ten attempts succeed from the first,
 the next one gives the structure where pairs of zeros are close (empirical)."""
 ASCENT_STEPS = 6
@@ -105,29 +106,29 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> BangBang:
 
     Source: docs/optimal-control.md, section 3.
     """
-    problem, k = mesh.problem, start.zeros.size
+    problem = mesh.problem
     scale = np.append(moment_norms(mesh, start.horizon), span) + 1e-300
-    jumps = sign_jumps(k, first_sign=start.first_sign)
+    jumps = sign_jumps(start.zeros.size, first_sign=start.first_sign)
     ends, c = np.append(start.zeros, start.horizon), start.multipliers
     best_ends, best_c, least = ends, c, inf
     for steps in range(FINISHING_STEPS):
         if steps >= NEWTON_STEPS and least > FEASIBLE:
             break
-        here = _equations(problem, ends, c, jumps=jumps, span=span)
-        defect = here.defect / scale
-        residual = float(np.abs(defect).max())
-        usable = float(np.abs(c * scale[:-1]).max()) < LARGEST_MULTIPLIER * span
-        if not (usable and isfinite(residual)):
+        if not _largest(c * scale[:-1]) < LARGEST_MULTIPLIER * span:
+            break
+        here = _equations(problem, ends, c, jumps=jumps, scale=scale)
+        residual = _largest(here.right[jumps.size - 1 :])
+        if not isfinite(residual):
             break
         if residual < least:
             best_ends, best_c, least = ends, c, residual
-        off = float(np.abs(here.sigma[:k]).max()) if k else 0.0
-        if residual <= CONVERGED and off <= ON_ZERO * float(here.psi[-1]):
+        off = _largest(here.right[: jumps.size - 1])
+        if residual <= CONVERGED and off <= ON_ZERO * here.target_value:
             break
-        step = _solve(_matrix(here, jumps, scale), -np.concatenate([here.sigma[:k], defect]))
-        share = _share(ends, step[: k + 1])
-        ends = ends + share * step[: k + 1]
-        c = c + share * step[k + 1 :] / scale[:-1]
+        step = _solve(here)
+        share = _share(ends.tolist(), step[: jumps.size].tolist())
+        ends = ends + share * step[: jumps.size]
+        c = c + share * step[jumps.size :] / scale[:-1]
     return BangBang(
         zeros=best_ends[:-1],
         horizon=float(best_ends[-1]),
@@ -139,66 +140,113 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> BangBang:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Equations:
-    """What must vanish, and what its derivatives are made of, at zeros and final time.
+    """The linear equations of a Newton step for switches, final time and scaled multipliers.
 
     Parameters
     ----------
-    phi, psi
-        Shapes (k + 1, size) and (k + 1,).
-    sigma, slope
-        σ and dσ/dτ, shape (k + 1,).
-    defect
-        Moments of the signs and the missing target, shape (size + 1,).
+    matrix
+        Shape (k + size + 1, k + size + 1), by columns.
+    right
+        Minus what must vanish: σ at the k switches, moments and the missing target against
+        their scales.
+    target_value
+        ψ at the final time.
     """
 
-    phi: Array
-    psi: Array
-    sigma: Array
-    slope: Array
-    defect: Array
+    matrix: Array
+    right: Array
+    target_value: float
 
 
 def _equations(
-    problem: MomentProblem, ends: Array, multipliers: Array, *, jumps: Array, span: float
+    problem: MomentProblem, ends: Array, multipliers: Array, *, jumps: Array, scale: Array
 ) -> _Equations:
-    phi, slope, integrals = problem.values_slopes_integrals(ends)
+    k, size = jumps.size - 1, problem.size
+    less_one: Complex = np.expm1(ends[:, np.newaxis] * problem.rates)
+    exponentials = less_one + 1.0
+    phi = problem.columns(exponentials, 1.0)
+    slope = problem.columns(exponentials * problem.rates, 0.0)
     psi = problem.target_values(ends)
-    missing = float(jumps @ problem.target_integrals(ends)) - span
-    return _Equations(
-        phi=phi,
-        psi=psi,
-        sigma=psi - phi @ multipliers,
-        slope=problem.degree - slope @ multipliers,
-        defect=np.append(jumps @ integrals, missing),
-    )
+    primitive = problem.target_integrals(ends)
+    right = np.empty(k + size + 1)
+    right[:k] = phi[:k] @ multipliers - psi[:k]
+    constant = jumps @ ends if problem.degree else 0.0
+    modal: Complex = (jumps @ less_one) / problem.rates
+    moments = problem.columns(modal[np.newaxis], constant)
+    right[k:-1] = moments[0]
+    right[-1] = jumps @ primitive - scale[-1]
+    right[k:] /= -scale
+    matrix = np.zeros((k + size + 1, k + size + 1), order="F")
+    diagonal = matrix.reshape(-1, order="F")[: k * (k + size + 2) : k + size + 2]
+    diagonal[:] = problem.degree - slope[:k] @ multipliers
+    relative = phi / scale[:-1]
+    matrix[:k, k + 1 :] = -relative[:k]
+    matrix[k:-1, : k + 1] = (relative * jumps[:, np.newaxis]).T
+    matrix[-1, : k + 1] = psi * jumps / scale[-1]
+    return _Equations(matrix=matrix, right=right, target_value=float(psi[-1]))
 
 
-def _matrix(here: _Equations, jumps: Array, scale: Array) -> Array:
-    """Return the derivatives of σ(τ_k), moments and target over τ_k, t_f and scaled c."""
-    k, size = jumps.size - 1, scale.size - 1
-    matrix = np.zeros((k + size + 1, k + size + 1))
-    matrix[np.arange(k), np.arange(k)] = here.slope[:k]
-    matrix[:k, k + 1 :] = here.phi[:k] / -scale[:-1]
-    matrix[k:-1, : k + 1] = (here.phi * jumps[:, np.newaxis] / scale[:-1]).T
-    matrix[-1, : k + 1] = here.psi * jumps / scale[-1]
-    return matrix
+def _largest(values: Array) -> float:
+    """Return the largest magnitude, nan if one is; of a handful, for which numpy is slow."""
+    sizes = [abs(value) for value in values.tolist()]
+    return max(sizes, default=0.0) if isfinite(sum(sizes)) else nan
 
 
-def _solve(matrix: Array, right: Array) -> Array:
-    _, _, step, info = dgesv(matrix, right)
+def _solve(equations: _Equations) -> Array:
+    _, _, step, info = dgesv(equations.matrix, equations.right)
     if info:
         # Fewer switches than conditions leave multipliers undetermined: take the least step.
-        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
+        return np.asarray(np.linalg.lstsq(equations.matrix, equations.right, rcond=None)[0])
     return np.asarray(step)
 
 
-def _share(ends: Array, step: Array) -> float:
-    lengths, closing = ends.copy(), -step
-    lengths[1:] -= ends[:-1]
-    closing[1:] += step[:-1]
+def _share(ends: list[float], step: list[float]) -> float:
     # An arc that Newton has closed to the last digit holds the others up no longer than that.
-    lengths = np.maximum(lengths, SHORTEST_ARC * ends[-1])
-    return min(1.0, TO_BOUNDARY / max(float((closing / lengths).max()), 1e-300))
+    least = SHORTEST_ARC * ends[-1]
+    end, moved, closing = 0.0, 0.0, 1e-300
+    for next_end, next_moved in zip(ends, step, strict=True):
+        closing = max(closing, (moved - next_moved) / max(next_end - end, least))
+        end, moved = next_end, next_moved
+    return min(1.0, TO_BOUNDARY / closing)
+
+
+def confirm(mesh: Mesh, control: BangBang, *, span: float) -> DualPoint:
+    """Return the multipliers of a control with all zeros of their σ and the time they prove.
+
+    Usually the zeros are just the switches, known to full precision, and ∫|σ| up to the final time
+    differs from the span by what is left of the moments; else T' is found anew.
+
+    Parameters
+    ----------
+    mesh
+        Reaches beyond the final time.
+    control
+        Polished.
+    span
+        target / F_max.
+
+    Returns
+    -------
+    DualPoint
+    """
+    problem, c, horizon = mesh.problem, control.multipliers, control.horizon
+    _, end_value = problem.combination(c, horizon)
+    brackets = bracket_zeros(mesh, c)
+    sign = control.first_sign * (-1.0) ** control.zeros.size
+    if sign * end_value <= 0.0 or not brackets.isolate(control.zeros, horizon, end_value):
+        return evaluate_dual(mesh, c, span=span, near=horizon)
+    ends = np.append(control.zeros, horizon)
+    jumps = sign_jumps(control.zeros.size, first_sign=control.first_sign)
+    integral = jumps @ (problem.target_integrals(ends) - problem.integrals(ends) @ c)
+    return DualPoint(
+        mesh=mesh,
+        multipliers=c,
+        bound=horizon - (float(integral) - span) / abs(end_value),
+        zeros=control.zeros,
+        first_sign=control.first_sign,
+        end_value=abs(end_value),
+        doubt=brackets.doubt,
+    )
 
 
 def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
@@ -293,7 +341,7 @@ def _exchange(mesh: Mesh, start: BangBang, span: float) -> Attempt | None:
         control = polish(mesh, start, span=span)
         if control.residual > FEASIBLE:
             break
-        point = evaluate_dual(mesh, control.multipliers, span=span, near=control.horizon)
+        point = confirm(mesh, control, span=span)
         attempt = Attempt(control=control, point=point)
         best = _better(best, attempt)
         if attempt.gap <= AGREEMENT or point.zeros.size == control.zeros.size:
@@ -308,7 +356,7 @@ def _proved_control(point: DualPoint) -> BangBang:
         horizon=point.bound,
         first_sign=point.first_sign,
         multipliers=point.multipliers,
-        residual=point.residual,
+        residual=inf,
     )
 
 
@@ -320,8 +368,10 @@ def _seen_control(cells: CellForce) -> BangBang:
     sigma = mesh.problem.target_values(nodes) - mesh.values[: last + 1] @ c
     at = np.flatnonzero((sigma[1:] > 0.0) != (sigma[:-1] > 0.0))
     slopes = [mesh.problem.degree - mesh.slopes[at + side] @ c for side in (0, 1)]
-    share = cubic_zeros(sigma[at], sigma[at + 1], *(slope * lengths[at] for slope in slopes))
-    zeros = nodes[at] + share * lengths[at]
+    length = lengths[at]
+    left_slope, right_slope = (slope * length for slope in slopes)
+    share = cubic_zeros(sigma[at], sigma[at + 1], left_slope, right_slope, steps=1)
+    zeros = nodes[at] + length * share
     inside = zeros < cells.horizon
     return BangBang(
         zeros=zeros[inside],

@@ -22,7 +22,10 @@ from mtcommission.optimal.moments import MomentProblem
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-MAX_HALVINGS = 60
+PARTS = 4
+SHARES = np.arange(PARTS) / PARTS
+"""Parts that an unsettled cell is divided into, and where they start."""
+MAX_DIVISIONS = 30
 """More than the bits of double precision: the search has always ended before."""
 SLOPE_ERROR = 384.0 * float(np.sqrt(3.0)) / 216.0
 """Error of the cubic's slope times the length against that of its value."""
@@ -41,6 +44,39 @@ def values_and_slopes(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Brackets:
+    """Cells with one sign change of σ each; none is elsewhere.
+
+    Parameters
+    ----------
+    cells
+        In any order, shape (8, n_zeros).
+    doubt
+        ∫|σ| over the places where |σ| stays below its rounding error, so that pairs of zeros
+        there may have been left out, at most [s] or [s²].
+    """
+
+    cells: Array
+    doubt: float
+
+    def isolate(self, zeros: Array, horizon: float, end_value: float) -> bool:
+        """Return whether given zeros of σ, ascending, are all before the horizon.
+
+        ``end_value`` is σ there.
+        """
+        starts = self.cells[0]
+        order = starts.argsort()
+        order = order[: int(np.count_nonzero(starts < horizon))]
+        if order.size > zeros.size and (self.cells[2, order[-1]] > 0.0) == (end_value > 0.0):
+            # The last bracket reaches beyond the horizon and changes its sign there.
+            order = order[:-1]
+        if order.size != zeros.size:
+            return False
+        first = starts[order]
+        return bool(((first <= zeros) & (zeros <= first + self.cells[1, order])).all())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Zeros:
     """All sign changes of a switching function.
 
@@ -49,8 +85,7 @@ class Zeros:
     tau
         Ascending, shape (n_zeros,) [s].
     doubt
-        ∫|σ| over the places where |σ| stays below its rounding error, so that pairs of zeros
-        there may have been left out, at most [s] or [s²].
+        As in ``Brackets``.
     """
 
     tau: Array
@@ -70,34 +105,53 @@ def isolate_zeros(mesh: Mesh, multipliers: Array) -> Zeros:
     Returns
     -------
     Zeros
+    """
+    brackets = bracket_zeros(mesh, multipliers)
+    tau = _refine(mesh.problem, multipliers, brackets.cells)
+    tau.sort()
+    return Zeros(tau=tau[tau > 0.0], doubt=brackets.doubt)
+
+
+def bracket_zeros(mesh: Mesh, multipliers: Array) -> Brackets:
+    """Return cells on [0, horizon] that hold the sign changes of σ.
+
+    Parameters
+    ----------
+    mesh
+        Tables on [0, horizon].
+    multipliers
+        c, shape (size,).
+
+    Returns
+    -------
+    Brackets
 
     Source: Bernstein form of the cubic Hermite interpolant with remainder |σ⁗| h⁴/384 (its
     slope: √3 |σ⁗| h³/216); docs/optimal-control.md, section 3.
     """
     cells = _doubtful_cells(mesh, multipliers)
     found, doubt = [], 0.0
-    for _ in range(MAX_HALVINGS):
+    for _ in range(MAX_DIVISIONS):
         if not cells.shape[1]:
             break
-        monotone = is_monotone(cells)
-        settled = monotone | is_noise(cells)
-        if settled.all() and monotone.all():
-            found.append(cells[:, crosses_zero(cells)])
+        monotone, crossing = is_monotone(cells), crosses_zero(cells)
+        found.append(cells[:, monotone & crossing])
+        if monotone.all():
             break
-        noise = settled & ~monotone
-        doubt += float(4.0 * cells[1, noise] @ cells[7, noise])
-        found.append(cells[:, settled & crosses_zero(cells)])
-        halves = _halve(mesh.problem, multipliers, cells[:, ~settled])
-        cells = halves[:, may_vanish(halves)]
+        noise = is_noise(cells) & ~monotone
+        if noise.any():
+            doubt += float(4.0 * cells[1, noise] @ cells[7, noise])
+            found.append(cells[:, noise & crossing])
+        parts = _divide(mesh.problem, multipliers, cells[:, ~(monotone | noise)])
+        cells = parts[:, may_vanish(parts)]
     else:
         # An unsettled cell may hide anything.
         doubt = inf
     if not found:
-        return Zeros(tau=np.empty(0), doubt=doubt)
-    crossings = found[0] if len(found) == 1 else np.concatenate(found, axis=1)
-    tau = _refine(mesh.problem, multipliers, crossings)
-    tau.sort()
-    return Zeros(tau=tau[tau > 0.0], doubt=doubt)
+        return Brackets(cells=np.empty((8, 0)), doubt=doubt)
+    return Brackets(
+        cells=found[0] if len(found) == 1 else np.concatenate(found, axis=1), doubt=doubt
+    )
 
 
 def may_vanish(cells: Array) -> Mask:
@@ -137,14 +191,24 @@ def crosses_zero(cells: Array) -> Mask:
     return np.asarray((cells[2] > 0.0) != (cells[3] > 0.0))
 
 
-def halved(cells: Array, sigma: Array, slope: Array) -> Array:
-    """Return the left halves and then the right halves, given σ and σ' in the middle."""
-    start, length, left, right, left_slope, right_slope, remainder, rounding = cells
-    half, rest = 0.5 * length, remainder / 16.0
-    slope = slope * half
-    first = [start, half, left, sigma, 0.5 * left_slope, slope, rest, rounding]
-    second = [start + half, half, sigma, right, slope, 0.5 * right_slope, rest, rounding]
-    return np.concatenate([np.array(first), np.array(second)], axis=1)
+def inner_nodes(cells: Array) -> Array:
+    """Return where cells are to be divided, shape (PARTS - 1, n_cells)."""
+    return np.asarray(cells[0] + SHARES[1:, np.newaxis] * cells[1])
+
+
+def divided(cells: Array, sigma: Array, slope: Array) -> Array:
+    """Return the PARTS parts of all cells, given σ and σ' at ``inner_nodes``."""
+    count = cells.shape[1]
+    parts = np.empty((8, PARTS, count))
+    parts[0] = cells[0] + SHARES[:, np.newaxis] * cells[1]
+    parts[1] = cells[1] / PARTS
+    parts[2, 0], parts[2, 1:] = cells[2], sigma
+    parts[3, -1], parts[3, :-1] = cells[3], sigma
+    slope = slope * parts[1, 0]
+    parts[4, 0], parts[4, 1:] = cells[4] / PARTS, slope
+    parts[5, -1], parts[5, :-1] = cells[5] / PARTS, slope
+    parts[6], parts[7] = cells[6] / PARTS**4, cells[7]
+    return parts.reshape(8, -1)
 
 
 def newton_quotient(value: Array, slope: Array) -> Array:
@@ -188,14 +252,15 @@ def _doubtful_cells(mesh: Mesh, multipliers: Array) -> Array:
     )
 
 
-def _halve(problem: MomentProblem, multipliers: Array, cells: Array) -> Array:
-    sigma, slope, _ = values_and_slopes(problem, multipliers, cells[0] + 0.5 * cells[1])
-    return halved(cells, sigma, slope)
+def _divide(problem: MomentProblem, multipliers: Array, cells: Array) -> Array:
+    tau = inner_nodes(cells)
+    sigma, slope, _ = values_and_slopes(problem, multipliers, tau.ravel())
+    return divided(cells, sigma.reshape(tau.shape), slope.reshape(tau.shape))
 
 
 def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Array:
     start, length = brackets[:2]
-    tau = start + cubic_zeros(*brackets[2:6]) * length
+    tau = start + cubic_zeros(*brackets[2:6], steps=CUBIC_STEPS) * length
     end = start + length
     for _ in range(EXACT_STEPS):
         sigma, slope, _ = values_and_slopes(problem, multipliers, tau)
@@ -203,15 +268,17 @@ def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Arra
     return np.asarray(tau)
 
 
-def cubic_zeros(left: Array, right: Array, left_slope: Array, right_slope: Array) -> Array:
+def cubic_zeros(
+    left: Array, right: Array, left_slope: Array, right_slope: Array, *, steps: int
+) -> Array:
     """Return where the cubics of cells with a sign change vanish, from 0 to 1.
 
-    Slopes are against the length of the cell.
+    Slopes are against the length of the cell; Newton steps from the chord.
     """
     quadratic = 3.0 * (right - left) - 2.0 * left_slope - right_slope
     cubic = left_slope + right_slope - 2.0 * (right - left)
     x = left / (left - right)
-    for _ in range(CUBIC_STEPS):
+    for _ in range(steps):
         value = left + x * (left_slope + x * (quadratic + x * cubic))
         slope = left_slope + x * (2.0 * quadratic + 3.0 * x * cubic)
         x = np.minimum(np.maximum(x - newton_quotient(value, slope), 0.0), 1.0)

@@ -15,7 +15,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, VelocityStep
 from mtcommission.optimal.bang_bang import bang_bang_motion, signal_peaks
 from mtcommission.optimal.certificate import Claim, certify
-from mtcommission.optimal.final_state import final_state
+from mtcommission.optimal.flow import dyadic_flow, final_state
 from mtcommission.optimal.moments import moment_problem
 from mtcommission.optimal.polish import Attempt, find_bang_bang
 from mtcommission.optimal.solution import Arc, TimeOptimum, constant_arc
@@ -76,13 +76,8 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     motion = bang_bang_motion(
         plant, claim.switching_times, t_f=claim.t_f, first_force=claim.first_force
     )
-    final = final_state(
-        plant,
-        claim.switching_times,
-        t_f=claim.t_f,
-        first_force=claim.first_force,
-        rate=float(problem.magnitudes.max()),
-    )
+    flow = dyadic_flow(plant, problem, t_f=claim.t_f)
+    final = final_state(flow, claim.switching_times, first_force=claim.first_force)
     optimum = TimeOptimum(
         move=move,
         force_limit=force_limit,
@@ -93,7 +88,7 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
         touch_points=(),
         terminal_error=_terminal_error(plant, move, final),
         peaks=signal_peaks(motion),
-        certificate=certify(plant, claim),
+        certificate=certify(claim, flow),
     )
     _check(plant, optimum)
     return optimum
