@@ -339,11 +339,11 @@ def test_shown_damping_is_that_of_the_mode_and_not_of_the_observer(name: str) ->
         tuned.controller, state_gains=np.zeros(plant.order)
     )).nominal  # fmt: skip
     for k, mode in enumerate(plant.modes):
-        match = np.abs(-without.poles.real / np.abs(without.poles) - without.mode_damping[k])
+        match = np.abs(-without.poles.real / np.abs(without.poles) - without.own_damping[k])
         start = without.poles[np.argmin(match + (without.poles.imag < 0))]
         pole = follow_pole(machine, tuned, complex(start))
         # Two visible modes mix; the less damped of both poles is shown.
-        shown, followed = tuned.nominal.mode_damping[k], -pole.real / abs(pole)
+        shown, followed = tuned.nominal.own_damping[k], -pole.real / abs(pole)
         vibrations = tuned.nominal.poles[tuned.nominal.poles.imag > 0]
         assert np.min(np.abs(-vibrations.real / np.abs(vibrations) - shown)) < 1e-9
         assert shown == pytest.approx(followed, rel=1e-6) or name == "tower"
@@ -359,7 +359,7 @@ def test_state_feedback_keeps_the_same_margins_and_what_the_cascade_had(path: Pa
     if found.feedback is not None:
         assert_tuned(found.feedback)
         assert found.feedback.least_bandwidth_hz >= 0.95 * found.plain.least_bandwidth_hz
-        pairs = zip(found.plain.least_damping, found.feedback.least_damping, strict=True)
+        pairs = zip(found.plain.least_own_damping, found.feedback.least_own_damping, strict=True)
         assert max(after / before for before, after in pairs) > 1.0
 
 

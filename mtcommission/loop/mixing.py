@@ -12,11 +12,8 @@ from mtcommission.loop.analysis import Array, ComplexArray, share_out, unfold
 from mtcommission.loop.sampled import LiftedLoop
 from mtcommission.plant import Plant, PlantMode
 
-LEAST_SHARE = 0.1
-"""A swing that holds less of a mode than this is not counted as the mode's (empirical)."""
-
 CLEARLY_LESS = 0.8
-"""Damping below this share of the shown one is worth a sentence (empirical)."""
+"""Shown damping below this share of that of a larger part is worth a sentence (empirical)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,18 +44,19 @@ class MixedMode:
     name
         Of the mode.
     shown
-        The pair whose damping ratio is shown as the mode's.
-    weaker
-        The least damped of the other pairs that hold a good part of the mode.
+        The pair whose damping ratio is shown as the mode's: the least damped of those that hold
+        a notable part of it.
+    larger
+        The pair that holds most of it.
     """
 
     name: str
     shown: Swing
-    weaker: Swing
+    larger: Swing
 
 
 def find_mixed_modes(plant: Plant, lifted: LiftedLoop, damping: Array) -> tuple[MixedMode, ...]:
-    """Return the modes that ring in another pair of poles, too, and there clearly less damped.
+    """Return the modes that ring mostly in another pair of poles, and there clearly more damped.
 
     Parameters
     ----------
@@ -85,10 +83,9 @@ def find_mixed_modes(plant: Plant, lifted: LiftedLoop, damping: Array) -> tuple[
     for mode, row, ratio in zip(plant.modes, closed.shares, damping, strict=True):
         swings = _swings(closed.poles, row / np.sum(row), mode, lifted.dt)
         shown = min(swings, key=lambda item: abs(item.damping_ratio - ratio), default=None)
-        others = [item for item in swings if item.share >= LEAST_SHARE and item is not shown]
-        weaker = min(others, key=lambda item: item.damping_ratio, default=None)
-        if shown and weaker and weaker.damping_ratio < CLEARLY_LESS * ratio:
-            found.append(MixedMode(name=mode.name, shown=shown, weaker=weaker))
+        larger = max(swings, key=lambda item: item.share, default=None)
+        if shown and larger and shown.damping_ratio < CLEARLY_LESS * larger.damping_ratio:
+            found.append(MixedMode(name=mode.name, shown=shown, larger=larger))
     return tuple(found)
 
 
@@ -107,8 +104,8 @@ def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[str, ...]:
     return tuple(
         f"Mode {item.name} and the servo mix in the closed loop: the damping ratio shown is that "
         f"of the poles at {item.shown.frequency_hz:.3g} Hz, which hold "
-        f"{100.0 * item.shown.share:.0f} % of the mode; {100.0 * item.weaker.share:.0f} % of it "
-        f"ring at {item.weaker.frequency_hz:.3g} Hz with {item.weaker.damping_ratio:.3g}."
+        f"{100.0 * item.shown.share:.0f} % of the mode; {100.0 * item.larger.share:.0f} % of it "
+        f"ring at {item.larger.frequency_hz:.3g} Hz with {item.larger.damping_ratio:.3g}."
         for item in mixed
     )
 

@@ -122,8 +122,12 @@ class TunedLoop:
     @property
     def least_damping(self) -> tuple[float, ...]:
         """Damping ratio of each mode in its worst corner."""
-        table = np.array([analysis.mode_damping for analysis in self.analyses])
-        return tuple(map(float, table.min(axis=0)))
+        return tuple(map(float, np.min([item.mode_damping for item in self.analyses], axis=0)))
+
+    @property
+    def least_own_damping(self) -> tuple[float, ...]:
+        """Damping ratio in its worst corner of the pole that each mode has turned into."""
+        return tuple(map(float, np.min([item.own_damping for item in self.analyses], axis=0)))
 
 
 def corner_plants(machine: Machine) -> CornerPlants:

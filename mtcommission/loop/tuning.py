@@ -154,7 +154,7 @@ def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
         if unseen
         else ""
     )
-    mode = dominant_mode(bench.model, sensors, plain.least_damping)
+    mode = dominant_mode(bench.model, sensors, plain.least_own_damping)
     if mode is None:
         return Variants(plain=_noted(plain, f"No state feedback.{blind}"), feedback=None)
     before = float(plain.nominal.mode_damping[bench.model.modes.index(mode)])
@@ -294,11 +294,15 @@ def _with_each_weight(
 def _keeps_what_was(
     plant: Plant, mode: PlantMode, plain: TunedLoop, tuned: TunedLoop, least_hz: float
 ) -> bool:
-    """Whether state feedback damps its mode better and costs neither bandwidth nor damping."""
+    """Whether state feedback damps its mode better and costs neither bandwidth nor damping.
+
+    The pole that a mode has turned into counts: what the servo mixes into it rings with the
+    servo's damping, which the margins guard.
+    """
     least_hz = max(least_hz, KEPT_BANDWIDTH * plain.least_bandwidth_hz)
     if tuned.least_bandwidth_hz < least_hz:
         return False
-    pairs = zip(plant.modes, plain.least_damping, tuned.least_damping, strict=True)
+    pairs = zip(plant.modes, plain.least_own_damping, tuned.least_own_damping, strict=True)
     return all(
         after > before if item is mode else after >= KEPT_DAMPING * before
         for item, before, after in pairs
