@@ -96,6 +96,9 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     found = tune_variants(machine, settings=settings.tuning)
     if found.feedback is None:
         return LoopChoice(tuned=found.plain, variants=())
+    if found.is_needed:
+        remarks = (*found.feedback.remarks, NEEDS_STATE_FEEDBACK)
+        return LoopChoice(tuned=replace(found.feedback, remarks=remarks), variants=())
     without = _try_loop(machine, plant, WITHOUT, found.plain, settings, starts=())
     starts = (without.limits,)
     with_it = _try_loop(machine, plant, WITH, found.feedback, settings, starts=starts)

@@ -11,6 +11,7 @@ import pytest
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.tuned import TunedLoop, TuningSettings, has_margins
 from mtcommission.loop.tuning import check_loop, tune_loop, tune_variants
+from mtcommission.loop_choice import Settings, settle_on_loop
 from mtcommission.machine import (
     FilterKind,
     FlexibleMode,
@@ -19,6 +20,8 @@ from mtcommission.machine import (
     Modal,
     StateFeedback,
 )
+from mtcommission.plant import build_plant
+from mtcommission.sheet.labels_de import GERMAN
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
@@ -77,7 +80,7 @@ def test_low_given_gains_are_used_without_warning() -> None:
 
 def test_gains_that_no_single_change_cures_are_said_so() -> None:
     tuned = tune_loop(cascade(position_gain=95.0, velocity_gain=150e3, integral_time=15e-3))
-    assert "No single gain cures that" in tuned.warnings[0]
+    assert any("No single gain cures that" in text for text in tuned.warnings)
 
 
 def test_poor_gains_never_hide_behind_a_sooner_settling_loop() -> None:
@@ -106,6 +109,31 @@ def test_tuned_loops_keep_the_minimum_bandwidth_with_state_feedback_too() -> Non
     assert found.feedback.least_bandwidth_hz >= 23.0
     with pytest.raises(ComputationError, match=r"has 23\.8 Hz, minimum_bandwidth is 25 Hz") as end:
         tune_loop(cascade(minimum_bandwidth_hz=least))
+    assert end.value.outcome is Outcome.BANDWIDTH_OUT_OF_REACH
+
+
+def test_state_feedback_is_tried_where_the_cascade_is_too_slow() -> None:
+    """A machine that state feedback makes fast enough would be refused."""
+    machine = quiet_copy(paper_machine(), minimum_bandwidth_hz=25.0)
+    found = tune_variants(machine, settings=WANTED)
+    assert found.is_needed
+    assert found.plain.least_bandwidth_hz < 25.0
+    assert found.feedback is not None
+    assert found.feedback.least_bandwidth_hz >= 25.0
+    assert has_all_margins(found.feedback)
+    chosen = settle_on_loop(machine, build_plant(machine), Settings()).tuned
+    assert chosen.controller.observer.states
+    assert any("has 23.8 Hz, minimum_bandwidth is 25 Hz" in text for text in chosen.remarks)
+    assert "The control must offer state feedback" in chosen.remarks[-1]
+    assert check_loop(machine) == chosen.warnings  # no word of a bandwidth out of reach
+    for sentence in chosen.remarks:
+        assert GERMAN.say(sentence) != sentence
+
+
+def test_a_bandwidth_that_state_feedback_misses_too_is_said() -> None:
+    """The remedy of the message would be tried in vain."""
+    with pytest.raises(ComputationError, match="none with state feedback has it either") as end:
+        tune_loop(quiet_copy(paper_machine(), minimum_bandwidth_hz=60.0))
     assert end.value.outcome is Outcome.BANDWIDTH_OUT_OF_REACH
 
 

@@ -7,6 +7,7 @@ tables.py      what thousands of setpoints at once need of a loop
 settling.py    their settling times and residuals
 extremes.py    their peaks and forces
 analysis.py    poles, margins, bandwidth
-tuning.py      what the profile leaves out
+cascade_tuning.py  the cascade that the profile leaves out
+tuning.py      the same with state feedback
 continuous.py  the loop without sampling: the only door to python-control
 """

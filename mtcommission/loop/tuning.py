@@ -1,6 +1,6 @@
 """What the profile leaves out of the controller, tuned until the margins hold in every corner.
 
-- The cascade by the rules of ``cascade.py``, Kp lowered until the margins hold.
+- The cascade by ``cascade_tuning.py``.
 - State feedback by ``state_feedback.py``; for each of some weights Kp is the largest that keeps
   the same margins. Of those that cost neither damping nor bandwidth against the cascade alone,
   the one that makes the tool stiffest.
@@ -15,12 +15,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.cascade import build_cascade, explain_cascade, gain_unit
+from mtcommission.loop.cascade import build_cascade, explain_cascade
+from mtcommission.loop.cascade_tuning import (
+    close_cascade,
+    design_cascade,
+    filter_warnings,
+    fractions,
+    lacking_bandwidth,
+    tune_cascade,
+)
 from mtcommission.loop.controller import Controller
 from mtcommission.loop.judgement import (
     has_given_gains,
     judge_given,
-    warn_of_filters,
     warn_of_modes,
 )
 from mtcommission.loop.state_feedback import (
@@ -37,15 +44,11 @@ from mtcommission.loop.tuned import (
     close_loop,
     close_within_margins,
     corner_plants,
-    describe_margins,
 )
 from mtcommission.machine import Machine, StateFeedback
 from mtcommission.plant import Plant, PlantMode
 
 __all__ = ["TunedLoop", "TuningSettings", "Variants", "check_loop", "tune_loop", "tune_variants"]
-
-LEAST_FRACTION = 0.01
-"""Below a hundredth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
 
 KEPT_BANDWIDTH = 0.95
 KEPT_DAMPING = 0.9
@@ -62,10 +65,14 @@ class Variants:
         The cascade alone.
     feedback
         With state feedback; None where none is of use.
+    is_needed
+        Whether the cascade alone misses ``minimum_bandwidth``, so that only the loop with state
+        feedback may be used.
     """
 
     plain: TunedLoop
     feedback: TunedLoop | None
+    is_needed: bool = False
 
 
 def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> TunedLoop:
@@ -88,9 +95,10 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
     ComputationError
         UNSTABLE_LOOP if given gains are unstable in a corner; MARGINS_OUT_OF_REACH if no
         cascade has the margins; BANDWIDTH_OUT_OF_REACH if none of those has the minimum
-        bandwidth; UNDAMPED_MODE if a mode without damping is out of reach of the loop;
-        NOT_OBSERVABLE if a given state gain needs a state that the sensors do not see;
-        FEEDBACK_DESIGN_FAILED if the observer for given state gains cannot be computed.
+        bandwidth, nor one with state feedback where that is "auto"; UNDAMPED_MODE if a mode
+        without damping is out of reach of the loop; NOT_OBSERVABLE if a given state gain needs
+        a state that the sensors do not see; FEEDBACK_DESIGN_FAILED if the observer for given
+        state gains cannot be computed.
     """
     settings = settings or TuningSettings()
     given = machine.control.state_feedback
@@ -99,7 +107,7 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
         return found.feedback or found.plain
     if given is StateFeedback.GIVEN:
         return _with_given_state_gains(machine, settings)
-    return _tune_cascade(machine, settings)
+    return tune_cascade(machine, settings)
 
 
 def check_loop(machine: Machine) -> tuple[str, ...]:
@@ -108,7 +116,8 @@ def check_loop(machine: Machine) -> tuple[str, ...]:
     Parameters
     ----------
     machine
-        With its control block; state feedback "auto" counts as "off", to be quick.
+        With its control block; state feedback "auto" counts as "off", to be quick, unless a
+        minimum bandwidth may need it.
 
     Returns
     -------
@@ -119,7 +128,7 @@ def check_loop(machine: Machine) -> tuple[str, ...]:
     leaves_all = not (has_given_gains(machine) or given.force_filters or given.state_gains)
     if leaves_all and given.minimum_bandwidth_hz == 0.0:
         return ()
-    if given.state_feedback is StateFeedback.AUTO:
+    if given.state_feedback is StateFeedback.AUTO and given.minimum_bandwidth_hz == 0.0:
         machine = replace(machine, control=replace(given, state_feedback=StateFeedback.OFF))
     try:
         return tune_loop(machine).warnings
@@ -145,7 +154,25 @@ def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
     ComputationError
         As for ``tune_loop``.
     """
-    plain = _tune_cascade(machine, settings)
+    plain = close_cascade(machine, settings)
+    lacking = lacking_bandwidth(machine, plain)
+    found = _compare_feedback(machine, plain, settings, is_needed=bool(lacking))
+    if not lacking:
+        return found
+    if found.feedback is None:
+        detail = f"{lacking}, and none with state feedback has it either"
+        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
+    remark = f"State feedback is needed: {lacking}."
+    return replace(found, feedback=_noted(found.feedback, remark), is_needed=True)
+
+
+def _compare_feedback(
+    machine: Machine, plain: TunedLoop, settings: TuningSettings, *, is_needed: bool
+) -> Variants:
+    """The best loop with state feedback beside the cascade alone.
+
+    Where it is needed, nothing of the cascade has to be kept, because that may not be used.
+    """
     bench = corner_plants(machine)
     sensors = plain.controller.sensors
     unseen = [mode.name for mode in bench.model.modes if not is_seen(mode, sensors)]
@@ -165,9 +192,11 @@ def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
             raise
         remark = f"No state feedback: its design failed ({error.detail}).{blind}"
         return Variants(plain=_noted(plain, remark), feedback=None)
-    least_hz = machine.control.minimum_bandwidth_hz
     useful = [
-        tuned for tuned in found if _keeps_what_was(bench.model, mode, plain, tuned, least_hz)
+        tuned
+        for tuned in found
+        if tuned.least_bandwidth_hz >= machine.control.minimum_bandwidth_hz
+        and (is_needed or _keeps_what_was(bench.model, mode, plain, tuned))
     ]
     if not useful:
         remark = (
@@ -182,85 +211,13 @@ def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
         f"damping ratio of mode {mode.name} {mode.damping_ratio:.3g} without control, "
         f"{before:.3g} with the cascade, {after:.3g} with state feedback.{blind}"
     )
-    warnings = (*warn_of_modes(bench, best), *_filter_warnings(machine, best, settings))
+    warnings = (*warn_of_modes(bench, best), *filter_warnings(machine, best, settings))
     feedback = _noted(replace(best, warnings=warnings), remark)
     return Variants(plain=_noted(plain, remark), feedback=feedback)
 
 
 def _noted(tuned: TunedLoop, remark: str) -> TunedLoop:
     return replace(tuned, remarks=(*tuned.remarks, remark))
-
-
-def _tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
-    """The cascade alone, whatever the profile says about state feedback."""
-    bench = corner_plants(machine)
-    controller = _design_cascade(machine, bench, settings)
-    tuned = close_loop(bench, controller, remarks=explain_cascade(machine, controller))
-    given = machine.control
-    if given.velocity_gain is None and tuned.least_bandwidth_hz < given.minimum_bandwidth_hz:
-        detail = (
-            f"the fastest cascade with the margins has {tuned.least_bandwidth_hz:.3g} Hz, "
-            f"minimum_bandwidth is {given.minimum_bandwidth_hz:.3g} Hz"
-        )
-        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
-
-    def build(changed: Machine) -> Controller:
-        return build_cascade(changed, bench.model, fraction=1.0)
-
-    warnings = list(warn_of_modes(bench, tuned))
-    if has_given_gains(machine):
-        warnings += judge_given(machine, bench, tuned, settings=settings, build=build)
-    return replace(tuned, warnings=(*warnings, *_filter_warnings(machine, tuned, settings)))
-
-
-def _design_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> Controller:
-    """Given gains as given, the others as if none was given."""
-    _require_damping(bench)
-    if machine.control.velocity_gain is not None:
-        return build_cascade(machine, bench.model, fraction=1.0)
-    fraction = _largest_fraction(machine, bench, settings)
-    return build_cascade(machine, bench.model, fraction=fraction)
-
-
-def _filter_warnings(
-    machine: Machine, tuned: TunedLoop, settings: TuningSettings
-) -> tuple[str, ...]:
-    if not machine.control.force_filters:
-        return ()
-    without = replace(machine, control=replace(machine.control, force_filters=()))
-    return tuple(warn_of_filters(tuned, _tune_cascade(without, settings)))
-
-
-def _require_damping(bench: CornerPlants) -> None:
-    """A mode without damping that the encoder does not see rings for ever under any cascade."""
-    for mode in bench.model.modes:
-        if mode.damping_ratio == 0.0 and mode.measured_gain == 0.0:
-            detail = f"mode {mode.name} ({mode.frequency_hz:.4g} Hz) has damping ratio 0"
-            raise ComputationError(Outcome.UNDAMPED_MODE, detail)
-
-
-def _fractions(settings: TuningSettings, *, start: float, end: float) -> Iterator[float]:
-    fraction = start
-    while fraction >= end:
-        yield fraction
-        fraction *= settings.reduction
-
-
-def _largest_fraction(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> float:
-    """Kp of the cascade by rule alone, as a share of the symmetrical optimum."""
-    free = replace(machine.control, position_gain=None, integral_time=None)
-    by_rule = replace(machine, control=free)
-    answers = answer_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
-    for fraction in _fractions(settings, start=1.0, end=LEAST_FRACTION):
-        controller = build_cascade(by_rule, bench.model, fraction=fraction)
-        if close_within_margins(bench, controller, answers, settings=settings) is not None:
-            return fraction
-    softest = close_loop(bench, controller)
-    detail = (
-        f"at Kp = {controller.velocity_gain:.4g} {gain_unit(machine)}, {LEAST_FRACTION:.0%} of the "
-        f"symmetrical optimum, they are {describe_margins(softest.analyses)}"
-    )
-    raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)
 
 
 def _with_each_weight(
@@ -278,7 +235,7 @@ def _with_each_weight(
     end = least / largest.velocity_gain * settings.largest_fraction
     answers = answer_corners(bench, replace(largest, observer=observer))
     for weight in settings.mode_weights:
-        for fraction in _fractions(settings, start=settings.largest_fraction, end=end):
+        for fraction in fractions(settings, start=settings.largest_fraction, end=end):
             cascade = build_cascade(machine, bench.model, fraction=fraction)
             controller = add_state_feedback(
                 machine, bench.model, cascade, mode, weight=weight, observer=observer
@@ -291,16 +248,13 @@ def _with_each_weight(
                 break
 
 
-def _keeps_what_was(
-    plant: Plant, mode: PlantMode, plain: TunedLoop, tuned: TunedLoop, least_hz: float
-) -> bool:
+def _keeps_what_was(plant: Plant, mode: PlantMode, plain: TunedLoop, tuned: TunedLoop) -> bool:
     """Whether state feedback damps its mode better and costs neither bandwidth nor damping.
 
     The pole that a mode has turned into counts: what the servo mixes into it rings with the
     servo's damping, which the margins guard.
     """
-    least_hz = max(least_hz, KEPT_BANDWIDTH * plain.least_bandwidth_hz)
-    if tuned.least_bandwidth_hz < least_hz:
+    if tuned.least_bandwidth_hz < KEPT_BANDWIDTH * plain.least_bandwidth_hz:
         return False
     pairs = zip(plant.modes, plain.least_own_damping, tuned.least_own_damping, strict=True)
     return all(
@@ -312,7 +266,7 @@ def _keeps_what_was(
 def _with_given_state_gains(machine: Machine, settings: TuningSettings) -> TunedLoop:
     bench = corner_plants(machine)
     plant = bench.model
-    cascade = _design_cascade(machine, bench, settings)
+    cascade = design_cascade(machine, bench, settings)
     gains = np.zeros(plant.order)
     for item in machine.control.state_gains:
         gains[plant.states.index(item.state)] = item.value

@@ -282,6 +282,12 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "besser als die Kaskade allein (Dämpfungsgrad {1}).",
     ),
     (
+        "State feedback is needed: the fastest cascade with the margins has {1} Hz, "
+        "minimum_bandwidth is {2} Hz.",
+        "Die Zustandsrückführung ist nötig: die schnellste Kaskade mit den Reserven hat {1} Hz, "
+        "minimum_bandwidth ist {2} Hz.",
+    ),
+    (
         "State feedback (LQR around the cascade, Kalman observer on {-sensors}): damping ratio of "
         "mode {name} {1} without control, {2} with the cascade, {3} with state feedback.",
         "Zustandsrückführung (LQR um die Kaskade, Kalman-Beobachter an {sensors}): Dämpfungsgrad "

@@ -1,0 +1,195 @@
+"""The cascade alone: given gains as given, the rest by rule, Kp lowered until the margins hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop.cascade import build_cascade, explain_cascade, gain_unit
+from mtcommission.loop.controller import Controller
+from mtcommission.loop.judgement import (
+    has_given_gains,
+    judge_given,
+    warn_of_filters,
+    warn_of_modes,
+)
+from mtcommission.loop.tuned import (
+    CornerPlants,
+    TunedLoop,
+    TuningSettings,
+    answer_corners,
+    close_loop,
+    close_within_margins,
+    corner_plants,
+    describe_margins,
+)
+from mtcommission.machine import Machine
+
+LEAST_FRACTION = 0.01
+"""Below a hundredth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
+
+
+def tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
+    """Return the cascade alone, with the minimum bandwidth.
+
+    Parameters
+    ----------
+    machine, settings
+        As for ``tune_loop``; what the profile says about state feedback does not count.
+
+    Returns
+    -------
+    TunedLoop
+
+    Raises
+    ------
+    ComputationError
+        BANDWIDTH_OUT_OF_REACH, and those of ``close_cascade``.
+    """
+    tuned = close_cascade(machine, settings)
+    lacking = lacking_bandwidth(machine, tuned)
+    if lacking:
+        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, lacking)
+    return tuned
+
+
+def lacking_bandwidth(machine: Machine, tuned: TunedLoop) -> str:
+    """Return what a cascade by the rules lacks, in words; "" if nothing, and for given gains.
+
+    Parameters
+    ----------
+    machine, tuned
+        The machine and its cascade.
+
+    Returns
+    -------
+    str
+    """
+    given = machine.control
+    if given.velocity_gain is not None or tuned.least_bandwidth_hz >= given.minimum_bandwidth_hz:
+        return ""
+    return (
+        f"the fastest cascade with the margins has {tuned.least_bandwidth_hz:.3g} Hz, "
+        f"minimum_bandwidth is {given.minimum_bandwidth_hz:.3g} Hz"
+    )
+
+
+def close_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
+    """Return the cascade alone, even if it lacks bandwidth.
+
+    Parameters
+    ----------
+    machine, settings
+        As for ``tune_cascade``.
+
+    Returns
+    -------
+    TunedLoop
+        With what there is to warn of.
+
+    Raises
+    ------
+    ComputationError
+        UNSTABLE_LOOP, MARGINS_OUT_OF_REACH or UNDAMPED_MODE.
+    """
+    bench = corner_plants(machine)
+    controller = design_cascade(machine, bench, settings)
+    tuned = close_loop(bench, controller, remarks=explain_cascade(machine, controller))
+
+    def build(changed: Machine) -> Controller:
+        return build_cascade(changed, bench.model, fraction=1.0)
+
+    warnings = list(warn_of_modes(bench, tuned))
+    if has_given_gains(machine):
+        warnings += judge_given(machine, bench, tuned, settings=settings, build=build)
+    return replace(tuned, warnings=(*warnings, *filter_warnings(machine, tuned, settings)))
+
+
+def design_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> Controller:
+    """Return the gains of the cascade: given ones as given, the others as if none was given.
+
+    Parameters
+    ----------
+    machine, bench, settings
+        The machine, its plants in every corner, and required margins.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    ComputationError
+        MARGINS_OUT_OF_REACH or UNDAMPED_MODE.
+    """
+    _require_damping(bench)
+    if machine.control.velocity_gain is not None:
+        return build_cascade(machine, bench.model, fraction=1.0)
+    fraction = _largest_fraction(machine, bench, settings)
+    return build_cascade(machine, bench.model, fraction=fraction)
+
+
+def filter_warnings(
+    machine: Machine, tuned: TunedLoop, settings: TuningSettings
+) -> tuple[str, ...]:
+    """Return the warning that set-force filters make a loop soft, if they do.
+
+    Parameters
+    ----------
+    machine, tuned, settings
+        The machine, its loop, and required margins.
+
+    Returns
+    -------
+    tuple of str
+    """
+    if not machine.control.force_filters:
+        return ()
+    without = replace(machine, control=replace(machine.control, force_filters=()))
+    return tuple(warn_of_filters(tuned, close_cascade(without, settings)))
+
+
+def _require_damping(bench: CornerPlants) -> None:
+    """A mode without damping that the encoder does not see rings for ever under any cascade."""
+    for mode in bench.model.modes:
+        if mode.damping_ratio == 0.0 and mode.measured_gain == 0.0:
+            detail = f"mode {mode.name} ({mode.frequency_hz:.4g} Hz) has damping ratio 0"
+            raise ComputationError(Outcome.UNDAMPED_MODE, detail)
+
+
+def fractions(settings: TuningSettings, *, start: float, end: float) -> Iterator[float]:
+    """Yield the tries of Kp as shares of the symmetrical optimum, from stiff to soft.
+
+    Parameters
+    ----------
+    settings
+        Factor from one to the next.
+    start, end
+        First, and the last that may be tried [-].
+
+    Yields
+    ------
+    float
+    """
+    fraction = start
+    while fraction >= end:
+        yield fraction
+        fraction *= settings.reduction
+
+
+def _largest_fraction(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> float:
+    """Kp of the cascade by rule alone, as a share of the symmetrical optimum."""
+    free = replace(machine.control, position_gain=None, integral_time=None)
+    by_rule = replace(machine, control=free)
+    answers = answer_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
+    for fraction in fractions(settings, start=1.0, end=LEAST_FRACTION):
+        controller = build_cascade(by_rule, bench.model, fraction=fraction)
+        if close_within_margins(bench, controller, answers, settings=settings) is not None:
+            return fraction
+    softest = close_loop(bench, controller)
+    detail = (
+        f"at Kp = {controller.velocity_gain:.4g} {gain_unit(machine)}, {LEAST_FRACTION:.0%} of the "
+        f"symmetrical optimum, they are {describe_margins(softest.analyses)}"
+    )
+    raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)
