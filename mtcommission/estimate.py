@@ -33,10 +33,19 @@ DEFLECTION_SHARE = 0.8
 """The same for the encoder's share in the static deflection, times ω_v ω²/(j m c) (two thirds
 to one of the peak of the loop's impulse response, as for the lag)."""
 
+RAMP_SHARE = 1.5
+"""Servo tail of a whole ramp over that of one of its two jerk steps: the second one meets the
+swing that the first has left (fitted, see the docs)."""
+
+PULL_SHARE = 1.0
+"""Widening of a visible mode's spread over m c: its frequency falls by up to half of that where
+the loop holds the encoder still, the rest stands for the damping that the loop takes away
+(fitted, see the docs)."""
+
 OVERSHOOT = 1.3
 """Peak deviation after a step of missing force over its value without overshoot (fitted)."""
 
-FORCE_RESERVE = 1.1
+FORCE_RESERVE = 1.17
 """Factor on the inertial force for what the loop adds (fitted: exceeded by 1 % of machines)."""
 
 
@@ -72,7 +81,10 @@ class ServoEstimate:
     Parameters
     ----------
     compliance
-        Deviation per jerk [s³].
+        Deviation per jerk, after a ramp that is long for the velocity loop [s³].
+    impulse
+        Deviation per jerk and jerk time after a short one, whose two steps nearly cancel [s²];
+        the smaller of both counts.
     missing
         Largest share of the force that the feed-forward does not know [-].
     ramp_drag, step_drag
@@ -81,6 +93,7 @@ class ServoEstimate:
     """
 
     compliance: float
+    impulse: float
     missing: float
     ramp_drag: float
     step_drag: float
@@ -170,10 +183,10 @@ def ramp_vibration(cycles: float, *, damping: float, spread: float) -> float:
 
 
 def _mode_numbers(machine: Machine, controller: Controller, mode: PlantMode) -> ModeEstimate:
-    """A visible mode is pulled down by the loop, by μ/2 where the loop holds the encoder still."""
+    """The loop pulls a visible mode down and takes damping from it: its spread is widened."""
     omega, m = mode.natural_frequency, controller.feedforward_mass
     omega_v = controller.velocity_gain / m
-    pull = 0.5 * m * abs(mode.measured_gain) * min(1.0, omega_v / omega)
+    pull = PULL_SHARE * m * abs(mode.measured_gain) * min(1.0, omega_v / omega)
     spread = machine.requirements.frequency_spread
     gain = max(abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain))
     return ModeEstimate(
@@ -195,7 +208,8 @@ def _servo_numbers(machine: Machine, plant: Plant, controller: Controller) -> Se
     tail = max(LAG_SHARE * left * (2.0 - left) * lag**2, HOLD_SHARE * controller.position_cycle**2)
     pushed = controller.acceleration_feedforward * m
     return ServoEstimate(
-        compliance=(tail + DEFLECTION_SHARE * seen) / omega_v,
+        compliance=RAMP_SHARE * (tail + DEFLECTION_SHARE * seen) / omega_v,
+        impulse=tail + DEFLECTION_SHARE * seen,
         missing=max(abs(pushed - mass) / mass for mass in masses),
         ramp_drag=Tn / (omega_v * Kv),
         step_drag=OVERSHOOT / (omega_v * (Kv + 1.0 / Tn)),
@@ -224,7 +238,7 @@ def servo_parts(axis: AxisEstimate, jerk_time: float) -> list[float]:
     """
     servo = axis.servo
     drag = servo.missing * min(servo.ramp_drag, servo.step_drag * jerk_time)
-    return [servo.compliance, drag]
+    return [min(servo.compliance, servo.impulse * jerk_time), drag]
 
 
 def vibrations(axis: AxisEstimate, jerk_time: float, *, largest: float) -> list[float]:

@@ -124,6 +124,10 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("payload compliance C_P", "Nachgiebigkeit durch die Zuladung C_P"),
     ("compliance C of mode {name}", "Nachgiebigkeit C der Eigenform {name}"),
     ("vibration V of mode {name}", "Schwingung V der Eigenform {name}"),
+    (
+        "spread of mode {name} beyond the stated one",
+        "Streuung der Eigenform {name} über die angegebene hinaus",
+    ),
     ("jerk time t_j", "Ruckzeit t_j"),
     ("acceleration within the force", "Beschleunigung innerhalb der Kraft"),
     ("acceleration a", "Beschleunigung a"),
