@@ -16,7 +16,7 @@ from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.solution import Arc
 from mtcommission.plant import Plant
 
-TIGHT = 0.7
+TIGHT = 0.97
 """Share of the force limit below which a bound on F counts as tight (empirical)."""
 PASSING = 1.5
 """Length of an arc, in force lags of the swift plant, up to which it only moves the force."""

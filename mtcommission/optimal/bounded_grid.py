@@ -35,10 +35,17 @@ HORIZON = 60.0
 TIME_TOLERANCE = 1e-3
 """|α - 1| at which the search on the grid ends; the grid itself is no better."""
 
+STEEPNESS = (0.01, 1.0)
+"""Least and largest dα/dlog t_f by which that tolerance is multiplied."""
+
 TIME_STEPS = 40
 
+LONGER = 1.5
+"""Factor between two times over which the reach has to grow, or it never will."""
 STANDSTILL = 1e-3
-"""Relative growth of the reach over the last third of the search that counts as none."""
+"""Relative growth of the reach over such a factor that counts as none."""
+INSIDE = (0.02, 0.98)
+"""Share of the bracket of t_f in which the next time lies."""
 LEAST_TIMES = (1.6, 2.2, 3.0, 4.2, 6.0, 10.0)
 """Where the smallest possible bound is looked for, in multiples of the free optimum: it falls with
 t_f until more time does not help any more."""
@@ -46,6 +53,9 @@ LEAST_CELLS = (400, 800, 1600)
 """Grids for the smallest bound: the first for the search of its time, the others to refine it."""
 LEAST_TOLERANCE = 2e-4
 """Relative change of the smallest bound, over time and over the grid, that counts as none."""
+
+OTHER_GRIDS = (0, 7, 23)
+"""Per cent of cells added where the simplex method gives up for rounding."""
 
 SATURATED = 1e-6
 """Distance from a limit below which a value of the program counts as on it."""
@@ -108,24 +118,42 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
     >>> round(solve_grid_time(problem, t_free=0.0435).t_f, 3)
     0.052
     """
-    low, high, t_f = 0.0, np.inf, 1.05 * t_free
+    t_f, slower = 1.05 * t_free, None
     found = _solve(problem, t_f, radians=COARSE_RADIANS)
+    faster = found
     for _ in range(TIME_STEPS):
-        if abs(found.reach - 1.0) < TIME_TOLERANCE or high - low < 1e-7 * high:
+        # Where the reach hardly grows, as near the smallest possible bound, α alone says little.
+        steepness = float(np.clip(found.slope * t_f, *STEEPNESS))
+        if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
             return _last_look(problem, found)
-        low, high = (t_f, high) if found.reach < 1.0 else (low, t_f)
-        step = (1.0 - found.reach) / max(found.slope, 1e-3 / t_f)
-        if high < np.inf:
-            inside = low + 0.02 * (high - low) < t_f + step < high - 0.02 * (high - low)
-            t_f = t_f + step if inside else 0.5 * (low + high)
+        if found.reach < 1.0:
+            before, faster = faster, found
+            if _stands_still(before, found) or found.t_f > HORIZON * t_free:
+                raise _out_of_reach(problem, found, t_free)
         else:
+            slower = found
+        if slower is None:
+            step = (1.0 - found.reach) / max(found.slope, 1e-3 / t_f)
             t_f = min(max(t_f + step, 1.02 * t_f), 2.0 * t_f)
-        if low > HORIZON * t_free:
-            raise _out_of_reach(problem, found, t_free)
+        elif slower.t_f - faster.t_f < 1e-7 * slower.t_f:
+            return _last_look(problem, found)
+        else:
+            t_f = _between(faster, slower)
         found = _solve(problem, t_f, radians=COARSE_RADIANS)
     raise ComputationError(
         Outcome.NO_CONVERGENCE, f"search for t_f on the grid stopped at {t_f:.6g} s"
     )
+
+
+def _stands_still(before: GridOptimum, after: GridOptimum) -> bool:
+    """Return whether a time much longer has not made the reach grow."""
+    return after.t_f > LONGER * before.t_f and after.reach - before.reach < STANDSTILL * after.reach
+
+
+def _between(faster: GridOptimum, slower: GridOptimum) -> float:
+    """Return the time at which the chord of the reach is 1, inside the bracket [s]."""
+    share = (1.0 - faster.reach) / (slower.reach - faster.reach)
+    return faster.t_f + float(np.clip(share, *INSIDE)) * (slower.t_f - faster.t_f)
 
 
 def _last_look(problem: BoundedProblem, found: GridOptimum) -> GridOptimum:
@@ -136,10 +164,13 @@ def _last_look(problem: BoundedProblem, found: GridOptimum) -> GridOptimum:
 
 
 def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) -> ComputationError:
-    shorter = _solve(problem, 0.7 * longest.t_f, radians=COARSE_RADIANS)
     names = ", ".join(f"|{k.bound.name}| <= {k.bound.value:.6g}" for k in problem.limits)
-    if longest.reach - shorter.reach < STANDSTILL * longest.reach:
-        least = smallest_factor(problem, t_free=t_free) * (1.0 + LEAST_TOLERANCE)
+    if longest.t_f <= HORIZON * t_free:
+        least = smallest_factor(problem, t_free=t_free)
+        if least < 1.0:
+            detail = f"{names}: only some {100.0 * (1.0 / least - 1.0):.1g} % above the least"
+            return ComputationError(Outcome.BEYOND_HORIZON, detail)
+        least *= 1.0 + LEAST_TOLERANCE
         bounds = ", ".join(f"{least * k.bound.value:.4g}" for k in problem.limits)
         detail = f"{names}: the smallest possible is about {bounds} (SI units)"
         return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
@@ -207,7 +238,8 @@ class _Grid:
 
 
 def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:
-    return int(np.clip(t_f * problem.rate / radians, FEWEST_CELLS, MOST_CELLS))
+    fewest = FEWEST_CELLS if radians == RADIANS_PER_CELL else FEWEST_CELLS // 2
+    return int(np.clip(t_f * problem.rate / radians, fewest, MOST_CELLS))
 
 
 def _grid(problem: BoundedProblem, t_f: float, *, cells: int) -> _Grid:
@@ -225,8 +257,17 @@ def _grid(problem: BoundedProblem, t_f: float, *, cells: int) -> _Grid:
 
 
 def _solve(problem: BoundedProblem, t_f: float, *, radians: float) -> GridOptimum:
-    cells, n_limits = _cells(problem, t_f, radians), len(problem.limits)
-    grid = _grid(problem, t_f, cells=cells)
+    """Return the optimum of a grid; where the simplex method gives up, of a slightly finer one."""
+    cells, message = _cells(problem, t_f, radians), ""
+    for extra in OTHER_GRIDS:
+        found, message = _attempt(problem, t_f, cells=cells + cells * extra // 100)
+        if found is not None:
+            return found
+    raise ComputationError(Outcome.NO_CONVERGENCE, f"grid of {cells} cells: {message}")
+
+
+def _attempt(problem: BoundedProblem, t_f: float, *, cells: int) -> tuple[GridOptimum | None, str]:
+    grid, n_limits = _grid(problem, t_f, cells=cells), len(problem.limits)
     follows = np.repeat([limit.follows for limit in problem.limits], cells).astype(np.float64)
     column = -follows[:, np.newaxis]
     result = linprog(
@@ -239,13 +280,15 @@ def _solve(problem: BoundedProblem, t_f: float, *, radians: float) -> GridOptimu
         method="highs",
     )
     if result.status != 0 or result.x is None:
-        raise ComputationError(Outcome.NO_CONVERGENCE, f"grid of {cells} cells: {result.message}")
+        return None, str(result.message)
     force = result.x[:-1]
-    marginal = result.lower.marginals[0] + result.upper.marginals[0]
-    return GridOptimum(
+    first, second = np.abs(result.lower.marginals + result.upper.marginals)[:2]
+    found = GridOptimum(
         t_f=t_f,
         reach=float(result.x[-1]),
-        slope=abs(float(marginal)) * cells / t_f,
+        # F |σ| at the start, extrapolated from its means over the first two cells.
+        slope=max(float(1.5 * first - 0.5 * second), 0.5 * float(first)) * cells / t_f,
         force=force,
         levels=(grid.response @ force).reshape(n_limits, cells),
     )
+    return found, ""

@@ -188,7 +188,8 @@ def _damped(system: _System, point: _Point) -> _Point:
 
 def _step(point: _Point, damping: float) -> Array:
     """Return the change of the unknowns to be taken back, damped (Levenberg-Marquardt)."""
-    size = np.linalg.norm(point.jacobian, axis=0) + 1e-300
+    size = np.linalg.norm(point.jacobian, axis=0)
+    size[size == 0.0] = 1.0
     left, value, right = np.linalg.svd(point.jacobian / size, full_matrices=False)
     share = value / (value**2 + max(damping, SINGULAR * value[0]) ** 2)
     return np.asarray((right.T @ (left.T @ point.residual * share)) / size)
