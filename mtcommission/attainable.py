@@ -1,12 +1,14 @@
 """Where no limits meet the requirements: which requirement is in the way, and what could be met.
 
 Each requirement is relaxed alone, the others kept: if limits are found then, that requirement is
-an obstacle, and the value that those limits reach is what could be asked for instead.
+an obstacle, and the value that those limits reach is what could be asked for instead. Where none
+helps alone, several hold the limits back together: as few as possible are then relaxed by one
+common factor, the least that is found to help.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite, sqrt
@@ -16,7 +18,7 @@ import numpy as np
 from mtcommission.choose import Choice, SearchSettings, choose_limits
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import Machine, Peak
+from mtcommission.machine import Machine
 from mtcommission.plant import Plant
 from mtcommission.setpoint import jerk_steps
 from mtcommission.trials import Trial, judge
@@ -47,6 +49,8 @@ class Attainable:
         SI unit of both.
     limits
         Acceleration and jerk that reach it.
+    together_with
+        Names of the requirements that must give way, too (own entries); empty if it helps alone.
     """
 
     requirement: str
@@ -54,6 +58,7 @@ class Attainable:
     value: float
     unit: str
     limits: MotionLimits
+    together_with: tuple[str, ...] = ()
 
 
 def find_attainable(
@@ -78,7 +83,8 @@ def find_attainable(
     Returns
     -------
     tuple of Attainable
-        Empty if no single requirement is the obstacle: then several must give way.
+        Each one helps alone; where none does, those that must give way together. Empty if
+        not even that helps: then the force itself does not suffice.
     """
     residual = find_least_residual(machine, plant, tuned, choice)
     found = [] if residual is None else [residual]
@@ -86,7 +92,7 @@ def find_attainable(
         attained = _relax(machine, plant, tuned, relaxation, settings)
         if attained is not None:
             found.append(attained)
-    return tuple(found)
+    return tuple(found) or _find_together(machine, plant, tuned, settings)
 
 
 def find_least_residual(
@@ -136,7 +142,7 @@ class _Relaxation:
 
     requirement: str
     bound: float
-    with_bound: Callable[[float], Machine]
+    with_bound: Callable[[Machine, float], Machine]
     is_searched: bool
 
 
@@ -146,30 +152,40 @@ def _relaxations(machine: Machine) -> Iterator[_Relaxation]:
         yield _Relaxation(
             requirement="settling time",
             bound=needs.max_settling_time,
-            with_bound=lambda bound: replace(
-                machine, requirements=replace(needs, max_settling_time=bound)
-            ),
+            with_bound=_with_settling_time,
             is_searched=True,
         )
     for peak in needs.peaks:
         yield _Relaxation(
             requirement=f"peak {peak.name}",
             bound=peak.bound,
-            with_bound=partial(_with_peak, machine, peak),
+            with_bound=partial(_with_peak, peak.name),
             is_searched=False,
         )
     if isfinite(drive.continuous_force):
         yield _Relaxation(
             requirement="RMS force",
             bound=drive.continuous_force,
-            with_bound=lambda bound: replace(machine, drive=replace(drive, continuous_force=bound)),
+            with_bound=_with_continuous_force,
             is_searched=False,
         )
 
 
-def _with_peak(machine: Machine, peak: Peak, bound: float) -> Machine:
+def _with_band(machine: Machine, bound: float) -> Machine:
+    return replace(machine, requirements=replace(machine.requirements, tcp_deviation=bound))
+
+
+def _with_settling_time(machine: Machine, bound: float) -> Machine:
+    return replace(machine, requirements=replace(machine.requirements, max_settling_time=bound))
+
+
+def _with_continuous_force(machine: Machine, bound: float) -> Machine:
+    return replace(machine, drive=replace(machine.drive, continuous_force=bound))
+
+
+def _with_peak(name: str, machine: Machine, bound: float) -> Machine:
     needs = machine.requirements
-    peaks = tuple(replace(item, bound=bound) if item == peak else item for item in needs.peaks)
+    peaks = tuple(replace(item, bound=bound) if item.name == name else item for item in needs.peaks)
     return replace(machine, requirements=replace(needs, peaks=peaks))
 
 
@@ -183,7 +199,7 @@ def _relax(
     """The least value found for one requirement; None if dropping it does not help."""
 
     def search(bound: float) -> Attainable | None:
-        eased = relaxation.with_bound(bound)
+        eased = relaxation.with_bound(machine, bound)
         limits = choose_limits(eased, plant, tuned, settings=settings).limits
         if not judge(eased, plant, tuned, "", "", limits).assessment.is_met:
             return None
@@ -204,6 +220,69 @@ def _relax(
     return best
 
 
+LARGEST_FACTOR = 1e3
+"""By which requirements are relaxed together at most: what needs more is no requirement."""
+
+COMMON_HALVINGS = 6
+"""Of the range of the common factor, logarithmic: it is found to within 12 %."""
+
+
+def _find_together(
+    machine: Machine, plant: Plant, tuned: TunedLoop, settings: SearchSettings
+) -> tuple[Attainable, ...]:
+    """What could be met if several requirements give way by one factor; empty if nothing helps."""
+    relaxations = (_band_relaxation(machine), *_relaxations(machine))
+
+    def search(names: Sequence[str], factor: float) -> Trial | None:
+        eased = _eased(machine, [item for item in relaxations if item.requirement in names], factor)
+        limits = choose_limits(eased, plant, tuned, settings=settings).limits
+        trial = judge(eased, plant, tuned, "", "", limits)
+        return trial if trial.assessment.is_met else None
+
+    names = tuple(item.requirement for item in relaxations)
+    best = search(names, LARGEST_FACTOR)
+    if best is None:
+        return ()
+    for name in names:
+        fewer = tuple(other for other in names if other != name)
+        trial = search(fewer, LARGEST_FACTOR) if fewer else None
+        if trial is not None:
+            names, best = fewer, trial
+    low, high = 1.0, LARGEST_FACTOR
+    for _ in range(COMMON_HALVINGS):
+        factor = sqrt(low * high)
+        trial = search(names, factor)
+        if trial is None:
+            low = factor
+        else:
+            high, best = factor, trial
+    return tuple(
+        replace(
+            _attained(best, item.requirement),
+            limit=item.bound,
+            together_with=tuple(name for name in names if name != item.requirement),
+        )
+        for item in relaxations
+        if item.requirement in names
+    )
+
+
+def _band_relaxation(machine: Machine) -> _Relaxation:
+    return _Relaxation(
+        requirement="residual deviation",
+        bound=machine.requirements.tcp_deviation,
+        with_bound=_with_band,
+        is_searched=False,
+    )
+
+
+def _eased(machine: Machine, relaxations: Sequence[_Relaxation], factor: float) -> Machine:
+    """The machine with some bounds relaxed by a factor."""
+    for item in relaxations:
+        machine = item.with_bound(machine, factor * item.bound)
+    return machine
+
+
 def _attained(trial: Trial, requirement: str) -> Attainable:
     check = next(item for item in trial.assessment.checks if item.name == requirement)
     return Attainable(
@@ -213,10 +292,6 @@ def _attained(trial: Trial, requirement: str) -> Attainable:
         unit=check.unit,
         limits=trial.limits,
     )
-
-
-def _with_band(machine: Machine, band: float) -> Machine:
-    return replace(machine, requirements=replace(machine.requirements, tcp_deviation=band))
 
 
 def _typed(value: float) -> float:

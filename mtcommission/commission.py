@@ -118,7 +118,7 @@ class Commissioning:
         Recommendation, rule and setpoint filter on smaller and larger moves.
     attainable
         What could be met in place of the requirements that stand in the way; empty if all are
-        met, or if no single one is the obstacle.
+        met, or if the force itself does not suffice.
     """
 
     machine: Machine

@@ -29,6 +29,7 @@ from mtcommission.record.schema import (
 from mtcommission.rules import peak_velocity
 from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_en import Labels
+from mtcommission.sheet.limits_part import name_obstacle
 
 WIDTH = 80
 
@@ -188,7 +189,7 @@ def describe_limits(
         ),
         *(
             Text(
-                f"In the way: {item['requirement']}; instead of "
+                f"In the way: {name_obstacle(item)}; instead of "
                 f"{printed.quantity(item['limit'], item['unit'])} could be met: "
                 f"{printed.quantity(item['value'], item['unit'])}."
             )

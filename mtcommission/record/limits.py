@@ -50,6 +50,7 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
                 unit=item.unit,
                 acceleration=item.limits.acceleration,
                 jerk=item.limits.jerk,
+                together_with=list(item.together_with),
             )
             for item in commissioning.attainable
         ],

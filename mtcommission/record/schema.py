@@ -7,7 +7,7 @@ null.
 
 from __future__ import annotations
 
-from typing import TypedDict
+from typing import NotRequired, TypedDict
 
 SCHEMA = 1
 
@@ -214,6 +214,7 @@ class AttainableEntry(TypedDict):
     """A requirement that stands in the way: ``value`` could be met instead of ``limit``.
 
     All other requirements are kept then, by these limits. Names as in the verdict's checks.
+    ``together_with``: the requirements that must give way, too, where none helps alone.
     """
 
     requirement: str
@@ -222,6 +223,7 @@ class AttainableEntry(TypedDict):
     unit: str
     acceleration: float
     jerk: float
+    together_with: NotRequired[list[str]]
 
 
 class MoveSizesEntry(TypedDict):

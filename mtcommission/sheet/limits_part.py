@@ -6,7 +6,14 @@ import numpy as np
 from contourpy import contour_generator
 from numpy.typing import NDArray
 
-from mtcommission.record.schema import Alternative, LimitsEntry, ModeLimitsEntry, Record, RuleResult
+from mtcommission.record.schema import (
+    Alternative,
+    AttainableEntry,
+    LimitsEntry,
+    ModeLimitsEntry,
+    Record,
+    RuleResult,
+)
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import Block, Column, Paragraph, Section, Table, Tone
 from mtcommission.sheet.plot_model import Border, Contour, HeatMap, Mark, PointPlot
@@ -64,7 +71,7 @@ def _attainable(record: Record, f: Formatter) -> tuple[Table, ...]:
     heads = (text.permitted, text.attainable, text.acceleration, text.jerk)
     rows = tuple(
         (
-            capitalised(text.say(item["requirement"])),
+            capitalised(text.say(name_obstacle(item))),
             f.quantity(item["limit"], item["unit"]),
             f.quantity(item["value"], item["unit"]),
             f.quantity(item["acceleration"], f"{length}/s^2"),
@@ -77,6 +84,25 @@ def _attainable(record: Record, f: Formatter) -> tuple[Table, ...]:
         *(Column(head=head, is_number=True) for head in heads),
     )
     return (Table(caption=text.attainable_caption, columns=columns, rows=rows),) if rows else ()
+
+
+def name_obstacle(item: AttainableEntry) -> str:
+    """Return the requirement, and those that must give way with it, in the record's English.
+
+    Parameters
+    ----------
+    item
+        What could be met instead; records of older versions do not hold the others.
+
+    Examples
+    --------
+    >>> item = AttainableEntry(requirement="settling time", limit=0.02, value=0.09, unit="s",
+    ...     acceleration=1.8, jerk=64.0, together_with=["peak v_s"])
+    >>> name_obstacle(item)
+    'settling time, together with peak v_s'
+    """
+    others = " and ".join(item.get("together_with", []))
+    return f"{item['requirement']}, together with {others}" if others else item["requirement"]
 
 
 def _mode_bound(mode: ModeLimitsEntry, f: Formatter) -> str:

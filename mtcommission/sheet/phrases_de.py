@@ -10,6 +10,7 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("RMS force", "Effektivkraft"),
     ("force limit", "Kraftgrenze"),
     ("peak {name}", "Höchstwert {name}"),
+    ("{-one}, together with {-others}", "{one}, zusammen mit {others}"),
     (
         "least settling time; no limits meet all requirements",
         "kleinste Einschwingzeit; keine Grenzwerte erfüllen alle Anforderungen",
