@@ -379,7 +379,7 @@ def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
         low, high = high, 2.0 * high
     else:
         return 0.0
-    while high - low > CUT_TOLERANCE * high:
+    while low > 0.0 and high - low > CUT_TOLERANCE * high:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if proves(middle) else (middle, high)
     return measure.t_f - high
