@@ -37,7 +37,7 @@ from mtcommission.loop_choice import Settings
 from mtcommission.machine import Motion, Positioning, VelocityStep
 from mtcommission.profile import parse_profile, profile_text_hash
 from mtcommission.record.build import build_record
-from mtcommission.record.files import dump_json, load_record
+from mtcommission.record.files import dump_json, find_checksum, load_record
 from mtcommission.record.schema import Profile, Record
 from mtcommission.rules import NO_JERK_LIMIT, dominant_mode
 from mtcommission.setpoint import plan_setpoint, sample_setpoint
@@ -524,6 +524,41 @@ def test_edited_record_is_refused(
     edit(record)
     path.write_text(json.dumps(record), "utf-8")
     with pytest.raises(InputError, match="checksum"):
+        load_record(path)
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        (lambda record: record.update(moves=None), "moves: got null, expected an array"),
+        (
+            lambda record: record["limits"]["modes"][0].update(acceleration="much"),
+            "limits.modes[1].acceleration: got 'much', expected a number or null",
+        ),
+        (lambda record: record["assessment"].update(met=[]), "got an array, expected true or"),
+        (lambda record: record["plant"].pop("A"), "plant.A: missing"),
+        (lambda record: record["tool"].update(name="other"), "or damaged; change the profile"),
+    ],
+)
+def test_a_damaged_record_names_what_was_expected(
+    edit: Callable[[Any], object], words: str, paper: Case, tmp_path: Path
+) -> None:
+    record = json.loads(json.dumps(paper.record))
+    edit(record)
+    path = tmp_path / "record.json"
+    path.write_text(json.dumps(record), "utf-8")
+    with pytest.raises(InputError, match=re.escape(words)):
+        load_record(path)
+
+
+def test_a_record_of_another_version_is_refused_by_name(paper: Case, tmp_path: Path) -> None:
+    """Its checksum is right, and yet a number that is needed would be missing half-way."""
+    record = json.loads(json.dumps(paper.record))
+    del record["loop"]["Kv"]
+    record["checksum"] = find_checksum(record)
+    path = tmp_path / "record.json"
+    path.write_text(json.dumps(record), "utf-8")
+    with pytest.raises(InputError, match=r"another version of mtcommission wrote it; loop\.Kv"):
         load_record(path)
 
 

@@ -5,12 +5,17 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from hashlib import sha256
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 from typing import cast
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.record.expected import find_unexpected
 from mtcommission.record.schema import SCHEMA, Record
+
+MOST_NAMED = 3
+"""Entries of an unexpected form that a message names."""
 
 
 def dump_json(value: object) -> str:
@@ -77,12 +82,21 @@ def load_record(path: Path) -> Record:
             "run the profile again, or print it with the version that wrote it"
         )
         raise InputError([Fault(where=str(path), key="schema", message=message)])
+    unexpected = list(islice(find_unexpected(data, Record), MOST_NAMED + 1))
+    named = "".join(f"; {one}" for one in unexpected[:MOST_NAMED])
+    named += "; and more" if len(unexpected) > MOST_NAMED else ""
     if data["checksum"] != find_checksum(data):
         message = (
-            "its contents are not those that mtcommission run wrote: it was edited or damaged; "
-            "change the profile instead, and run it again"
+            "its contents are not those that mtcommission run wrote: it was edited or damaged"
+            f"{named}; change the profile instead, and run it again"
         )
         raise InputError([Fault(where=str(path), key="checksum", message=message)])
+    if unexpected:
+        message = (
+            f"another version of mtcommission wrote it{named}; run the profile again, or use "
+            "that version"
+        )
+        raise InputError([Fault(where=str(path), message=message)])
     return cast(Record, data)
 
 
