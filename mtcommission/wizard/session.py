@@ -192,27 +192,33 @@ def _ask_from(place: int, answers: dict[str, str], console: Console) -> dict[str
     known, shown = dict(answers), -1
     while place < len(questions := list_questions(known)):
         question = questions[place]
-        default = known.get(question.key, "") or question.default
-        if place != shown:
-            console.tell("")
-            console.tell(introduce(question))
-            shown = place
         try:
-            typed = console.ask(question, default=default).strip()
+            typed = _ask(question, known, console, is_new=place != shown)
+            shown = place
+            if typed.lower() in QUIT:
+                raise _Left(known, Ending.QUIT.name.lower(), question.key)
+            if typed.lower() in BACK and place:
+                place -= 1
+            elif typed.lower() in BACK:
+                console.tell("  This is the first question.")
+            elif typed.lower() in HELP:
+                console.tell(explain(question))
+            else:
+                known, is_taken = _take(question, typed, known, console)
+                place += is_taken
         except EOFError as error:
             raise _Left(known, "input ended", question.key) from error
         except KeyboardInterrupt as error:
             raise _Left(known, "interrupted", question.key) from error
-        if typed.lower() in QUIT:
-            raise _Left(known, Ending.QUIT.name.lower(), question.key)
-        if typed.lower() in BACK:
-            place = max(0, place - 1)
-        elif typed.lower() in HELP:
-            console.tell(explain(question))
-        else:
-            known, is_taken = _take(question, typed, known, console)
-            place += is_taken
     return known
+
+
+def _ask(question: Question, known: Answers, console: Console, *, is_new: bool) -> str:
+    """Show a question, with where to look above it the first time, and return what was typed."""
+    if is_new:
+        console.tell("")
+        console.tell(introduce(question))
+    return console.ask(question, default=known.get(question.key, "") or question.default).strip()
 
 
 def _take(

@@ -1,0 +1,257 @@
+"""The wizard on a real terminal of 80 x 24, with the keys that people press.
+
+MTCOMMISSION_TERMINAL=1 leaves every question in each of the three ways instead of one.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import sys
+import time
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import questionary  # noqa: F401  # so that no session imports it anew
+
+from mtcommission.cli import main
+from mtcommission.profile import read_profile
+from mtcommission.wizard import run_wizard  # noqa: F401
+from mtcommission.wizard.measures import WAYS, YES
+from mtcommission.wizard.question import Question
+from mtcommission.wizard.script import STEP, list_questions
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX")
+
+ROOT = Path(__file__).parent.parent
+PAPER = ROOT / "profiles" / "milling-manipulator.toml"
+
+TYPED = {
+    "machine.name": "Milling machine workpiece manipulator",
+    "machine.axis": "",
+    "machine.motion": "",
+    "machine.source": "Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1",
+    "drive.max_force": "2 kN",
+    "drive.force_lag": "2,5 ms",
+    "wizard.way": WAYS[0],
+    "plant.base_mass": "450",
+    "plant.slider_mass": "750",
+    "plant.rotary_inertia": "40",
+    "plant.lever_arm": "0,25",
+    "plant.tcp_height": "0,21",
+    "plant.base_stiffness": "44,41 N/um",
+    "plant.base_damping": "8500",
+    "plant.rotary_stiffness": "8.2e6",
+    "plant.rotary_damping": "1800",
+    "moves.0.kind": STEP,
+    "moves.0.velocity_step": "0.1",
+    "requirements.tcp_deviation": "5 um",
+    "wizard.experts": YES,
+    "damping_optimal.t_f": "52.2 ms",
+    "damping_optimal.weights.x_b": "1.8858e15",
+    "damping_optimal.weights.phi": "1.0961e15",
+    "damping_optimal.weights.v_b": "8.6070e10",
+    "damping_optimal.weights.v_phi": "2.8505e10",
+}
+"""What is typed for the paper's machine; Enter for all else."""
+
+QUESTIONS = list_questions(TYPED)
+
+ENTER, DOWN, CTRL_C, CTRL_D = b"\r", b"\x1b[B", b"\x03", b"\x04"
+
+KEYS_A_SECOND = 4
+"""Of somebody who looks the numbers up and types with two fingers."""
+
+
+@dataclass(slots=True)
+class Terminal:
+    """A process on a terminal: keys in, text out."""
+
+    pid: int
+    file: int
+    seen: str = ""
+    everything: str = ""
+    keys: int = 0
+    status: int | None = None
+
+    def press(self, *keys: bytes) -> None:
+        for key in keys:
+            self.keys += 1
+            os.write(self.file, key)
+
+    def type(self, text: str) -> None:
+        self.keys += len(text)
+        os.write(self.file, text.encode())
+
+    def until(self, words: str) -> None:
+        """Wait until the words have been shown since the last wait."""
+        begun = time.monotonic()
+        while words not in self.seen:
+            assert time.monotonic() - begun < 60.0, self.everything[-2000:]
+            assert self._read(1.0) or self.status is None, self.everything[-2000:]
+        self.seen = self.seen[self.seen.index(words) + len(words) :]
+
+    def end(self) -> int:
+        """Wait for the end; the exit code."""
+        while self.status is None:
+            self._read(1.0)
+        return os.waitstatus_to_exitcode(self.status)
+
+    def _read(self, patience: float) -> bool:
+        if not select.select([self.file], [], [], patience)[0]:
+            return False
+        try:
+            piece = os.read(self.file, 65536)
+        except OSError:  # Linux reports the end of a pseudo-terminal as an error
+            piece = b""
+        if not piece:
+            self.status = os.waitpid(self.pid, 0)[1]
+            return False
+        text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", piece.decode(errors="replace"))
+        self.seen += text
+        self.everything += text
+        return True
+
+
+@contextmanager
+def terminal(folder: Path, *arguments: str, fresh: bool = False) -> Iterator[Terminal]:
+    """The command line in a process of its own; ``fresh`` begins a new interpreter for it."""
+    import fcntl
+    import pty
+    import struct
+    import termios
+
+    pid, file = pty.fork()
+    if pid == 0:
+        os.environ |= {"TERM": "xterm", "PYTHONPATH": str(ROOT), "COLUMNS": "80", "LINES": "24",
+                       "PROMPT_TOOLKIT_NO_CPR": "1"}  # fmt: skip
+        os.chdir(folder)
+        if fresh:
+            command = [sys.executable, "-m", "mtcommission", *arguments]
+            os.execv(command[0], command)
+        sys.stdin, sys.stdout, sys.stderr = (
+            os.fdopen(n, mode, encoding="utf-8", closefd=False, buffering=1)
+            for n, mode in ((0, "r"), (1, "w"), (2, "w"))
+        )
+        sys.argv = ["mtcommission", *arguments]
+        try:
+            main()
+        except SystemExit as stopped:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(int(stopped.code or 0))
+        os._exit(99)
+    fcntl.ioctl(file, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    found = Terminal(pid=pid, file=file)
+    try:
+        yield found
+    finally:
+        if found.status is None:
+            os.kill(pid, 9)
+            os.waitpid(pid, 0)
+        os.close(file)
+
+
+def choose(shell: Terminal, question: Question, wanted: str) -> None:
+    """Go down a list of choices to one of them, from the one that is marked."""
+    listed = [*question.choices, "back", "help", "quit"]
+    marked = question.default if question.default in question.choices else listed[0]
+    shell.press(*[DOWN] * ((listed.index(wanted) - listed.index(marked)) % len(listed)), ENTER)
+
+
+def answer(shell: Terminal, question: Question) -> None:
+    typed = TYPED.get(question.key, "")
+    if question.choices:
+        choose(shell, question, typed or question.default)
+    else:
+        shell.type(typed)
+        shell.press(ENTER)
+
+
+def await_prompt(shell: Terminal, question: Question) -> None:
+    """Wait for a question that is asked anew: the line above it is not drawn again by typing."""
+    shell.until(question.where[:20])
+    shell.until(question.text)
+
+
+def command(shell: Terminal, question: Question, word: str) -> None:
+    if question.choices:
+        choose(shell, question, word)
+    else:
+        shell.type(word)
+        shell.press(ENTER)
+
+
+def test_two_minutes_of_typing_give_the_papers_machine(tmp_path: Path) -> None:
+    """Once through all questions in a new process, on 80 columns, to the shipped machine."""
+    with terminal(tmp_path, "wizard", "-o", "p.toml", fresh=True) as shell:
+        for question in QUESTIONS:
+            await_prompt(shell, question)
+            answer(shell, question)
+        shell.until("Compute the limits now")
+        shell.press(DOWN, ENTER)
+        assert shell.end() == 0
+    assert shell.keys < 120 * KEYS_A_SECOND
+    assert read_profile(tmp_path / "p.toml") == read_profile(PAPER)
+    assert "Traceback" not in shell.everything
+
+
+def test_help_and_back_at_every_question(tmp_path: Path) -> None:
+    """Neither may lose an answer: at the end stands the paper's machine."""
+    with terminal(tmp_path, "wizard", "-o", "p.toml") as shell:
+        for before, question in pairwise((None, *QUESTIONS)):
+            assert question is not None
+            await_prompt(shell, question)
+            command(shell, question, "help")
+            await_prompt(shell, question)
+            command(shell, question, "back")
+            if before is None:
+                shell.until("This is the first question.")
+                shell.until(question.text)
+            else:
+                await_prompt(shell, before)
+                shell.press(ENTER)
+                await_prompt(shell, question)
+            answer(shell, question)
+        shell.until("Compute the limits now")
+        shell.press(CTRL_D)
+        assert shell.end() == 0
+    assert read_profile(tmp_path / "p.toml") == read_profile(PAPER)
+
+
+@pytest.mark.parametrize("shift", range(3) if "MTCOMMISSION_TERMINAL" in os.environ else (0,))
+def test_every_question_can_be_left_and_gone_on_from(shift: int, tmp_path: Path) -> None:
+    """A session for each question, left in one of three ways; the next one begins there with all
+    answers, and the last one writes the paper's machine, as if nobody had ever left."""
+    path, kept = tmp_path / "p.toml", tmp_path / "p.toml.answers"
+    for n, question in enumerate(QUESTIONS):
+        way = ("Ctrl-C", "Ctrl-D", "quit")[(n + shift) % 3]
+        with terminal(tmp_path, "wizard", "-o", "p.toml") as shell:
+            if n:
+                await_prompt(shell, QUESTIONS[n - 1])
+                answer(shell, QUESTIONS[n - 1])
+            await_prompt(shell, question)
+            if way == "quit":
+                command(shell, question, "quit")
+            else:
+                shell.press(CTRL_C if way == "Ctrl-C" else CTRL_D)
+            assert shell.end() == (0 if way == "quit" else 2), shell.everything
+        said = " ".join(shell.everything.split())
+        assert f"at {question.key}; answers kept in p.toml.answers" in said
+        assert "Traceback" not in said
+        assert list(tmp_path.iterdir()) == [kept]
+        assert tomllib.loads(kept.read_text("utf-8"))["wizard.place"] == question.key
+    with terminal(tmp_path, "wizard", "-o", "p.toml") as shell:
+        await_prompt(shell, QUESTIONS[-1])
+        answer(shell, QUESTIONS[-1])
+        shell.until("Compute the limits now")
+        shell.press(CTRL_C)
+        assert shell.end() == 0
+    assert list(tmp_path.iterdir()) == [path]
+    assert read_profile(path) == read_profile(PAPER)
