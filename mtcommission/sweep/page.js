@@ -31,7 +31,8 @@ const bounds = keys.filter((column) => column.name.startsWith("requirements.peak
 const parameter = bounds[0] || keys[0];
 const labelled = parameter && count <= 200;
 const flag = by.get(data.flag);
-const colour = (row) => flag.values[row] ? "#1a7f37" : "#b42318";
+// Colours come from the style sheet, which knows light and dark.
+const tint = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 function range(values, log) {
   let low = Infinity, high = -Infinity;
@@ -41,14 +42,15 @@ function range(values, log) {
     if (value > high) high = value;
   }
   if (low > high) return [0, 1];
-  if (low === high) { const pad = Math.abs(low) * 0.05 || 1; return [low - (log ? 0 : pad), high + pad]; }
+  // What differs by rounding only is one value.
+  if (high - low <= 1e-6 * Math.abs(high)) { const pad = Math.abs(low) * 0.05 || 1; return [low - (log ? 0 : pad), high + pad]; }
   return [low, high];
 }
 
 function scaleOf(values, from, to, log) {
   const [low, high] = range(values, log), f = log ? Math.log : (v) => v;
   const a = f(low), b = f(high);
-  return { low, high, at: (v) => from + (to - from) * (f(v) - a) / (b - a || 1) };
+  return { low, high, log, at: (v) => from + (to - from) * (f(v) - a) / (b - a || 1) };
 }
 
 function prepare(canvas) {
@@ -59,13 +61,37 @@ function prepare(canvas) {
   return { pen, width: box.width, height: box.height };
 }
 
+// Round numbers inside a range: 1, 2 or 5 times a power of ten.
+function ticks(low, high, most, log, whole) {
+  const found = [];
+  if (log && high / low > 20) {
+    for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++)
+      for (const head of high / low > 1e4 ? [1] : [1, 2, 5]) found.push(Number(`${head}e${power}`));
+  } else {
+    const raw = (high - low) / most, power = 10 ** Math.floor(Math.log10(raw));
+    const fine = power * [1, 2, 5, 10].find((head) => head * power >= raw * (1 - 1e-9));
+    const step = whole ? Math.max(fine, 1) : fine;
+    for (let i = Math.ceil(low / step); i <= high / step; i++) found.push(Number((i * step).toPrecision(12)));
+  }
+  return found.filter((value) => value >= low && value <= high);
+}
+
 function axes(pen, width, height, x, y, xColumn, yColumn) {
-  pen.fillStyle = pen.strokeStyle = "#57606a";
-  pen.strokeRect(72.5, 8.5, width - 84, height - 44);
-  pen.textAlign = "right"; pen.fillText(short(y.high / yColumn.size), 68, 18); pen.fillText(short(y.low / yColumn.size), 68, height - 38);
-  pen.fillText(short(x.high / xColumn.size), width - 12, height - 20);
-  pen.textAlign = "left"; pen.fillText(short(x.low / xColumn.size), 72, height - 20);
-  pen.textAlign = "center"; pen.fillText(title(xColumn), width / 2, height - 5);
+  pen.lineWidth = 1; pen.strokeStyle = tint("grid"); pen.fillStyle = tint("dim");
+  pen.textAlign = "right";
+  for (const value of ticks(y.low / yColumn.size, y.high / yColumn.size, height / 40, false, yColumn.kind === "int")) {
+    const py = Math.round(y.at(value * yColumn.size)) + 0.5;
+    pen.beginPath(); pen.moveTo(72, py); pen.lineTo(width - 12, py); pen.stroke();
+    pen.fillText(short(value), 68, py + 4);
+  }
+  pen.textAlign = "center";
+  for (const value of ticks(x.low / xColumn.size, x.high / xColumn.size, width / 80, x.log, xColumn.kind === "int")) {
+    const px = Math.round(x.at(value * xColumn.size)) + 0.5;
+    pen.beginPath(); pen.moveTo(px, 8); pen.lineTo(px, height - 36); pen.stroke();
+    pen.fillText(short(value), Math.min(px, width - 20), height - 22);
+  }
+  pen.strokeStyle = tint("dim"); pen.strokeRect(72.5, 8.5, width - 84, height - 44);
+  pen.fillText(title(xColumn), (width + 60) / 2, height - 5);
 }
 
 // Where every case at a place of the horizontal axis is good, and where some are.
@@ -79,30 +105,56 @@ function bands(pen, height, xColumn, x, log) {
   }
   const sorted = [...places.keys()].sort((a, b) => a - b);
   sorted.forEach((px, i) => {
-    const left = i ? (sorted[i - 1] + px) / 2 : px - 5, right = i + 1 < sorted.length ? (px + sorted[i + 1]) / 2 : px + 5;
+    const left = i ? Math.round((sorted[i - 1] + px) / 2) : px - 5;
+    const right = i + 1 < sorted.length ? Math.round((px + sorted[i + 1]) / 2) : px + 5;
     const [good, bad] = places.get(px);
-    pen.fillStyle = bad === 0 ? "#d7f0dd" : good === 0 ? "#fbe0dd" : "#fdf3cf";
-    pen.fillRect(left, 9, right - left + 0.3, height - 45);
+    pen.fillStyle = tint(bad === 0 ? "band-good" : good === 0 ? "band-none" : "band-some");
+    pen.fillRect(left, 9, right - left, height - 45);
   });
 }
 
-// Many points are drawn once for each pixel that they share.
+// Many points are drawn once for each pixel that they share; what is not good is a cross.
 function dots(pen, points) {
-  const size = count > 2000 ? 1.5 : 4, taken = new Set();
+  const size = count > 2000 ? 1.5 : 4, taken = new Set(), good = tint("good"), bad = tint("bad");
   for (const [px, py, row] of points) {
+    const isGood = flag.values[row];
     if (count > 2000) {
-      const place = Math.round(py) * 65536 + Math.round(px) * 2 + (flag.values[row] ? 1 : 0);
+      const place = Math.round(py) * 65536 + Math.round(px) * 2 + (isGood ? 1 : 0);
       if (taken.has(place)) continue;
       taken.add(place);
     }
-    pen.fillStyle = colour(row);
-    pen.fillRect(px - size / 2, py - size / 2, size, size);
+    pen.fillStyle = pen.strokeStyle = isGood ? good : bad;
+    if (isGood || count > 2000) { pen.fillRect(px - size / 2, py - size / 2, size, size); continue; }
+    pen.beginPath(); pen.moveTo(px - 3, py - 3); pen.lineTo(px + 3, py + 3);
+    pen.moveTo(px - 3, py + 3); pen.lineTo(px + 3, py - 3); pen.stroke();
   }
 }
 
-function nearest(canvas, points, event) {
+// Cases that differ in the horizontal key alone belong together: a thin line joins them.
+function join(pen, points, xColumn) {
+  const others = keys.filter((column) => column !== xColumn);
+  if (count > 2000 || !keys.includes(xColumn) || others.length + 1 !== data.keys.length) return;
+  const series = new Map();
+  for (const point of points) {
+    const name = others.map((column) => column.values[point[2]]).join();
+    if (!series.has(name)) series.set(name, []);
+    series.get(name).push(point);
+  }
+  if (series.size * 3 > points.length) return;
+  pen.strokeStyle = tint("dim"); pen.globalAlpha = 0.5;
+  for (const part of series.values()) {
+    part.sort((a, b) => a[0] - b[0]); pen.beginPath();
+    part.forEach(([px, py], i) => (i ? pen.lineTo(px, py) : pen.moveTo(px, py)));
+    pen.stroke();
+  }
+  pen.globalAlpha = 1;
+}
+
+const REACH = 20;
+
+function nearest(canvas, points, event, reach) {
   const box = canvas.getBoundingClientRect(), px = event.clientX - box.left, py = event.clientY - box.top;
-  let best = null, least = 400;
+  let best = null, least = reach ** 2;
   for (const point of points) {
     const distance = (point[0] - px) ** 2 + (point[1] - py) ** 2;
     if (distance < least) { least = distance; best = point; }
@@ -110,12 +162,12 @@ function nearest(canvas, points, event) {
   return best;
 }
 
-function listen(canvas, points, shown) {
+function listen(canvas, points, shown, reach = REACH) {
   canvas.onmousemove = (event) => {
-    const point = nearest(canvas, points, event);
+    const point = nearest(canvas, points, event, reach);
     canvas.title = point ? `case ${point[2]}: ${shown.map((column) => `${title(column)} ${text(column, point[2])}`).join(", ")}` : "";
   };
-  canvas.onclick = (event) => { const point = nearest(canvas, points, event); if (point) showProfile(point[2]); };
+  canvas.onclick = (event) => { const point = nearest(canvas, points, event, reach); if (point) showProfile(point[2]); };
 }
 
 function scatter(canvas, xColumn, yColumn, log, front) {
@@ -129,6 +181,7 @@ function scatter(canvas, xColumn, yColumn, log, front) {
     if (a === null || b === null || (log && a <= 0)) continue;
     drawn.push([x.at(a), y.at(b), row]);
   }
+  if (!front) join(pen, drawn, xColumn);
   dots(pen, drawn);
   if (front) ring(pen, width, front, x, y, xColumn, yColumn);
   listen(canvas, drawn, [...new Set([...keys, xColumn, yColumn])]);
@@ -137,11 +190,13 @@ function scatter(canvas, xColumn, yColumn, log, front) {
 // The front as a line, its points ringed and, as far as there is room, with the parameter's value.
 function ring(pen, width, front, x, y, xColumn, yColumn) {
   const places = front.map((row) => [x.at(xColumn.values[row]), y.at(yColumn.values[row]), row]);
-  pen.strokeStyle = pen.fillStyle = "#1b1f24"; pen.beginPath();
+  pen.strokeStyle = pen.fillStyle = tint("ink"); pen.beginPath();
   places.forEach(([px, py], i) => (i ? pen.lineTo(px, py) : pen.moveTo(px, py)));
   pen.stroke();
-  let last = null;
+  let last = null, ringed = null;
   for (const [px, py, row] of places) {
+    if (ringed && Math.hypot(px - ringed[0], py - ringed[1]) < 8) continue;
+    ringed = [px, py];
     pen.beginPath(); pen.arc(px, py, 5, 0, 7); pen.stroke();
     if (!labelled || (last && Math.hypot(px - last[0], py - last[1]) < 40)) continue;
     last = [px, py];
@@ -192,24 +247,47 @@ function drawTrade(canvas) {
   scatter(canvas, x, y, false, pareto(x, y));
 }
 
+const shade = (share) => `hsl(${240 - 190 * share} 70% ${35 + 35 * share}%)`;
+
+// The places of a key are its values in order, one step each; some are named.
+function places(column) {
+  const values = [...new Set(column.values)].sort((a, b) => a - b);
+  return { values, at: new Map(values.map((value, i) => [value, i])) };
+}
+
+function nameAll({ values }, column, step, room, write) {
+  const every = Math.ceil(room / step);
+  values.forEach((value, i) => { if (i % every === 0) write(short(value / column.size), (i + 0.5) * step); });
+}
+
 function drawHeat(canvas) {
   const { pen, width, height } = prepare(canvas);
   const [xColumn, yColumn] = keys, value = by.get($("hv").value), [low, high] = range(value.values, false);
-  const place = (column) => new Map([...new Set(column.values)].sort((a, b) => a - b).map((v, i) => [v, i]));
-  const xs = place(xColumn), ys = place(yColumn), w = (width - 84) / xs.size, h = (height - 44) / ys.size;
-  const middles = [];
+  const xs = places(xColumn), ys = places(yColumn), w = (width - 150) / xs.values.length, h = (height - 44) / ys.values.length;
+  const bottom = height - 36, right = width - 78, middles = [];
+  $("map-caption").textContent = `${title(value)} over ${title(xColumn)} (right) and ${title(yColumn)} (up)`;
+  pen.textAlign = "center";
   for (let row = 0; row < count; row++) {
     const v = value.values[row], share = (v - low) / (high - low || 1);
-    const px = 72 + w * xs.get(xColumn.values[row]), py = height - 36 - h * (ys.get(yColumn.values[row]) + 1);
-    pen.fillStyle = v === null ? "#b0b0b0" : `hsl(${240 - 190 * share} 70% ${35 + 35 * share}%)`;
-    pen.fillRect(px, py, w + 0.5, h + 0.5);
-    if (!flag.values[row] && v !== null && w > 3 && h > 3) { pen.fillStyle = "#b42318"; pen.fillRect(px + w / 2 - 1, py + h / 2 - 1, 3, 3); }
+    const px = 72 + w * xs.at.get(xColumn.values[row]), py = bottom - h * (ys.at.get(yColumn.values[row]) + 1);
+    pen.fillStyle = v === null ? "#b0b0b0" : shade(share);
+    pen.fillRect(Math.floor(px), Math.floor(py), Math.ceil(px + w) - Math.floor(px), Math.ceil(py + h) - Math.floor(py));
+    const isRoomy = w > 44 && h > 18;
+    if (v !== null && isRoomy) { pen.fillStyle = share < 0.5 ? "#fff" : "#000"; pen.fillText(short(v / value.size), px + w / 2, py + h / 2 + 4); }
+    if (!flag.values[row] && v !== null && w > 3 && h > 3) { pen.fillStyle = "#ff5a4d"; pen.fillRect(px + 1, py + 1, Math.min(w - 2, 7), Math.min(h - 2, 7)); }
     middles.push([px + w / 2, py + h / 2, row]);
   }
-  const [xl, xh] = range(xColumn.values, false), [yl, yh] = range(yColumn.values, false);
-  axes(pen, width, height, { low: xl, high: xh }, { low: yl, high: yh }, xColumn, yColumn);
-  $("heat-scale").textContent = `Vertical: ${title(yColumn)}. Blue ${number(low / value.size)} to yellow ${number(high / value.size)}; grey: no result; red dot: not ${data.good}. Equal steps for equal places in the list of values.`;
-  listen(canvas, middles, [xColumn, yColumn, value]);
+  pen.fillStyle = pen.strokeStyle = tint("dim");
+  nameAll(xs, xColumn, w, 56, (word, along) => pen.fillText(word, 72 + along, height - 22));
+  pen.fillText(title(xColumn), (72 + right) / 2, height - 5);
+  pen.textAlign = "right";
+  nameAll(ys, yColumn, h, 18, (word, along) => pen.fillText(word, 68, bottom - along + 4));
+  pen.textAlign = "left";
+  for (let i = 0; i < 100; i++) { pen.fillStyle = shade(i / 99); pen.fillRect(right + 10, bottom - (i + 1) * (bottom - 8) / 100, 14, (bottom - 8) / 100 + 1); }
+  pen.fillStyle = tint("dim");
+  for (const share of [0, 0.25, 0.5, 0.75, 1]) pen.fillText(short((low + share * (high - low)) / value.size), right + 28, bottom - share * (bottom - 18));
+  $("heat-scale").textContent = `Grey: no result; red corner: not ${data.good}. Equal steps for equal places in the list of values.`;
+  listen(canvas, middles, [xColumn, yColumn, value], Math.max(REACH, Math.hypot(w, h) / 2));
 }
 
 let order = Array.from({ length: count }, (_, row) => row), page = 0, sorted = "", falling = false;
@@ -287,9 +365,12 @@ if (keys.length === 2) {
   $("heat-section").hidden = false;
   fill($("hv"), results, (by.get("settling_time") || results[0]).name);
   const map = figure($("heat"), "Map");
+  map.previousSibling.id = "map-caption";
   keep(map, () => drawHeat(map));
   $("hv").onchange = () => redraw(map);
 }
 drawRows();
-window.onresize = () => { for (const canvas of painters.keys()) redraw(canvas); };
+const redrawAll = () => { for (const canvas of painters.keys()) redraw(canvas); };
+window.onresize = redrawAll;
+matchMedia("(prefers-color-scheme: dark)").onchange = redrawAll;
 document.documentElement.dataset.ready = "yes";
