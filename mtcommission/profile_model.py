@@ -80,9 +80,10 @@ VELOCITY_GAIN_Q = Quantity(
     _range(DAMPING, 1e-6, 1e12, 0.0), _range(ROTARY_DAMPING, 1e-9, 1e12, 0.0)
 )
 DELAY_Q = Quantity(_range(TIME, 0.0, 10.0), _range(TIME, 0.0, 10.0), word="auto")
-LAG_Q = _same(TIME, 1e-6, 1.0, 0.0)
-# Drives have 31.25 us and more; every simulation steps through the velocity cycles.
-CYCLE_Q = _same(TIME, 1e-5, 1.0, 0.0)
+LAG_Q = _same(TIME, 1e-6, 0.1, 0.0)
+FILTER_TIME_Q = _same(TIME, 1e-6, 1.0, 0.0)
+# Drives have 31.25 us and more, controls up to 20 ms; every simulation steps through them.
+CYCLE_Q = _same(TIME, 1e-5, 0.05, 0.0)
 DWELL_Q = _same(TIME, 0.0, 1e5)
 TIME_Q = _same(TIME, 1e-6, 1e4, 0.0)
 FREQUENCY_Q = _same(FREQUENCY, 1e-2, 1e5, 0.0)
@@ -339,7 +340,7 @@ class SetpointFilterTable(Table):
     """setpoint_filter of [control]."""
 
     kind: Literal["moving_average"] = _key("Kind of filter.", '"moving_average"')
-    time: Annotated[float, LAG_Q] = _key("Length of the filter.", '"20 ms"')
+    time: Annotated[float, FILTER_TIME_Q] = _key("Length of the filter.", '"20 ms"')
 
 
 class ForceFilterTable(Table):

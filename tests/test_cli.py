@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -256,3 +258,38 @@ def test_pieces_of_one_arc_are_printed_as_one(run: Run) -> None:
     assert code == 0
     assert controls.count("interior") > 1
     assert all(before != after for before, after in pairwise(controls))
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
+def test_a_console_of_another_code_page(encoding: str, tmp_path: Path) -> None:
+    """A Windows console has no Greek letters: the text comes in UTF-8, and whole."""
+    named = tmp_path / "Fräse ü.toml"
+    text = (
+        (PROFILES / "rotary-table.toml").read_text("utf-8").replace("Rotary table", "Drehtisch Ω")
+    )
+    named.write_text(text, "utf-8-sig", newline="\r\n")
+    settings = {"PYTHONIOENCODING": encoding, "PYTHONUTF8": "0", "NO_COLOR": "1"}
+    done = subprocess.run(
+        [sys.executable, "-m", "mtcommission", "check", named],
+        capture_output=True,
+        env=os.environ | settings,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert "Drehtisch Ω" in done.stdout.decode("utf-8")
+    assert b"\x1b" not in done.stdout
+
+
+def test_typed_bytes_of_another_encoding_are_refused_at_their_question(tmp_path: Path) -> None:
+    """A piped file in Latin-1 once ended in an internal error, all answers lost."""
+    done = subprocess.run(
+        [sys.executable, "-m", "mtcommission", "wizard", "-o", tmp_path / "p.toml"],
+        input="Fräse\nLathe\nZ\n".encode("latin-1"),
+        capture_output=True,
+        env=os.environ | {"PYTHONIOENCODING": "utf-8"},
+        check=False,
+    )
+    assert done.returncode == 2
+    assert b"bytes of another encoding; type plain text" in done.stdout
+    kept = tomllib.loads((tmp_path / "p.toml.answers").read_text("utf-8"))
+    assert (kept["machine.name"], kept["machine.axis"]) == ("Lathe", "Z")

@@ -17,11 +17,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mtcommission.choose import SearchSettings
+from mtcommission.commission import commission
 from mtcommission.errors import InputError
+from mtcommission.loop_choice import Settings
 from mtcommission.machine import Manipulator, Modal, flexible_modes, frequency_hz
 from mtcommission.plant import build_plant
-from mtcommission.profile import parse_profile, read_profile
+from mtcommission.profile import parse_profile, profile_text_hash, read_profile
+from mtcommission.record.build import build_record
 from mtcommission.record.data import list_data
+from mtcommission.record.schema import Profile
 from mtcommission.wizard.console import LineConsole, RichConsole, hint, introduce
 from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
 from mtcommission.wizard.document import update_document, write_document
@@ -162,6 +167,34 @@ def test_papers_machine_is_the_shipped_one(tmp_path: Path) -> None:
     typed = sum(len(line) for line in PAPER.splitlines())
     assert typed < 240  # two minutes at two characters a second
     assert list(tmp_path.iterdir()) == [tmp_path / "paper.toml"]
+
+
+def test_papers_record_is_the_shipped_one(tmp_path: Path) -> None:
+    """Number by number, as the sheet prints them; only sources and texts of the profile differ."""
+    mine, shipped = tmp_path / "paper.toml", PROFILES / "milling-manipulator.toml"
+    talk(mine, PAPER)
+    coarse = SearchSettings(grid=16, coarse_grid=6, seeds=4, refinements=2)
+    numbers = []
+    for path in (mine, shipped):
+        found = commission(read_profile(path), settings=Settings(search=coarse, comparison=coarse))
+        profile = Profile(
+            name="p", sha256=profile_text_hash(path.read_bytes()), text=path.read_text("utf-8")
+        )
+        record = build_record(found, profile=profile, created="2026-01-02", warnings=[])
+        numbers.append(list(_numbers(record)))
+    assert numbers[0] == numbers[1]
+    assert len(numbers[0]) > 20_000
+
+
+def _numbers(value: object, path: str = "") -> Iterator[tuple[str, float]]:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from _numbers(item, f"{path}.{key}")
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            yield from _numbers(item, f"{path}.{i}")
+    elif isinstance(value, int | float):
+        yield path, value
 
 
 def test_profile_is_commented_and_valid_toml(tmp_path: Path) -> None:

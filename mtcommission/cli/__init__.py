@@ -48,6 +48,9 @@ def main() -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")
+    if hasattr(sys.stdin, "reconfigure"):
+        # Bytes of another encoding must reach the question that they answer, to be refused there.
+        sys.stdin.reconfigure(errors="surrogateescape")
     try:
         app()
     except MtcommissionError as error:

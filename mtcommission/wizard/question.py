@@ -126,7 +126,7 @@ def _choose(question: Question, text: str) -> str:
 
 def _free_text(text: str) -> str:
     if not text.isprintable():
-        raise ValueError("got control characters; type plain text")
+        raise ValueError("got control characters or bytes of another encoding; type plain text")
     if len(text) > LONGEST_TEXT:
         raise ValueError(f"got {len(text)} characters, at most {LONGEST_TEXT} are allowed")
     return text
