@@ -142,6 +142,7 @@ def unsettled_record() -> Record:
             "unit": "s",
             "acceleration": 0.9,
             "jerk": 11.0,
+            "together_with": [],
         }
     ]
     for item in limits["move_sizes"]:
@@ -450,8 +451,24 @@ def _loop() -> Any:
         "position_cycle": 0.002,
         "velocity_cycle": 0.000125,
         "sensors": ["encoder"],
-        "observer": {"states": ["x_b", "v_b"]},
-        "closed_loop": {},
+        "observer": {
+            "states": ["x_b", "v_b"],
+            "sensors": ["encoder"],
+            "A": [[0.0, 1.0], [0.0, 0.0]],
+            "B": [0.0, 0.1],
+            "C": [[1.0, 0.0]],
+            "L": [[0.1], [0.2]],
+        },
+        "closed_loop": {
+            "A": [[0.0]],
+            "B": [[0.0]],
+            "C": [[0.0]],
+            "D": [[0.0]],
+            "dt": 0.002,
+            "states": ["x_b"],
+            "inputs": ["x_ref"],
+            "outputs": ["tcp"],
+        },
         "poles": [[-22.5, 452.2], [-22.5, -452.2], [-31.78, 0.0]],
         "gain_margin_db": 13.52,
         "phase_margin_deg": 31.84,

@@ -43,6 +43,8 @@ from mtcommission.plant import build_plant
 from mtcommission.plausibility import check_plausibility
 from mtcommission.profile import read_profile
 from mtcommission.record.data import list_assumptions, list_data
+from mtcommission.record.expected import find_unexpected
+from mtcommission.record.schema import Record
 from mtcommission.rule import FORMULA
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
@@ -52,7 +54,7 @@ from mtcommission.sheet.format import THIN_SPACE, Formatter, motion_unit
 from mtcommission.sheet.formula import find_symbols, parse_formula
 from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.sheet.labels_en import ENGLISH, Labels
-from mtcommission.sheet.model import Form, Formula, Paragraph, Table
+from mtcommission.sheet.model import Form, Formula, Paragraph, Preformatted, Table, Tone
 from mtcommission.sheet.motion_part import MOST_POINTS, thin_out
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
@@ -217,6 +219,12 @@ def test_thinning_keeps_both_ends_and_every_extreme(count, seed):
     assert np.all(np.diff(kept_x) > 0.0)
 
 
+@pytest.mark.parametrize("name", RECORDS)
+def test_the_records_of_these_tests_are_records(name):
+    """Printed from another form than a run writes, a sheet would prove nothing."""
+    assert list(find_unexpected(RECORDS[name](), Record)) == []
+
+
 # content
 
 
@@ -351,6 +359,61 @@ def test_a_map_without_any_value_still_spans_its_axes():
     assert {20.0, 80.0, 1.0, 3.0} <= numbers
 
 
+def test_a_rotary_axis_has_torques_and_moments_of_inertia():
+    """A field "Moving mass 8.3 kg m²" makes one doubt all other fields."""
+    record = rotary_record()
+    record["limits"]["recommended"]["bound_by"] = "residual deviation and force limit"
+    record["assumptions"] = list_assumptions(read_shipped("rotary-table").machine)
+    forces = {"en": r"\b([Ff]orces?|[Mm]ass)\b", "de": "[Kk]raft|[Kk]räft|[Mm]asse"}
+    for labels in (ENGLISH, GERMAN):
+        document = compose(record, labels)
+        shown = "\n".join(
+            block_text(block)
+            for section in document.sections
+            for block in section.blocks
+            if not isinstance(block, Preformatted)
+        )
+        assert not re.findall(f".*(?:{forces[labels.language]}).*", shown)
+        linear = block_text(table_of(example_record(), "measurements", labels))
+        assert re.search(forces[labels.language], linear), "the words that are looked for"
+
+
+def test_a_long_source_stands_once_with_a_number_and_a_short_one_in_its_row():
+    """Repeated in each row, the source fills the page and hides the data of other origin."""
+    record = example_record()
+    long, other = ("Measured by the maker of the machine, report 12 of 2026", "Data sheet " * 4)
+    record["machine"]["source"] = long
+    for item, source in zip(record["data"], (long, long, other), strict=False):
+        item["source"] = source
+    section = next(s for s in compose(record, ENGLISH).sections if s.key == "machine")
+    title, data, _ = (block for block in section.blocks if isinstance(block, Table))
+    assert dict(title.rows)["Source"] == f"[1] {long}"
+    assert [row[3] for row in data.rows] == ["[1]", "[1]", "[2]"]
+    notes = [block.text for block in section.blocks if isinstance(block, Paragraph)]
+    assert notes == [f"[2] {other}"]
+    assert {row[3] for row in table_of(example_record(), "machine", which=1).rows} == {"Table 1"}
+
+
+def test_the_first_page_says_each_warning_once():
+    record = example_record()
+    record["robustness"]["warnings"] = ["Kept only from -1 % to +1 %."]
+    others = record["warnings"]
+    record["warnings"] = [*others, *record["robustness"]["warnings"]]
+
+    def told(record):
+        blocks = compose(record, ENGLISH).sections[0].blocks
+        return [b.text for b in blocks if isinstance(b, Paragraph) and b.tone is Tone.WARNING]
+
+    assert told(record) == [
+        "Kept only from −1 % to +1 %.",
+        ENGLISH.further_warnings.format(count=len(others)),
+    ]
+    record["warnings"] = record["robustness"]["warnings"]
+    assert told(record) == ["Kept only from −1 % to +1 %."]
+    record["robustness"]["warnings"], record["warnings"] = [], others
+    assert told(record) == [ENGLISH.warning_count.format(count=len(others))]
+
+
 def test_faster_than_the_reference_is_explained():
     record = example_record()
     record["moves"][0]["response"]["settling_time"] = 0.0400
@@ -391,9 +454,9 @@ def test_arcs_within_the_force_bound_that_follow_one_another_are_no_switches():
     assert shown == f"9{THIN_SPACE}ms, 19.8{THIN_SPACE}ms"
 
 
-def table_of(record, key):
-    section = next(s for s in compose(record, ENGLISH).sections if s.key == key)
-    return next(block for block in section.blocks if isinstance(block, Table))
+def table_of(record, key, labels=ENGLISH, *, which=0):
+    section = next(s for s in compose(record, labels).sections if s.key == key)
+    return [block for block in section.blocks if isinstance(block, Table)][which]
 
 
 def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
@@ -413,7 +476,10 @@ def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(labels):
     record = example_record()
     record["limits"]["rule"]["formula"] = FORMULA
     steps = [
-        ("servo compliance C_S", "(max(0.4 T^2, 0.18 T_p^2) + 0.8 sum m c/omega^2) / omega_v"),
+        (
+            "servo compliance C_S",
+            "(max(0.4 T^2, 0.18 T_p^2) + 0.8 sum m c/omega^2) min(1.5/omega_v, t_j)",
+        ),
         ("payload compliance C_P", "eps min(Tn/(omega_v Kv), 1.3 t_j/(omega_v (Kv + 1/Tn)))"),
         ("unknown share of the mass eps", "|m_ff - m| / m"),
     ]
@@ -632,6 +698,20 @@ def test_a_split_table_leaves_no_single_row_behind():
     assert "plant.row_41_" in split[0]
 
 
+@pytest.mark.parametrize("name", RECORDS)
+def test_no_text_lies_on_another(name, pdfs):
+    """A caption on the sentence above it, or two numbers at one tick, cannot be read."""
+    for number, page in enumerate(pypdfium2.PdfDocument(pdfs[name]), start=1):
+        text = page.get_textpage()
+        boxes = np.array([text.get_rect(k) for k in range(text.count_rects())])
+        low = np.maximum(boxes[:, None, :2], boxes[None, :, :2])
+        high = np.minimum(boxes[:, None, 2:], boxes[None, :, 2:])
+        # An index beside its letter is set closely; more than 4 by 1.5 pt is none.
+        covered = np.triu(np.all(high - low > (4.0, 1.5), axis=2), k=1)
+        told = [text.get_text_bounded(*boxes[k]) for pair in np.argwhere(covered) for k in pair]
+        assert not told, (number, told)
+
+
 def test_nothing_is_printed_outside_the_margins(pdfs):
     for pdf in pdfs.values():
         for page in pypdfium2.PdfDocument(pdf):
@@ -746,8 +826,8 @@ def test_an_unknown_language_names_those_that_there_are():
 
 def test_no_label_is_empty():
     for field in fields(ENGLISH):
-        assert getattr(ENGLISH, field.name) or field.name == "phrases", field.name
-        assert getattr(GERMAN, field.name), field.name
+        assert getattr(ENGLISH, field.name) or field.name in ("phrases", "words"), field.name
+        assert getattr(GERMAN, field.name) or field.name == "words", field.name
 
 
 SAME_IN_GERMAN = {
@@ -772,7 +852,7 @@ def places(text):
 def test_german_says_everything_and_fills_the_same_places():
     for field in fields(ENGLISH):
         english, german = (getattr(labels, field.name) for labels in (ENGLISH, GERMAN))
-        if field.name not in ("phrases", "names"):
+        if field.name not in ("phrases", "names", "words"):
             assert places(english) == places(german), field.name
             assert (english == german) == (field.name in SAME_IN_GERMAN), field.name
     assert set(ENGLISH.names) <= set(GERMAN.names)

@@ -7,7 +7,7 @@ null.
 
 from __future__ import annotations
 
-from typing import NotRequired, TypedDict
+from typing import TypedDict
 
 SCHEMA = 1
 
@@ -223,7 +223,7 @@ class AttainableEntry(TypedDict):
     unit: str
     acceleration: float
     jerk: float
-    together_with: NotRequired[list[str]]
+    together_with: list[str]
 
 
 class MoveSizesEntry(TypedDict):

@@ -7,7 +7,7 @@ from mtcommission.sheet.comparison_part import comparisons
 from mtcommission.sheet.difference_part import differences
 from mtcommission.sheet.entry_part import parameters, signatures
 from mtcommission.sheet.evidence_part import certificates, versions
-from mtcommission.sheet.format import Formatter
+from mtcommission.sheet.format import formatter_of
 from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.limits_part import landscape, limits, rules
 from mtcommission.sheet.loop_part import loop
@@ -45,7 +45,7 @@ def compose(record: Record, labels: Labels, *, before: Record | None = None) -> 
     InputError
         If the two records cannot be compared.
     """
-    f = Formatter(rotary=record["machine"]["motion"] == "rotary", labels=labels)
+    f = formatter_of(record["machine"]["motion"], labels)
     profile = record["profile"]
     changes = () if before is None else (differences(before, record, f),)
     return Document(

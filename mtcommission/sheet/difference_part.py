@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -134,10 +133,7 @@ def _datum_change(
         f.labels.not_stated if item is None else datum(item, record["plant"]["units"], f)
         for item, record in zip(items, records, strict=True)
     ]
-    # The number of a move tells its data apart.
-    number = re.match(r"moves\[(\d+)\]", named["key"])
-    place = f"{f.labels.move.format(number=number[1])}: " if number else ""
-    name = place + datum_name(named, f)
+    name = datum_name(named, f)
     before, after = (None if item is None else item["value"] for item in items)
     if isinstance(before, float | int) and isinstance(after, float | int):
         return _numbers(name, (before, after), (shown[0], shown[1]), f)

@@ -27,8 +27,8 @@ SCALE_ROOM = 66.0
 SAMPLE, SPACE = 24.0, 14.0
 """Length of the line in a legend, and the space behind an entry [pt]."""
 
-MOST_COLUMNS = 3
-"""Columns of a legend below a plot."""
+MOST_COLUMNS, BESIDE = 3, 4.0
+"""Columns of a legend below a plot, and the room to the left of it [pt]."""
 
 BORDER_DASHES, CURSOR = (2.0, 2.0), 0.7
 """How a limit is drawn: dashes and width [pt]."""
@@ -207,7 +207,7 @@ def _point_plot(plot: PointPlot, decimal_mark: str) -> bytes:
     _label_x(canvas, x, bottom, plot.x_label, decimal_mark)
     for k, row in enumerate(rows):
         for column, entry in enumerate(row):
-            place = LEFT + column * (WIDTH - LEFT) / len(rows[0])
+            place = BESIDE + column * (WIDTH - BESIDE) / len(rows[0])
             _draw_entry(canvas, entry, place, bottom + FOOT + (k + 1) * ROW)
     return canvas.finish()
 
@@ -299,7 +299,8 @@ def _draw_scale(canvas: Canvas, low: float, high: float, y: Axis, decimal_mark: 
     for share in np.linspace(0.0, 1.0, 6):
         value, place = low * (high / low) ** share, y.begin + share * (y.end - y.begin)
         words = tick_text(float(f"{value:.3g}"), decimal_mark)
-        canvas.text(left + 15.0, place + 0.36 * SIZE, words)
+        # The uppermost number keeps away from the title above it.
+        canvas.text(left + 15.0, max(place + 0.36 * SIZE, y.end + 0.9 * SIZE), words)
 
 
 def _draw_grid(canvas: Canvas, x: Axis, y: Axis, decimal_mark: str) -> None:
@@ -352,7 +353,7 @@ def _legend_rows(entries: list[Entry]) -> list[list[Entry]]:
 def _legend_table(entries: list[Entry]) -> list[list[Entry]]:
     """Return the rows of a legend with as many columns as the longest entry allows."""
     longest = max(map(_entry_width, entries))
-    count = max(1, min(MOST_COLUMNS, int((WIDTH - LEFT) / longest)))
+    count = max(1, min(MOST_COLUMNS, int((WIDTH - BESIDE) / longest)))
     return [entries[i : i + count] for i in range(0, len(entries), count)]
 
 

@@ -212,6 +212,25 @@ class Formatter:
         return _LADDERS.get(unit)
 
 
+def formatter_of(motion: str, labels: Labels) -> Formatter:
+    """Return the formatter of an axis, with the words for its motion.
+
+    Parameters
+    ----------
+    motion
+        "linear" or "rotary".
+    labels
+        Texts of the language.
+
+    Examples
+    --------
+    >>> formatter_of("rotary", Labels()).labels.rms_force
+    'RMS torque'
+    """
+    is_rotary = motion == "rotary"
+    return Formatter(rotary=is_rotary, labels=labels.for_rotary() if is_rotary else labels)
+
+
 def pretty_unit(unit: str) -> str:
     """Return a unit as printed.
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from mtcommission.sheet.labels_en import Labels
+from mtcommission.sheet.phrases import Phrases
 from mtcommission.sheet.phrases_de import PHRASES
 
 NAMES: Mapping[str, str] = MappingProxyType(
@@ -65,12 +66,49 @@ NAMES: Mapping[str, str] = MappingProxyType(
     }
 )
 
+ROTARY_WORDS: Phrases = (
+    (
+        "Die Achse ist linear: eine starre Masse",
+        "Die Achse gilt als lineares System: starrer Körper",
+    ),
+    ("Rastkräfte und Kräfte der Energieführung", "Rastmomente und Momente der Energieführung"),
+    ("Kraftsprung in der Wirklinie des Antriebs", "Momentensprung um die Achse des Antriebs"),
+    ("Auslenkung des Werkzeugs je Kraft", "Drehung des Werkzeugs je Drehmoment"),
+    (
+        "Laserinterferometer oder Beschleunigungsaufnehmer am Werkzeug",
+        "Winkelmessgerät oder Beschleunigungsaufnehmer auf bekanntem Radius",
+    ),
+    ("Weg, Geschwindigkeit und Kraft", "Winkel, Geschwindigkeit und Drehmoment"),
+    ("^Weg(?=$| oder)", "Winkel"),
+    ("an der Sollkraft", "am Sollmoment"),
+    ("Größte Sollkraft", "Größtes Sollmoment"),
+    ("Verlangte Sollkraft", "Verlangtes Sollmoment"),
+    ("Größte Kraft", "Größtes Drehmoment"),
+    ("verfügbare Kraft", "verfügbares Drehmoment"),
+    ("innerhalb der Kraft", "innerhalb des Drehmoments"),
+    ("keine zulässige Kraft", "kein zulässiges Drehmoment"),
+    ("keine Kraft", "kein Drehmoment"),
+    ("die volle Kraft", "das volle Drehmoment"),
+    ("die Kraft", "das Drehmoment"),
+    ("der quadrierten Motorkraft", "des quadrierten Motormoments"),
+    ("(Soll|Effektiv|Dauer|Motor)kraft", r"\1moment"),
+    (r"Kraft(?=-|[a-zä])", "Momenten"),
+    ("Kräfte", "Drehmomente"),
+    ("Kraft", "Drehmoment"),
+    ("Bewegte Masse", "Bewegtes Trägheitsmoment"),
+    ("der bewegten Masse", "des bewegten Trägheitsmoments"),
+    ("Anteil der Masse", "Anteil des Trägheitsmoments"),
+    ("Masse", "Trägheitsmoment"),
+)
+"""What is said otherwise on a rotary axis, article and ending first."""
+
 GERMAN = Labels(
     language="de",
     decimal_mark=",",
     names=NAMES,
     phrases=PHRASES,
     original="{text} [Originaltext]",
+    rotary_words=ROTARY_WORDS,
     # the printers' own words
     title="Inbetriebnahmeprotokoll",
     axis="Achse",
@@ -149,6 +187,7 @@ GERMAN = Labels(
     checks_caption="Anforderungen",
     data_source="Quelle der Maschinendaten: {source}",
     warning_count="Warnungen: {count}, siehe Abschnitt Nachweise und Annahmen.",
+    further_warnings="Weitere Warnungen: {count}, siehe Abschnitt Nachweise und Annahmen.",
     check="Anforderung",
     found="Gefunden",
     permitted="Zulässig",
@@ -167,7 +206,6 @@ GERMAN = Labels(
     rotary="rotatorisch",
     rigid_caption="Starre Achse",
     moving_mass="Bewegte Masse",
-    moving_inertia="Bewegte Trägheit",
     controllability="Steuerbarkeit: Rang der Kalman-Matrix",
     of_states="{rank} von {count} Zuständen",
     modes_caption="Eigenformen der Struktur (ohne Regelung)",
@@ -193,7 +231,7 @@ GERMAN = Labels(
     bound_by_column="Begrenzt durch",
     attainable="Erreichbar",
     attainable_caption=(
-        "Was stattdessen erreichbar wäre, je eine Anforderung, alle anderen eingehalten"
+        "Was stattdessen erreichbar wäre, allein oder mit den genannten, alle anderen eingehalten"
     ),
     attainable_band="{reason}; erreichbar wäre ein Band von {band}",
     alternatives_caption="Empfehlung und Alternativen, in derselben Simulation",

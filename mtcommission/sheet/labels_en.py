@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
+from typing import Any
 
-from mtcommission.sheet.phrases import Phrases, polish, translate
+from mtcommission.sheet.phrases import Phrases, polish, replace_words, translate
 
 NAMES: Mapping[str, str] = MappingProxyType(
     {
@@ -42,6 +43,27 @@ NAMES: Mapping[str, str] = MappingProxyType(
 )
 """Keys and signals whose names do not follow from their spelling."""
 
+ROTARY_WORDS: Phrases = (
+    (r"cable forces", "cable drag"),
+    (r"The axis is linear: a rigid mass", "The axis is taken as a linear system: a rigid body"),
+    (r"(?i)force on the line of the drive", "torque about the axis of the drive"),
+    (r"Displacement of the tool per force", "Rotation of the tool per torque"),
+    (
+        r"laser interferometer or accelerometer at the tool",
+        "angle measuring device, or accelerometer at a known radius",
+    ),
+    (r"\bforce(s?)\b", r"torque\1"),
+    (r"\bForce(s?)\b", r"Torque\1"),
+    (r"\bmass\b", "moment of inertia"),
+    (r"\bMass\b", "Moment of inertia"),
+    (r"\bdistance\b", "angle"),
+    (r"\bDistance\b", "Angle"),
+)
+"""What is said otherwise on a rotary axis; names in the profile stay as they are spelled."""
+
+UNTURNED = ("language", "decimal_mark", "phrases", "rotary_words", "words")
+"""Fields that are not words of the sheet."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Labels:
@@ -52,6 +74,8 @@ class Labels:
     names: Mapping[str, str] = field(default_factory=lambda: NAMES)
     phrases: Phrases = ()
     original: str = "{text}"
+    rotary_words: Phrases = ROTARY_WORDS
+    words: Phrases = ()
 
     # the printers' own words
     title: str = "Commissioning sheet"
@@ -130,6 +154,9 @@ class Labels:
     checks_caption: str = "Requirements"
     data_source: str = "Source of the machine data: {source}"
     warning_count: str = "Warnings: {count}, see the section on certificates and assumptions."
+    further_warnings: str = (
+        "Further warnings: {count}, see the section on certificates and assumptions."
+    )
     check: str = "Requirement"
     found: str = "Found"
     permitted: str = "Permitted"
@@ -150,7 +177,6 @@ class Labels:
     rotary: str = "rotary"
     rigid_caption: str = "Rigid axis"
     moving_mass: str = "Moving mass"
-    moving_inertia: str = "Moving inertia"
     controllability: str = "Controllability: rank of the Kalman matrix"
     of_states: str = "{rank} of {count} states"
     modes_caption: str = "Modes of the structure (control off)"
@@ -177,7 +203,7 @@ class Labels:
     bound_by_column: str = "Bound by"
     attainable: str = "Could be met"
     attainable_caption: str = (
-        "What could be met instead, one at a time, with all other requirements kept"
+        "What could be met instead, each by itself or with those it names, all others kept"
     )
     attainable_band: str = "{reason}; a band of {band} could be met"
     alternatives_caption: str = "Recommendation and alternatives, in the same simulation"
@@ -567,6 +593,23 @@ class Labels:
         "Remarks",
     )
 
+    def for_rotary(self) -> Labels:
+        """Return the texts of a rotary axis, which has torques for forces.
+
+        Examples
+        --------
+        >>> rotary = Labels().for_rotary()
+        >>> rotary.max_force, rotary.say("RMS force"), rotary.name("moving_mass")
+        ('Largest set torque', 'RMS torque', 'Moving moment of inertia')
+        """
+        texts = {item.name: getattr(self, item.name) for item in fields(self)}
+        turned: dict[str, Any] = {
+            name: _turned(value, self.rotary_words)
+            for name, value in texts.items()
+            if name not in UNTURNED
+        }
+        return replace(self, words=self.rotary_words, **turned)
+
     def say(self, text: str) -> str:
         """Return a sentence of the record in this language, or marked as original text.
 
@@ -578,7 +621,7 @@ class Labels:
         found = translate(text, self.phrases, decimal_mark=self.decimal_mark)
         if found is None and text:
             found = self.original.format(text=text)
-        return polish(found or text)
+        return replace_words(polish(found or text), self.words)
 
     def say_if_known(self, text: str) -> str:
         """Return a text in this language; one of the user's own stays as it is."""
@@ -610,7 +653,17 @@ class Labels:
         if last in self.names:
             return self.names[last]
         words = last.replace("_", " ")
-        return words[:1].upper() + words[1:]
+        return replace_words(words[:1].upper() + words[1:], self.words)
+
+
+def _turned(
+    value: str | tuple[str, ...] | Mapping[str, str], words: Phrases
+) -> str | tuple[str, ...] | Mapping[str, str]:
+    if isinstance(value, str):
+        return replace_words(value, words)
+    if isinstance(value, tuple):
+        return tuple(replace_words(item, words) for item in value)
+    return {key: replace_words(item, words) for key, item in value.items()}
 
 
 ENGLISH = Labels()

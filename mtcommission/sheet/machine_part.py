@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import re
+
 from mtcommission.record.schema import Quantity, Record
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import Block, Column, Paragraph, Section, Table
-from mtcommission.sheet.verdict_part import move_title
+from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
 
 REQUIRED = ("requirements.", "moves")
 """Beginnings of the keys that say what is required, not what the machine is."""
 
+LONGEST_SOURCE = 28
+"""Letters of a source that fits into its column; a longer one stands once, with a number."""
+
 
 def machine_data(record: Record, f: Formatter) -> Section:
     """Return the machine's data with their sources, and its modes."""
-    text, machine = f.labels, record["machine"]
+    text, machine, sources = f.labels, record["machine"], long_sources(record)
     data = [item for item in record["data"] if not item["key"].startswith(REQUIRED)]
     title = Table(
         caption=text.rigid_caption,
@@ -22,7 +26,7 @@ def machine_data(record: Record, f: Formatter) -> Section:
             (text.machine_row, machine["name"]),
             (text.axis_row, machine["axis"]),
             (text.motion_row, text.rotary if f.rotary else text.linear),
-            (text.source, text.say_if_known(machine["source"])),
+            (text.source, _numbered(machine["source"], sources, f)),
             *_rigid_rows(record, f),
         ),
     )
@@ -31,7 +35,12 @@ def machine_data(record: Record, f: Formatter) -> Section:
         heading=text.machine_heading,
         blocks=(
             title,
-            _data_table(text.data_caption, data, record["plant"]["units"], f),
+            _data_table(text.data_caption, data, record, f),
+            *(
+                Paragraph(text=_numbered(source, sources, f), tone=Tone.NOTE)
+                for source in sources
+                if source != machine["source"]
+            ),
             _modes(record, f),
         ),
     )
@@ -41,14 +50,10 @@ def requirements(record: Record, f: Formatter) -> Section:
     """Return the moves and what is required of them."""
     text = f.labels
     data = [item for item in record["data"] if item["key"].startswith(REQUIRED)]
-    moves: tuple[Block, ...] = tuple(
-        Paragraph(text=move_title(move["move"], number, f) + ".")
-        for number, move in enumerate(record["moves"], start=1)
-    )
     return Section(
         key="requirements",
         heading=text.requirements_heading,
-        blocks=(*moves, _data_table(text.requirements_caption, data, record["plant"]["units"], f)),
+        blocks=(_data_table(text.requirements_caption, data, record, f),),
     )
 
 
@@ -57,27 +62,47 @@ def _rigid_rows(record: Record, f: Formatter) -> tuple[tuple[str, str], ...]:
     mass = f.quantity(plant["moving_mass"], motion_unit("kg", rotary=f.rotary))
     rank = text.of_states.format(rank=plant["controllability_rank"], count=len(plant["states"]))
     return (
-        (text.moving_inertia if f.rotary else text.moving_mass, mass),
+        (text.moving_mass, mass),
         (text.controllability, rank),
     )
 
 
-def _data_table(caption: str, data: list[Quantity], units: dict[str, str], f: Formatter) -> Table:
-    text = f.labels
+def long_sources(record: Record) -> list[str]:
+    """Return the sources too long to be repeated in each row; the first is number 1."""
+    named = [record["machine"]["source"], *(item["source"] for item in record["data"])]
+    return [source for source in dict.fromkeys(named) if len(source) > LONGEST_SOURCE]
+
+
+def _numbered(source: str, sources: list[str], f: Formatter) -> str:
+    """Return a source behind its number, if it has one."""
+    words = f.labels.say_if_known(source)
+    return f"[{sources.index(source) + 1}] {words}" if source in sources else words
+
+
+def _data_table(caption: str, data: list[Quantity], record: Record, f: Formatter) -> Table:
+    text, sources = f.labels, long_sources(record)
+
+    def cited(source: str) -> str:
+        return (
+            _numbered(source, sources, f).partition(" ")[0]
+            if source in sources
+            else (text.say_if_known(source))
+        )
+
     return Table(
         caption=caption,
         columns=(
             Column(head=text.quantity, width=1.3),
             Column(head=text.value, width=0.8, is_number=True),
             Column(head=text.key, width=1.5),
-            Column(head=text.source, width=1.8),
+            Column(head=text.source, width=1.1),
         ),
         rows=tuple(
             (
                 datum_name(item, f),
-                datum(item, units, f),
+                datum(item, record["plant"]["units"], f),
                 item["key"],
-                text.say_if_known(item["source"]),
+                cited(item["source"]),
             )
             for item in data
         ),
@@ -85,9 +110,12 @@ def _data_table(caption: str, data: list[Quantity], units: dict[str, str], f: Fo
 
 
 def datum_name(item: Quantity, f: Formatter) -> str:
-    """Return the name of a datum; of one of a mode, with the mode's name."""
+    """Return the name of a datum, with the number of its move or the name of its mode."""
     *path, last = item["key"].split(".")
     name = f.labels.name(last)
+    number = re.fullmatch(r"moves\[(\d+)\]", ".".join(path))
+    if number:
+        return f"{f.labels.move.format(number=number[1])}: {name}"
     if path[:2] == ["plant", "modes"]:
         return f.labels.of_mode.format(name=name, mode=".".join(path[2:]))
     if path == ["requirements", "peaks"]:

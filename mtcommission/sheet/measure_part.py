@@ -48,7 +48,7 @@ def _structure(record: Record, f: Formatter) -> list[Row]:
     """Mass, and frequency and damping of each mode, with the spread that the limits allow for."""
     text, plant = f.labels, record["plant"]
     mass = f.quantity(plant["moving_mass"], motion_unit("kg", rotary=f.rotary))
-    rows = [(text.moving_inertia if f.rotary else text.moving_mass, mass, "–")]
+    rows = [(text.moving_mass, mass, "–")]
     spreads = {
         item["key"]: item["value"]
         for item in record["data"]

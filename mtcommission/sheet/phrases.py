@@ -19,6 +19,8 @@ SIGNS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
         (r"(?<=\d) u(?=m\b|rad\b)", " µ"),
         (r"(?<=[a-z])\^2\b", "²"),
         (r"(?<=[a-z])\^3\b", "³"),
+        (r"(?<=\d) arcsec\b", "″"),
+        (r"(?<=\d) deg\b", "°"),
         (r"<=", "≤"),
         (r">=", "≥"),
         (r" x (?=\d)|(?<=\)) x ", " × "),
@@ -84,6 +86,22 @@ def polish(text: str) -> str:
     for pattern, sign in SIGNS:
         text = pattern.sub(sign, text)
     return POWER.sub(lambda power: f"×10{str(int(power[1])).translate(SUPERSCRIPTS)}", text)
+
+
+def replace_words(text: str, words: Phrases) -> str:
+    r"""Return a text with some of its words replaced, in their order; each is a pattern.
+
+    Places to be filled in keep their names.
+
+    Examples
+    --------
+    >>> replace_words("Set force {force}", [(r"\bforce\b", "torque")])
+    'Set torque {force}'
+    """
+    parts = re.split(r"(\{\w+\})", text)
+    for pattern, other in words:
+        parts[::2] = [re.sub(pattern, other, part) for part in parts[::2]]
+    return "".join(parts)
 
 
 def _put(target: str, values: dict[str, str]) -> str:

@@ -11,9 +11,10 @@ from rich.table import Table
 from rich.text import Text
 
 from mtcommission.record.schema import Record
-from mtcommission.sheet.format import THIN_SPACE, Formatter
+from mtcommission.sheet.format import THIN_SPACE, Formatter, formatter_of
 from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.robustness_part import drawn_sentence, kept_sentence
+from mtcommission.sheet.limits_part import name_obstacle
 from mtcommission.sheet.verdict_part import (
     acceleration,
     jerk,
@@ -75,8 +76,9 @@ class Summary:
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield title, verdict, values and the small plot."""
-        record, text = self.record, self.labels
-        f = Formatter(rotary=record["machine"]["motion"] == "rotary", labels=text)
+        record = self.record
+        f = formatter_of(record["machine"]["motion"], self.labels)
+        text = f.labels
 
         def plain(words: str, style: str = "") -> Text:
             # A Text is never read as markup, whatever the machine is called.
@@ -121,7 +123,7 @@ def further_sentences(record: Record, f: Formatter) -> list[str]:
     text, drawn = f.labels, record["robustness"]["monte_carlo"]
     could_be_met = [
         text.could_be_met.format(
-            requirement=text.say(item["requirement"]),
+            requirement=text.say(name_obstacle(item)),
             value=f.quantity(item["value"], item["unit"]),
             limit=f.quantity(item["limit"], item["unit"]),
         )

@@ -40,7 +40,7 @@ def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:
                 tone=Tone.NOTE,
             ),
             headline,
-            *_warning_count(record, f),
+            *_warnings(record, f),
             _result(record, f),
             Paragraph(text=reference_sentence(record, slowest_move(record), f)),
             Paragraph(text=text.reference_note, tone=Tone.NOTE),
@@ -156,17 +156,16 @@ def capitalised(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-def _warning_count(record: Record, f: Formatter) -> tuple[Paragraph, ...]:
-    count = len(record["warnings"])
-    if not count:
-        return ()
-    return (
-        *(
-            Paragraph(text=f.labels.say(line), tone=Tone.WARNING)
-            for line in (*record["loop"]["warnings"], *record["robustness"]["warnings"])
-        ),
-        Paragraph(text=f.labels.warning_count.format(count=count), tone=Tone.WARNING),
-    )
+def _warnings(record: Record, f: Formatter) -> tuple[Paragraph, ...]:
+    """Return the warnings on which the verdict hangs, and how many more there are."""
+    text = f.labels
+    told = (*record["loop"]["warnings"], *record["robustness"]["warnings"])
+    lines = [text.say(line) for line in told]
+    others = [line for line in record["warnings"] if line not in told]
+    if others:
+        form = text.further_warnings if told else text.warning_count
+        lines.append(form.format(count=len(others)))
+    return tuple(Paragraph(text=line, tone=Tone.WARNING) for line in lines)
 
 
 def _result(record: Record, f: Formatter) -> Table:
