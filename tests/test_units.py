@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.unit_advice import FOREIGN
+from mtcommission.unit_symbols import SYMBOLS, read_unit
 from mtcommission.units import (
     ACCELERATION,
     ANGLE,
@@ -25,14 +26,12 @@ from mtcommission.units import (
     ROTARY_DAMPING,
     ROTARY_STIFFNESS,
     STIFFNESS,
-    SYMBOLS,
     TIME,
     TORQUE,
     VELOCITY,
     Dimension,
     convert_to,
     parse_quantity,
-    read_unit,
 )
 
 REPEATABLE = settings(derandomize=True, deadline=None)

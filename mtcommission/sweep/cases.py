@@ -21,7 +21,8 @@ import tomlkit
 from mtcommission import __version__
 from mtcommission.errors import Fault, InputError
 from mtcommission.optimal.solution import Bound
-from mtcommission.units import NUMBER, read_unit
+from mtcommission.unit_symbols import read_unit
+from mtcommission.units import NUMBER
 
 FORCE_KEY = "drive.max_force"
 PEAKS_KEY = "requirements.peaks."
