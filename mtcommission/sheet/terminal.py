@@ -13,8 +13,8 @@ from rich.text import Text
 from mtcommission.record.schema import Record
 from mtcommission.sheet.format import THIN_SPACE, Formatter, formatter_of
 from mtcommission.sheet.labels_en import Labels
-from mtcommission.sheet.robustness_part import drawn_sentence, kept_sentence
 from mtcommission.sheet.limits_part import name_obstacle
+from mtcommission.sheet.robustness_part import drawn_sentence, kept_sentence
 from mtcommission.sheet.verdict_part import (
     acceleration,
     jerk,
