@@ -27,7 +27,7 @@ TERMINAL = 1e-9
 """Largest terminal error of a state against its peak."""
 FINE = 1e-8
 """Relative excess over a bound between the points that calls for another point at the end."""
-POINT_STEPS, FINISHING_STEPS = 4, 8
+POINT_STEPS, FINISHING_STEPS = 4, 12
 """Programs that put in points, and programs at most, until a control on a mesh is finished."""
 LATENESS = 1e-8
 """Largest reach beyond 1 of a finished control."""

@@ -32,6 +32,9 @@ Array = NDArray[np.float64]
 
 ROUNDS = 5
 """Meshes tried; each is five times as fine at the features as the one before."""
+MOST_CELLS = 1000
+"""Cells of a mesh after which no finer one is tried: it would take many seconds and, within the
+rounding of the simplex method, seldom end."""
 ROOMS = (1.0, 2.0, 4.0, 8.0)
 """Factors tried on the distance between a core and the ends of its arc."""
 MOST_FILLED = 2000
@@ -88,6 +91,8 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
+        if kept.layout.mesh.size > MOST_CELLS:
+            break
     return _best_on_mesh(problem, seen)
 
 
@@ -189,7 +194,12 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
     -------
     Found or None
     """
+    seen = set()
     for _ in range(EDITS):
+        # An edit that leads back to a sequence already solved would go on in circles.
+        if _shape(guess) in seen:
+            return None
+        seen.add(_shape(guess))
         if _has_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
             return None
         extremal = solve_sequence(problem, guess)
@@ -201,6 +211,13 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
             return None
         guess = edited
     return None
+
+
+def _shape(sequence: Sequence) -> tuple[tuple[int, ...], ...]:
+    """Return what tells two sequences apart, the durations left out."""
+    pieces = tuple((piece.limit, piece.side) for piece in sequence.pieces)
+    touches = tuple((touch.piece, touch.limit, touch.side) for touch in sequence.touches)
+    return (*pieces, (-2, -2), *touches)
 
 
 def _edited(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.bounded_accept import Found
+from mtcommission.optimal.bounded_cruise import lengthened_cruise
 from mtcommission.optimal.bounded_dual import adjoint_before, dual_value, stretches
 from mtcommission.optimal.bounded_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.bounded_grid import solve_grid_time
@@ -84,6 +85,8 @@ def solve_bounded_time_optimal(
         return _with_bounds(free, every)
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
     found = _under_force_bound(problem, move)
+    if found is None:
+        found = lengthened_cruise(problem)
     if found is None:
         found = search(problem, first_sight(problem, solve_grid_time(problem, t_free=free.t_f)))
     if found is None:
