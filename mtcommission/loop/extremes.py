@@ -60,10 +60,9 @@ def find_extremes(
     per_cycle = signals.shape[1]
     rows = len(lifted.outputs) // per_cycle
     C = lifted.C.reshape(rows, per_cycle, -1)
-    D = lifted.D.reshape(rows, per_cycle, -1)
-    C_s, D_s = (signals @ C).reshape(-1, len(lifted.A)), (signals @ D).reshape(-1, 4)
-    C_f, D_f = C[:, -1], D[:, -1]
+    C_s, C_f = (signals @ C).reshape(-1, len(lifted.A)), C[:, -1]
     window = steps.duration + dwell
+    shortest = float(np.min(window))
     step = lifted.dt / rows
     X = np.zeros((len(lifted.A), len(steps.times)))
     largest = np.zeros((len(C_s), len(steps.times)))
@@ -71,19 +70,26 @@ def find_extremes(
     count = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
     for start in range(0, count, BLOCK):
         t = lifted.dt * np.arange(start, min(start + BLOCK, count), dtype=np.float64)
-        r = _references(steps, t, order=order)
-        drive = lifted.B @ r
-        history = np.empty_like(drive)
+        drive = lifted.B @ _references(steps, t, order=order)
+        history = np.empty((len(X), len(t), len(steps.times)))
         for i in range(len(t)):
-            history[i] = X
+            history[:, i] = X
             X = lifted.A @ X + drive[i]
-        np.maximum(largest, np.abs(C_s @ history + D_s @ r).max(axis=0), out=largest)
-        # Each sample stands for the cycle about it; the window cuts the last one.
-        times = t[:, None, None] + step * np.arange(rows)[:, None]
-        share = np.clip((window - times) / step + 0.5, 0.0, 1.0) * step
-        force = C_f @ history + D_f @ r
-        first += (share * force).sum(axis=(0, 1))
-        second += (share * force**2).sum(axis=(0, 1))
+        # What a position cycle computes acts in the next one, so no reference feeds through. All
+        # cycles stand side by side: one large product.
+        motion = C_s @ history.reshape(len(X), -1)
+        reached = np.abs(motion, out=motion).reshape(len(C_s), len(t), -1).max(axis=1)
+        np.maximum(largest, reached, out=largest)
+        force = (C_f @ history.reshape(len(X), -1)).reshape(rows, len(t), -1)
+        if float(t[-1]) + lifted.dt > shortest:
+            # Each sample stands for the cycle about it; the window cuts the last one.
+            times = t[:, None] + step * np.arange(rows)[:, None, None]
+            share = np.clip((window - times) / step + 0.5, 0.0, 1.0)
+            first += step * (share * force).sum(axis=(0, 1))
+            second += step * (share * force**2).sum(axis=(0, 1))
+        else:
+            first += step * force.sum(axis=(0, 1))
+            second += step * np.einsum("kim,kim->m", force, force)
     return Extremes(
         peaks=largest.reshape(rows, len(signals), -1).max(axis=0).T,
         mean_force=first / window,
