@@ -311,3 +311,15 @@ def test_requirements_of_the_cases_are_what_they_say() -> None:
     plain = Requirements(tcp_deviation=5e-6, modes=Modes(surface=2e-6, accuracy=5e-6, speed=20e-6))
     assert plain == PAPER.requirements
     assert len({repr(machine) for machine in CASES.values()}) == len(CASES)
+
+
+@pytest.mark.parametrize("step", [1e-6, 1e-9])
+def test_a_step_too_small_for_any_acceleration_still_gets_limits(step: float) -> None:
+    """If it failed, a creeping axis would end in a program error instead of limits."""
+    machine = replace(paper_machine(), moves=(VelocityStep(velocity_step=step),))
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = choose_limits(machine, plant, tuned).limits
+    trial = try_limits(machine, plant, tuned, "", "", limits)
+    assert trial.assessment.is_met
+    # Such a step cannot leave the band: nothing need be slower than the quickest setpoint looked at.
+    assert trial.settling_time < tuned.controller.reference_delay + 2e-3

@@ -146,7 +146,7 @@ def lay_grid(region: Region, machine: Machine, *, widest: Region, points: int) -
     """Return the limits of a region's grid, without those that are slow or repeat others.
 
     Where no move reaches a, only the jerk counts: such limits are kept up to one cell beyond
-    the border, below which the same motions are.
+    the border, below which the same motions are. The quickest limits are always there.
 
     Parameters
     ----------
@@ -175,8 +175,11 @@ def lay_grid(region: Region, machine: Machine, *, widest: Region, points: int) -
     )
     ratio = float(a[1] / a[0])
     a_grid, t_grid = (axis.ravel() for axis in np.meshgrid(a, t, indexing="ij"))
-    kept = motion_time(machine, a_grid, t_grid) <= region.longest_motion
+    time = motion_time(machine, a_grid, t_grid)
+    kept = time <= region.longest_motion
     kept &= a_grid <= ratio * reached_accelerations(machine, a_grid, t_grid)
+    # A move shorter than the shortest ramps reaches none of these; its jerk counts all the same.
+    kept[np.argmin(time)] = True
     return Grid(
         acceleration=a_grid[kept],
         jerk_time=t_grid[kept],
