@@ -163,6 +163,14 @@ def test_mutated_values_are_read_right_or_refused() -> None:
 COARSE = SearchSettings(grid=16, coarse_grid=6, seeds=4, refinements=2)
 
 
+def test_a_crawl_to_a_tiny_velocity_gets_limits() -> None:
+    """Its grid of limits to look at is empty, which once was an internal error."""
+    machine = read_shipped("milling-manipulator").machine
+    slow = replace(machine, moves=(replace(machine.moves[0], velocity_step=6e-4),))
+    found = commission(slow, settings=Settings(search=COARSE, comparison=COARSE))
+    assert found.recommended.residual_deviation <= slow.requirements.tcp_deviation
+
+
 @pytest.mark.parametrize("seed", range(max(3, COUNT // 200)))
 def test_machines_far_from_the_examples_end_in_limits_or_a_named_outcome(seed: int) -> None:
     """The whole chain: what it answers is finite, within the force, and judged by itself."""
