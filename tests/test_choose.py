@@ -321,5 +321,5 @@ def test_a_step_too_small_for_any_acceleration_still_gets_limits(step: float) ->
     limits = choose_limits(machine, plant, tuned).limits
     trial = try_limits(machine, plant, tuned, "", "", limits)
     assert trial.assessment.is_met
-    # Such a step cannot leave the band: nothing need be slower than the quickest setpoint looked at.
+    # Such a step cannot leave the band: nothing need be slower than the quickest setpoint.
     assert trial.settling_time < tuned.controller.reference_delay + 2e-3
