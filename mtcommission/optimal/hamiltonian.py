@@ -9,8 +9,8 @@ force is inside its limits, the plant with a constant force beside the adjoint e
 it is saturated. For a given sequence of arcs everything is then one linear system.
 
 The Hamiltonian flow grows as fast as it decays, so shooting over the whole interval loses
-digits; here z at the start of every short piece is an unknown (multiple shooting), and the
-banded system of matching conditions is solved at once.
+digits; here each arc is told from both of its ends (two_point.py), which costs as little for
+thousands of oscillations as for ten, and z at the ends of short pieces follows from there.
 
 All quantities of this module are scaled: states by what F_max could cause, λ accordingly,
 the force by F_max; time stays in seconds.
@@ -22,9 +22,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm, solve_banded
 
 from mtcommission.machine import Move, Positioning, Weight
+from mtcommission.optimal.two_point import (
+    Middle,
+    TwoPoint,
+    chain_ends,
+    doubled,
+    inner_nodes,
+    middle,
+    two_point,
+)
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -33,6 +41,10 @@ Labels = NDArray[np.int64]
 PIECE_ANGLE = 4.0
 """Longest piece times the fastest eigenvalue [-]: within it the flow grows by at most e^4, which
 costs two of sixteen digits."""
+
+TERMS = 20
+"""Of the power series of a flow over one sample, a quarter radian of the fastest eigenvalue at
+most: 1 / 20! leaves room for a norm four times as large."""
 
 SAMPLES_PER_PIECE = 16
 """Samples inside a piece: at most a quarter radian of the fastest eigenvalue apart, so that
@@ -49,6 +61,9 @@ class SaturatedProblem:
         Shape (3, N, N) [1/s]: of an arc at the lower limit, inside, at the upper limit.
     control_row, control_rate_row
         Shape (N,): the unlimited control w = control_row z, and its derivative [1/s].
+    series
+        Terms of the power series of the flow of each generator in τ ``rate``, shape
+        (3, TERMS, N, N).
     target
         Scaled terminal state, shape (n,).
     fixed
@@ -59,13 +74,14 @@ class SaturatedProblem:
         F_max, the unit of the scaled force [N].
     t_f
         [s].
-    rate
-        Largest modulus of the eigenvalues of all generators [1/s].
+    rate, plant_rate
+        Largest modulus of the eigenvalues of all generators, and of the plant alone [1/s].
     """
 
     generators: Array
     control_row: Array
     control_rate_row: Array
+    series: Array
     target: Array
     fixed: NDArray[np.bool_]
     state_scale: Array
@@ -73,11 +89,17 @@ class SaturatedProblem:
     force_limit: float
     t_f: float
     rate: float
+    plant_rate: float
 
     @property
     def order(self) -> int:
         """Number n of plant states."""
         return self.target.size
+
+    def flows(self, labels: Labels, steps: Array) -> Array:
+        """Return the flow of some arcs over steps of at most a sample [s], shape (k, N, N)."""
+        powers = (steps[:, None] * self.rate) ** np.arange(TERMS)
+        return np.asarray(np.einsum("kp,kpij->kij", powers, self.series[labels + 1]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,22 +128,29 @@ class PiecewiseFlow:
         Magnitude of the saturated control, in units of F_max.
     labels
         Shape (n_pieces,), as in ``ArcSequence``.
+    owner
+        Arc of each piece, shape (n_pieces,).
+    powers
+        Flow of each arc over 0 ... SAMPLES_PER_PIECE steps, shape (n_arcs, ..., N, N).
     t
         Shape (n_pieces, SAMPLES_PER_PIECE + 1) [s]; first and last column end the piece.
-    z
-        Shape (n_pieces, SAMPLES_PER_PIECE + 1, N).
+    starts
+        z at the start of each piece, shape (n_pieces, N).
+    end
+        z at t_f, shape (N,).
+    control, control_rate
+        Unlimited control w and its derivative at the samples, same shape as ``t``.
     """
 
     bound: float
     labels: Labels
+    owner: NDArray[np.intp]
+    powers: Array
     t: Array
-    z: Array
-
-    def joined(self) -> tuple[Array, Array]:
-        """Return t and z of all pieces in one row, shapes (k,) and (k, N)."""
-        t = np.append(self.t[:, :-1].ravel(), self.t[-1, -1])
-        z = np.concatenate([self.z[:, :-1].reshape(-1, self.z.shape[-1]), self.z[-1, -1:]])
-        return t, z
+    starts: Array
+    end: Array
+    control: Array
+    control_rate: Array
 
 
 def state_scales(plant: Plant, *, force_limit: float, t_f: float) -> Array:
@@ -217,18 +246,32 @@ def scale_problem(
     control_row = np.zeros(2 * n + 1)
     control_row[n + force] = -0.5
     target, fixed = terminal_target(plant, move)
+    rates = np.abs(np.linalg.eigvals(generators[1:])).max(axis=1).tolist()
+    rate = float(max(rates))
     return SaturatedProblem(
         generators=generators,
         control_row=control_row,
         control_rate_row=control_row @ generators[1],
+        series=_power_series(generators / rate),
         target=target / scales,
         fixed=fixed,
         state_scale=scales,
         adjoint_scale=force_limit**2 * T / scales,
         force_limit=force_limit,
         t_f=t_f,
-        rate=float(np.abs(np.linalg.eigvals(generators[1:])).max()),
+        rate=rate,
+        plant_rate=float(rates[1]),
     )
+
+
+def _power_series(generators: Array) -> Array:
+    """Return G^p / p! of each generator, shape (k, TERMS, N, N)."""
+    k, N = generators.shape[:2]
+    series = np.empty((k, TERMS, N, N))
+    series[:, 0] = np.eye(N)
+    for power in range(1, TERMS):
+        series[:, power] = series[:, power - 1] @ generators / power
+    return series
 
 
 def solve_arcs(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) -> PiecewiseFlow:
@@ -254,23 +297,42 @@ def solve_arcs(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) ->
         If these arcs leave too little freedom to reach the target.
     """
     lengths = np.diff(arcs.edges)
-    counts = np.maximum(1, np.ceil(lengths * (problem.rate / PIECE_ANGLE)).astype(np.int64))
+    halvings = np.maximum(0.0, np.ceil(np.log2(lengths * (problem.rate / PIECE_ANGLE))))
+    halvings = halvings.astype(np.int64)
+    counts = 2**halvings
+    step = lengths / counts / SAMPLES_PER_PIECE
+    powers = matrix_powers(problem.flows(arcs.labels, step), SAMPLES_PER_PIECE)
+    nodes = _solve_nodes(problem, powers[:, -1], halvings, bound=bound)
+    starts = np.concatenate([piece[:-1] for piece in nodes])
+    starts = np.column_stack([starts, np.full(counts.sum(), bound)])
+    rows = np.array([problem.control_row, problem.control_rate_row])
     owner = np.repeat(np.arange(counts.size), counts)
     piece = np.arange(owner.size) - np.repeat(np.cumsum(counts) - counts, counts)
-    piece_length = (lengths / counts)[owner]
-    start = arcs.edges[owner] + piece * piece_length
-    fraction = np.linspace(0.0, 1.0, SAMPLES_PER_PIECE + 1)
-    step = lengths / counts / SAMPLES_PER_PIECE
-    powers = matrix_powers(
-        expm(problem.generators[arcs.labels + 1] * step[:, None, None]), SAMPLES_PER_PIECE
-    )
-    nodes = _solve_nodes(problem, powers[owner, -1], bound=bound)
+    begin = arcs.edges[owner] + piece * (lengths / counts)[owner]
+    sampled = _at_samples(rows @ powers, starts, counts)
     return PiecewiseFlow(
         bound=bound,
         labels=arcs.labels[owner],
-        t=start[:, None] + piece_length[:, None] * fraction,
-        z=(powers[owner] @ nodes[:, None, :, None])[..., 0],
+        owner=owner,
+        powers=powers,
+        t=begin[:, None] + step[owner, None] * np.arange(SAMPLES_PER_PIECE + 1),
+        starts=starts,
+        end=np.append(nodes[-1][-1], bound),
+        control=sampled[:, :, 0],
+        control_rate=sampled[:, :, 1],
     )
+
+
+def _at_samples(rows: Array, starts: Array, counts: Labels) -> Array:
+    """Return rows of z at the samples of all pieces, shape (n_pieces, samples, n_rows).
+
+    ``rows`` take z at the start of a piece there, shape (n_arcs, samples, n_rows, N).
+    """
+    k, samples, count, N = rows.shape
+    flat = rows.reshape(k, samples * count, N).transpose(0, 2, 1)
+    parts = np.split(starts, np.cumsum(counts)[:-1])
+    found = np.concatenate([part @ row for part, row in zip(parts, flat, strict=True)])
+    return found.reshape(-1, samples, count)
 
 
 def matrix_powers(E: Array, last: int) -> Array:
@@ -304,30 +366,24 @@ def matrix_powers(E: Array, last: int) -> Array:
     return powers
 
 
-def _solve_nodes(problem: SaturatedProblem, flow: Array, *, bound: float) -> Array:
-    """Return z at the start of every piece from the matching and end conditions, (k, N)."""
+def _solve_nodes(
+    problem: SaturatedProblem, flow: Array, halvings: Labels, *, bound: float
+) -> list[Array]:
+    """Return z at the ends of the pieces of each arc, each of shape (n_pieces + 1, 2 n)."""
     n = problem.order
-    k, width = flow.shape[0], 2 * n
-    last = np.concatenate([np.flatnonzero(problem.fixed), n + np.flatnonzero(~problem.fixed)])
-    end_value = np.concatenate(
-        [problem.target[problem.fixed], np.zeros(int((~problem.fixed).sum()))]
-    )
-    right = np.concatenate(
-        [
-            np.zeros(n),
-            (flow[:-1, :width, width] * bound).ravel(),
-            end_value - flow[-1, last, width] * bound,
-        ]
-    )
-    lower, upper = 3 * n - 1, n
-    band = np.zeros((lower + upper + 1, k * width))
-    row, column = np.arange(n), np.arange(n)
-    band[upper + row - column, column] = 1.0
-    start = width * np.arange(k - 1)[:, None, None]
-    i, j = np.arange(width)[:, None], np.arange(width)
-    band[upper + n + i - j, start + j] = -flow[:-1, :width, :width]
-    band[0, width:] = 1.0
-    i = np.arange(n)[:, None]
-    band[upper + n + i - j, width * (k - 1) + j] = flow[-1][last, :width]
-    nodes = solve_banded((lower, upper), band, right, check_finite=False).reshape(k, width)
-    return np.column_stack([nodes, np.full(k, bound)])
+    width = 2 * n
+    whole = two_point(flow[:, :width, :width], flow[:, :width, width] * bound).form
+    levels: list[list[tuple[Middle, int]]] = [[] for _ in halvings]
+    for level in range(int(halvings.max())):
+        index = np.flatnonzero(halvings > level)
+        between = middle(TwoPoint(form=whole[index]))
+        for place, arc in enumerate(index.tolist()):
+            levels[arc].append((between, place))
+        whole[index] = doubled(between).form
+    rows = np.concatenate([np.flatnonzero(problem.fixed), n + np.flatnonzero(~problem.fixed)])
+    values = np.concatenate([problem.target[problem.fixed], np.zeros(rows.size)])[: rows.size]
+    ends = chain_ends(TwoPoint(form=whole), rows, values)
+    return [
+        inner_nodes(level, start, end)
+        for level, start, end in zip(levels, ends[:-1], ends[1:], strict=True)
+    ]

@@ -81,8 +81,17 @@ def hermite_peaks(
     >>> bool(abs(peak[0] - 1.0) < 1e-6)
     True
     """
+    largest = np.maximum(np.abs(start).max(axis=0), np.abs(end).max(axis=0))
+    reach = step[:, None] / 3.0
+    inner = np.maximum(np.abs(start + reach * start_rate), np.abs(end - reach * end_rate))
+    # A cubic stays within its control points: few cells can exceed what their ends reach.
+    may_exceed = np.flatnonzero((inner > largest).any(axis=1))
     cube, square, first, start = unit_cubics(
-        step[:, None], start, end, start_rate=start_rate, end_rate=end_rate
+        step[may_exceed, None],
+        start[may_exceed],
+        end[may_exceed],
+        start_rate=start_rate[may_exceed],
+        end_rate=end_rate[may_exceed],
     )
     root = np.sqrt(np.maximum(square**2 - 3.0 * first * cube, 0.0))
     # both roots of first + 2 square s + 3 cube s², in the form that does not cancel
@@ -90,5 +99,4 @@ def hermite_peaks(
     with np.errstate(divide="ignore", invalid="ignore"):
         places = np.clip(np.nan_to_num(np.stack([q / (3.0 * cube), first / q])), 0.0, 1.0)
     inside = start + places * (first + places * (square + places * cube))
-    largest = np.maximum(np.abs(inside).max(axis=(0, 1)), np.abs(start).max(axis=0))
-    return np.asarray(np.maximum(largest, np.abs(end).max(axis=0)))
+    return np.asarray(np.maximum(largest, np.abs(inside).max(axis=(0, 1), initial=0.0)))

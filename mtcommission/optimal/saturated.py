@@ -19,6 +19,7 @@ from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.optimal.hamiltonian import (
+    TERMS,
     ArcSequence,
     Labels,
     PiecewiseFlow,
@@ -53,7 +54,7 @@ SHORTEST_ARC = 1e-12
 """Arcs shorter than this share of t_f are left out: rounding of the time decides about them."""
 
 BOUND_ANGLE = 0.05
-"""Sampling of the moment integral, step times the fastest eigenvalue [-]: cubic interpolation
+"""Sampling of the moment integral, step times the fastest pole [-]: cubic interpolation
 then errs by 2e-8 of the amplitude."""
 
 
@@ -92,9 +93,11 @@ def crossings(problem: SaturatedProblem, flow: PiecewiseFlow) -> ArcSequence:
         Edges exact up to rounding: interpolated between samples, then refined by Newton
         steps on the exact flow.
     """
-    t, z = flow.joined()
-    w, rate = z @ problem.control_row, z @ problem.control_rate_row
-    cubics = unit_cubics(np.diff(t), w[:-1], w[1:], start_rate=rate[:-1], end_rate=rate[1:])
+    w, rate = flow.control, flow.control_rate
+    cubics = unit_cubics(
+        np.diff(flow.t), w[:, :-1], w[:, 1:], start_rate=rate[:, :-1], end_rate=rate[:, 1:]
+    ).reshape(4, -1)
+    t = np.append(flow.t[:, :-1], flow.t[-1, -1])
     found = [_crossing_times(cubics, t, level=side * flow.bound) for side in (-1.0, 1.0)]
     levels = np.repeat([-flow.bound, flow.bound], [times.size for times in found])
     edges = _refine(problem, flow, np.concatenate(found), levels=levels)
@@ -144,13 +147,15 @@ def _refine(
     starts = flow.t[:, :-1].ravel()
     cell = np.searchsorted(starts, edges, side="right") - 1
     piece, sample = cell // per_piece, cell % per_piece
-    generator = problem.generators[flow.labels[piece] + 1]
-    z = flow.z[piece, sample][..., None]
+    z = flow.powers[flow.owner[piece], sample] @ flow.starts[piece][..., None]
     farthest = (flow.t[piece, sample + 1] - starts[cell]) / 10
     tau = edges - starts[cell]
+    rows = np.array([problem.control_row, problem.control_rate_row]) @ problem.series
+    terms = (rows[flow.labels[piece] + 1] @ z[:, None])[..., 0]
     for _ in range(2):
-        now = (expm(generator * tau[:, None, None]) @ z)[..., 0]
-        excess, slope = now @ problem.control_row - levels, now @ problem.control_rate_row
+        powers = (tau[:, None] * problem.rate) ** np.arange(TERMS)
+        now = (powers[:, :, None] * terms).sum(axis=1)
+        excess, slope = now[:, 0] - levels, now[:, 1]
         with np.errstate(divide="ignore", invalid="ignore"):
             tau = tau - np.clip(np.nan_to_num(excess / slope), -farthest, farthest)
     return np.clip(starts[cell] + tau, 0.0, problem.t_f)
@@ -158,7 +163,7 @@ def _refine(
 
 def _judge(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) -> Iterate:
     flow = solve_arcs(problem, arcs, bound=bound)
-    w = flow.z @ problem.control_row
+    w = flow.control
     control = np.where(flow.labels[:, None] == 0, w, flow.labels[:, None] * bound)
     violation = float(np.abs(control - np.clip(w, -bound, bound)).max())
     return Iterate(arcs=arcs, flow=flow, violation=violation)
@@ -203,9 +208,9 @@ def least_bound(problem: SaturatedProblem, flow: PiecewiseFlow) -> float:
     max |F_set| times the integral.
     """
     n = problem.order
-    end = np.where(problem.fixed, flow.z[-1, -1, n : 2 * n], 0.0)
+    end = np.where(problem.fixed, flow.end[n : 2 * n], 0.0)
     adjoint = problem.generators[0, n : 2 * n, n : 2 * n]
-    count = int(np.ceil(problem.t_f * problem.rate / BOUND_ANGLE))
+    count = int(np.ceil(problem.t_f * problem.plant_rate / BOUND_ANGLE))
     step = problem.t_f / count
     p = np.empty((count + 1, n))
     p[0] = end
