@@ -6,41 +6,47 @@ that means is decided where the Machine is built.
 
 from __future__ import annotations
 
-from math import inf, pi, sqrt
+from math import pi, sqrt
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from mtcommission.errors import Outcome
+from mtcommission.profile_ranges import (
+    ARM_Q,
+    BAND_Q,
+    CYCLE_Q,
+    DAMPING_Q,
+    DELAY_Q,
+    DISTANCE_Q,
+    DWELL_Q,
+    FEEDFORWARD_Q,
+    FILTER_DAMPING_Q,
+    FILTER_TIME_Q,
+    FORCE_Q,
+    FREQUENCY_Q,
+    GAIN_Q,
+    INERTIA_Q,
+    LAG_Q,
+    LOAD_Q,
+    MASS_Q,
+    MODE_GAIN_Q,
+    RATIO_Q,
+    ROTARY_DAMPING_Q,
+    ROTARY_STIFFNESS_Q,
+    SPREAD_Q,
+    STIFFNESS_Q,
+    TIME_Q,
+    VELOCITY_GAIN_Q,
+    VELOCITY_Q,
+    WEIGHT_Q,
+)
 from mtcommission.profile_values import (
     Faults,
     Name,
     PerSignal,
-    Quantity,
-    Range,
     SignalTable,
     describe,
-)
-from mtcommission.units import (
-    ANGLE,
-    ANGULAR_VELOCITY,
-    DAMPING,
-    FORCE,
-    FREQUENCY,
-    GAIN,
-    INERTIA,
-    LENGTH,
-    MASS,
-    PER_INERTIA,
-    PER_MASS,
-    RATIO,
-    ROTARY_DAMPING,
-    ROTARY_STIFFNESS,
-    STIFFNESS,
-    TIME,
-    TORQUE,
-    VELOCITY,
-    Dimension,
 )
 
 EQUAL_POLES = 1e-6
@@ -49,49 +55,6 @@ MOST_MODES = 8
 LARGEST_FREQUENCY_SPREAD = 0.5
 WHOLE_MULTIPLE = 1e-9
 """Relative distance from a whole number of velocity cycles."""
-
-
-def _range(dimension: Dimension, low: float, high: float, above: float = -inf) -> Range:
-    return Range(dimension=dimension, low=low, high=high, above=above)
-
-
-def _same(dimension: Dimension, low: float, high: float, above: float = -inf) -> Quantity:
-    both = _range(dimension, low, high, above)
-    return Quantity(both, both)
-
-
-# The ends only catch slips of units: a thousand tonnes, a nanometre, a kilometre.
-MASS_Q = Quantity(_range(MASS, 1e-3, 1e6, 0.0), _range(INERTIA, 1e-9, 1e7, 0.0))
-LOAD_Q = Quantity(_range(MASS, 0.0, 1e6), _range(INERTIA, 0.0, 1e7))
-# The tower turns on a rotary axis as well, so its own quantities stay rotary.
-INERTIA_Q = _same(INERTIA, 1e-9, 1e7, 0.0)
-ROTARY_STIFFNESS_Q = _same(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0)
-ROTARY_DAMPING_Q = _same(ROTARY_DAMPING, 0.0, 1e11)
-ARM_Q = Quantity(_range(LENGTH, -100.0, 100.0), _range(RATIO, -1e4, 1e4))
-STIFFNESS_Q = Quantity(_range(STIFFNESS, 1.0, 1e12, 0.0), _range(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0))
-DAMPING_Q = Quantity(_range(DAMPING, 0.0, 1e10), _range(ROTARY_DAMPING, 0.0, 1e11))
-FORCE_Q = Quantity(_range(FORCE, 1e-3, 1e8, 0.0), _range(TORQUE, 1e-6, 1e8, 0.0))
-WEIGHT_Q = Quantity(_range(FORCE, -1e8, 1e8), _range(TORQUE, -1e8, 1e8))
-VELOCITY_Q = Quantity(_range(VELOCITY, 1e-6, 100.0, 0.0), _range(ANGULAR_VELOCITY, 1e-6, 1e4, 0.0))
-DISTANCE_Q = Quantity(_range(LENGTH, 1e-7, 1e3, 0.0), _range(ANGLE, 1e-7, 1e5, 0.0))
-BAND_Q = Quantity(_range(LENGTH, 1e-10, 0.1, 0.0), _range(ANGLE, 1e-10, 1.0, 0.0))
-MODE_GAIN_Q = Quantity(_range(PER_MASS, -1e6, 1e6), _range(PER_INERTIA, -1e12, 1e12))
-VELOCITY_GAIN_Q = Quantity(
-    _range(DAMPING, 1e-6, 1e12, 0.0), _range(ROTARY_DAMPING, 1e-9, 1e12, 0.0)
-)
-DELAY_Q = Quantity(_range(TIME, 0.0, 10.0), _range(TIME, 0.0, 10.0), word="auto")
-LAG_Q = _same(TIME, 1e-6, 0.1, 0.0)
-FILTER_TIME_Q = _same(TIME, 1e-6, 1.0, 0.0)
-# Drives have 31.25 us and more, controls up to 20 ms; every simulation steps through them.
-CYCLE_Q = _same(TIME, 1e-5, 0.05, 0.0)
-DWELL_Q = _same(TIME, 0.0, 1e5)
-TIME_Q = _same(TIME, 1e-6, 1e4, 0.0)
-FREQUENCY_Q = _same(FREQUENCY, 1e-2, 1e5, 0.0)
-GAIN_Q = _same(GAIN, 1e-3, 1e5, 0.0)
-RATIO_Q = _same(RATIO, -1e30, 1e30)
-SPREAD_Q = _same(RATIO, 0.0, 1e30)
-FILTER_DAMPING_Q = _same(RATIO, 0.0, 10.0)
-FEEDFORWARD_Q = _same(RATIO, 0.0, 10.0)
 
 
 class Table(BaseModel):
