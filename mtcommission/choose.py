@@ -15,7 +15,7 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.effort import require_affordable
+from mtcommission.effort import require_affordable, require_affordable_limits
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine
@@ -125,7 +125,9 @@ def choose_limits(
     """
     require_affordable(machine)
     settings = settings or SearchSettings()
-    trusted = [apply_commissioning_rule(machine, plant, tuned).limits, *starts]
+    by_rule = apply_commissioning_rule(machine, plant, tuned).limits
+    require_affordable_limits(machine, by_rule)
+    trusted = [by_rule, *starts]
     widest = widest_region(machine, plant, settings, trusted)
     known = [*trusted, *(rule.limits for rule in apply_rules(machine, plant))]
     stage = _set_stage(machine, plant, tuned, widest, known)

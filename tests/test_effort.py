@@ -74,3 +74,14 @@ def test_remedy_helps() -> None:
     machine = with_force(1.0)
     short = replace(machine, moves=(VelocityStep(velocity_step=0.01),))
     require_affordable(short)
+
+
+def test_a_band_that_no_move_can_keep_is_refused_with_its_own_remedy() -> None:
+    """If it failed, a wrong unit of the band would end in hours of simulation."""
+    machine = paper_machine()
+    tight = replace(machine, requirements=replace(machine.requirements, tcp_deviation=1e-12))
+    with pytest.raises(ComputationError) as caught:
+        choose_limits(tight, build_plant(tight), tune_loop(tight))
+    assert caught.value.outcome is Outcome.MOVE_TOO_LONG
+    assert "to keep a band of 1e-12 m" in str(caught.value)
+    assert "check the unit of tcp_deviation" in str(caught.value)
