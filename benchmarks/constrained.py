@@ -1,6 +1,7 @@
 """Time-optimal control under bounds: CPU seconds, gaps and the same problem as one large program.
 
     python -m benchmarks.constrained
+    python -m benchmarks.constrained survey [COUNT [FIRST SEED]]
 
 The peer is direct transcription as a linear program on an even grid for the t_f that we found:
 its reachable multiple of the target says by how much a grid misses the optimum.
@@ -8,8 +9,10 @@ its reachable multiple of the target says by how much a grid misses the optimum.
 
 from __future__ import annotations
 
+import sys
 from time import process_time
 
+from benchmarks.constrained_survey import survey
 from mtcommission.errors import ComputationError
 from mtcommission.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal import bounded_grid
@@ -31,7 +34,10 @@ CASES: tuple[tuple[Move, tuple[Bound, ...]], ...] = (
     (STEP, (Bound(name="F", value=1500.0),)),
     (STEP, (Bound(name="v_phi", value=0.005), Bound(name="v_b", value=0.004))),
     (STEP, (Bound(name="phi", value=5e-5),)),
+    (STEP, (Bound(name="phi", value=3e-5),)),
     (STEP, (Bound(name="x_b", value=3e-5),)),
+    (STEP, (Bound(name="tcp_vibration", value=1.5e-5),)),
+    (STEP, (Bound(name="v_phi", value=0.005), Bound(name="phi", value=5e-5))),
     (Positioning(distance=0.02, max_velocity=0.2), ()),
 )
 
@@ -65,4 +71,8 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    if sys.argv[1:2] == ["survey"]:
+        numbers = [int(text) for text in sys.argv[2:4]]
+        survey(numbers[0] if numbers else 60, first=numbers[1] if len(numbers) > 1 else 0)
+    else:
+        main()

@@ -91,7 +91,7 @@ def cases(count: int, *, first: int = 0) -> Iterator[Case]:
 
 
 def _move(machine: Machine) -> Move:
-    """Return the move without its max_velocity: that bound is surveyed by ``cruises``."""
+    """Return the move without its max_velocity: a cruise is another problem."""
     move = machine.moves[0]
     return Positioning(distance=move.distance) if isinstance(move, Positioning) else move
 
