@@ -27,6 +27,7 @@ from typer.testing import CliRunner
 from mtcommission.assess import describe_place
 from mtcommission.cli import app
 from mtcommission.errors import ComputationError, InputError, Outcome
+from mtcommission.loop.tuning import tune_loop
 from mtcommission.machine import (
     NOMINAL,
     Control,
@@ -45,7 +46,7 @@ from mtcommission.profile import read_profile
 from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.expected import find_unexpected
 from mtcommission.record.schema import Record
-from mtcommission.rule import FORMULA
+from mtcommission.rule import FORMULA, apply_commissioning_rule
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.diagram import text_size
@@ -865,13 +866,19 @@ def test_german_says_everything_and_fills_the_same_places():
 
 
 @pytest.mark.parametrize("name", shipped_names())
-def test_german_knows_the_data_and_assumptions_of_every_example_machine(name, tmp_path):
+def test_german_knows_data_assumptions_loop_and_rule_of_every_example_machine(name, tmp_path):
     (tmp_path / "profile.toml").write_text(read_shipped(name).text, encoding="utf-8")
     machine = read_profile(tmp_path / "profile.toml")
     for item in list_data(machine, build_plant(machine), read_shipped(name).text):
         assert item["key"].rpartition(".")[2] in GERMAN.names, item["key"]
-    for sentence in list_assumptions(machine):
-        assert "Originaltext" not in GERMAN.say(sentence)
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    rule = apply_commissioning_rule(machine, plant, tuned)
+    steps = [step.name for step in rule.steps]
+    sentences = [*list_assumptions(machine), *tuned.remarks, *tuned.warnings]
+    sentences += [rule.chosen, rule.bound_by, *rule.warnings, *steps]
+    assert len(sentences) > 15
+    for sentence in sentences:
+        assert "Originaltext" not in GERMAN.say(sentence), sentence
 
 
 def test_german_knows_every_warning_about_a_machine():

@@ -20,7 +20,7 @@ import pytest
 
 from mtcommission.sheet import print_html
 
-from .sheet_record import example_record, five_moves_record, retuned
+from .sheet_record import example_record, five_moves_record, retuned, rotary_record
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
@@ -139,6 +139,32 @@ def test_a_fault_in_the_page_would_be_seen(page: str, tmp_path: Path) -> None:
     found, console = browse(broken, tmp_path, ZOOM)
     assert found["faults"] == ["https://example.org/x.png"]
     assert "Content Security Policy" in console
+
+
+WIDTHS = (
+    TELL
+    + """
+addEventListener("load", () => {
+  const right = part => part.getBoundingClientRect().right;
+  const cut = [...document.querySelectorAll("h1, h2, .headline *")]
+    .filter(part => right(part) > right(part.closest("section, header")))
+    .map(part => part.textContent);
+  tell({cut, inner: innerWidth, needed: document.documentElement.scrollWidth});
+});
+"""
+)
+
+
+@pytest.mark.parametrize("width", [500, 820, 1280])
+def test_nothing_is_cut_on_phone_tablet_and_desk(width: int, tmp_path: Path) -> None:
+    """The values to enter are read at the machine, from whatever has a screen."""
+    record = rotary_record()
+    record["limits"]["recommended"]["jerk"] = 123456.0
+    html = print_html(record, language="de")
+    found, _ = browse(html, tmp_path, WIDTHS, f"--window-size={width},900")
+    assert found["inner"] <= width
+    assert found["cut"] == []
+    assert found["needed"] <= found["inner"]
 
 
 def axe_file() -> Path:
