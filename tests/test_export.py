@@ -586,6 +586,19 @@ def test_neighbours_are_tried_where_the_nearest_pair_misses(paper: Case) -> None
     assert typed.verdict.assessment.is_met
 
 
+@pytest.mark.parametrize("control", ["sinumerik", "klipper", "twincat"])
+def test_doubts_of_the_run_reach_the_file(control: str, paper: Case) -> None:
+    """Who types the numbers in may never have seen the sheet with its warnings."""
+    record = deepcopy(paper.record)
+    record["warnings"] = ["mode base: 50 Hz is *) a slip"]
+    record["data"][3]["source"] = "default accepted, not measured"
+    header = " ".join(export_record(record, control=control).header)
+    assert "WARNING: mode base: 50 Hz is *) a slip" in header
+    assert f"Default accepted, not measured: {record['data'][3]['key']}." in header
+    text = export_record(paper.record, control=control).text
+    assert "accepted, not measured" not in text
+
+
 def test_unknown_control_is_refused_with_a_proposal(paper: Case) -> None:
     with pytest.raises(InputError, match="did you mean sinumerik"):
         export_record(paper.record, control="sinumerick")

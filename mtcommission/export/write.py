@@ -19,6 +19,7 @@ from mtcommission.export.rounding import type_limits
 from mtcommission.export.subject import Subject, build_subject, with_gains
 from mtcommission.export.wording import show_value
 from mtcommission.limits import MotionLimits
+from mtcommission.profile_lines import ACCEPTED_DEFAULT
 from mtcommission.record.schema import Record
 
 CONTROLS: Mapping[str, Control] = {
@@ -157,8 +158,18 @@ def _header(subject: Subject, control: Control, values: Values) -> tuple[str, ..
             f"These limits go with a moving-average setpoint filter of {1e3 * average:.4g} ms in "
             "the control (the profile's setpoint_filter); without it they are not valid."
         )
+    sentences += _doubts(record)
     sentences.append(f"{DOUBT} means: name or unit not verified, {UNVERIFIED}.")
     return tuple(_one_line(sentence) for sentence in sentences)
+
+
+def _doubts(record: Record) -> list[str]:
+    """What the run warned of, and the data that nobody measured."""
+    found = [f"WARNING: {warning}" for warning in record["warnings"]]
+    unmeasured = [item["key"] for item in record["data"] if item["source"] == ACCEPTED_DEFAULT]
+    if unmeasured:
+        found.append(f"{ACCEPTED_DEFAULT.capitalize()}: {', '.join(unmeasured)}.")
+    return found
 
 
 def _verdict(subject: Subject, control: Control, values: Values) -> str:
