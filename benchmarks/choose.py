@@ -57,7 +57,7 @@ class Row:
 def measure(machine: Machine, points: int) -> Row:
     plant, tuned = build_plant(machine), tune_loop(machine)
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
-    starts = [limits for _, limits in condense_optima(plant, optima)]
+    starts = [limits for _, limits in condense_optima(machine, plant, optima)]
     begun = time.process_time()
     choice = choose_limits(machine, plant, tuned, starts=starts)
     spent = time.process_time() - begun

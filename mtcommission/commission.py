@@ -179,7 +179,7 @@ def commission(
     plant = build_plant(machine)
     progress("optimal controls")
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
-    starts = condense_optima(plant, optima)
+    starts = condense_optima(machine, plant, optima)
     progress("feedback loop")
     loop = settle_on_loop(machine, plant, settings)
     tuned = loop.tuned

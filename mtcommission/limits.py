@@ -35,7 +35,9 @@ class MotionLimits:
         return self.acceleration / self.jerk
 
 
-def condense(move: Move, trajectory: Trajectory, *, velocity: int) -> MotionLimits:
+def condense(
+    move: Move, trajectory: Trajectory, *, velocity: int, shortest_ramp: float = 0.0
+) -> MotionLimits:
     """Return the jerk-limited profile of the same duration that is closest to an optimum.
 
     Closest means the least integral of the squared difference of the rigid velocities: the
@@ -51,6 +53,9 @@ def condense(move: Move, trajectory: Trajectory, *, velocity: int) -> MotionLimi
         Its motion.
     velocity
         Column of the rigid velocity.
+    shortest_ramp
+        Least jerk time [s]. Many optima are closest to a profile without any jerk limit; a
+        control cannot send a ramp shorter than its position cycle.
 
     Returns
     -------
@@ -79,7 +84,7 @@ def condense(move: Move, trajectory: Trajectory, *, velocity: int) -> MotionLimi
 
     best = minimize_scalar(
         lambda ramp: profile(ramp)[1],
-        bounds=(1e-3 * rise, 0.5 * rise),
+        bounds=(min(max(1e-3 * rise, shortest_ramp), 0.499 * rise), 0.5 * rise),
         method="bounded",
         options={"xatol": 1e-4 * rise},
     )

@@ -168,8 +168,24 @@ def find_damping_optimum(
     return solve_damping_optimal(plant, move, force_limit=force, t_f=t_f, weights=weights)
 
 
-def condense_optima(plant: Plant, optima: Sequence[Optima]) -> tuple[tuple[str, MotionLimits], ...]:
-    """Return the jerk-limited profile closest to each optimum, with its name."""
+def condense_optima(
+    machine: Machine, plant: Plant, optima: Sequence[Optima]
+) -> tuple[tuple[str, MotionLimits], ...]:
+    """Return the jerk-limited profile closest to each optimum, with its name.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal; no ramp is shorter than the position cycle.
+    optima
+        One for each move.
+
+    Returns
+    -------
+    tuple
+        Name and limits of each.
+    """
+    cycle = machine.control.position_cycle
     found = []
     for number, item in enumerate(optima, start=1):
         place = f", move {number}" if len(optima) > 1 else ""
@@ -182,6 +198,6 @@ def condense_optima(plant: Plant, optima: Sequence[Optima]) -> tuple[tuple[str, 
             if solution is None:
                 continue
             motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / 500)
-            limits = condense(item.move, motion, velocity=plant.velocity)
+            limits = condense(item.move, motion, velocity=plant.velocity, shortest_ramp=cycle)
             found.append((f"closest to the {name} control{place}", limits))
     return tuple(found)

@@ -59,3 +59,17 @@ def test_a_move_without_cruise_keeps_its_duration() -> None:
 
 def test_jerk_time_is_that_of_one_ramp() -> None:
     assert MotionLimits(acceleration=2.0, jerk=100.0).jerk_time == pytest.approx(0.02)
+
+
+def test_no_ramp_is_shorter_than_a_control_can_send() -> None:
+    """If it failed, the sheet would print a jerk that belongs to no setpoint of this control.
+
+    The motion given is one without a jerk limit, so the closest ramp is the shortest allowed.
+    """
+    move = VelocityStep(velocity_step=0.4)
+    original = motion(move, 2.0, 2.0 / 1e-5)
+    found = condense(move, original, velocity=0, shortest_ramp=2e-3)
+    assert found.jerk_time == pytest.approx(2e-3, rel=0.05)
+    # The duration stays, so v/a + t_j does.
+    assert 0.4 / found.acceleration + found.jerk_time == pytest.approx(0.2, rel=1e-3)
+    assert condense(move, original, velocity=0).jerk_time < 1e-3

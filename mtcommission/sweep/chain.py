@@ -38,7 +38,7 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     plant = build_plant(machine)
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     tuned = settle_on_loop(machine, plant, settings).tuned
-    starts = [limits for _, limits in condense_optima(plant, optima)]
+    starts = [limits for _, limits in condense_optima(machine, plant, optima)]
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
     moves = run_moves(machine, tuned, choice.limits)
     trial = judge(machine, plant, tuned, "recommended", "this search", choice.limits)
