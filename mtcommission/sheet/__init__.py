@@ -6,7 +6,7 @@ format.py       numbers and units
 labels_en.py    texts; one file for each language (labels_de.py)
 phrases.py      the record's own sentences in another language
 html.py         document -> one offline page (page.html, page.css, page.js)
-figures.py      plots -> SVG for print
+figures.py      plots -> SVG for print (legend.py, axes.py, canvas.py, placement.py)
 pdf.py          document -> PDF (sheet.typ)
 terminal.py     record -> summary in 80 columns
 """

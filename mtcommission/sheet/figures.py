@@ -2,83 +2,49 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.sheet.axes import Axis, span
-from mtcommission.sheet.canvas import GRID, INK, SIZE, Canvas, corner_points, text_width
+from mtcommission.sheet.canvas import GRID, INK, SIZE, Canvas, text_width
 from mtcommission.sheet.format import tick_text
+from mtcommission.sheet.legend import (
+    BESIDE,
+    BORDER_DASHES,
+    CHOSEN,
+    CURSOR,
+    LEFT,
+    LINES,
+    RIGHT,
+    ROW,
+    STAR,
+    WIDTH,
+    Entry,
+    draw_entry,
+    draw_legend,
+    draw_mark,
+    legend_rows,
+    legend_table,
+)
 from mtcommission.sheet.placement import place_labels
 from mtcommission.sheet.plot_model import HeatMap, Line, LinePlot, Panel, Plot, PointPlot
 
 Array = NDArray[np.float64]
 
-WIDTH, LEFT, RIGHT = 482.0, 42.0, 8.0
-"""Width of a plot on the A4 page, and the room beside its axes [pt]."""
-
-PANEL, TITLE, SQUARE, FOOT, ROW = 50.0, 13.0, 128.0, 26.0, 11.0
-"""Heights of a panel, its title, a single pair of axes, the x labels and a legend row [pt]."""
+PANEL, TITLE, SQUARE, FOOT = 50.0, 13.0, 128.0, 26.0
+"""Heights of a panel, its title, a single pair of axes and the x labels [pt]."""
 
 SCALE_ROOM = 66.0
 """Room for the grey scale to the right of a map [pt]."""
 
-SAMPLE, SPACE = 24.0, 14.0
-"""Length of the line in a legend, and the space behind an entry [pt]."""
-
-MOST_COLUMNS, BESIDE = 3, 4.0
-"""Columns of a legend below a plot, and the room to the left of it [pt]."""
-
-BORDER_DASHES, CURSOR = (2.0, 2.0), 0.7
-"""How a limit is drawn: dashes and width [pt]."""
-
 ALONG = 12
 """Steps along a plot, at most."""
 
-LINES: tuple[tuple[str, tuple[float, ...], float], ...] = (
-    ("#7f7f7f", (1.4, 1.4), 1.4),
-    ("#c44e00", (5.0, 1.5), 1.0),
-    ("#00795c", (4.0, 1.2, 1.0, 1.2), 1.0),
-    ("#7a3e9d", (7.0, 1.2, 1.0, 1.2, 1.0, 1.2), 1.0),
-    ("#0b4f9e", (), 1.2),
-)
-"""Colour, dashes and width by style; dashes tell the lines apart in a black-and-white print."""
-
-STAR = corner_points(5, 6.5, inner=0.4)
-SYMBOLS: tuple[tuple[str, Array], ...] = (
-    ("#0b4f9e", STAR),
-    ("#00795c", np.array([[-2.6, -2.6], [2.6, -2.6], [2.6, 2.6], [-2.6, 2.6]])),
-    ("#c44e00", corner_points(8, 2.8)),
-)
-"""Colour and shape by style of a mark."""
-
-CHOSEN = "#d00000"
 LIGHTEST, DARKEST = 0.04, 0.94
 """Share of black at the least and the largest value of a map."""
 
 PIXELS = (480, 240)
 """Columns and rows of a map; its cells need not be equally wide."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
-    """An entry of a legend: a line's style, or a mark's style.
-
-    Parameters
-    ----------
-    label
-        Words.
-    line, mark
-        Style of a line or of a mark, or -1; both -1: a limit.
-    color
-        Of the mark; "" for its usual one.
-    """
-
-    label: str
-    line: int = -1
-    mark: int = -1
-    color: str = ""
 
 
 def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
@@ -112,11 +78,11 @@ def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
 
 def _line_plot(plot: LinePlot, decimal_mark: str) -> bytes:
     named = {line.label: line.style for panel in plot.panels for line in panel.lines}
-    rows = _legend_rows([Entry(label=label, line=style) for label, style in named.items()])
+    rows = legend_rows([Entry(label=label, line=style) for label, style in named.items()])
     top = len(rows) * ROW
     height = top + len(plot.panels) * (TITLE + PANEL) + FOOT
     canvas = Canvas(WIDTH, height)
-    _draw_legend(canvas, rows, right=WIDTH - RIGHT)
+    draw_legend(canvas, rows, right=WIDTH - RIGHT)
     everything = [line.x for panel in plot.panels for line in panel.lines]
     low, high = span(everything, is_log=plot.x_is_log, room=0.01)
     x = Axis(low=low, high=high, begin=LEFT, end=WIDTH - RIGHT, is_log=plot.x_is_log)
@@ -188,7 +154,7 @@ def _point_plot(plot: PointPlot, decimal_mark: str) -> bytes:
         Entry(label=f"{k} {mark.label}" if k else mark.label, mark=mark.style)
         for k, mark in enumerate(plot.marks)
     ]
-    rows = _legend_table([*entries, Entry(label=plot.border.label)])
+    rows = legend_table([*entries, Entry(label=plot.border.label)])
     bottom = TITLE + SQUARE
     canvas = Canvas(WIDTH, bottom + FOOT + len(rows) * ROW + 6.0)
     canvas.text(LEFT, TITLE - 4.0, plot.y_label)
@@ -203,12 +169,12 @@ def _point_plot(plot: PointPlot, decimal_mark: str) -> bytes:
     points = np.column_stack([x.at(places[:, 0]), y.at(places[:, 1])])
     _number_points(canvas, points, x, y)
     for mark, point in zip(plot.marks, points, strict=True):
-        _draw_mark(canvas, mark.style, point)
+        draw_mark(canvas, mark.style, point)
     _label_x(canvas, x, bottom, plot.x_label, decimal_mark)
     for k, row in enumerate(rows):
         for column, entry in enumerate(row):
             place = BESIDE + column * (WIDTH - BESIDE) / len(rows[0])
-            _draw_entry(canvas, entry, place, bottom + FOOT + (k + 1) * ROW)
+            draw_entry(canvas, entry, place, bottom + FOOT + (k + 1) * ROW)
     return canvas.finish()
 
 
@@ -233,11 +199,11 @@ def _number_points(canvas: Canvas, points: Array, x: Axis, y: Axis) -> None:
 def _heat_map(plot: HeatMap, decimal_mark: str) -> bytes:
     entries = [Entry(label=item.label, line=item.style) for item in plot.contours]
     entries.append(Entry(label=plot.chosen.label, mark=plot.chosen.style, color=CHOSEN))
-    rows = _legend_rows(entries)
+    rows = legend_rows(entries)
     top = len(rows) * ROW + TITLE
     bottom = top + SQUARE
     canvas = Canvas(WIDTH, bottom + FOOT)
-    _draw_legend(canvas, rows, right=WIDTH - RIGHT)
+    draw_legend(canvas, rows, right=WIDTH - RIGHT)
     columns, lines = edges(plot.x), edges(plot.y)
     x = Axis(low=columns[0], high=columns[-1], begin=LEFT, end=WIDTH - SCALE_ROOM)
     y = Axis(low=lines[0], high=lines[-1], begin=bottom, end=top)
@@ -328,60 +294,3 @@ def _label_x(canvas: Canvas, x: Axis, bottom: float, label: str, decimal_mark: s
 def _draw_border(canvas: Canvas, x: Axis, y: Axis, value: float) -> None:
     place = float(y.at(value))
     canvas.line(np.array([[x.begin, place], [x.end, place]]), dashes=BORDER_DASHES, width=CURSOR)
-
-
-def _draw_mark(canvas: Canvas, style: int, place: Array, *, color: str = "") -> None:
-    usual, shape = SYMBOLS[style]
-    canvas.area(shape + place, color=color or usual, edge=INK if color else "none")
-
-
-def _legend_rows(entries: list[Entry]) -> list[list[Entry]]:
-    """Return the rows of a legend, each with as many entries as fit."""
-    room = WIDTH - LEFT - RIGHT + SPACE
-    rows: list[list[Entry]] = []
-    used = room + 1.0
-    for entry in entries:
-        width = _entry_width(entry)
-        if used + width > room:
-            rows.append([])
-            used = 0.0
-        rows[-1].append(entry)
-        used += width
-    return rows
-
-
-def _legend_table(entries: list[Entry]) -> list[list[Entry]]:
-    """Return the rows of a legend with as many columns as the longest entry allows."""
-    longest = max(map(_entry_width, entries))
-    count = max(1, min(MOST_COLUMNS, int((WIDTH - BESIDE) / longest)))
-    return [entries[i : i + count] for i in range(0, len(entries), count)]
-
-
-def _entry_width(entry: Entry) -> float:
-    return _sample_width(entry) + 4.0 + text_width(entry.label) + SPACE
-
-
-def _sample_width(entry: Entry) -> float:
-    return SAMPLE / 2 if entry.mark >= 0 else SAMPLE
-
-
-def _draw_legend(canvas: Canvas, rows: list[list[Entry]], *, right: float) -> None:
-    for k, row in enumerate(rows):
-        place = right - sum(map(_entry_width, row)) + SPACE
-        for entry in row:
-            _draw_entry(canvas, entry, place, (k + 1) * ROW - 3.0)
-            place += _entry_width(entry)
-
-
-def _draw_entry(canvas: Canvas, entry: Entry, left: float, base: float) -> None:
-    middle, right = base - 0.36 * SIZE, left + _sample_width(entry)
-    sample = np.array([[left, middle], [right, middle]])
-    if entry.mark >= 0:
-        place = np.array([(left + right) / 2, middle])
-        _draw_mark(canvas, entry.mark, place, color=entry.color)
-    elif entry.line >= 0:
-        color, dashes, width = LINES[entry.line]
-        canvas.line(sample, color=color, dashes=dashes, width=width)
-    else:
-        canvas.line(sample, dashes=BORDER_DASHES, width=CURSOR)
-    canvas.text(right + 4.0, base, entry.label)
