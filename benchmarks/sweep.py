@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import polars as pl
 
 from mtcommission.sweep.cases import Plan, Quantity, read_axis
@@ -125,6 +124,8 @@ def report(row: Row) -> None:
 
 
 def plot(rows: list[Row], file: str) -> None:
+    import matplotlib.pyplot as plt  # would count as start-up of every measured process
+
     figure, (times, memory) = plt.subplots(1, 2, figsize=(9, 3.5), layout="constrained")
     counts = [row.count for row in rows]
     times.loglog(counts, [row.processor for row in rows], "o-")
