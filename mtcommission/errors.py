@@ -77,6 +77,10 @@ class Outcome(Enum):
     BEYOND_HORIZON = (
         "the bound can only be met by a move slower than the search horizon; widen the bound"
     )
+    MODES_NOT_TOLD_APART = (
+        "so strong a force makes the move so short that all modes answer alike, closer than double "
+        "precision can tell; check the unit of max_force and the masses, or lower max_force"
+    )
     NO_CONVERGENCE = (
         "the iteration stopped before the required accuracy was reached; "
         "report the profile, and use --method transcription meanwhile"

@@ -355,3 +355,22 @@ def test_start_comes_near_the_optimum_by_itself(move: Move) -> None:
         moments = np.diff(problem.integrals(ends), axis=0).T @ cells.force
         size = np.abs(np.diff(problem.integrals(ends), axis=0)).sum(axis=0)
         assert np.all(np.abs(moments) < 0.02 * size)
+
+
+def test_force_that_leaves_modes_indistinct_is_named_so() -> None:
+    # "No convergence, report the profile" would blame the program for 2e16 N.
+    plant = build_plant(paper_machine())
+    with pytest.raises(ComputationError, match="rad of the slowest mode") as caught:
+        solve_time_optimal(plant, STEP, force_limit=1e14)
+    assert caught.value.outcome is Outcome.MODES_NOT_TOLD_APART
+
+
+@pytest.mark.parametrize("force", [1e-2, 1.0, 1e6, 1e9])
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
+def test_forces_far_from_usual_ones_are_certified(move: Move, force: float) -> None:
+    plant = build_plant(paper_machine())
+    optimum = solve_time_optimal(plant, move, force_limit=force)
+    assert optimum.certificate.relative_gap < 1e-9
+    assert optimum.certificate.switching_law_holds
+    error = propagate(plant, optimum.arcs)[plant.velocity] - getattr(move, "velocity_step", 0.0)
+    assert abs(error) < 1e-9 * optimum.peaks[plant.velocity]

@@ -23,8 +23,8 @@ from mtcommission.optimal.dual import (
     sign_jumps,
 )
 from mtcommission.optimal.dual_start import PARTS, CellForce, improve, refine_cells, start_force
-from mtcommission.optimal.mesh import Mesh
-from mtcommission.optimal.moments import MomentProblem
+from mtcommission.optimal.mesh import ROUNDOFF, Mesh
+from mtcommission.optimal.moments import MomentProblem, independence
 from mtcommission.optimal.switching import bracket_zeros, cubic_zeros
 
 Array = NDArray[np.float64]
@@ -45,6 +45,8 @@ AGREEMENT = 1e-12
 """Relative distance of time and bound at which the search ends at once."""
 SUFFICIENT = 1e-10
 """Distance that no finer start is tried for: rounding, not the start, is what is left."""
+ROUNDING = 1e-9
+"""Doubt about t_f that rounding alone may leave for a refinement to be tried."""
 LARGEST_MULTIPLIER = 1e14
 """|c| ∫|φ| against ∫|σ| beyond which σ is nothing but rounding."""
 EXCHANGES = 4
@@ -280,7 +282,9 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
         best = _better(best, _exchange(cells.mesh, _seen_control(cells), span))
         if best and best.gap <= AGREEMENT:
             return best
-    for refinement in range(REFINEMENTS):
+    # Finer starts help the structure, not the digits that nearly dependent functions cost.
+    is_worth = ROUNDING * independence(problem, cells.horizon) > ROUNDOFF
+    for refinement in range(REFINEMENTS if is_worth else 0):
         best = _better(best, _climb(cells, span))
         if best and best.gap <= SUFFICIENT:
             return best

@@ -7,6 +7,7 @@ the method.
 from __future__ import annotations
 
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +16,10 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, VelocityStep
 from mtcommission.optimal.bang_bang import bang_bang_motion, signal_peaks
 from mtcommission.optimal.certificate import Claim, certify
+from mtcommission.optimal.dual_start import guess_horizon
 from mtcommission.optimal.flow import dyadic_flow, final_state
-from mtcommission.optimal.moments import moment_problem
+from mtcommission.optimal.mesh import ROUNDOFF
+from mtcommission.optimal.moments import MomentProblem, independence, moment_problem
 from mtcommission.optimal.polish import Attempt, find_bang_bang
 from mtcommission.optimal.solution import Arc, TimeOptimum, constant_arc
 from mtcommission.plant import Plant
@@ -51,8 +54,8 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     Raises
     ------
     ComputationError
-        NO_FORCE_LEFT if ``force_limit`` is not positive; NO_CONVERGENCE if the iteration ends
-        before these accuracies.
+        NO_FORCE_LEFT if ``force_limit`` is not positive; MODES_NOT_TOLD_APART where rounding
+        alone exceeds these accuracies; NO_CONVERGENCE if the iteration ends before them otherwise.
 
     Source: docs/optimal-control.md, sections 1 to 4; the problem: Christiansen, Maurer & Zirn,
     eq. (1)-(3).
@@ -71,6 +74,24 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     if not force_limit > 0.0:
         raise ComputationError(Outcome.NO_FORCE_LEFT, f"force left for motion {force_limit:.6g} N")
     problem = moment_problem(plant, move)
+    try:
+        return _certified(plant, move, problem, force_limit=force_limit)
+    except ComputationError as error:
+        horizon = guess_horizon(problem, span=problem.target / force_limit)
+        accuracy = ROUNDOFF / independence(problem, horizon)
+        if accuracy < GAP_TOLERANCE:
+            raise
+        slowest = float(problem.magnitudes[:-1].min(initial=inf)) * horizon
+        detail = (
+            f"{force_limit:.6g} N end the move after some {horizon:.3g} s, {slowest:.2g} rad of "
+            f"the slowest mode; rounding then leaves {accuracy:.1g} of t_f in doubt"
+        )
+        raise ComputationError(Outcome.MODES_NOT_TOLD_APART, detail) from error
+
+
+def _certified(
+    plant: Plant, move: Move, problem: MomentProblem, *, force_limit: float
+) -> TimeOptimum:
     found = find_bang_bang(problem, span=problem.target / force_limit)
     claim = _claim(found, force_limit)
     motion = bang_bang_motion(
