@@ -456,23 +456,44 @@ def run_command(line: list[str]) -> None:
         main()
 
 
+def request_of(**options: Any) -> dict[str, Any]:
+    """Options of the command as they are where one is not given."""
+    nothing = {"f_max": "", "vary": [], "limits": [], "cases": None, "is_paired": False}
+    return nothing | {"quantity": "optimal", "bounds": (), "move": 1, "created": ""} | options
+
+
 def test_a_wrong_line_among_many_is_found(tmp_path: Path) -> None:
     """Of numbers with one unit the ends are tried; the odd unit between them, too."""
     table = tmp_path / "cases.csv"
     table.write_text("plant.slider_mass\n700 kg\n0.7 t\n710 g/m\n720 kg\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"cases.csv: plant.slider_mass: got \"710 g/m\""):
-        read_plan(
-            PAPER,
-            f_max="",
-            vary=[],
-            limits=[],
-            cases=table,
-            is_paired=False,
-            quantity="optimal",
-            bounds=(),
-            move=1,
-            created="",
-        )
+        read_plan(PAPER, **request_of(cases=table))
+
+
+@pytest.mark.parametrize(
+    ("table", "options"),
+    [
+        ("f_max,drive.static_load\n500,0\n4 kN,1.2 kN\n", {}),
+        ("drive.static_load\n0\n3 kN\n", {"f_max": "0.5kN:4kN:2"}),
+        ("drive.static_load\n0\n2500\n", {"f_max": "0.5kN,4kN", "is_paired": True}),
+    ],
+)
+def test_a_value_that_others_make_possible_is_not_refused(
+    tmp_path: Path, table: str, options: dict[str, Any]
+) -> None:
+    """A load above the least force is wrong in some cases only; the others must be computed."""
+    cases = tmp_path / "cases.csv"
+    cases.write_text(table, encoding="utf-8")
+    plan = read_plan(PAPER, **(request_of(cases=cases) | options))
+    frame = read_table(plan, run_sweep(plan, folder=tmp_path)).frame
+    fits = frame["drive.static_load"] < frame["drive.max_force"]
+    assert (frame["outcome"] == "done").to_list() == fits.to_list()
+    assert fits.any()
+
+
+def test_a_value_that_no_case_can_use_is_still_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="must be smaller, or no force is left"):
+        read_plan(PAPER, **request_of(vary=["drive.static_load=0,5kN"], f_max="1kN:4kN:3"))
 
 
 def test_elements_of_arrays_count_from_one_in_brackets() -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice, product
 from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
@@ -14,6 +15,7 @@ from mtcommission.sweep.cases import (
     Axis,
     Plan,
     Quantity,
+    Settings,
     check_plan,
     plain_key,
     read_axis,
@@ -23,6 +25,9 @@ from mtcommission.sweep.cases import (
     vary_profile,
 )
 from mtcommission.units import NUMBER
+
+MOST_COMPANIES = 64
+"""Combinations that a refused value is tried in: some 10 ms each."""
 
 
 def read_plan(
@@ -128,7 +133,8 @@ def check_values(plan: Plan, places: Sequence[str]) -> None:
     """Raise InputError for keys and values that the profile's reader refuses, before any work.
 
     Of numbers with the same unit the ends speak for all between, since what a profile allows of
-    one key is an interval. A value that is only wrong together with others is a row of its own.
+    one key is an interval. A value that is only wrong together with others, e.g. a static load
+    above the least of the forces that vary, is a row of its own.
 
     Parameters
     ----------
@@ -145,31 +151,64 @@ def check_values(plan: Plan, places: Sequence[str]) -> None:
     faults: list[Fault] = []
     for axis, where in zip(plan.axes, places, strict=True):
         for column, key in enumerate(axis.keys):
-            for texts in _representatives([row[column] for row in axis.rows]):
-                refused = next(filter(None, (_refusals(plan, key, text) for text in texts)), [])
+            for rows in _representatives([row[column] for row in axis.rows]):
+                refused = next(filter(None, (_refusals(plan, axis, row, key) for row in rows)), [])
                 faults += [Fault(where=where, key=key, message=item.message) for item in refused]
     if faults:
         raise InputError(faults)
 
 
-def _representatives(texts: Sequence[str]) -> list[tuple[str, ...]]:
-    """The least and the largest number of each unit, and every word."""
-    by_unit: dict[str, list[str]] = {}
-    for text in texts:
-        by_unit.setdefault(unit_of(text), []).append(text)
-    found: list[tuple[str, ...]] = []
+def _representatives(texts: Sequence[str]) -> list[tuple[int, ...]]:
+    """Places of the least and the largest number of each unit, and of every word."""
+    by_unit: dict[str, list[int]] = {}
+    for place, text in enumerate(texts):
+        by_unit.setdefault(unit_of(text), []).append(place)
+    found: list[tuple[int, ...]] = []
     for group in by_unit.values():
-        numbers = [(float(match[0]), text) for text in group if (match := NUMBER.match(text))]
+        numbers = [
+            (float(match[0]), place) for place in group if (match := NUMBER.match(texts[place]))
+        ]
         found.append((min(numbers)[1], max(numbers)[1]) if numbers else (group[0],))
     return found
 
 
-def _refusals(plan: Plan, key: str, text: str) -> list[Fault]:
-    """What the profile's reader says against one value, all else being as in the first case."""
-    settings = tuple((k, text if k == key else value) for k, value in plan.settings(0))
+def _refusals(plan: Plan, axis: Axis, row: int, key: str) -> list[Fault]:
+    """What the profile's reader says against a value of a key, whatever the other keys are."""
+    text = dict(zip(axis.keys, axis.rows[row], strict=True))[key]
+    first = _faults_of(plan, plan.settings(0), key, text)
+    if first and not all(
+        _faults_of(plan, settings, key, text) for settings in _companies(plan, axis, row)
+    ):
+        return []
+    return first
+
+
+def _faults_of(plan: Plan, settings: Settings, key: str, text: str) -> list[Fault]:
+    changed = (*((k, value) for k, value in settings if k != key), (key, text))
     try:
-        parse_profile(vary_profile(plan.profile_text, settings, where=plan.where), where=plan.where)
+        parse_profile(vary_profile(plan.profile_text, changed, where=plan.where), where=plan.where)
     except InputError as error:
         path = f"{plain_key(key)}."
         return [fault for fault in error.faults if fault.key and path.startswith(f"{fault.key}.")]
     return []
+
+
+def _companies(plan: Plan, axis: Axis, row: int) -> Iterator[Settings]:
+    """What a row of an axis may meet: nothing else that varies, and the ends of the other axes."""
+    yield ()
+    if plan.is_paired:
+        yield plan.settings(row)
+        return
+    ends = [[row] if other is axis else sorted(_ends(other), reverse=True) for other in plan.axes]
+    for places in islice(product(*ends), MOST_COMPANIES):
+        chosen = zip(plan.axes, places, strict=True)
+        yield tuple(
+            pair
+            for other, place in chosen
+            for pair in zip(other.keys, other.rows[place], strict=True)
+        )
+
+
+def _ends(axis: Axis) -> set[int]:
+    columns = zip(*axis.rows, strict=True)
+    return {place for texts in columns for group in _representatives(texts) for place in group}
