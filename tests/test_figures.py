@@ -103,6 +103,19 @@ def test_points_left_out_change_nothing_that_is_seen(count, seed):
     assert kept[-1].tolist() == [x[-1], y[-1]]
 
 
+@pytest.mark.parametrize("count", [3, 100, 401, 5000])
+@pytest.mark.parametrize(
+    "bend", [np.square, np.sin, np.exp, np.cbrt], ids=lambda bend: bend.__name__
+)
+def test_a_gentle_bend_stays_a_bend_however_fine_it_is_sampled(bend, count):
+    """The sheet showed a velocity of a tenth of its peak where each step alone was straight."""
+    u = np.linspace(-3.0, 3.0, count)
+    x, y = 70.0 * u, 2.0 * bend(u)
+    kept = drop_straight(np.column_stack([x, y]))
+    assert np.max(np.abs(np.interp(x, kept[:, 0], kept[:, 1]) - y)) < 0.05
+    assert len(kept) < max(0.6 * count, 4)
+
+
 def test_a_spike_is_no_straight():
     spike = np.array([[0.0, 0.0], [1.0, 5.0], [1.0, 0.0], [2.0, 0.0]])
     assert drop_straight(spike).tolist() == spike.tolist()
