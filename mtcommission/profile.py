@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
-import tomllib
 from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
@@ -16,8 +14,9 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.machine import Machine
 from mtcommission.profile_build import build_machine
 from mtcommission.profile_faults import list_faults
-from mtcommission.profile_lines import find_key_lines, find_repetition
+from mtcommission.profile_lines import find_key_lines
 from mtcommission.profile_model import ManipulatorTable, ModalTable, ProfileTable
+from mtcommission.profile_syntax import load_toml
 from mtcommission.profile_values import Context, describe, find_close
 from mtcommission.units import (
     ANGLE,
@@ -41,10 +40,6 @@ KINDS: Mapping[str, type[ManipulatorTable | ModalTable]] = {
     "modal": ModalTable,
 }
 """Kinds of plant and their keys."""
-
-
-TWICE = re.compile("overwrite a value|twice")
-"""How tomllib complains of a key or table that is there already."""
 
 
 def read_profile(path: Path | str) -> Machine:
@@ -149,17 +144,21 @@ def parse_profile(text: str, *, where: str) -> Machine:
         With every fault found, ordered by line.
     """
     if not text.strip():
-        message = "is empty; start from one of the shipped profiles"
+        message = "is empty; start from a shipped profile (mtcommission profiles list)"
         raise InputError([Fault(where=where, line=1, message=message)])
-    data, wrong_kind = _mend_kind(_load_toml(text, where=where))
-    faults, lines = [], find_key_lines(text)
+    parsed = load_toml(text, where=where)
+    data, wrong_kind = _mend_kind(parsed.data)
+    faults, lines = list(parsed.faults), find_key_lines(parsed.text)
     if wrong_kind:
         line = lines.line_of(("plant", "kind"))
         faults.append(Fault(where=where, line=line, key="plant.kind", message=wrong_kind))
+    refused = {fault.line for fault in parsed.faults}
     try:
         table = ProfileTable.model_validate(data, context=_context(data))
     except ValidationError as error:
-        faults += list_faults(error, where=where, lines=lines)
+        found = list_faults(error, where=where, lines=lines)
+        # What stands in a line that is no TOML has been said already.
+        faults += [fault for fault in found if fault.line not in refused]
         raise InputError(sorted(faults, key=lambda fault: fault.line)) from error
     if faults:
         raise InputError(faults)
@@ -184,35 +183,6 @@ def profile_schema() -> str:
 
 def _file_fault(where: str, message: str) -> InputError:
     return InputError([Fault(where=where, message=message)])
-
-
-def _load_toml(text: str, *, where: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except RecursionError as error:
-        message = "is nested too deeply; a profile needs no more than three levels"
-        raise InputError([Fault(where=where, line=1, message=message)]) from error
-    except ValueError as error:  # also numbers with thousands of digits
-        place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
-        line = int(place[1]) if place else max(1, len(text.splitlines()))
-        reason = re.sub(r" ?\(at [^)]*\)", "", str(error))
-        raise InputError([_syntax_fault(reason, text, line, where=where)]) from error
-
-
-def _syntax_fault(reason: str, text: str, line: int, *, where: str) -> Fault:
-    """What tomllib refused, and what to do about it."""
-    key, first = find_repetition(text, line) if TWICE.search(reason) else ("", 0)
-    if key:
-        message = f"stands in line {first} already; remove one of the two"
-        return Fault(where=where, line=line, key=key, message=message)
-    hint = "; a quantity with a unit stands in quotes" if _is_bare_unit(text, line) else ""
-    return Fault(where=where, line=line, message=f"TOML syntax: {reason}{hint}")
-
-
-def _is_bare_unit(text: str, line: int) -> bool:
-    lines = text.split("\n")
-    found = re.search(r"=\s*[-+]?[0-9.]+\s*[A-Za-zµμ°%]", lines[line - 1] if lines else "")
-    return found is not None
 
 
 def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:

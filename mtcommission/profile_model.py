@@ -9,7 +9,14 @@ from __future__ import annotations
 from math import pi, sqrt
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from mtcommission.errors import Outcome
 from mtcommission.profile_ranges import (
@@ -197,11 +204,12 @@ class DriveTable(Table):
     )
 
     @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _check(self, info: ValidationInfo) -> Self:
         if abs(self.static_load) >= self.max_force:
+            unit = FORCE_Q.si_of(info)
             message = (
-                f"got {self.static_load:g} against max_force = {self.max_force:g}; its amount "
-                "must be smaller, or no force is left for motion"
+                f"got {self.static_load:g} {unit} against max_force = {self.max_force:g} {unit}; "
+                "its amount must be smaller, or no force is left for motion"
             )
             raise Faults([("static_load", message)])
         return self
@@ -271,19 +279,18 @@ class RequirementsTable(Table):
     modes: ModeBands = Field(default_factory=ModeBands, description="Band of each machining mode.")
 
     @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _check(self, info: ValidationInfo) -> Self:
         faults = []
         if self.frequency_spread > LARGEST_FREQUENCY_SPREAD:
-            faults.append(
-                ("frequency_spread", f"got {self.frequency_spread:g}, must be from 0 to 0.5 (50 %)")
-            )
+            spread = f"{self.frequency_spread:g} ({100.0 * self.frequency_spread:g} %)"
+            faults.append(("frequency_spread", f"got {spread}, must be from 0 to 0.5 (50 %)"))
         if self.damping_spread >= 1.0:
-            faults.append(
-                ("damping_spread", f"got {self.damping_spread:g}, must be >= 0 and < 1 (100 %)")
-            )
+            spread = f"{self.damping_spread:g} ({100.0 * self.damping_spread:g} %)"
+            faults.append(("damping_spread", f"got {spread}, must be >= 0 and < 1 (100 %)"))
         if self.payload is not None and self.payload[0] > self.payload[1]:
-            low, high = self.payload
-            faults.append(("payload", f"got {low:g} to {high:g}, the least comes first"))
+            (low, high), unit = self.payload, MASS_Q.si_of(info)
+            message = f"got {low:g} {unit} to {high:g} {unit}, the least comes first"
+            faults.append(("payload", message))
         if self.payload_radius < 0.0:
             faults.append(("payload_radius", f"got {self.payload_radius:g}, must be >= 0"))
         _raise(faults)

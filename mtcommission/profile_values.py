@@ -125,12 +125,18 @@ class Quantity:
             "x-unit-rotary": self.rotary.dimension.si or "no unit",
         }
 
+    def si_of(self, info: ValidationInfo) -> str:
+        """Return the SI unit on the axis that is being read."""
+        return self._allowed(info).dimension.si
+
+    def _allowed(self, info: ValidationInfo) -> Range:
+        return self.rotary if _context(info).is_rotary else self.linear
+
     def _read(self, value: object, info: ValidationInfo) -> float | None:
         if self.word and value == self.word:
             return None
-        allowed = self.rotary if _context(info).is_rotary else self.linear
         try:
-            return allowed.read(value)
+            return self._allowed(info).read(value)
         except ValueError as error:
             beside = f', or "{self.word}"' if self.word else ""
             raise Faults([("", f"{error}{beside}")]) from error

@@ -342,8 +342,8 @@ def test_a_plain_number_is_si() -> None:
         (
             '"2 kN"',
             '"2 kN"\nstatic_load = -2000',
-            "20: drive.static_load: got -2000 against max_force = 2000; its amount must be "
-            "smaller, or no force is left for motion",
+            "20: drive.static_load: got -2000 N against max_force = 2000 N; its amount "
+            "must be smaller, or no force is left for motion",
         ),
         (
             '"2 kN"',
@@ -369,12 +369,12 @@ def test_a_plain_number_is_si() -> None:
         (
             '"5 um"',
             '"5 um"\nfrequency_spread = "60 %"',
-            "24: requirements.frequency_spread: got 0.6, must be from 0 to 0.5 (50 %)",
+            "24: requirements.frequency_spread: got 0.6 (60 %), must be from 0 to 0.5 (50 %)",
         ),
         (
             '"5 um"',
             '"5 um"\ndamping_spread = 1',
-            "24: requirements.damping_spread: got 1, must be >= 0 and < 1 (100 %)",
+            "24: requirements.damping_spread: got 1 (100 %), must be >= 0 and < 1 (100 %)",
         ),
         (
             '"5 um"',
@@ -384,7 +384,7 @@ def test_a_plain_number_is_si() -> None:
         (
             '"5 um"',
             '"5 um"\npayload = ["100 kg", "0 kg"]',
-            "24: requirements.payload: got 100 to 0, the least comes first",
+            "24: requirements.payload: got 100 kg to 0 kg, the least comes first",
         ),
         (
             '"5 um"',
@@ -602,6 +602,50 @@ def test_a_key_given_twice_is_named_with_both_lines(old: str, new: str, fault: s
     assert faults_in(changed(MANIPULATOR, old, new)) == [fault]
 
 
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        ("0,25", "got 0,25 with a comma; write it with a point: 0.25"),
+        ("2,5 kN", 'got 2,5 kN with a comma; write it with a point: "2.5 kN", in quotes'),
+        ("2 kN", 'got 2 kN without quotes; write "2 kN"'),
+        ("2 kN # peak", 'got 2 kN without quotes; write "2 kN"'),
+        ('"2 kN', 'got "2 kN without the closing quote; write "2 kN"'),
+        ("“2 kN”", 'got “2 kN” with typographic quotes; write "2 kN" with straight ones'),
+        ("auto", 'got auto without quotes; write "auto"'),
+        (".5", "got .5; write digits on both sides of the point: 0.5"),
+        ("2000.", "got 2000.; write digits on both sides of the point: 2000"),
+        ("", "got no value after the =; add one, or delete the line"),
+        ("[0 kg, 9 kg]", 'got [0 kg, 9 kg]; values with a unit stand in quotes: ["0 kg", "9 kg"]'),
+        ("9" * 5000, "got a number of thousands of digits; check it"),
+        ("1__0", "TOML syntax: Expected newline or end of document after a statement"),
+    ],
+)
+def test_a_value_that_is_no_toml_is_shown_as_it_should_stand(value: str, words: str) -> None:
+    """TOML's own words ("Illegal character") tell nobody what to type instead."""
+    text = changed(MANIPULATOR, 'max_force = "2 kN"', f"max_force = {value}")
+    assert faults_in(text) == [f"p.toml:19: drive.max_force: {words}"]
+
+
+def test_a_fault_of_syntax_hides_no_other_fault() -> None:
+    """Somebody with decimal commas in ten lines would mend and start ten times."""
+    text = changed(changed(MANIPULATOR, '"450 kg"', "450,5"), '"2 kN"', "2 kN")
+    text = changed(text, '"750 kg"', '"750 m"').replace("\n", "\r\n")
+    found = faults_in(text)
+    assert found[0] == (
+        "p.toml:8: plant.base_mass: got 450,5 with a comma; write it with a point: 450.5"
+    )
+    assert found[1].startswith('p.toml:9: plant.slider_mass: got "750 m", which is a length')
+    assert found[2:] == ['p.toml:19: drive.max_force: got 2 kN without quotes; write "2 kN"']
+
+
+@pytest.mark.parametrize("text", ["schema;1\nname;X\n", "Fx 12 3\n"])
+def test_a_file_of_another_kind_is_told_what_a_line_may_be(text: str) -> None:
+    line = text.splitlines()[0]
+    assert faults_in(text) == [
+        f'p.toml:1: got "{line}"; a line is a [table], a key = value, or a comment after #'
+    ]
+
+
 def test_a_single_move_needs_double_brackets() -> None:
     assert faults_in(changed(MANIPULATOR, "[[moves]]", "[moves]")) == [
         "p.toml:20: moves: got a table, must be an array; write the header as [[moves]]"
@@ -636,8 +680,12 @@ def fault_of_file(path: Path) -> Fault:
 @pytest.mark.parametrize(
     ("data", "line", "message"),
     [
-        (b"", 1, "is empty; start from one of the shipped profiles"),
-        (b"\xef\xbb\xbf \r\n", 1, "is empty; start from one of the shipped profiles"),
+        (b"", 1, "is empty; start from a shipped profile (mtcommission profiles list)"),
+        (
+            b"\xef\xbb\xbf \r\n",
+            1,
+            "is empty; start from a shipped profile (mtcommission profiles list)",
+        ),
         (b"\x7fELF\0\0", 0, "is a binary or UTF-16 file; save the profile as UTF-8 text"),
         (
             b'schema = 1\n# \xb5m\n',
@@ -645,10 +693,9 @@ def fault_of_file(path: Path) -> Fault:
             "byte 0xb5 is not UTF-8; save the profile as UTF-8 text",
         ),
         (
-            b"schema = 1\n[drive]\nmax_force = 2 kN\n",
-            3,
-            "TOML syntax: Expected newline or end of document after a statement; "
-            "a quantity with a unit stands in quotes",
+            b"schema = 1\n[drive\nmax_force = 2\n",
+            2,
+            "TOML syntax: Expected ']' at the end of a table declaration",
         ),
         (
             b"a = " + b"[" * 20000,
