@@ -146,9 +146,11 @@ def follow(
     Returns
     -------
     Motion
-        Settling time and residual are inf where a sample has not decayed within the horizon.
+        Settling time and residual are inf where a sample is outside the band even in the last
+        stretch of the horizon.
     """
     T_p, until = loop.controller.position_cycle, setpoint.duration + loop.controller.reference_delay
+    band = machine.requirements.tcp_deviation
     first = int(until / T_p)
     stretch = ceil(max(min(longest_period(plant), 0.2), EARLIEST_STOP) / T_p)
     last = first + ceil(HORIZON / T_p)
@@ -160,7 +162,8 @@ def follow(
     for start in range(first, last, stretch):
         tip = _advance(motion, course, rows, start, start + stretch)
         t, e = _deviation(course, tip, start, until=until)
-        moving = _note(motion, t, np.abs(e), band=machine.requirements.tcp_deviation)
+        size = _note(motion, t, np.abs(e), band=band)
+        moving = size > DECAYED * band
         motion.alive, motion.X, motion.last = (
             motion.alive[moving],
             motion.X[moving],
@@ -169,7 +172,8 @@ def follow(
         rows = rows[moving]
         if not motion.alive.size:
             return motion
-    motion.settling[motion.alive], motion.residual[motion.alive] = inf, inf
+    lost = motion.alive[size[moving] > band]
+    motion.settling[lost], motion.residual[lost] = inf, inf
     return motion
 
 
@@ -267,8 +271,8 @@ def _deviation(course: _Course, tip: Array, start: int, *, until: float) -> tupl
     return np.append(until, t[begin:]), np.column_stack([at_end, e[:, begin:]])
 
 
-def _note(motion: Motion, t: Array, e: Array, *, band: float) -> NDArray[np.bool_]:
-    """Add a stretch of |e| to what is known; return which samples have not decayed yet."""
+def _note(motion: Motion, t: Array, e: Array, *, band: float) -> Array:
+    """Add a stretch of |e| to what is known; return its largest, shape (n_alive,)."""
     alive = motion.alive
     motion.residual[alive] = np.maximum(motion.residual[alive], e.max(axis=1))
     if motion.last.size:  # a crossing may lie between two stretches
@@ -282,4 +286,4 @@ def _note(motion: Motion, t: Array, e: Array, *, band: float) -> NDArray[np.bool
     share = np.where(following > final, (here - band) / np.maximum(here - there, 1e-300), 0.0)
     motion.settling[alive[row]] = t[final] + (t[following] - t[final]) * share
     motion.last = e[:, -1]
-    return np.asarray(e.max(axis=1) > DECAYED * band)
+    return np.asarray(e.max(axis=1))

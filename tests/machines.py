@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 
 from mtcommission.machine import (
+    Control,
     Drive,
     FlexibleMode,
     Machine,
@@ -14,6 +15,7 @@ from mtcommission.machine import (
     Modal,
     Modes,
     Requirements,
+    StateFeedback,
     VelocityStep,
 )
 
@@ -73,4 +75,27 @@ def random_modal_machine(seed: int, *, n_modes: int) -> Machine:
         ),
         moves=(VelocityStep(velocity_step=float(generator.uniform(0.02, 1.0))),),
         requirements=REQUIREMENTS,
+    )
+
+
+def slowly_decaying_machine() -> Machine:
+    """A soft axis whose mode still moves tenths of the band ten seconds after a move."""
+    mode = FlexibleMode(
+        name="frame",
+        natural_frequency=2 * pi * 6.0,
+        damping_ratio=0.01,
+        tcp_gain=6e-4,
+        measured_gain=1e-4,
+    )
+    return Machine(
+        name="Soft axis",
+        axis="X",
+        source="invented",
+        mechanics=Modal(moving_mass=1500.0, modes=(mode,)),
+        drive=Drive(force_lag=3e-3, max_force=3e3),
+        moves=(VelocityStep(velocity_step=0.2),),
+        requirements=Requirements(
+            tcp_deviation=50e-6, modes=Modes(surface=20e-6, accuracy=50e-6, speed=200e-6)
+        ),
+        control=Control(state_feedback=StateFeedback.OFF),
     )

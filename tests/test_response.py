@@ -9,12 +9,12 @@ import pytest
 
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.decay import find_decay
-from mtcommission.loop.response import LoopResponse, simulate, steady_state
+from mtcommission.loop.response import DECAYED, LoopResponse, simulate, steady_state
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Drive, Move, Positioning, VelocityStep
 from mtcommission.setpoint import plan_setpoint
 from tests.independent_loop import Judgement, axis_of, judge, profile_of, run
-from tests.machines import paper_machine
+from tests.machines import paper_machine, slowly_decaying_machine
 
 BAND = 5e-6
 STEP = VelocityStep(velocity_step=0.1, dwell=0.05)
@@ -144,3 +144,32 @@ def test_amplitude_of_a_free_mode_is_its_largest_swing(tuned: TunedLoop) -> None
             swing.append(abs(vibration.tool) * abs(vibration.q - static))
         assert max(swing) <= response.mode_amplitudes[k] * (1 + 1e-9)
         assert max(swing) >= 0.8 * response.mode_amplitudes[k]
+
+
+SLOW = MotionLimits(acceleration=1.12, jerk=2250.0)
+"""Leave nearly the whole band, and a fourteenth of it ten seconds later."""
+
+
+def test_a_vibration_that_outlasts_the_horizon_within_the_band_is_settled() -> None:
+    """Limits that keep every requirement would be called "not settled" on a soft machine."""
+    machine = slowly_decaying_machine()
+    tuned, move, band = tune_loop(machine), machine.moves[0], machine.requirements.tcp_deviation
+    ours = simulate(
+        tuned.loops[0], tuned.lifted[0], plan_setpoint(move, SLOW), drive=machine.drive, band=band
+    )
+    assert abs(ours.deviation[-1000:]).max() > DECAYED * band
+    profile = profile_of(move, SLOW.acceleration, SLOW.jerk)
+    motion = run(machine, tuned.controller, profile, nominal=machine, samples=8000)
+    theirs = judge(motion, profile, tau=tuned.controller.reference_delay, band=band, dwell=0.0)
+    assert ours.residual_deviation == pytest.approx(theirs.residual, rel=1e-5)
+    assert ours.residual_deviation < band
+    assert ours.settling_time == ours.t_end == pytest.approx(theirs.settling_time, rel=1e-6)
+
+
+def test_a_vibration_that_leaves_the_band_even_after_the_horizon_is_not_settled() -> None:
+    """A number would hide that nobody has waited for the rest."""
+    machine = slowly_decaying_machine()
+    tuned = tune_loop(machine)
+    setpoint = plan_setpoint(machine.moves[0], SLOW)
+    loop, lifted, drive = tuned.loops[0], tuned.lifted[0], machine.drive
+    assert simulate(loop, lifted, setpoint, drive=drive, band=3e-6).settling_time == np.inf

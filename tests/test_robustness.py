@@ -37,7 +37,7 @@ from mtcommission.sheet.languages import find_labels
 from mtcommission.trials import judge
 from mtcommission.variations import Variations, as_variations, draw_variations
 from mtcommission.varied_response import respond_to_variations
-from tests.machines import paper_machine
+from tests.machines import paper_machine, slowly_decaying_machine
 
 
 def spread_paper_machine(*, state_feedback: StateFeedback = StateFeedback.OFF) -> Machine:
@@ -70,8 +70,9 @@ def spread_paper_machine(*, state_feedback: StateFeedback = StateFeedback.OFF) -
             ),
             MotionLimits(acceleration=0.8, jerk=100.0),
         ),
+        (slowly_decaying_machine(), MotionLimits(acceleration=1.12, jerk=2250.0)),
     ],
-    ids=["paper", "state feedback", "modal", "setpoint filter"],
+    ids=["paper", "state feedback", "modal", "setpoint filter", "decays slowly"],
 )
 def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> None:
     """If it failed, the printed distribution would be that of other machines."""

@@ -55,6 +55,10 @@ class Decay:
                 needed = max(needed, own)
         return int(min(needed + 1, ceil(longest / self.dt) + 1))
 
+    def left(self, cycles: int) -> float:
+        """Return what the tool still moves at most from a position cycle on [m]."""
+        return float(np.sum(self.sizes * self.radii**cycles))
+
 
 def find_decay(lifted: LiftedLoop, transient: Array) -> Decay:
     """Return the modes of a loop's free motion.
