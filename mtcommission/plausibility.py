@@ -20,6 +20,7 @@ from mtcommission.machine import (
     frequency_hz,
     moving_mass,
 )
+from mtcommission.units import convert_to
 
 DAMPING_RATIOS = (0.002, 0.3)
 LOWEST_FREQUENCY_HZ = 1.0
@@ -29,6 +30,9 @@ phase is too uncertain to be used."""
 POSITION_CYCLES_PER_PERIOD = 5.0
 ACCELERATIONS = {Motion.LINEAR: (0.01, 1e3), Motion.ROTARY: (0.01, 1e5)}
 DEVIATIONS = {Motion.LINEAR: (1e-8, 1e-2), Motion.ROTARY: (1e-8, 1e-2)}
+VELOCITIES = {Motion.LINEAR: 10.0, Motion.ROTARY: 1e3}
+LEAST_POSITION_GAIN = 6.0
+"""Below 0.36 (m/min)/mm somebody has left out that unit."""
 LOAD_SHARE = 0.5
 PAYLOAD_RATIO = 3.0
 DEFLECTION_RATIO = 1e3
@@ -232,6 +236,17 @@ def _check_moves(machine: Machine) -> list[Remark]:
                 "check distance, velocity and force"
             )
             remarks.append(Remark(key=f"moves[{i + 1}]", message=message))
+        name, velocity = (
+            ("velocity_step", move.velocity_step)
+            if isinstance(move, VelocityStep)
+            else ("max_velocity", move.max_velocity)
+        )
+        if VELOCITIES[machine.motion] < velocity < inf:
+            message = (
+                f"{velocity:.4g} {_length_unit(machine)}/s is faster than machine axes move, "
+                f"{VELOCITIES[machine.motion]:g} {_length_unit(machine)}/s; check the unit"
+            )
+            remarks.append(Remark(key=f"moves[{i + 1}].{name}", message=message))
     return remarks
 
 
@@ -272,6 +287,13 @@ def _check_control(machine: Machine) -> list[Remark]:
             "the feed-forward will push too little or too much"
         )
         remarks.append(Remark(key="control.feedforward_mass", message=message))
+    gain = control.position_gain
+    if gain is not None and gain < LEAST_POSITION_GAIN:
+        message = (
+            f"Kv = {gain:.4g} 1/s is only {convert_to(gain, '(m/min)/mm'):.3g} (m/min)/mm; "
+            f'if {gain:.4g} (m/min)/mm is meant, write the unit: "{gain:.4g} (m/min)/mm"'
+        )
+        remarks.append(Remark(key="control.position_gain", message=message))
     if control.minimum_bandwidth_hz * control.velocity_cycle * SAMPLES_PER_PERIOD > 1.0:
         message = (
             f"{control.minimum_bandwidth_hz:.4g} Hz is above a third of the velocity loop's "

@@ -178,6 +178,16 @@ def with_needs(**changes: object) -> Machine:
             "the feed-forward will push too little or too much",
         ),
         (
+            replace(PAPER, control=Control(position_gain=4.0)),
+            "control.position_gain: Kv = 4 1/s is only 0.24 (m/min)/mm; if 4 (m/min)/mm is meant, "
+            'write the unit: "4 (m/min)/mm"',
+        ),
+        (
+            replace(PAPER, moves=(Positioning(distance=0.02, max_velocity=30.0),)),
+            "moves[1].max_velocity: 30 m/s is faster than machine axes move, 10 m/s; "
+            "check the unit",
+        ),
+        (
             replace(PAPER, control=Control(minimum_bandwidth_hz=15e3)),
             "control.minimum_bandwidth: 1.5e+04 Hz is above a third of the velocity loop's "
             "sampling rate, 8000 Hz",

@@ -27,7 +27,7 @@ from mtcommission.profile import parse_profile, profile_text_hash, read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.data import list_data
 from mtcommission.record.schema import Profile
-from mtcommission.wizard.console import LineConsole, RichConsole, hint, introduce
+from mtcommission.wizard.console import LineConsole, RichConsole, fold, hint, introduce
 from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.insight import find_insights
@@ -542,6 +542,51 @@ def test_units_unusual_for_the_place_are_warned_of() -> None:
     assert "is unusual" in read_reply(question, "2.5").warning  # seconds
 
 
+@pytest.mark.parametrize(
+    ("key", "typed", "said"),
+    [
+        ("drive.max_force", "2000", "2000 N"),
+        ("drive.max_force", "1,000 kN", "1.000 kN"),  # nobody shall enter a thousandth unawares
+        ("moves.0.distance", "20", "20 m"),
+        ("control.position_gain", "40", "40 1/s = 2.4 (m/min)/mm"),
+        ("requirements.damping_spread", "0.3", "0.3 = 30 %"),
+        ("drive.max_force", "2 kN", ""),
+    ],
+)
+def test_a_number_without_a_unit_is_never_read_silently(key: str, typed: str, said: str) -> None:
+    """20 for a distance is 20 m; Kv 40 is 40 1/s: who meant another unit must see it."""
+    question = next(q for q in list_questions({}) if q.key == key)
+    assert read_reply(question, typed).taken_as == said
+
+
+def test_kv_in_metres_per_minute_without_the_unit_is_warned_of() -> None:
+    """4 is the commonest Kv of a milling machine, in (m/min)/mm; 4 1/s is a seventeenth of it."""
+    question = next(q for q in list_questions({}) if q.key == "control.position_gain")
+    assert read_reply(question, "4").warning.startswith("4 1/s is unusual; common are 6 1/s to")
+
+
+@pytest.mark.parametrize(
+    ("typed", "words"),
+    [
+        ("5", 'got 5, which is 500 %; must be below 100 %; did you mean "5 %"?'),
+        ("120 %", "got 120 %; must be below 100 %"),
+    ],
+)
+def test_percent_without_its_sign_is_refused_at_its_own_question(typed: str, words: str) -> None:
+    """Else the refusal comes after the last question, with the whole profile."""
+    question = next(q for q in list_questions({}) if q.key == "requirements.frequency_spread")
+    with pytest.raises(ValueError, match="below 100 %") as caught:
+        read_reply(question, typed)
+    assert str(caught.value) == words
+
+
+def test_no_line_ends_between_a_number_and_its_unit() -> None:
+    words = ("wide " * 14).strip()
+    for quantity in ("1 N s/m", "100 MN s/m", "5 kg m^2", "30 %", "4 (m/min)/mm", "12 um"):
+        for cut in range(len(words)):
+            assert quantity in fold(f"{words[cut:]} {quantity} more.")
+
+
 def _all_questions() -> list[Question]:
     found = {}
     for motion in ("linear", "rotary"):
@@ -558,6 +603,8 @@ def test_every_question_fits_a_terminal_and_tells_where_to_look() -> None:
     for question in _all_questions():
         default = question.default or ""
         assert len(f"{question.text}{hint(question, default)}: ") <= 79, question.key
+        for choice in question.choices:
+            assert len(f"? {question.text} {choice}") <= 79, question.key
         assert question.where.endswith((".", "!")), question.key
         assert len(introduce(question)) <= 3 * 78
         if question.dimension is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
 from math import inf
@@ -16,6 +17,12 @@ if TYPE_CHECKING:
 WIDTH = 78
 BACK, HELP, QUIT = ("<", "back"), ("?", "help"), ("q", "quit")
 COMMANDS = "? help, < back, q quit"
+NO_BREAK = "\N{NO-BREAK SPACE}"
+TOGETHER = re.compile(
+    r"(?<=[0-9]) (?=[A-Za-z%µ(])(?!to |and )|(?<=[kMG]N) (?=[ms])"
+    r"|(?<=[0-9] N) (?=[ms])|(?<=kg) (?=m)"
+)
+"""Blanks between a number and its unit, or inside a unit."""
 
 
 class Console(Protocol):
@@ -186,7 +193,7 @@ def _common(question: Question) -> str:
 
 
 def fold(text: str) -> str:
-    """Return a text in lines for 80 columns; its own line breaks stay."""
-    return "\n".join(
-        "\n".join(wrap(line, WIDTH, subsequent_indent="  ")) for line in text.splitlines()
-    )
+    """Return a text in lines for 80 columns, no number without its unit; its own breaks stay."""
+    joined = TOGETHER.sub(NO_BREAK, text)
+    lines = ("\n".join(wrap(line, WIDTH, subsequent_indent="  ")) for line in joined.splitlines())
+    return "\n".join(lines).replace(NO_BREAK, " ")

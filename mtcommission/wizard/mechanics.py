@@ -36,7 +36,7 @@ def ask_mechanics(answers: Answers) -> tuple[Question, ...]:
     ways = WAYS[2:] if measures(answers) is ROTARY else WAYS
     way = Question(
         key="wizard.way",
-        text="What is known of the mechanics",
+        text="Known of the mechanics",
         where="Tower: slider with a tool column on a base that gives way (the paper's machine). "
         "Motor and load: two masses with a spring. Bode plot: mode by mode.",
         choices=ways,

@@ -6,7 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
-from mtcommission.units import DIGITS, NUMBER, Dimension, parse_quantity
+from mtcommission.units import (
+    DIGITS,
+    GAIN,
+    NUMBER,
+    RATIO,
+    Dimension,
+    convert_to,
+    parse_quantity,
+)
 
 Answers = Mapping[str, str]
 """What was typed, by dotted key: the profile's own keys, or the wizard's beside them."""
@@ -67,10 +75,13 @@ class Reply:
         As the profile will hold it: decimal point, unit added where it was left out.
     warning
         What is unusual about it; "" if nothing is.
+    taken_as
+        How a number is read that was typed without a unit, or with a comma; "" for any other.
     """
 
     text: str
     warning: str = ""
+    taken_as: str = ""
 
 
 def read_reply(question: Question, typed: str) -> Reply:
@@ -95,8 +106,9 @@ def read_reply(question: Question, typed: str) -> Reply:
     Examples
     --------
     >>> from mtcommission.units import STIFFNESS
-    >>> read_reply(Question(key="k", text="?", where="", dimension=STIFFNESS), "44,41 N/um").text
-    '44.41 N/um'
+    >>> reply = read_reply(Question(key="k", text="?", where="", dimension=STIFFNESS), "44,41")
+    >>> reply.text, reply.taken_as
+    ('44.41 N/m', '44.41 N/m')
     """
     text = typed.strip() or question.default
     if not text:
@@ -138,19 +150,34 @@ def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
     digits = DIGITS.match(plain)
     if digits is not None:
         plain = digits[0].replace(",", ".") + plain[digits.end() :]
-    if NUMBER.fullmatch(plain) and dimension.si:
+    is_bare = NUMBER.fullmatch(plain) is not None
+    if is_bare and dimension.si:
         plain = f"{plain} {dimension.si}"
     unit = f" {dimension.si}" if dimension.si else ""
     if question.low >= 0.0 and (value < 0.0 or (value == 0.0 and question.low > 0.0)):
         sign = ">" if question.low > 0.0 else ">="
         raise ValueError(f"got {plain}, must be {sign} 0{unit}")
+    if dimension is RATIO and abs(value) >= 1.0:
+        percent = f", which is {100.0 * value:g} %" if is_bare else ""
+        meant = f'; did you mean "{plain} %"?' if is_bare and abs(value) < 100.0 else ""
+        raise ValueError(f"got {plain}{percent}; must be below 100 %{meant}")
     warning = ""
     if not question.low <= value <= question.high:
         warning = (
             f"{plain} is unusual; common are {show_common(question)}. "
             "Check number and unit, type < to change it."
         )
-    return Reply(text=plain, warning=warning)
+    taken_as = _in_other_words(plain, value, dimension) if is_bare or "," in text else ""
+    return Reply(text=plain, warning=warning, taken_as=taken_as)
+
+
+def _in_other_words(plain: str, value: float, dimension: Dimension) -> str:
+    """A number with the unit it was given, and the second unit that is as usual for it."""
+    if dimension is RATIO:
+        return f"{plain} = {100.0 * value:g} %"
+    if dimension is GAIN:
+        return f"{plain} = {convert_to(value, '(m/min)/mm'):.4g} (m/min)/mm"
+    return plain
 
 
 def list_accepted(answers: Answers) -> tuple[str, ...]:

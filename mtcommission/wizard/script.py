@@ -272,7 +272,7 @@ def _control(answers: Answers) -> tuple[Question, ...]:
             "Control: Kv factor, servo gain; (m/min)/mm or 1/s.",
             GAIN,
             "4 (m/min)/mm",
-            1.0,
+            6.0,
             1e3,
             is_optional=True,
         ),

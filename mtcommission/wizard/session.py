@@ -164,7 +164,7 @@ def _interview(
     """Ask until the profile is valid."""
     answers = dict(source.answers)
     console.tell(
-        f"Profile {output}. Enter takes the value in [brackets]. At every question: {COMMANDS}."
+        f"Profile {output}. Enter takes the value in [brackets].\nAt every question: {COMMANDS}."
     )
     place = _first_place(source)
     if source.is_resumed and place:
@@ -242,6 +242,8 @@ def _take(
         found = note_accepted(found, question.key)
     if reply.warning:
         console.tell(f"  Warning: {reply.warning}")
+    elif typed and reply.taken_as:
+        console.tell(f"  taken as {reply.taken_as}")
     said = set(find_insights(known))
     for insight in find_insights(found):
         if insight not in said:
