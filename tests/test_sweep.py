@@ -199,6 +199,12 @@ def test_a_failing_case_is_a_row_with_its_outcome(tmp_path: Path) -> None:
     summary = summarise_table(table)
     assert summary.done == 1
     assert not summary.is_met
+    told = summary.text.splitlines()
+    assert len(told) == 2, "one reason for each outcome, however many cases share it"
+    assert told[1].startswith("wrong input, first in case 1: ")
+    assert "no force is left" in told[1]
+    page = print_sweep(plan, table, created="2025-01-01")
+    assert told[1] in html.unescape(page), "the reason stands above the plots"
 
 
 def test_a_computation_that_ends_otherwise_names_its_outcome(tmp_path: Path) -> None:
@@ -633,23 +639,41 @@ setTimeout(() => {
   const drawn = [...document.querySelectorAll("canvas")].map((canvas) =>
     canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v));
   document.documentElement.dataset.drawn = drawn.filter((is) => is).length;
+  document.documentElement.dataset.paper = getComputedStyle(document.body).backgroundColor;
+  const canvas = document.querySelector("canvas"), pen = canvas.getContext("2d");
+  const marks = pen.getImageData(0, 0, 70, canvas.height).data.filter((_, i) => i % 4 < 3);
+  document.documentElement.dataset.brightest = Math.max(...marks);
 }, 500);
 </script></body>"""
 
 
+def opened(page: str, script: str, folder: Path, *more: str) -> str:
+    """The page as it stands in a browser after a script of the test has run."""
+    unguarded = re.sub(r"<meta http-equiv=\"Content-Security-Policy\"[^>]*>", "", page)
+    path = folder / "page.html"
+    path.write_text(unguarded.replace("</body>", script), encoding="utf-8")
+    browser = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1300,4000"]
+    browser += ["--virtual-time-budget=5000", "--dump-dom", f"--user-data-dir={folder}/browser"]
+    return subprocess.run(
+        [*browser, *more, path.as_uri()], capture_output=True, text=True, check=True
+    ).stdout
+
+
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="needs chromium")
-def test_page_in_a_browser(tmp_path: Path) -> None:
-    """Sorting, the profile behind a row and the plots work where people will open the page."""
+@pytest.mark.parametrize(
+    ("scheme", "paper", "is_bright"),
+    [(0, "rgb(21, 24, 28)", True), (1, "rgb(255, 255, 255)", False)],
+    ids=["dark", "light"],
+)
+def test_page_in_a_browser(tmp_path: Path, scheme: int, paper: str, is_bright: bool) -> None:
+    """Sorting, the profile behind a row and the plots work where people will open the page.
+
+    In the dark the numbers beside the axes must be bright, in the light they must be dark.
+    """
     plan = plan_of(read_axis("drive.max_force=1kN,3kN,2kN", where="--f-max"))
     table = read_table(plan, run_sweep(plan, folder=tmp_path))
     page = print_sweep(plan, table, created="2025-01-01")
-    unguarded = re.sub(r"<meta http-equiv=\"Content-Security-Policy\"[^>]*>", "", page)
-    (tmp_path / "page.html").write_text(unguarded.replace("</body>", CLICKS), encoding="utf-8")
-    browser = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1300,4000"]
-    browser += ["--virtual-time-budget=5000", "--dump-dom", f"--user-data-dir={tmp_path}/browser"]
-    seen = subprocess.run(
-        [*browser, (tmp_path / "page.html").as_uri()], capture_output=True, text=True, check=True
-    ).stdout
+    seen = opened(page, CLICKS, tmp_path, f"--blink-settings=preferredColorScheme={scheme}")
     body = seen[seen.index('<tbody id="body">') : seen.index("</tbody>")]
     assert re.findall(r"<button[^>]*>(\d)</button>", body) == ["1", "2", "0"], (
         "sorted by F_max, down"
@@ -658,6 +682,35 @@ def test_page_in_a_browser(tmp_path: Path) -> None:
     expected = vary_profile(TEXT, plan.settings(1), where="p")
     assert parse_profile(shown, where="p") == parse_profile(expected, where="p")
     assert f'data-drawn="{len(page_data(page)["plotted"]) + 1}"' in seen
+    assert f'data-paper="{paper}"' in seen
+    brightest = re.search(r'data-brightest="(\d+)"', seen)
+    assert brightest is not None
+    assert (int(brightest[1]) > 140) == is_bright
+
+
+CHOICES = """<script>
+const chosen = { x: document.querySelector("#x").value, log: document.querySelector("#log").checked,
+  names: [...document.querySelectorAll("#x option")].map((option) => option.textContent),
+  labels: [2, 1.99995].map((value) => tick(value, 0.00005)) };
+document.documentElement.dataset.chosen = JSON.stringify(chosen);
+</script></body>"""
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs chromium")
+def test_page_begins_with_the_key_that_has_most_values(tmp_path: Path) -> None:
+    """Six forces spread by ratios are a curve, two stiffnesses are not; units as people write them.
+
+    Ticks that lie closer than four digits must not carry the same number.
+    """
+    stiffness = read_axis("plant.base_stiffness=40N/um,45N/um", where="")
+    plan = plan_of(stiffness, read_axis("drive.max_force=log:300:20e3:6", where=""))
+    table = read_table(plan, run_sweep(plan, folder=tmp_path))
+    seen = opened(print_sweep(plan, table, created=""), CHOICES, tmp_path)
+    found = json.loads(html.unescape(re.findall(r'data-chosen="([^"]*)"', seen)[0]))
+    assert found["x"] == "drive.max_force"
+    assert found["log"]
+    assert found["names"] == ["plant.base_stiffness [MN/m]", "drive.max_force [kN]"]
+    assert found["labels"] == ["2", "1.99995"]
 
 
 def test_bands_and_summary_speak_of_requirements_where_limits_are_chosen(tmp_path: Path) -> None:

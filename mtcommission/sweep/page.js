@@ -4,18 +4,22 @@ const columns = data.columns, count = data.count, PAGE = 50;
 for (const column of columns) if (!("values" in column)) column.values = new Array(count).fill(column.all);
 const by = new Map(columns.map((column) => [column.name, column]));
 const $ = (id) => document.getElementById(id);
-const PREFIXES = [[1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
+const PREFIXES = [[1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 for (const column of columns) {
   // Numbers are shown between 1 and 1000 where the unit takes a prefix; the files stay in SI.
   let largest = 0;
   if (column.kind === "float") for (const value of column.values) if (value !== null && Math.abs(value) > largest) largest = Math.abs(value);
   const takes = /^(m|s|N|rad)(?![a-zA-Z])/.test(column.unit);
-  const [size, prefix] = (takes && PREFIXES.find(([limit]) => largest >= limit)) || [1, ""];
+  // Forces and stiffnesses are written in kN and MN/m; nobody writes km/s^3.
+  const most = column.unit.startsWith("N") ? Infinity : 1;
+  const [size, prefix] = (takes && PREFIXES.find(([limit]) => largest >= limit && limit <= most)) || [1, ""];
   column.size = size; column.shown = prefix + column.unit;
 }
 const title = (column) => column.shown ? `${column.name} [${column.shown}]` : column.name;
 const number = (value) => value === null ? "" : String(Number(value.toPrecision(6)));
 const short = (value) => String(Number(value.toPrecision(4)));
+// As many digits as tell neighbouring ticks apart.
+const tick = (value, step) => step ? String(Number(value.toPrecision(Math.max(4, 2 + Math.ceil(Math.log10(Math.abs(value / step) || 1)))))) : short(value);
 const text = (column, row) => {
   const value = column.values[row];
   if (value === null) return "";
@@ -28,8 +32,11 @@ const keys = columns.filter((column) => column.varies && numeric(column));
 const results = columns.filter((column) => column.result && numeric(column));
 const plotted = data.plotted.map((name) => by.get(name));
 const bounds = keys.filter((column) => column.name.startsWith("requirements.peaks."));
-const parameter = bounds[0] || keys[0];
-const labelled = parameter && count <= 200;
+// The key with most values makes the smoothest curves.
+const variety = new Map(keys.map((column) => [column, keys.length > 1 ? new Set(column.values).size : count]));
+const main = keys.reduce((best, column) => (best && variety.get(best) >= variety.get(column) ? best : column), undefined);
+const parameter = bounds[0] || main;
+const labelled = parameter && count <= 200, isCrowded = count > 2000;
 const flag = by.get(data.flag);
 // Colours come from the style sheet, which knows light and dark.
 const tint = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
@@ -79,52 +86,47 @@ function ticks(low, high, most, log, whole) {
 function axes(pen, width, height, x, y, xColumn, yColumn) {
   pen.lineWidth = 1; pen.strokeStyle = tint("grid"); pen.fillStyle = tint("dim");
   pen.textAlign = "right";
-  for (const value of ticks(y.low / yColumn.size, y.high / yColumn.size, height / 40, false, yColumn.kind === "int")) {
+  const rungs = ticks(y.low / yColumn.size, y.high / yColumn.size, height / 40, false, yColumn.kind === "int");
+  for (const value of rungs) {
     const py = Math.round(y.at(value * yColumn.size)) + 0.5;
     pen.beginPath(); pen.moveTo(72, py); pen.lineTo(width - 12, py); pen.stroke();
-    pen.fillText(short(value), 68, py + 4);
+    pen.fillText(tick(value, rungs[1] - rungs[0]), 68, py + 4);
   }
   pen.textAlign = "center";
-  for (const value of ticks(x.low / xColumn.size, x.high / xColumn.size, width / 80, x.log, xColumn.kind === "int")) {
+  const marks = ticks(x.low / xColumn.size, x.high / xColumn.size, width / 80, x.log, xColumn.kind === "int");
+  for (const value of marks) {
     const px = Math.round(x.at(value * xColumn.size)) + 0.5;
     pen.beginPath(); pen.moveTo(px, 8); pen.lineTo(px, height - 36); pen.stroke();
-    pen.fillText(short(value), Math.min(px, width - 20), height - 22);
+    pen.fillText(tick(value, x.log ? 0 : marks[1] - marks[0]), Math.min(px, width - 20), height - 22);
   }
   pen.strokeStyle = tint("dim"); pen.strokeRect(72.5, 8.5, width - 84, height - 44);
   pen.fillText(title(xColumn), (width + 60) / 2, height - 5);
 }
 
 // Where every case at a place of the horizontal axis is good, and where some are.
-function bands(pen, height, xColumn, x, log) {
-  const places = new Map();
+function bands(pen, width, height, xColumn, x, log) {
+  const good = new Uint32Array(Math.ceil(width) + 1), bad = new Uint32Array(Math.ceil(width) + 1), sorted = [];
   for (let row = 0; row < count; row++) {
     const value = xColumn.values[row];
-    if (value === null || (log && value <= 0)) continue;
-    const px = Math.round(x.at(value)), seen = places.get(px) || [0, 0];
-    seen[flag.values[row] ? 0 : 1]++; places.set(px, seen);
+    if (value !== null && !(log && value <= 0)) (flag.values[row] ? good : bad)[Math.round(x.at(value))]++;
   }
-  const sorted = [...places.keys()].sort((a, b) => a - b);
+  for (let px = 0; px < good.length; px++) if (good[px] || bad[px]) sorted.push(px);
+  const all = tint("band-good"), some = tint("band-some"), none = tint("band-none");
   sorted.forEach((px, i) => {
     const left = i ? Math.round((sorted[i - 1] + px) / 2) : px - 5;
     const right = i + 1 < sorted.length ? Math.round((px + sorted[i + 1]) / 2) : px + 5;
-    const [good, bad] = places.get(px);
-    pen.fillStyle = tint(bad === 0 ? "band-good" : good === 0 ? "band-none" : "band-some");
+    pen.fillStyle = bad[px] === 0 ? all : good[px] === 0 ? none : some;
     pen.fillRect(left, 9, right - left, height - 45);
   });
 }
 
-// Many points are drawn once for each pixel that they share; what is not good is a cross.
+// What is not good is a cross, where there is room for one.
 function dots(pen, points) {
-  const size = count > 2000 ? 1.5 : 4, taken = new Set(), good = tint("good"), bad = tint("bad");
+  const size = isCrowded ? 1.5 : 4, good = tint("good"), bad = tint("bad");
   for (const [px, py, row] of points) {
     const isGood = flag.values[row];
-    if (count > 2000) {
-      const place = Math.round(py) * 65536 + Math.round(px) * 2 + (isGood ? 1 : 0);
-      if (taken.has(place)) continue;
-      taken.add(place);
-    }
     pen.fillStyle = pen.strokeStyle = isGood ? good : bad;
-    if (isGood || count > 2000) { pen.fillRect(px - size / 2, py - size / 2, size, size); continue; }
+    if (isGood || isCrowded) { pen.fillRect(px - size / 2, py - size / 2, size, size); continue; }
     pen.beginPath(); pen.moveTo(px - 3, py - 3); pen.lineTo(px + 3, py + 3);
     pen.moveTo(px - 3, py + 3); pen.lineTo(px + 3, py - 3); pen.stroke();
   }
@@ -133,7 +135,7 @@ function dots(pen, points) {
 // Cases that differ in the horizontal key alone belong together: a thin line joins them.
 function join(pen, points, xColumn) {
   const others = keys.filter((column) => column !== xColumn);
-  if (count > 2000 || !keys.includes(xColumn) || others.length + 1 !== data.keys.length) return;
+  if (isCrowded || !keys.includes(xColumn) || others.length + 1 !== data.keys.length) return;
   const series = new Map();
   for (const point of points) {
     const name = others.map((column) => column.values[point[2]]).join();
@@ -173,13 +175,20 @@ function listen(canvas, points, shown, reach = REACH) {
 function scatter(canvas, xColumn, yColumn, log, front) {
   const { pen, width, height } = prepare(canvas);
   const x = scaleOf(xColumn.values, 78, width - 18, log), y = scaleOf(yColumn.values, height - 42, 14, false);
-  if (!front) bands(pen, height, xColumn, x, log);
+  if (!front) bands(pen, width, height, xColumn, x, log);
   axes(pen, width, height, x, y, xColumn, yColumn);
-  const drawn = [];
+  // Of many cases on one pixel the first good and the first other one are kept.
+  const drawn = [], across = 2 * Math.ceil(width) + 2, taken = new Uint8Array(isCrowded ? across * Math.ceil(height + 1) : 0);
   for (let row = 0; row < count; row++) {
     const a = xColumn.values[row], b = yColumn.values[row];
     if (a === null || b === null || (log && a <= 0)) continue;
-    drawn.push([x.at(a), y.at(b), row]);
+    const px = x.at(a), py = y.at(b);
+    if (isCrowded) {
+      const place = Math.round(py) * across + 2 * Math.round(px) + (flag.values[row] ? 1 : 0);
+      if (taken[place]) continue;
+      taken[place] = 1;
+    }
+    drawn.push([px, py, row]);
   }
   if (!front) join(pen, drawn, xColumn);
   dots(pen, drawn);
@@ -349,7 +358,14 @@ $("head").append(head);
 $("back").onclick = () => { page--; drawRows(); };
 $("on").onclick = () => { page++; drawRows(); };
 const xs = keys.length ? keys : [by.get("case")];
-fill($("x"), xs, xs[0].name);
+fill($("x"), xs, (main || xs[0]).name);
+// Values that were spread by ratios are shown so.
+function isSpreadByRatios(column) {
+  const values = Float64Array.from(column.values, (value) => value ?? NaN).sort(), middle = values[count >> 1];
+  const low = values[0], high = values[count - 1];
+  return count > 4 && low > 0 && high / low > 10 && Math.abs(Math.log(middle / Math.sqrt(low * high))) < Math.abs(Math.log(middle / ((low + high) / 2)));
+}
+$("log").checked = isSpreadByRatios(main || xs[0]);
 const peak = bounds.length ? by.get(`peak_${bounds[0].name.slice(19)}`) : undefined;
 const firstOf = (...names) => names.map((name) => by.get(name)).find((column) => column);
 fill($("tx"), [...results, ...keys], firstOf("settling_time", "t_f").name);

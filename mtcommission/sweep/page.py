@@ -19,6 +19,8 @@ from mtcommission.sweep.table import SweepTable, summarise_table
 FOLDER = Path(__file__).parent
 DIGITS = 7
 """Significant digits on the page; the files beside it have all."""
+GAP_DIGITS = 2
+"""Of gaps, which are far below 1e-9: a tenth less to load."""
 UNPLOTTED = ("t_f_lower_bound", "relative_gap")
 """Proofs, which say yes or no; they stand in the table."""
 LEFT_OUT = ("inputs", "switching_times")
@@ -56,7 +58,7 @@ def print_sweep(plan: Plan, table: SweepTable, *, created: str) -> str:
         policy=policy,
         style=Markup(style),
         script=Markup(script),
-        summary=summarise_table(table).text,
+        summary=summarise_table(table).text.splitlines(),
         quantity=plan.quantity.value,
         created=created,
         good=_good(plan),
@@ -101,7 +103,8 @@ def _column(column: Column, values: pl.Series, *, is_exact: bool) -> dict[str, A
         found["words"] = list(words)
         found["values"] = [None if word is None else words[word] for word in values]
     elif column.kind == "float":
-        kept = values if is_exact else values.round_sig_figs(DIGITS)
+        digits = GAP_DIGITS if column.name == "relative_gap" else DIGITS
+        kept = values if is_exact else values.round_sig_figs(digits)
         found["values"] = kept.set(~kept.is_finite().fill_null(value=False), None).to_list()
     else:
         found["values"] = values.to_list()

@@ -112,7 +112,7 @@ class Summary:
     Parameters
     ----------
     text
-        For people.
+        For people: one line, and one more for each outcome of cases that failed, with its reason.
     done
         Cases with a result.
     is_met
@@ -143,7 +143,16 @@ def summarise_table(table: SweepTable) -> Summary:
     done = sum(count for outcome, count in outcomes if outcome == DONE)
     ends = [f"{count} {outcome.replace('_', ' ')}" for outcome, count in outcomes]
     text = f"{frame.height} cases: {', '.join(ends)}; {name.replace('_', ' ')}: {met}"
-    return Summary(text=text, done=done, is_met=met == frame.height)
+    return Summary(text="\n".join([text, *_reasons(frame)]), done=done, is_met=met == frame.height)
+
+
+def _reasons(frame: pl.DataFrame) -> list[str]:
+    """One line for each outcome but "done", in the order in which they first come."""
+    failed = frame.filter(pl.col("outcome") != DONE).unique("outcome", keep="first")
+    return [
+        f"{outcome.replace('_', ' ')}, first in case {case}: {message}"
+        for case, outcome, message in failed.sort("case")["case", "outcome", "message"].rows()
+    ]
 
 
 def write_safely(path: Path, fill: Callable[[BinaryIO], object]) -> None:
