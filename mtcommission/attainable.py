@@ -89,7 +89,7 @@ def find_attainable(
     residual = find_least_residual(machine, plant, tuned, choice)
     found = [] if residual is None else [residual]
     for relaxation in _relaxations(machine):
-        attained = _relax(machine, plant, tuned, relaxation, settings)
+        attained = _relax(machine, plant, tuned, relaxation, settings, known=choice.limits)
         if attained is not None:
             found.append(attained)
     return tuple(found) or _find_together(machine, plant, tuned, settings)
@@ -195,16 +195,23 @@ def _relax(
     tuned: TunedLoop,
     relaxation: _Relaxation,
     settings: SearchSettings,
+    *,
+    known: MotionLimits,
 ) -> Attainable | None:
-    """The least value found for one requirement; None if dropping it does not help."""
+    """The least value found for one requirement; None if dropping it does not help.
+
+    These searches are coarser than the one that found the known limits, which may do better.
+    """
 
     def search(bound: float) -> Attainable | None:
         eased = relaxation.with_bound(machine, bound)
-        limits = choose_limits(eased, plant, tuned, settings=settings).limits
-        if not judge(eased, plant, tuned, "", "", limits).assessment.is_met:
-            return None
-        trial = judge(machine, plant, tuned, "", "", limits)
-        return _attained(trial, relaxation.requirement)
+        found = choose_limits(eased, plant, tuned, settings=settings).limits
+        attained = [
+            _attained(judge(machine, plant, tuned, "", "", limits), relaxation.requirement)
+            for limits in (found, known)
+            if judge(eased, plant, tuned, "", "", limits).assessment.is_met
+        ]
+        return min(attained, key=lambda item: item.value, default=None)
 
     best = search(inf)
     if best is None or relaxation.is_searched:

@@ -107,3 +107,15 @@ def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
         for f in (0.5, 1.5, 2.0, 4.0)
     ]
     assert sum(found.value < item.residual_deviation for item in others) >= 3
+
+
+def test_no_worse_than_the_recommendation_itself() -> None:
+    """If it failed, the sheet would ask for more time than the limits printed beside it take."""
+    machine = asked(settling=0.07)
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    choice = choose_limits(machine, plant, tuned)
+    poor = SearchSettings(grid=6, coarse_grid=5, seeds=1, refinements=1)
+    found = find_attainable(machine, plant, tuned, choice, settings=poor)
+    slower = next(item for item in found if item.requirement == "settling time")
+    recommended = judge(machine, plant, tuned, "", "", choice.limits)
+    assert slower.value <= recommended.settling_time
