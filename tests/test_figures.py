@@ -53,6 +53,13 @@ def test_logarithmic_ticks_are_inside_and_at_least_two(low, ratio):
     assert all(axis.low * (1 - 1e-9) <= tick <= axis.high * (1 + 1e-9) for tick in found)
 
 
+@given(st.floats(min_value=1e-6, max_value=1e6), st.floats(min_value=1.7, max_value=29.0))
+def test_a_short_logarithmic_axis_has_ticks_enough_to_read_a_value(low, ratio):
+    """Settling times from 0.7 s to 1.2 s stood on an axis with two numbers."""
+    axis = Axis(low=low, high=low * ratio, begin=0.0, end=100.0, is_log=True)
+    assert 3 <= len(axis.ticks()) <= 12
+
+
 @given(st.lists(st.floats(min_value=1e-9, max_value=1e9), min_size=1, max_size=20), st.booleans())
 def test_every_value_is_seen(values, is_log):
     low, high = span([np.array(values)], is_log=is_log)

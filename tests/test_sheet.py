@@ -11,6 +11,7 @@ from html.parser import HTMLParser
 from io import BytesIO, StringIO, TextIOWrapper
 from math import pi
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -27,6 +28,7 @@ from typer.testing import CliRunner
 from mtcommission.assess import describe_place
 from mtcommission.cli import app
 from mtcommission.errors import ComputationError, InputError, Outcome
+from mtcommission.loop.continuous import ContinuousResponse
 from mtcommission.loop.tuning import tune_loop
 from mtcommission.machine import (
     NOMINAL,
@@ -43,6 +45,7 @@ from mtcommission.machine import (
 from mtcommission.plant import build_plant
 from mtcommission.plausibility import check_plausibility
 from mtcommission.profile import read_profile
+from mtcommission.record.comparisons import continuous_entry
 from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.expected import find_unexpected
 from mtcommission.record.schema import Record
@@ -351,6 +354,35 @@ def test_what_did_not_settle_is_said_and_never_a_number():
     everything = json.dumps([table.rows for table in tables(document)])
     assert "None" not in everything
     assert "nan" not in everything
+
+
+def test_a_cross_check_that_does_not_settle_has_no_numbers():
+    """An approximation that blew up was printed as a residual deviation of 10²⁸ m."""
+    record = unsettled_record()
+    record["comparisons"][0]["continuous"]["residual_deviation"] = 3.57e28
+    told = [
+        block.text
+        for section in compose(record, ENGLISH).sections
+        for block in section.blocks
+        if isinstance(block, Paragraph) and block.text.startswith("Cross-check")
+    ]
+    assert any("does not settle (sampled loop: not settled)" in words for words in told)
+    assert not any("10²⁸" in words for words in told)
+
+
+@pytest.mark.parametrize(("last", "settles"), [(0.9e-6, True), (1.1e-6, False), (1e28, False)])
+def test_an_approximation_outside_the_band_at_its_end_has_not_settled(last, settles):
+    """The last sample outside was taken for the settling time even where it was the very last."""
+    continuous = ContinuousResponse(
+        t=np.array([0.0, 0.1, 0.2]),
+        deviation=np.array([0.0, 5e-6, last]),
+        settling_time=0.2,
+        residual_deviation=last,
+    )
+    sampled = SimpleNamespace(settling_time=0.1, residual_deviation=1e-6)
+    found = continuous_entry(continuous, sampled, band=1e-6)
+    assert found["settling_time"] == (0.2 if settles else None)
+    assert found["settling_difference"] == (pytest.approx(1.0) if settles else None)
 
 
 def test_a_map_without_any_value_still_spans_its_axes():
@@ -677,6 +709,26 @@ def test_the_verdict_has_the_first_page_to_itself(pdfs):
     assert "All requirements met" in first
     assert ENGLISH.checks_caption in first
     assert ENGLISH.machine_heading not in first
+
+
+def test_a_plot_at_the_foot_of_a_page_names_its_section(pdfs):
+    """It may stand below the heading of the next section, where it would be taken for its own."""
+    record = five_moves_record()
+    text = squeeze("".join(pdf_pages(pdfs["five moves"])))
+    for number in range(1, len(record["moves"]) + 1):
+        caption = ENGLISH.drive_caption.format(move=ENGLISH.move.format(number=number))
+        assert squeeze(f"{ENGLISH.motion_heading} · {caption}") in text
+
+
+def test_the_hash_stands_on_the_page_that_announces_it():
+    """A page ended with "SHA-256 of the profile:", and the number stood overleaf."""
+    record = example_record()
+    for rows in range(0, 24, 3):
+        libraries = {f"library{k}": "1.0" for k in range(rows)}
+        record["tool"] = {**record["tool"], "libraries": libraries}
+        pages = pdf_pages(print_pdf(record))
+        (page,) = [text for text in pages if record["profile"]["sha256"] in squeeze(text)]
+        assert squeeze(ENGLISH.hash_row) in squeeze(page)
 
 
 def test_a_signature_never_stands_alone(pdfs):

@@ -53,17 +53,40 @@ def comparison_entry(
         ],
         claims=state_claims(comparison.controls),
         why_not_the_optimum=explain_why_not(machine, comparison.fed_forward),
-        continuous=_continuous_entry(comparison.continuous, result.responses[0]),
+        continuous=continuous_entry(
+            comparison.continuous,
+            result.responses[0],
+            band=machine.requirements.tcp_deviation,
+        ),
     )
 
 
-def _continuous_entry(continuous: ContinuousResponse, sampled: LoopResponse) -> ContinuousEntry:
-    both_settle = isfinite(continuous.settling_time) and isfinite(sampled.settling_time)
+def continuous_entry(
+    continuous: ContinuousResponse, sampled: LoopResponse, *, band: float
+) -> ContinuousEntry:
+    """Return what the continuous approximation says beside the sampled loop.
+
+    Parameters
+    ----------
+    continuous, sampled
+        The same setpoint in both, on the nominal machine.
+    band
+        Permitted TCP deviation [m or rad].
+
+    Returns
+    -------
+    ContinuousEntry
+        ``settling_time`` null where the approximation does not settle.
+    """
+    # Outside the band at the last sample it has not settled, whatever time was found.
+    settles = isfinite(continuous.settling_time) and abs(continuous.deviation[-1]) <= band
     return ContinuousEntry(
-        settling_time=finite_or_none(continuous.settling_time),
+        settling_time=continuous.settling_time if settles else None,
         residual_deviation=continuous.residual_deviation,
         settling_difference=(
-            continuous.settling_time / sampled.settling_time - 1.0 if both_settle else None
+            continuous.settling_time / sampled.settling_time - 1.0
+            if settles and isfinite(sampled.settling_time)
+            else None
         ),
         residual_difference=(
             continuous.residual_deviation / sampled.residual_deviation - 1.0

@@ -19,6 +19,9 @@ DECADES = 30.0
 INSIDE = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 """Where they stand then, in each decade."""
 
+FEWEST = 3
+"""Ticks inside the decades that are too few to read a value by."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Axis:
@@ -72,7 +75,8 @@ class Axis:
             # Written with powers of ten, 0.1 may come out as 0.1000000001.
             found = [float(f"{value:.3g}") for value in found]
             found = [value for value in found if self.low <= value <= self.high]
-            if len(found) > 1:
+            # Within less than half a decade even steps are more, and rounder, than these.
+            if len(found) > (FEWEST if self.high < DECADES * self.low else 1):
                 return found
         return _even_ticks(self.low, self.high, most)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mtcommission.record.schema import ComparedEntry, FedForwardEntry, Record
+from mtcommission.record.schema import ComparedEntry, ContinuousEntry, FedForwardEntry, Record
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import (
     Block,
@@ -33,15 +33,8 @@ def comparisons(record: Record, f: Formatter) -> Section:
         if entry["fed_forward"]:
             blocks.append(_fed_forward(entry["fed_forward"], short, f))
         blocks += _told(text.why_not, entry["why_not_the_optimum"], f)
-        check = text.continuous_check.format(
-            settling=f.settling(entry["continuous"]["settling_time"]),
-            residual=f.quantity(
-                entry["continuous"]["residual_deviation"], motion_unit("m", rotary=f.rotary)
-            ),
-            sampled=f.settling(move["response"]["settling_time"]),
-            settling_difference=_difference(entry["continuous"]["settling_difference"], f),
-            residual_difference=_difference(entry["continuous"]["residual_difference"], f),
-        )
+        sampled = f.settling(move["response"]["settling_time"])
+        check = _continuous_check(entry["continuous"], sampled, f)
         blocks.append(Paragraph(text=check, tone=Tone.NOTE))
     return Section(key="comparisons", heading=text.comparison_heading, blocks=tuple(blocks))
 
@@ -52,6 +45,20 @@ def _told(lead: str, sentences: list[str], f: Formatter) -> tuple[Block, ...]:
         return ()
     told = tuple(f.labels.say(sentence) for sentence in sentences)
     return Paragraph(text=lead), Bullets(items=told)
+
+
+def _continuous_check(found: ContinuousEntry, sampled: str, f: Formatter) -> str:
+    """Return what the continuous approximation says; one that does not settle has no numbers."""
+    text = f.labels
+    if found["settling_time"] is None:
+        return text.continuous_unsettled.format(sampled=sampled)
+    return text.continuous_check.format(
+        settling=f.settling(found["settling_time"]),
+        residual=f.quantity(found["residual_deviation"], motion_unit("m", rotary=f.rotary)),
+        sampled=sampled,
+        settling_difference=_difference(found["settling_difference"], f),
+        residual_difference=_difference(found["residual_difference"], f),
+    )
 
 
 def _difference(share: float | None, f: Formatter) -> str:

@@ -371,6 +371,11 @@ GERMAN = Labels(
         "Regelkreises nach {settling} ein (abgetastet: {sampled}; {settling_difference}), "
         "Restabweichung {residual} ({residual_difference})."
     ),
+    continuous_unsettled=(
+        "Gegenprobe: in einer kontinuierlichen Näherung des Regelkreises schwingt derselbe "
+        "Sollwert nicht ein (abgetastet: {sampled}); sie taugt hier nicht zur Probe, und nichts "
+        "wird nach ihr beurteilt."
+    ),
     claims=(
         "Die Veröffentlichung sagt: ein Sollwert im Regelkreis schwingt am Ende über und braucht "
         "viel länger als die kleinste Zeit. Hier gemessen:"

@@ -341,6 +341,10 @@ class Labels:
         "after {settling} (sampled loop: {sampled}; {settling_difference}), residual deviation "
         "{residual} ({residual_difference})."
     )
+    continuous_unsettled: str = (
+        "Cross-check: in a continuous approximation of the loop the same setpoint does not settle "
+        "(sampled loop: {sampled}); here it is no check, and nothing is judged by it."
+    )
 
     claims: str = (
         "The paper says that a setpoint in a feedback loop overshoots at the end and takes much "

@@ -328,7 +328,10 @@ def _comparison(record: Record, f: Formatter) -> tuple[PointPlot, ...]:
 def _number_columns(f: Formatter) -> tuple[Column, ...]:
     text = f.labels
     heads = (text.acceleration, text.jerk, text.settling_time, text.residual, text.peak_deviation)
-    columns = tuple(Column(head=head, width=1.25, is_number=True) for head in heads)
+    # A jerk in degrees needs the most room.
+    columns = tuple(
+        Column(head=head, width=1.5 if head == text.jerk else 1.2, is_number=True) for head in heads
+    )
     return (*columns, Column(head=text.meets, width=0.8))
 
 

@@ -25,7 +25,7 @@ function ticks(low, high, isLog) {
     for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++)
       for (const part of narrow ? [1, 1.5, 2, 3, 5, 7] : [1]) found.push(Number((part * 10 ** power).toPrecision(3)));
     const inside = found.filter(tick => tick >= low && tick <= high);
-    if (inside.length > 1) return inside;
+    if (inside.length > (narrow ? 3 : 1)) return inside;
   }
   const rough = (high - low) / 5, size = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].find(part => part * size >= rough) * size;
