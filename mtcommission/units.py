@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from math import isfinite, pi
+from textwrap import wrap
 
 from mtcommission.unit_advice import find_worth, list_candidates
 from mtcommission.unit_symbols import LONGEST_TEXT, ONE, SYMBOLS, Unit, read_unit
@@ -19,6 +20,11 @@ LARGEST = 10**300
 
 NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 DIGITS = re.compile(r"[+-]?[0-9.,]*[0-9]")
+_INSIDE = re.compile(
+    r"(?<=[0-9]) (?=[A-Za-z%µ(])(?!to |and )|(?<=[kMG]N) (?=[ms])|(?<=[0-9] N) (?=[ms])"
+    r"|(?<=kg) (?=m)"
+)
+"""Blanks between a number and its unit, or inside a unit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,6 +194,32 @@ def convert_to(value: float, unit: str) -> float:
     2500.0
     """
     return value / read_unit(unit)[0].si_value
+
+
+def wrap_whole(text: str, width: int, *, indent: str = "") -> list[str]:
+    """Return the lines of a text; none ends between a number and its unit.
+
+    Parameters
+    ----------
+    text
+        One paragraph.
+    width
+        Most characters of a line.
+    indent
+        What every line but the first begins with.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> wrap_whole("so soft as 8 N s/m", 16)
+    ['so soft as', '8 N s/m']
+    """
+    whole = _INSIDE.sub("\N{NO-BREAK SPACE}", text)
+    lines = wrap(whole, width, subsequent_indent=indent)
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
 
 
 def _shorten(text: str) -> str:

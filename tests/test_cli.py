@@ -52,6 +52,29 @@ def test_help_answers_without_the_heavy_libraries() -> None:
         assert command in done.stdout
 
 
+@pytest.mark.parametrize(
+    "command",
+    ["", "wizard", "check", "run", "limits", "optimal", "simulate", "export", "sheet", "sweep",
+     "validate", "profiles", "profiles list", "profiles show", "profiles copy"],
+)  # fmt: skip
+def test_every_help_reads_whole_on_80_columns(
+    run: Run, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    """A summary that is cut with dots, or a line that wraps, hides what a command does."""
+    monkeypatch.setenv("COLUMNS", "80")
+    code, out, err = run(*command.split(), "--help")
+    assert (code, err) == (0, "")
+    assert max(map(len, out.splitlines())) <= 80
+    assert not [line for line in out.splitlines()[1:] if line.endswith("...")]
+    assert "[[" not in out
+
+
+def test_help_names_the_way_from_data_sheet_to_control_and_the_exit_codes(run: Run) -> None:
+    _, out, _ = run("--help")
+    assert "wizard, run, export" in out
+    assert "0 done and all requirements met, 1 a requirement is not met" in out
+
+
 def test_optimal_json_is_exact_when_somebody_else_integrates_it(run: Run) -> None:
     """The printed arcs must end at 0.1 m/s and at rest to 1e-9 of each state's peak."""
     from scipy.linalg import expm
@@ -208,6 +231,7 @@ def test_run_writes_everything_and_the_sheet_prints_again(run: Run, tmp_path: Pa
     names = {"record.json", "sheet.html", "sheet.pdf", "setpoint.csv"}
     assert {file.name for file in first.iterdir()} == names
     assert max(map(len, out.split("written:")[0].splitlines())) <= 80
+    assert f"next: mtcommission export {first / 'record.json'} --control NAME" in out
     assert run("sheet", first / "record.json", "-o", second)[0] == 0
     for name in ("sheet.html", "sheet.pdf"):
         assert (first / name).read_bytes() == (second / name).read_bytes()

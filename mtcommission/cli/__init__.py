@@ -21,13 +21,18 @@ from mtcommission.cli.machines import check, copy_profile, list_profiles, show_p
 from mtcommission.cli.records import export, sheet
 from mtcommission.errors import MtcommissionError
 
+EXIT_CODES = (
+    "Exit codes: 0 done and all requirements met, 1 a requirement is not met, 2 wrong input, "
+    "3 a computation ended with a named outcome."
+)
+
 app = typer.Typer(
     name="mtcommission",
-    help="Acceleration and jerk limits for machine tool axes, from the mechanical model.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
+    epilog=EXIT_CODES,
 )
 for command in (wizard, check, run, limits, optimal, simulate, export, sheet, sweep, validate):
     app.command()(command)
@@ -90,4 +95,7 @@ def start(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Version.")
     ] = False,
 ) -> None:
-    """Acceleration and jerk limits for machine tool axes, from the mechanical model."""
+    """Acceleration and jerk limits for machine tool axes, from the mechanical model.
+
+    From a data sheet to values for the control: wizard, run, export.
+    """

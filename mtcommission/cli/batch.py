@@ -52,7 +52,10 @@ def sweep(
     ] = "",
     resume: Annotated[bool, typer.Option("--resume", help="Continue what is in DIR.")] = False,
 ) -> None:
-    """Compute many cases; writes rows.parquet, rows.csv and sweep.html."""
+    """Compute many cases; write a table and a page.
+
+    DIR gets rows.parquet, rows.csv and sweep.html.
+    """
     from mtcommission.files import require_folder
     from mtcommission.options import read_optimal_request
     from mtcommission.plant import build_plant
@@ -109,7 +112,10 @@ def validate(
         str, typer.Option("-o", "--output", metavar="DIR", help="Write validation.html there.")
     ] = "",
 ) -> None:
-    """Put the paper's numbers and claims beside ours; exit 1 if one is out of tolerance."""
+    """Put the paper's numbers and claims beside ours.
+
+    Exit code 1 if one is out of its stated tolerance.
+    """
     from mtcommission.files import require_folder, require_writable, write_files, write_text
     from mtcommission.record.files import dump_json
     from mtcommission.terminal import show

@@ -5,6 +5,7 @@ What can be refused is refused before the loop's libraries are imported, which t
 
 from __future__ import annotations
 
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -37,7 +38,10 @@ def run(
     language: LanguageOption = "en",
     no_pdf: NoPdfOption = False,
 ) -> None:
-    """Compute limits and write record.json, sheet.html, sheet.pdf and setpoint.csv."""
+    """Compute the limits; write record, sheet and setpoint.
+
+    DIR gets record.json, sheet.html, sheet.pdf and, for each move, a setpoint.csv.
+    """
     from mtcommission.files import require_folder, write_files
 
     require_folder(output)
@@ -71,6 +75,9 @@ def run(
     write_files(output, files)
     show(summarise(record, language=language))
     sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
+    file = shlex.quote(str(output / "record.json"))
+    sys.stdout.write(f"next: mtcommission export {file} --control NAME\n")
+    sys.stdout.write("      (--control ? lists the controls)\n")
     raise typer.Exit(0 if record["assessment"]["met"] else 1)
 
 

@@ -86,7 +86,7 @@ def show_profile(
 
 def copy_profile(
     name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
-    file: Annotated[str, typer.Argument(metavar="[FILE]", help="Default: NAME.toml here.")] = "",
+    file: Annotated[str, typer.Argument(metavar="FILE", help="Default: NAME.toml here.")] = "",
 ) -> None:
     """Copy an example machine to start from; never overwrites a file."""
     from mtcommission.files import write_text

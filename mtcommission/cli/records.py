@@ -62,7 +62,10 @@ def export(
         bool, typer.Option("--csv", help="Parameter list to tick off instead.")
     ] = False,
 ) -> None:
-    """Write the limits in a control's own names, units and syntax: text, to be verified."""
+    """Write the limits in a control's own words and units.
+
+    Text for entry by hand, to be verified; nothing is sent to a control.
+    """
     from mtcommission.export.catalogue import describe_controls, find_control_key
     from mtcommission.files import require_writable, write_text
 

@@ -6,7 +6,6 @@ import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from io import StringIO
-from textwrap import wrap
 
 from mtcommission.export.catalogue import CONTROL_TITLES, find_control_key
 from mtcommission.export.control import DOUBT, UNVERIFIED, Block, Control
@@ -21,6 +20,7 @@ from mtcommission.export.wording import show_value
 from mtcommission.limits import MotionLimits
 from mtcommission.profile_lines import ACCEPTED_DEFAULT
 from mtcommission.record.schema import Record
+from mtcommission.units import wrap_whole
 
 CONTROLS: Mapping[str, Control] = {
     control.key: control for control in (*NUMERIC_CONTROLS, *PLC_CONTROLS, *OPEN_CONTROLS)
@@ -203,7 +203,7 @@ def _one_line(text: str) -> str:
 
 
 def _write(control: Control, header: tuple[str, ...], blocks: tuple[Block, ...]) -> str:
-    lines = [control.comment(line) for sentence in header for line in wrap(sentence, WIDTH)]
+    lines = [control.comment(line) for sentence in header for line in wrap_whole(sentence, WIDTH)]
     for block in blocks:
         lines.append("")
         if not block.title:
@@ -211,7 +211,7 @@ def _write(control: Control, header: tuple[str, ...], blocks: tuple[Block, ...])
             continue
         inside = [
             block.title.upper(),
-            *(line for note in block.notes for line in wrap(note, WIDTH)),
+            *(line for note in block.notes for line in wrap_whole(note, WIDTH)),
         ]
         lines += [control.comment(line) for line in inside]
         if block.entries:

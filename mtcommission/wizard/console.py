@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Callable
 from math import inf
-from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Protocol
 
+from mtcommission.units import wrap_whole
 from mtcommission.wizard.question import Question, show_common
 
 if TYPE_CHECKING:
@@ -17,12 +16,6 @@ if TYPE_CHECKING:
 WIDTH = 78
 BACK, HELP, QUIT = ("<", "back"), ("?", "help"), ("q", "quit")
 COMMANDS = "? help, < back, q quit"
-NO_BREAK = "\N{NO-BREAK SPACE}"
-TOGETHER = re.compile(
-    r"(?<=[0-9]) (?=[A-Za-z%µ(])(?!to |and )|(?<=[kMG]N) (?=[ms])"
-    r"|(?<=[0-9] N) (?=[ms])|(?<=kg) (?=m)"
-)
-"""Blanks between a number and its unit, or inside a unit."""
 
 
 class Console(Protocol):
@@ -194,6 +187,4 @@ def _common(question: Question) -> str:
 
 def fold(text: str) -> str:
     """Return a text in lines for 80 columns, no number without its unit; its own breaks stay."""
-    joined = TOGETHER.sub(NO_BREAK, text)
-    lines = ("\n".join(wrap(line, WIDTH, subsequent_indent="  ")) for line in joined.splitlines())
-    return "\n".join(lines).replace(NO_BREAK, " ")
+    return "\n".join("\n".join(wrap_whole(line, WIDTH, indent="  ")) for line in text.splitlines())

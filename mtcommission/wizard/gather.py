@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from mtcommission.files import write_text
 from mtcommission.profile import read_profile_text
 from mtcommission.profile_faults import find_unknown
 from mtcommission.profile_lines import find_key_lines, read_key
+from mtcommission.profile_syntax import load_toml
 from mtcommission.profile_values import propose
 from mtcommission.wizard.convert import OWN, to_answers
 from mtcommission.wizard.document import find_unmeasured
@@ -119,11 +119,10 @@ def keep(output: Path, answers: Answers, *, place: str) -> None:
 
 
 def _load(text: str, where: str) -> Mapping[str, object]:
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        message = f"TOML syntax: {error}"
-        raise InputError([Fault(where=where, message=message)]) from error
+    parsed = load_toml(text, where=where)
+    if parsed.faults:
+        raise InputError(parsed.faults)
+    return parsed.data
 
 
 def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> dict[str, str]:
