@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from cmath import exp, sqrt
 from dataclasses import replace
 from math import pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from mtcommission.choose import choose_limits
 from mtcommission.estimate import (
     duration,
     echo,
@@ -38,7 +41,9 @@ from mtcommission.machine import (
 )
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
+from mtcommission.profile import read_profile
 from mtcommission.rule import RuleResult, apply_commissioning_rule
+from mtcommission.rules import apply_rules
 from mtcommission.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
 from mtcommission.trials import judge
 from tests.machines import paper_machine
@@ -284,3 +289,69 @@ def test_no_setpoint_leaves_more_than_ramp_and_echo(
         allowed = ramp + pi * cycles * zeta**2
         assert left <= limits.jerk * allowed * echo(machine, mode, 1.3) * (1 + 1e-6)
         assert duration(move, limits) == pytest.approx(setpoint.duration, rel=1e-9)
+
+
+DOC = Path(__file__).parent.parent / "docs" / "commissioning-rule.md"
+
+
+def example_of_the_document(folder: Path) -> Machine:
+    """The profile in the document, as a reader saves it."""
+    found = re.search(r"```toml\n(.*?)```", DOC.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert found is not None
+    path = folder / "example.toml"
+    path.write_text(found[1], encoding="utf-8")
+    return read_profile(path)
+
+
+def test_the_example_by_hand_gives_what_the_program_gives(tmp_path: Path) -> None:
+    """If it failed, an engineer with a pocket calculator would get other limits than the sheet."""
+    found, tuned = apply(example_of_the_document(tmp_path))
+    # Once more from the document's text alone, with its numbers.
+    Kp, m, T, F, v, e = 91429.0, 400.0, 2e-3, 2e3, 0.2, 4e-6
+    assert tuned.controller.velocity_gain == pytest.approx(Kp, rel=1e-5)
+    omega = 2 * pi * 40.0 * 0.97
+    C, C_S = m * 0.002 / omega**3, 0.4 * T**2 * 1.5 * m / Kp
+    by_force = F / (1.17 * m + Kp * 1e-3 / 2)
+    decayed = 1 + np.exp(-omega * 0.03 * v / by_force)
+    times = {"no cancelling": np.sqrt(v * 1.25 * np.hypot(C_S, 2 * C * decayed) / e)}
+    for k in (1, 2, 3):
+        times[f"{k} period{'s' if k > 1 else ''} of column"] = k / 40.0
+    for candidate in found.candidates:
+        t_j = times[candidate.name]
+        low, high = 40.0 * t_j * 0.97, 40.0 * t_j * 1.03
+        left, gone = np.exp(-2 * pi * 0.03 * low), 1 - np.exp(-2 * pi * 0.03 * high)
+        S = max(abs(np.sin(pi * low)), abs(np.sin(pi * high)))
+        R = np.sqrt(gone**2 + 4 * left * S**2)
+        by_band = e * t_j / (1.25 * np.hypot(C_S, C * R * decayed))
+        a = min(by_force, by_band, v / t_j)
+        assert candidate.limits.acceleration == pytest.approx(a, rel=2e-3), candidate.name
+        assert candidate.duration == pytest.approx(v / a + t_j, rel=2e-3), candidate.name
+        text = f"| **{1e3 * (v / a + t_j):.1f} ms** |" if candidate.name == found.chosen else ""
+        assert text in DOC.read_text(encoding="utf-8")
+
+
+def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
+    """If it failed, the document would promise figures that nobody finds again."""
+    machine = example_of_the_document(tmp_path)
+    plant = build_plant(machine)
+    found, tuned = apply(machine)
+    trial = judge(machine, plant, tuned, "", "", found.limits)
+    force = next(check for check in trial.assessment.checks if check.name == "set force")
+    text = " ".join(DOC.read_text(encoding="utf-8").split())
+    assert (
+        f"Simulated: {1e3 * trial.settling_time:.1f} ms, {1e6 * trial.residual_deviation:.2f} µm, "
+        f"{force.value:.0f} N of 2000 N."
+    ) in text
+    searched = choose_limits(machine, plant, tuned).limits
+    best = judge(machine, plant, tuned, "", "", searched).settling_time
+    cost = 100.0 * (trial.settling_time / best - 1.0)
+    assert (
+        f"The search finds {1e3 * best:.1f} ms with {searched.acceleration:g} m/s² and "
+        f"{searched.jerk:g} m/s³: the rule costs {cost:.0f} % here."
+    ) in text
+    naive = next(item for item in apply_rules(machine, plant) if item.name.startswith("j = a f"))
+    other = judge(machine, plant, tuned, "", "", naive.limits)
+    assert (
+        f"leaves {1e6 * other.residual_deviation:.1f} µm and settles after "
+        f"{1e3 * other.settling_time:.1f} ms"
+    ) in text
