@@ -9,15 +9,15 @@ shows the structure, not yet the solution.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import toeplitz
 from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.bounded_problem import BoundedProblem, step_response
+from mtcommission.optimal.bounded_cells import STEPS_PER_CELL, cell_grid
+from mtcommission.optimal.bounded_least import LEAST_TOLERANCE, smallest_factor
+from mtcommission.optimal.bounded_problem import BoundedProblem
 
 Array = NDArray[np.float64]
 
@@ -46,17 +46,6 @@ STANDSTILL = 1e-3
 """Relative growth of the reach over such a factor that counts as none."""
 INSIDE = (0.02, 0.98)
 """Share of the bracket of t_f in which the next time lies."""
-LEAST_TIMES = (1.6, 2.2, 3.0, 4.2, 6.0, 10.0)
-"""Where the smallest possible bound is looked for, in multiples of the free optimum: it falls with
-t_f until more time does not help any more."""
-LEAST_CELLS = (400, 800, 1600)
-"""Grids for the smallest bound: the first for the search of its time, the others to refine it."""
-LEAST_TOLERANCE = 2e-4
-"""Relative change of the smallest bound, over time and over the grid, that counts as none."""
-
-STEPS_PER_CELL = 8
-"""Steps of the simplex method per cell after which a grid is given up: three times what those
-that end need (measured), and an end for those that turn in circles within the rounding."""
 OTHER_GRIDS = (0, 7, 23)
 """Per cent of cells added where the simplex method gives up for rounding."""
 
@@ -182,82 +171,9 @@ def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) 
     )
 
 
-def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
-    """Return the factor of all bounds below which the target is out of reach at any time.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    t_free
-        Optimum without bounds [s].
-
-    Returns
-    -------
-    float
-        To some ``LEAST_TOLERANCE``; inf if even the longest of ``LEAST_TIMES`` is too short.
-
-    Source: the program of this module with the factor minimised instead of the reach maximised,
-    at longer and longer times, then on finer and finer grids.
-    """
-    least, time = inf, LEAST_TIMES[0]
-    for share in LEAST_TIMES:
-        now = _least_factor(problem, share * t_free, cells=LEAST_CELLS[0])
-        if now > least * (1.0 - LEAST_TOLERANCE):
-            break
-        least, time = now, share
-    for cells in LEAST_CELLS[1:]:
-        before, least = least, _least_factor(problem, time * t_free, cells=cells)
-        if abs(least - before) <= LEAST_TOLERANCE * least:
-            break
-    return least
-
-
-def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:
-    """Return the least factor of all bounds with which the target is reached by t_f."""
-    grid = _grid(problem, t_f, cells=cells)
-    rows = grid.response.shape[0]
-    result = linprog(
-        np.append(np.zeros(cells), 1.0),
-        A_ub=np.block(
-            [[grid.response, -np.ones((rows, 1))], [-grid.response, -np.ones((rows, 1))]]
-        ),
-        b_ub=np.zeros(2 * rows),
-        A_eq=np.column_stack([grid.moments, np.zeros(grid.target.size)]),
-        b_eq=grid.target,
-        bounds=[(-1.0, 1.0)] * cells + [(0.0, None)],
-        method="highs",
-        options={"maxiter": STEPS_PER_CELL * cells},
-    )
-    return inf if result.x is None else float(result.x[-1])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Grid:
-    """Terminal state (scaled rows) and levels as linear maps of the cells' relative forces."""
-
-    moments: Array
-    target: Array
-    response: Array
-
-
 def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:
     fewest = FEWEST_CELLS if radians == RADIANS_PER_CELL else FEWEST_CELLS // 2
     return int(np.clip(t_f * problem.rate / radians, fewest, MOST_CELLS))
-
-
-def _grid(problem: BoundedProblem, t_f: float, *, cells: int) -> _Grid:
-    F = problem.force_limit
-    edges = np.linspace(0.0, t_f, cells + 1)
-    final = step_response(problem.plant, t_f - edges)[:, problem.fixed] * F
-    moments = (final[:-1] - final[1:]).T
-    scale = 1.0 / np.maximum(np.abs(moments).sum(axis=1), np.abs(problem.target[problem.fixed]))
-    steps = step_response(problem.plant, edges) @ problem.rows.T * F
-    return _Grid(
-        moments=moments * scale[:, np.newaxis],
-        target=problem.target[problem.fixed] * scale,
-        response=np.vstack([toeplitz(column, np.zeros(cells)) for column in np.diff(steps.T)]),
-    )
 
 
 def _solve(problem: BoundedProblem, t_f: float, *, radians: float) -> GridOptimum:
@@ -271,7 +187,7 @@ def _solve(problem: BoundedProblem, t_f: float, *, radians: float) -> GridOptimu
 
 
 def _attempt(problem: BoundedProblem, t_f: float, *, cells: int) -> tuple[GridOptimum | None, str]:
-    grid, n_limits = _grid(problem, t_f, cells=cells), len(problem.limits)
+    grid, n_limits = cell_grid(problem, t_f, cells=cells), len(problem.limits)
     follows = np.repeat([limit.follows for limit in problem.limits], cells).astype(np.float64)
     column = -follows[:, np.newaxis]
     result = linprog(

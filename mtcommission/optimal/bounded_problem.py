@@ -8,11 +8,12 @@ feedback F_set = K x with K = -c A^r / (c A^(r-1) B).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine import Move, VelocityStep
+from mtcommission.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant import Plant
 
@@ -107,6 +108,37 @@ class BoundedProblem:
     def rows(self) -> Array:
         """The rows c of all limits, shape (n_limits, n)."""
         return np.array([limit.row for limit in self.limits])
+
+
+def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bound, ...]:
+    """Return one bound for each signal, the tightest, with that on the velocity of the move.
+
+    Parameters
+    ----------
+    plant
+        Any plant.
+    move
+        A finite ``max_velocity`` is one more bound.
+    bounds
+        By state or output.
+
+    Returns
+    -------
+    tuple of Bound
+
+    Raises
+    ------
+    KeyError
+        If there is no such signal.
+    """
+    values: dict[str, float] = {}
+    given = list(bounds)
+    if isinstance(move, Positioning) and isfinite(move.max_velocity):
+        given.append(Bound(name=plant.states[plant.velocity], value=move.max_velocity))
+    for bound in given:
+        plant.row(bound.name)
+        values[bound.name] = min(bound.value, values.get(bound.name, bound.value))
+    return tuple(Bound(name=name, value=value) for name, value in values.items())
 
 
 def bounded_problem(

@@ -6,20 +6,25 @@ docs/optimal-control-bounds.md derives the method.
 
 from __future__ import annotations
 
-from math import isfinite, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.machine import Move, VelocityStep
 from mtcommission.optimal.bounded_accept import Found
 from mtcommission.optimal.bounded_cruise import lengthened_cruise
 from mtcommission.optimal.bounded_dual import adjoint_before, dual_value, stretches
 from mtcommission.optimal.bounded_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight
-from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem, impulse_response
+from mtcommission.optimal.bounded_problem import (
+    BoundedProblem,
+    all_bounds,
+    bounded_problem,
+    impulse_response,
+)
 from mtcommission.optimal.bounded_search import search, solve_exactly
 from mtcommission.optimal.solution import Bound, Certificate, TimeOptimum, TouchPoint
 from mtcommission.optimal.time_optimal import solve_time_optimal
@@ -75,7 +80,7 @@ def solve_bounded_time_optimal(
     >>> round(optimum.t_f, 7), [arc.control for arc in optimum.arcs if "b" in arc.control]
     (0.0436416, ['boundary:v_phi:-'])
     """
-    every = _all_bounds(plant, move, bounds)
+    every = all_bounds(plant, move, bounds)
     _refuse_impossible(plant, move, every)
     free = solve_time_optimal(plant, move, force_limit=force_limit)
     active = tuple(
@@ -111,18 +116,6 @@ def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
     except ComputationError:
         return None
     return solve_exactly(problem, force_sequence(problem, index, swift.arcs))
-
-
-def _all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bound, ...]:
-    """Return one bound for each signal, the tightest, with that on the velocity of the move."""
-    values: dict[str, float] = {}
-    given = list(bounds)
-    if isinstance(move, Positioning) and isfinite(move.max_velocity):
-        given.append(Bound(name=plant.states[plant.velocity], value=move.max_velocity))
-    for bound in given:
-        plant.row(bound.name)
-        values[bound.name] = min(bound.value, values.get(bound.name, bound.value))
-    return tuple(Bound(name=name, value=value) for name, value in values.items())
 
 
 def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:

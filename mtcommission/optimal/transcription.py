@@ -18,6 +18,7 @@ from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, Positioning, Weight
+from mtcommission.optimal.bounded_refusal import explain_short_time
 from mtcommission.optimal.discretisation import (
     LONGEST,
     GridProblem,
@@ -148,7 +149,9 @@ def transcribe_damping_optimal(
     Raises
     ------
     ComputationError
-        FINAL_TIME_TOO_SHORT if IPOPT finds no such move, NO_CONVERGENCE for its other failures.
+        FINAL_TIME_TOO_SHORT if there is no such move, under bounds with the smallest possible
+        ones; BOUND_CANNOT_HOLD if there is none at any time; NO_CONVERGENCE for IPOPT's other
+        failures.
     KeyError
         If a bound names no signal of the plant.
     ValueError
@@ -167,7 +170,13 @@ def transcribe_damping_optimal(
         weights=weights,
         intervals=settings.intervals,
     )
-    found = solve_grid(problem, settings)
+    try:
+        found = solve_grid(problem, settings)
+    except ComputationError as error:
+        if not problem.rows.size:
+            raise
+        reason = explain_short_time(plant, move, force_limit=force_limit, t_f=t_f, bounds=bounds)
+        raise reason or error from error
     control = _snap(found.control) * force_limit
     states = _simulate(plant, control, t_f=t_f)
     target, fixed = terminal_target(plant, move)
