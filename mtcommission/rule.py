@@ -16,6 +16,7 @@ the shortest motion wins.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot, inf, sqrt
 
@@ -133,13 +134,45 @@ class RuleResult:
     warnings: tuple[str, ...]
 
 
+ECHO = "V = R(f t_j) (1 + exp(-omega zeta v/a))"
+
 FORMULA = (
     "1.25 j root(C_S^2 + C_P^2 + sum (C_i V_i)^2) <= band, with C_i = m |g_i|/omega_i^3, "
-    "V = R(f t_j) (1 + exp(-omega zeta v/a)) and R(x) = |1 - exp(2 pi x (i - zeta))| within the "
+    f"{ECHO} and R(x) = |1 - exp(2 pi x (i - zeta))| within the "
     "spread; a (1.17 m + Kp (T_p/2 + sum m c_i/omega_i min(1, 2/(omega_i t_j)))) <= F; "
     "v/a >= t_j. Try t_j = 1, 2, 3 periods of each mode, and the t_j that needs no cancelling "
     "(R = 2); take the shortest motion; j = a/t_j."
 )
+"""For a velocity step, whose two ramps are v/a apart."""
+
+
+def formula_for(moves: Sequence[Move]) -> str:
+    """Return the rule's formulas for some moves.
+
+    Parameters
+    ----------
+    moves
+        Velocity steps, positioning moves, or both.
+
+    Returns
+    -------
+    str
+        With the echo of four ramps and the distance where there is a positioning move.
+
+    Examples
+    --------
+    >>> from mtcommission.machine import Positioning
+    >>> formula_for([VelocityStep(velocity_step=0.1)]) == FORMULA
+    True
+    >>> "L >= 2 a t_j^2" in formula_for([Positioning(distance=0.02, max_velocity=0.5)])
+    True
+    """
+    if all(isinstance(move, VelocityStep) for move in moves):
+        return FORMULA
+    both = f"{ECHO} for a velocity step, {ECHO} (1 + exp(-omega zeta L/v)) for positioning"
+    reach = "v/a >= t_j; L >= 2 a t_j^2 for positioning."
+    return FORMULA.replace(ECHO, both).replace("v/a >= t_j.", reach)
+
 
 VALIDITY = (
     "Rigid axis with lag and weakly damped modes (15 to 200 Hz, damping 0.5 to 10 %), cascade "
@@ -187,7 +220,7 @@ def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -
         predicted_residual=best.residual_deviation,
         steps=_hand_calculation(axis, best),
         candidates=candidates,
-        formula=FORMULA,
+        formula=formula_for(machine.moves),
         validity=VALIDITY,
         warnings=_warnings(machine, controller),
     )

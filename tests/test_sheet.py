@@ -49,7 +49,7 @@ from mtcommission.record.comparisons import continuous_entry
 from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.expected import find_unexpected
 from mtcommission.record.schema import Record
-from mtcommission.rule import FORMULA, apply_commissioning_rule
+from mtcommission.rule import FORMULA, apply_commissioning_rule, formula_for
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.diagram import text_size
@@ -411,6 +411,15 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia():
         assert re.search(forces[labels.language], linear), "the words that are looked for"
 
 
+@pytest.mark.parametrize("labels", [ENGLISH, GERMAN], ids=["en", "de"])
+def test_a_payload_on_a_rotary_axis_is_a_moment_of_inertia(labels):
+    """The table of requirements said kg·m², the place of the worst case kg."""
+    said = labels.for_rotary().say("move 2, payload 0.2 kg, frequencies x 0.97")
+    assert f"{0.2:g}".replace(".", labels.decimal_mark) + " kg·m²," in said
+    assert " kg," in labels.say("move 2, payload 0.2 kg, frequencies x 0.97")
+    assert labels.for_rotary().say("kg m^2").count("m²") == 1
+
+
 def test_a_long_source_stands_once_with_a_number_and_a_short_one_in_its_row():
     """Repeated in each row, the source fills the page and hides the data of other origin."""
     record = example_record()
@@ -533,6 +542,25 @@ def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(labels):
     by_hand = {"C", "V", "ε", "π"}  # the steps themselves give these
     assert {symbol.letter for symbol in used} - by_hand <= named | {"t", "T", "m"}
     assert all(row[2] for row in symbols.rows)
+
+
+@pytest.mark.parametrize("labels", [ENGLISH, GERMAN], ids=["en", "de"])
+def test_the_rule_for_positioning_has_its_own_formulas_and_their_length(labels):
+    """If it failed, V and a of the steps could not be calculated again on a positioning axis."""
+    record = example_record()
+    move = Positioning(distance=0.02, max_velocity=0.5)
+    record["moves"][0]["move"] = {"distance": move.distance, "max_velocity": move.max_velocity}
+    record["limits"]["rule"]["formula"] = formula_for([move])
+    section = next(s for s in compose(record, labels).sections if s.key == "rule")
+    formulas = [block for block in section.blocks if isinstance(block, Formula)]
+    spoken = [(item.source, item.aside) for item in formulas if item.aside]
+    word = "for positioning" if labels is ENGLISH else "beim Positionieren"
+    echo = "V = R(f t_j) (1 + exp(-omega zeta v/a)) (1 + exp(-omega zeta L/v))"
+    assert (echo, word) in spoken
+    assert ("L >= 2 a t_j^2", word) in spoken
+    symbols = next(block for block in section.blocks if isinstance(block, Table))
+    lengths = {row[0]: row[2] for row in symbols.rows}
+    assert lengths["L"] == f"20{THIN_SPACE}mm"
 
 
 # the block diagram

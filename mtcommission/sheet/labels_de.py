@@ -99,6 +99,7 @@ ROTARY_WORDS: Phrases = (
     ("der bewegten Masse", "des bewegten Trägheitsmoments"),
     ("Anteil der Masse", "Anteil des Trägheitsmoments"),
     ("Masse", "Trägheitsmoment"),
+    (r"(?<=\d) kg\b(?!·| m)", " kg·m²"),
 )
 """What is said otherwise on a rotary axis, article and ending first."""
 
@@ -256,6 +257,7 @@ GERMAN = Labels(
             "band": "Zulässige TCP-Abweichung",
             "F": "Für die Bewegung verfügbare Kraft",
             "v": "Geschwindigkeitsänderung oder größte Geschwindigkeit jeder Bewegung",
+            "L": "Weg jeder Positionierbewegung",
             "m": "Bewegte Masse; in der Kraftbedingung mit der größten Zuladung",
             "m_ff": "Masse in der Vorsteuerung",
             "T": "Zeitkonstante des Kraftregelkreises",

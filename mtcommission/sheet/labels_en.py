@@ -58,6 +58,7 @@ ROTARY_WORDS: Phrases = (
     (r"\bMass\b", "Moment of inertia"),
     (r"\bdistance\b", "angle"),
     (r"\bDistance\b", "Angle"),
+    (r"(?<=\d) kg\b(?!·| m)", " kg·m²"),
 )
 """What is said otherwise on a rotary axis; names in the profile stay as they are spelled."""
 
@@ -226,6 +227,7 @@ class Labels:
             "band": "Permitted TCP deviation",
             "F": "Force left for motion",
             "v": "Change of velocity, or largest velocity, of each move",
+            "L": "Length of each positioning move",
             "m": "Moving mass; in the force condition with the largest payload",
             "m_ff": "Mass in the feed-forward",
             "T": "Time constant of the force loop",

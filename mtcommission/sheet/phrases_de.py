@@ -113,6 +113,8 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("see the formula", "siehe Formel"),
     ("R(f t_j) x echo of the ramps before", "R(f t_j) × Echo der Rampen davor"),
     ("within the spread", "innerhalb der Streuung"),
+    ("for a velocity step", "beim Geschwindigkeitssprung"),
+    ("for positioning", "beim Positionieren"),
     (
         "Try t_j = {list} periods of each mode, and the t_j that needs no cancelling (R = 2); take "
         "the shortest motion.",

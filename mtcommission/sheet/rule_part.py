@@ -121,6 +121,7 @@ def _symbols(record: Record, f: Formatter) -> Table:
         ("band", names["band"], f.quantity(band(record), length)),
         ("F", names["F"], f.quantity(record["optima"][0]["time"]["f_max"], force)),
         ("v", names["v"], _velocities(record, f)),
+        *((("L", names["L"], distances),) if (distances := _distances(record, f)) else ()),
         ("m", names["m"], f.quantity(record["plant"]["moving_mass"], mass)),
         ("m_ff", names["m_ff"], f.quantity(loop["feedforward"].get("mass"), mass)),
         ("T", names["T"], f.quantity(lag if isinstance(lag, float) else None, "s")),
@@ -155,6 +156,13 @@ def _velocities(record: Record, f: Formatter) -> str:
     moves = (entry["move"] for entry in record["moves"])
     speeds = (move.get("velocity_step", move.get("max_velocity")) for move in moves)
     return "; ".join(f.quantity(speed, unit) for speed in speeds)
+
+
+def _distances(record: Record, f: Formatter) -> str:
+    """Return the length of each positioning move; empty if there is none."""
+    unit = motion_unit("m", rotary=f.rotary)
+    moves = (entry["move"] for entry in record["moves"])
+    return "; ".join(f.quantity(move["distance"], unit) for move in moves if "distance" in move)
 
 
 def _share(mode: ModeEntry) -> float:
