@@ -136,11 +136,12 @@ def measure(tool: str, problem: str, *, cells: int, seconds: float, file: Path) 
         violation=worth.violation,
     )
     write(row, file)
+    # The first warm solve is worth all the time that is left: some tools need long to set up, not
+    # to solve. If it is stopped, the first answer stands in the file.
     end = begin + seconds
     until = min(processor_time() + WARM_SHARE * seconds, end)
-    # One warm solve is worth the rest of the time: some tools need long to set up, not to solve.
-    while len(row.warm) < REPEATS and processor_time() + 1.2 * row.solve < (
-        until if row.warm else end
+    while len(row.warm) < REPEATS and (
+        processor_time() + 1.2 * row.solve < until if row.warm else processor_time() < end
     ):
         start = processor_time()
         solve()
