@@ -96,8 +96,8 @@ def provenance(section: Results) -> str:
     )
     load = section["load"][0]
     renewed = "".join(
-        f" Renewed {part['date']}, commit {part['commit']}, load {part['load'][0]}: "
-        f"{', '.join([*part['tools'], *part['problems']])}."
+        f" Renewed {part['date']}, commit {part['commit']}, load {part['load'][0]}, at most "
+        f"{part['seconds']:g} s each: {', '.join([*part['tools'], *part['problems']])}."
         for part in section.get("renewed", [])
     )
     return (

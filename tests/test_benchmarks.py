@@ -258,7 +258,7 @@ def test_a_renewed_row_takes_the_place_of_the_old_one_and_the_page_says_so() -> 
     begun |= {"seconds": 10.0, "workers": 1}
     renewed = [{**begun, "date": "tuesday", "commit": "c2", "tools": ["ours"], "problems": []}]
     page = compose_report({"race": {**begun, "rows": rows, "renewed": renewed}})
-    assert "Renewed tuesday, commit c2, load 1.0: ours." in page
+    assert "Renewed tuesday, commit c2, load 1.0, at most 10 s each: ours." in page
     assert "| gekko | 200 | 20 × |" in page
 
 
