@@ -45,6 +45,7 @@ from mtcommission.sweep.cases import (
 from mtcommission.sweep.engine import Engine, Lane, open_lane, run_sweep
 from mtcommission.sweep.lock import hold_folder
 from mtcommission.sweep.page import print_sweep
+from mtcommission.sweep.pieces import piece_size
 from mtcommission.sweep.request import read_plan
 from mtcommission.sweep.rows import Answer, Work, columns, key_unit, solve_case
 from mtcommission.sweep.store import NAME
@@ -565,7 +566,10 @@ def test_a_bound_that_varies_trades_time_against_vibration(tmp_path: Path) -> No
     """c_phi as parameter: each control keeps its bound, and a wider one never costs time."""
     axis = read_axis("requirements.peaks.v_phi=8mrad/s,14mrad/s,30mrad/s", where="--limit")
     plan = plan_of(axis)
-    frame = read_table(plan, run_sweep(plan, folder=tmp_path)).frame
+    seen: list[int] = []
+    store = run_sweep(plan, folder=tmp_path, progress=lambda done, *_: seen.append(done))
+    assert seen == [1, 2, 3], "each of these takes long, so each must be on disk at once"
+    frame = read_table(plan, store).frame
     bound, peak = frame["requirements.peaks.v_phi"].to_numpy(), frame["peak_v_phi"].to_numpy()
     assert np.all(peak <= bound * (1 + 1e-9))
     assert peak[:2] == pytest.approx(bound[:2], rel=1e-9)
@@ -573,6 +577,40 @@ def test_a_bound_that_varies_trades_time_against_vibration(tmp_path: Path) -> No
     assert frame["t_f"][2] == pytest.approx(0.0435202, abs=1e-6)
     named = {column.name: column.unit for column in columns(plan)}
     assert named["requirements.peaks.v_phi"] == named["peak_v_phi"] == "rad/s"
+
+
+def test_work_is_cut_so_that_each_piece_is_soon_on_disk() -> None:
+    """A piece of slow cases would be lost by an interruption, and keep the other cores idle."""
+    masses, forces = read_axis(MASSES, where=""), read_axis("drive.max_force=1e3:4e3:99", where="")
+    peaks = read_axis("requirements.peaks.v_phi=8mrad/s,9mrad/s", where="")
+    few = Axis(keys=forces.keys, rows=forces.rows[:2])
+    assert piece_size(plan_of(masses, forces)) == 99, "one curve for each mass"
+    assert piece_size(plan_of(masses, few)) == 4, "two forces are no curve"
+    assert piece_size(plan_of(forces, masses)) == 4
+    assert piece_size(plan_of(peaks, forces)) == 1
+    assert piece_size(replace(plan_of(forces), bounds=(Bound(name="v_phi", value=0.01),))) == 1
+    many = read_axis("drive.max_force=1e3:4e3:9999", where="")
+    assert piece_size(plan_of(masses, many)) == 500
+    pairs = replace(plan_of(masses, Axis(keys=forces.keys, rows=forces.rows[:24])), is_paired=True)
+    assert piece_size(pairs) == 4, "paired, every force has another mass"
+    table = read_cases("f_max,plant.slider_mass\n" + "1e3,700\n2e3,700\n3e3,700\n" * 2, where="")
+    assert piece_size(plan_of(table)) == 6
+    fast = (PAPER.parent / "honing-z.toml").read_text(encoding="utf-8")
+    honing = replace(plan_of(forces), profile_text=fast)
+    assert [piece_size(replace(honing, move=move)) for move in (1, 2)] == [1, 99], (
+        "the first move has a greatest velocity, the second is a step"
+    )
+
+
+def test_rows_of_work_that_was_cut_otherwise_are_not_continued(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A piece number would stand for other cases: rows would be doubled and missing."""
+    plan = masses_plan()
+    run_sweep(plan, folder=tmp_path)
+    monkeypatch.setattr("mtcommission.sweep.pieces.PIECE", 3)
+    with pytest.raises(InputError, match="holds another sweep"):
+        run_sweep(plan, folder=tmp_path, resume=True)
 
 
 def test_columns_name_every_cell() -> None:

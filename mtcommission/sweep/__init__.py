@@ -1,4 +1,4 @@
-"""Thousands of operating points: ``cases``, ``engine``, ``store``, ``table``, ``page``.
+"""Thousands of operating points: ``cases``, ``pieces``, ``engine``, ``store``, ``table``, ``page``.
 
 ``cases.Plan`` says what varies, ``engine.run_sweep`` computes what is not on disk yet, and
 ``table.read_table`` returns the columns; its example is a whole sweep. Nothing is imported here,

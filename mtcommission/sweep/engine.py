@@ -1,7 +1,7 @@
 """A plan -> rows on disk, by one process, several, or a Dask cluster; always the same rows.
 
-Work is cut into pieces by case number alone, so neither the number of workers nor an interruption
-changes what is computed together.
+Work is cut into pieces by case number alone (``pieces``), so neither the number of workers nor an
+interruption changes what is computed together.
 """
 
 from __future__ import annotations
@@ -27,16 +27,13 @@ from pathlib import Path
 from typing import Any
 
 from mtcommission.errors import ComputationError, Fault, InputError, Outcome
-from mtcommission.sweep.cases import FORCE_KEY, Plan, Quantity, check_plan
+from mtcommission.sweep.cases import Plan, check_plan
 from mtcommission.sweep.forces import solve_piece
 from mtcommission.sweep.lock import hold_folder
-from mtcommission.sweep.rows import DONE, Answer, Work, columns
+from mtcommission.sweep.pieces import count_pieces, cut_work, piece_size
+from mtcommission.sweep.rows import DONE, Answer, Work
 from mtcommission.sweep.store import Finished, Opened, append, open_store, read_finished
 
-CURVE_PIECE = 500
-"""Neighbouring forces solved together: well below a second."""
-PIECE = 4
-"""Other time-optimal controls together: some tens of milliseconds each."""
 LOSSES = 3
 """Lost workers in a row, without a finished piece between, that end a sweep."""
 POLL = 0.5
@@ -115,12 +112,14 @@ def run_sweep(
 def _complete(
     plan: Plan, folder: Path, engine: Engine, *, resume: bool, progress: Progress
 ) -> Opened:
-    store = open_store(folder, digest=plan.digest, created=plan.created, resume=resume)
+    # Rows of pieces that were cut otherwise would be sorted into the wrong places.
+    digest = f"{plan.digest}/{piece_size(plan)}"
+    store = open_store(folder, digest=digest, created=plan.created, resume=resume)
     plan = replace(plan, created=store.created)
     tally = _Tally(total=plan.count, progress=progress)
     for finished in read_finished(store):
         tally.add(finished)
-    left = set(range(pieces(plan))) - store.pieces
+    left = set(range(count_pieces(plan))) - store.pieces
     losses = 0
     while left:
         before = len(left)
@@ -154,7 +153,7 @@ class _Tally:
 
 def _work(plan: Plan, store: Opened, lane: Lane, left: set[int], tally: _Tally) -> None:
     """Keep a few pieces under way and write each one as it comes in."""
-    queue, executor = _works(plan, sorted(left)), lane.executor
+    queue, executor = cut_work(plan, sorted(left)), lane.executor
     running = {executor.submit(solve_piece, work): work for work in islice(queue, lane.width)}
     while running:
         ready, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
@@ -180,34 +179,6 @@ def _keep(store: Opened, work: Work, answers: tuple[Answer, ...]) -> None:
                 message = f"cannot write ({error.strerror}); free space, continue with --resume"
                 raise InputError([Fault(where=str(path), message=message)]) from error
     append(store, Finished(piece=work.piece, rows=tuple(answer.row for answer in answers)))
-
-
-def piece_size(plan: Plan) -> int:
-    """Return how many cases are computed together."""
-    if plan.quantity is not Quantity.OPTIMAL:
-        return 1
-    return CURVE_PIECE if plan.axes and FORCE_KEY in plan.axes[-1].keys else PIECE
-
-
-def pieces(plan: Plan) -> int:
-    """Return the number of pieces of a plan."""
-    return -(-plan.count // piece_size(plan))
-
-
-def _works(plan: Plan, numbers: list[int]) -> Iterator[Work]:
-    base, digest, table = replace(plan, axes=()), plan.base_digest, columns(plan)
-    size = piece_size(plan)
-    for piece in numbers:
-        cases = range(piece * size, min((piece + 1) * size, plan.count))
-        settings = tuple(plan.settings(index) for index in cases)
-        yield Work(
-            piece=piece,
-            first=cases.start,
-            settings=settings,
-            base=base,
-            base_digest=digest,
-            columns=table,
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

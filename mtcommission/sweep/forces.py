@@ -23,10 +23,8 @@ from mtcommission.sweep.cases import (
     vary_profile,
 )
 from mtcommission.sweep.peaks import curve_peaks
+from mtcommission.sweep.pieces import FEWEST
 from mtcommission.sweep.rows import Answer, Work, done, proof_cells, solve_case, switch_cells
-
-FEWEST = 3
-"""Cases that are worth a curve."""
 
 
 def solve_piece(work: Work) -> tuple[Answer, ...]:

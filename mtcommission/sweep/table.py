@@ -14,7 +14,7 @@ import polars as pl
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.sweep.cases import Plan
-from mtcommission.sweep.engine import piece_size
+from mtcommission.sweep.pieces import piece_size
 from mtcommission.sweep.rows import DONE, Column, columns
 from mtcommission.sweep.store import Opened, read_finished
 
@@ -68,11 +68,9 @@ def read_table(plan: Plan, store: Opened) -> SweepTable:
     """
     named = columns(plan)
     schema = {column.name: TYPES[column.kind] for column in named}
-    frames = {}
+    frames, size = {}, piece_size(plan)
     for finished in read_finished(store):
-        frames[finished.piece * piece_size(plan)] = pl.DataFrame(
-            finished.rows, schema=schema, orient="row"
-        )
+        frames[finished.piece * size] = pl.DataFrame(finished.rows, schema=schema, orient="row")
     parts = [frames[first] for first in sorted(frames)]
     frame = pl.concat(parts) if parts else pl.DataFrame(schema=schema)
     return SweepTable(columns=named, frame=frame)
