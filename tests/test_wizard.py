@@ -611,6 +611,15 @@ def test_every_question_fits_a_terminal_and_tells_where_to_look() -> None:
             assert question.default or question.example, question.key
 
 
+def test_a_rotary_axis_is_never_sent_to_leads_and_gantries() -> None:
+    """A table with a torque motor has no lead: whoever looks for one gives up, or guesses."""
+    for way in WAYS[2:]:
+        for question in list_questions({"machine.motion": "rotary", "wizard.way": way}):
+            words = question.text + question.where
+            for linear in ("lead", "screw", "gantry", "belt", "mass on", "weight of"):
+                assert linear not in words.lower(), question.key
+
+
 def test_every_default_and_example_is_accepted_without_warning() -> None:
     """An example that is refused teaches the wrong thing."""
     for question in _all_questions():

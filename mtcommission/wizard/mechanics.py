@@ -185,7 +185,9 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
         ask(
             "pair.motor_mass",
             f"{mass} on the motor's side, seen at the axis",
-            "Rotor, screw, gearbox: inertia x (2 pi / lead)^2; moving part of a linear motor.",
+            "Rotor and gearbox: inertia x (gear ratio)^2."
+            if is_rotary
+            else "Rotor, screw, gearbox: inertia x (2 pi / lead)^2; moving part of a linear motor.",
             unit.mass,
             motor,
             *unit.common.mass,
@@ -193,13 +195,19 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
         ask(
             "pair.load_mass",
             f"{mass} on the tool's side of the spring",
-            "Table, gantry or head with everything that it carries.",
+            "Table or head with everything that it carries."
+            if is_rotary
+            else "Table, gantry or head with everything that it carries.",
             unit.mass,
             load,
             *unit.common.mass,
         ),
     )
-    parts = "Screw, nut and bearings in series, belt, rack, coupling: data sheets."
+    parts = (
+        "Gear or worm, shaft in torsion, coupling in series, at the axis: data sheets."
+        if is_rotary
+        else "Screw, nut and bearings in series, belt, rack, coupling: data sheets."
+    )
     tail = damping_ratio("pair.damping_ratio", "the load against the held motor")
     if by_stiffness:
         spring = ask(
@@ -238,7 +246,9 @@ def _modal(answers: Answers) -> tuple[Question, ...]:
         ask(
             "plant.moving_mass",
             "Whole rigid inertia" if is_rotary else "Whole rigid mass",
-            "Force over acceleration at low frequencies.",
+            "Torque over angular acceleration at low frequencies."
+            if is_rotary
+            else "Force over acceleration at low frequencies.",
             unit.mass,
             "8 kg m^2" if is_rotary else "800 kg",
             *unit.common.mass,

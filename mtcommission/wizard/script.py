@@ -88,7 +88,9 @@ def _drive(answers: Answers) -> tuple[Question, ...]:
         Question(
             key="drive.max_force",
             text=f"Largest {force} of the drive at the axis",
-            where="Motor data sheet: peak force, or peak torque x 2 pi / lead x gear ratio.",
+            where="Motor data sheet: peak torque x gear ratio."
+            if is_rotary
+            else "Motor data sheet: peak force, or peak torque x 2 pi / lead x gear ratio.",
             dimension=unit.force,
             example=example,
             low=unit.common.force[0],
@@ -116,7 +118,9 @@ def _drive(answers: Answers) -> tuple[Question, ...]:
         Question(
             key="drive.static_load",
             text=f"Weight or process {force} that the drive holds",
-            where="Vertical axis without full counterbalance: mass x 9.81 m/s^2; else 0.",
+            where="Swivel axis off its balance: mass x 9.81 m/s^2 x distance of the centre; else 0."
+            if is_rotary
+            else "Vertical axis without full counterbalance: mass x 9.81 m/s^2; else 0.",
             dimension=unit.force,
             default=f"0 {unit.force.si}",
         ),
@@ -279,7 +283,8 @@ def _control(answers: Answers) -> tuple[Question, ...]:
         ask(
             "control.velocity_gain",
             "Velocity gain Kp at the axis (empty: tune it)",
-            "Drive: speed controller gain, turned to the axis: x (2 pi / lead)^2.",
+            "Drive: speed controller gain, turned to the axis: x "
+            + ("(gear ratio)^2." if is_rotary else "(2 pi / lead)^2."),
             unit.damping,
             gain,
             *unit.common.velocity_gain,
