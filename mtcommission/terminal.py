@@ -27,7 +27,7 @@ from mtcommission.record.schema import (
     SimulationPart,
 )
 from mtcommission.rules import peak_velocity
-from mtcommission.sheet.format import Formatter
+from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.limits_part import name_obstacle
 
@@ -220,14 +220,15 @@ def _hold_sentence(item: MoveSizesEntry, printed: Formatter, length: str) -> str
 def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
     """Return the worst response of each move and the verdict."""
     printed, length, force = _formatter(machine), _length(machine), _force(machine)
+    mass = motion_unit("kg", rotary=printed.rotary)
     table = _table("Move", "Corner", "Settling", "Residual", "Peak", "F_set")
     for number, move in enumerate(part["moves"], start=1):
         for index, response in enumerate(move["corners"]):
             corner = (
                 "nominal"
                 if index == 0
-                else f"{response['payload']:g} kg, f x {response['frequency_factor']:g}"
-                f", zeta x {response['damping_factor']:g}"
+                else f"{printed.quantity(response['payload'], mass)}, "
+                f"f x {response['frequency_factor']:g}, zeta x {response['damping_factor']:g}"
             )
             wanted = printed.quantity(response["max_force"], force)
             table.add_row(

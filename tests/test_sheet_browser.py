@@ -16,6 +16,7 @@ from html import unescape
 from pathlib import Path
 from typing import Any
 
+import pypdfium2
 import pytest
 
 from mtcommission.sheet import print_html
@@ -165,6 +166,21 @@ def test_nothing_is_cut_on_phone_tablet_and_desk(width: int, tmp_path: Path) -> 
     assert found["inner"] <= width
     assert found["cut"] == []
     assert found["needed"] <= found["inner"]
+
+
+def test_nothing_is_cut_on_paper(tmp_path: Path) -> None:
+    """Paper does not scroll: the last columns of wide tables were cut off at its edge."""
+    page, pdf = tmp_path / "page.html", tmp_path / "page.pdf"
+    page.write_text(print_html(rotary_record(), language="de"), "utf-8")
+    command = [str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", *CUT]
+    command += ["--no-pdf-header-footer", f"--print-to-pdf={pdf}"]
+    command += [f"--user-data-dir={tmp_path / 'user'}", page.as_uri()]
+    subprocess.run(command, capture_output=True, timeout=120, check=True)
+    for number, sheet in enumerate(pypdfium2.PdfDocument(pdf), start=1):
+        text = sheet.get_textpage()
+        right = max(text.get_rect(k)[2] for k in range(text.count_rects()))
+        # 18 mm of margin are 51 pt; the box of a letter is a little wider than its ink.
+        assert right < sheet.get_width() - 48.0, number
 
 
 def axe_file() -> Path:

@@ -62,6 +62,7 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("default accepted, not measured", "Vorgabe übernommen, nicht gemessen"),
     ("a = F_max/m, no jerk limit", "a = F_max/m, ohne Ruckgrenze"),
     ("j = a f ({name}, {1} Hz)", "j = a f ({name}, {1} Hz)"),
+    ("j = a f / {1} ({name}, {2} Hz)", "j = a f / {1} ({name}, {2} Hz)"),
     ("j = {formula}", "j = {formula}"),
     ("a = {formula}", "a = {formula}"),
     ("naive", "naheliegend"),
