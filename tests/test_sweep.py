@@ -44,6 +44,7 @@ from mtcommission.sweep.cases import (
 )
 from mtcommission.sweep.engine import Engine, Lane, open_lane, run_sweep
 from mtcommission.sweep.lock import hold_folder
+from mtcommission.sweep.meanings import meaning_of
 from mtcommission.sweep.page import print_sweep
 from mtcommission.sweep.pieces import piece_size
 from mtcommission.sweep.request import read_plan
@@ -378,6 +379,9 @@ def test_files_carry_units(tmp_path: Path) -> None:
     units = json.loads(pl.read_parquet_metadata(tmp_path / "rows.parquet")["units"])
     assert units["t_f"] == "s"
     assert units["drive.max_force"] == "N"
+    meanings = json.loads(pl.read_parquet_metadata(tmp_path / "rows.parquet")["meanings"])
+    assert list(meanings) == frame.columns
+    assert meanings["t_f_lower_bound"].startswith("No control is quicker")
     text = pl.read_csv(tmp_path / "rows.csv")
     assert "drive.max_force [N]" in text.columns
     assert text["t_f [s]"].to_list() == frame["t_f"].to_list()
@@ -617,6 +621,14 @@ def test_columns_name_every_cell() -> None:
     for quantity in Quantity:
         names: Sequence[str] = [column.name for column in columns(plan_of(quantity=quantity))]
         assert len(set(names)) == len(names)
+
+
+def test_every_column_says_what_it_holds() -> None:
+    """Only what varies may be called so: a result without words would be read as a setting."""
+    for quantity in Quantity:
+        for column in columns(replace(masses_plan(), quantity=quantity)):
+            is_varied = column.name == "plant.slider_mass"
+            assert (meaning_of(column) == "Varied key of the profile.") == is_varied, column.name
 
 
 def page_data(page: str) -> dict[str, Any]:

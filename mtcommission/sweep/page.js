@@ -214,10 +214,10 @@ function ring(pen, width, front, x, y, xColumn, yColumn) {
   }
 }
 
-function figure(parent, caption) {
+function figure(parent, caption, meaning = "") {
   const box = document.createElement("figure"), head = document.createElement("figcaption"), canvas = document.createElement("canvas");
   head.textContent = caption; canvas.setAttribute("role", "img"); canvas.setAttribute("aria-label", caption);
-  box.append(head, canvas); parent.append(box);
+  head.title = meaning; box.append(head, canvas); parent.append(box);
   return canvas;
 }
 
@@ -351,7 +351,7 @@ function showProfile(row) {
 const head = document.createElement("tr");
 for (const column of columns) {
   const cell = document.createElement("th"), button = document.createElement("button");
-  button.type = "button"; button.textContent = title(column); button.onclick = () => sortBy(column);
+  button.type = "button"; button.textContent = title(column); button.title = column.meaning; button.onclick = () => sortBy(column);
   cell.scope = "col"; cell.append(button); head.append(cell);
 }
 $("head").append(head);
@@ -370,7 +370,7 @@ const peak = bounds.length ? by.get(`peak_${bounds[0].name.slice(19)}`) : undefi
 const firstOf = (...names) => names.map((name) => by.get(name)).find((column) => column);
 fill($("tx"), [...results, ...keys], firstOf("settling_time", "t_f").name);
 fill($("ty"), [...results, ...keys], (peak || firstOf("peak_tcp_vibration", "residual_deviation") || results[results.length - 1]).name);
-const over = plotted.map((column) => [figure($("plots"), title(column)), column]);
+const over = plotted.map((column) => [figure($("plots"), title(column), column.meaning), column]);
 for (const [canvas, column] of over) keep(canvas, () => scatter(canvas, by.get($("x").value), column, $("log").checked, null));
 for (const id of ["x", "log"]) $(id).onchange = () => over.forEach(([canvas]) => redraw(canvas));
 const trade = figure($("trade"), "Trade-off");

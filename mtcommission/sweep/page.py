@@ -13,6 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from mtcommission.sweep.cases import Plan, Quantity, vary_profile
+from mtcommission.sweep.meanings import meaning_of
 from mtcommission.sweep.rows import Column
 from mtcommission.sweep.table import SweepTable, summarise_table
 
@@ -98,6 +99,7 @@ def _page_data(plan: Plan, table: SweepTable) -> dict[str, Any]:
 def _column(column: Column, values: pl.Series, *, is_exact: bool) -> dict[str, Any]:
     # What varies goes into the profile of a case as it is.
     found: dict[str, Any] = {"name": column.name, "unit": column.unit, "kind": column.kind}
+    found["meaning"] = meaning_of(column)
     if column.kind == "str":
         words = {word: code for code, word in enumerate(values.drop_nulls().unique().sort())}
         found["words"] = list(words)

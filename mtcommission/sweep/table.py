@@ -14,6 +14,7 @@ import polars as pl
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.sweep.cases import Plan
+from mtcommission.sweep.meanings import meaning_of
 from mtcommission.sweep.pieces import piece_size
 from mtcommission.sweep.rows import DONE, Column, columns
 from mtcommission.sweep.store import Opened, read_finished
@@ -77,7 +78,7 @@ def read_table(plan: Plan, store: Opened) -> SweepTable:
 
 
 def write_table(table: SweepTable, folder: Path) -> None:
-    """Write ``rows.parquet`` (units in its metadata) and ``rows.csv`` (units in its header).
+    """Write ``rows.parquet`` (units, meanings in its metadata), ``rows.csv`` (units in its head).
 
     Parameters
     ----------
@@ -96,7 +97,8 @@ def write_table(table: SweepTable, folder: Path) -> None:
         f"{column.name} [{column.unit}]" if column.unit else column.name for column in table.columns
     ]
     titled = table.frame.rename(dict(zip(table.frame.columns, heads, strict=True)))
-    metadata = {"units": json.dumps(units)}
+    meanings = {column.name: meaning_of(column) for column in table.columns}
+    metadata = {"units": json.dumps(units), "meanings": json.dumps(meanings)}
     write_safely(
         folder / "rows.parquet", lambda file: table.frame.write_parquet(file, metadata=metadata)
     )
