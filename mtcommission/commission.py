@@ -26,7 +26,7 @@ from mtcommission.optima import Optima, condense_optima, find_optima, require_fo
 from mtcommission.plant import Plant, build_plant
 from mtcommission.robustness import Robustness, examine_robustness
 from mtcommission.rule import RuleResult, apply_commissioning_rule
-from mtcommission.rules import apply_rules
+from mtcommission.rules import apply_rules, apply_slower_ramps
 from mtcommission.shapers import compare_shapers
 from mtcommission.size_filter import find_size_filter
 from mtcommission.trials import MoveResult, Trial, judge, run_moves
@@ -198,7 +198,7 @@ def commission(
         judge(machine, plant, tuned, "commissioning rule", RULE_SOURCE, rule.limits),
         *(
             judge(machine, plant, tuned, item.name, item.source, item.limits)
-            for item in apply_rules(machine, plant)
+            for item in (*apply_rules(machine, plant), *apply_slower_ramps(machine, plant))
         ),
         *compare_shapers(machine, plant, tuned),
     )

@@ -110,6 +110,38 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
     return tuple(rules)
 
 
+SLOWER_RAMPS = (2, 3)
+"""Periods of the dominant mode that a ramp may take besides one."""
+
+
+def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
+    """Return j = a f / k, the later zeros of the vibration, applied to a machine.
+
+    Parameters
+    ----------
+    machine, plant
+        The nominal machine and its plant.
+
+    Returns
+    -------
+    tuple of Rule
+        With a = F_max/m, one for each of ``SLOWER_RAMPS``.
+
+    Source: Biagiotti & Melchiorri 2008, as j = a f.
+    """
+    a = machine.drive.motion_force / moving_mass(machine)
+    mode = dominant_mode(plant)
+    f = mode.frequency_hz
+    return tuple(
+        Rule(
+            name=f"j = a f / {k} ({mode.name}, {f:.3g} Hz)",
+            source="zero residual vibration of an undamped mode (Biagiotti & Melchiorri)",
+            limits=_with_jerk_time(a, k / f),
+        )
+        for k in SLOWER_RAMPS
+    )
+
+
 def without_jerk_limit(machine: Machine, acceleration: float) -> MotionLimits:
     """Return an acceleration without a jerk limit as a control sends it.
 

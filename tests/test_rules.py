@@ -12,6 +12,7 @@ from mtcommission.machine import Positioning, VelocityStep
 from mtcommission.plant import build_plant
 from mtcommission.rules import (
     apply_rules,
+    apply_slower_ramps,
     dominant_mode,
     longest_period,
     peak_velocity,
@@ -38,6 +39,17 @@ def test_rules_on_the_papers_machine_by_hand() -> None:
     for name, (acceleration, jerk) in expected.items():
         assert rules[name].acceleration == pytest.approx(acceleration), name
         assert rules[name].jerk == pytest.approx(jerk), name
+
+
+def test_slower_ramps_take_two_and_three_periods() -> None:
+    """If it failed, the later zeros of j = a f / k would not be what is compared."""
+    machine = paper_machine()
+    a, period = 2000.0 / 750.0, 2 * pi * sqrt(450.0 / 44.41e6)
+    found = {rule.name: rule.limits for rule in apply_slower_ramps(machine, build_plant(machine))}
+    assert list(found) == ["j = a f / 2 (base, 50 Hz)", "j = a f / 3 (base, 50 Hz)"]
+    for k, limits in zip((2, 3), found.values(), strict=True):
+        assert limits.acceleration == pytest.approx(a)
+        assert limits.jerk_time == pytest.approx(k * period, rel=1e-3)
 
 
 def test_dominant_mode_bends_the_tool_most_per_newton() -> None:
