@@ -46,5 +46,6 @@ def meaning_of(column: Column) -> str:
     if column.name in MEANINGS:
         return MEANINGS[column.name]
     if column.name.startswith(PEAK):
-        return f"Greatest magnitude of {column.name.removeprefix(PEAK)} during the move and after it."
+        signal = column.name.removeprefix(PEAK)
+        return f"Greatest magnitude of {signal} during the move and after it."
     return "Varied key of the profile."
