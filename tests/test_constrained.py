@@ -485,3 +485,22 @@ def test_dual_value_is_the_integral_of_the_switching_function() -> None:
     expected += sum(abs(atom.weight) for atom in measure.atoms)
     value = dual_value(problem, stretches(problem, measure), measure.atoms).value
     assert value == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "outcome"),
+    [
+        # The search for t_f comes to times shorter than the boundary arcs that it has seen.
+        ("v_phi", 2e-4, Outcome.NO_CONVERGENCE),
+        # The forces left are a hundredth of the limit, the move takes fifty times the free one.
+        ("phi", 1e-6, Outcome.BEYOND_HORIZON),
+    ],
+)
+def test_very_tight_bounds_end_with_a_named_outcome(
+    name: str, value: float, outcome: Outcome
+) -> None:
+    # Otherwise the engineer reads "internal error", or what the simplex method says.
+    with pytest.raises(ComputationError) as caught:
+        paper_optimum(bound(name, value))
+    assert caught.value.outcome is outcome
+    assert "HiGHS" not in str(caught.value)

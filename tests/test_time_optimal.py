@@ -358,7 +358,7 @@ def test_start_comes_near_the_optimum_by_itself(move: Move) -> None:
 
 
 def test_force_that_leaves_modes_indistinct_is_named_so() -> None:
-    # "No convergence, report the profile" would blame the program for 2e16 N.
+    # "No convergence, report the profile" would blame the program for 1e14 N.
     plant = build_plant(paper_machine())
     with pytest.raises(ComputationError, match="rad of the slowest mode") as caught:
         solve_time_optimal(plant, STEP, force_limit=1e14)

@@ -32,6 +32,10 @@ COARSE_RADIANS = 1.8
 HORIZON = 60.0
 """Longest t_f that is searched, in multiples of the free optimum."""
 
+FAR = 3.0
+"""The same from which on a program that rounding spoils ends the search: the forces that so tight
+a bound leaves are too small beside the force limit for the simplex method."""
+
 TIME_TOLERANCE = 1e-3
 """|α - 1| at which the search on the grid ends; the grid itself is no better."""
 
@@ -131,7 +135,12 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
             return _last_look(problem, found)
         else:
             t_f = _between(faster, slower)
-        found = _solve(problem, t_f, radians=COARSE_RADIANS)
+        try:
+            found = _solve(problem, t_f, radians=COARSE_RADIANS)
+        except ComputationError as error:
+            if slower is not None or found.t_f < FAR * t_free:
+                raise
+            raise _beyond(problem, found) from error
     raise ComputationError(
         Outcome.NO_CONVERGENCE, f"search for t_f on the grid stopped at {t_f:.6g} s"
     )
@@ -156,7 +165,7 @@ def _last_look(problem: BoundedProblem, found: GridOptimum) -> GridOptimum:
 
 
 def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) -> ComputationError:
-    names = ", ".join(f"|{k.bound.name}| <= {k.bound.value:.6g}" for k in problem.limits)
+    names = _named(problem)
     if longest.t_f <= HORIZON * t_free:
         least = smallest_factor(problem, t_free=t_free)
         if least < 1.0:
@@ -166,9 +175,18 @@ def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) 
         bounds = ", ".join(f"{least * k.bound.value:.4g}" for k in problem.limits)
         detail = f"{names}: the smallest possible is about {bounds} (SI units)"
         return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
+    return _beyond(problem, longest)
+
+
+def _beyond(problem: BoundedProblem, longest: GridOptimum) -> ComputationError:
     return ComputationError(
-        Outcome.BEYOND_HORIZON, f"{names}: t_f would be longer than {longest.t_f:.4g} s"
+        Outcome.BEYOND_HORIZON,
+        f"{_named(problem)}: t_f would be longer than {longest.t_f:.4g} s",
     )
+
+
+def _named(problem: BoundedProblem) -> str:
+    return ", ".join(f"|{k.bound.name}| <= {k.bound.value:.6g}" for k in problem.limits)
 
 
 def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:

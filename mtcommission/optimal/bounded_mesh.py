@@ -180,6 +180,9 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
     if relaxed:
         # What may not carry an atom is left out of the relaxation.
         layout = replace(layout, contacts=off_cores(problem, layout.contacts, layout.cores))
+    # A search for t_f may come to times in which the cores have no room.
+    if any(core.start >= layout.t_f for core in layout.cores):
+        return None
     segments = _segments(problem, layout, relaxed=relaxed)
     size = segments[-1].last.shape[1] - 2
     rows, rooms = _bound_rows(problem, layout, segments)
