@@ -17,6 +17,9 @@ from mtcommission.profile_lines import find_key_lines, find_repetition, show_key
 MOST_FAULTS = 50
 """Lines named in one go; every one costs another reading of the text."""
 
+MOST_LINES = 500
+"""Lines tried from the end for the one where an open value begins."""
+
 LONGEST_SHOWN = 40
 
 _TWICE = re.compile("overwrite a value|twice")
@@ -106,7 +109,10 @@ def _by_line(faults: list[Fault]) -> tuple[Fault, ...]:
 def _refused(reason: str, lines: list[str], *, where: str) -> Fault:
     """What tomllib refused, and what to do about it."""
     place = re.search(r"\(at line (\d+), column (\d+)\)", reason)
-    line = int(place[1]) if place else _line_of_digits(lines)
+    line = int(place[1]) if place else _line_without_place(reason, lines)
+    above = lines[line - 2] if line > 1 else ""
+    if "Unclosed array" in reason and re.search(r"=\s*\[[^\]]*[^\]\s]\s*$", above):
+        line -= 1  # tomllib names the line below the array
     text = "\n".join(lines)
     key, first = find_repetition(text, line) if _TWICE.search(reason) else ("", 0)
     if key:
@@ -122,9 +128,18 @@ def _refused(reason: str, lines: list[str], *, where: str) -> Fault:
     return Fault(where=where, line=min(line, len(lines)), message=message)
 
 
-def _line_of_digits(lines: list[str]) -> int:
-    """The line that holds a number too long for tomllib, which then names no place."""
-    return next((i for i, line in enumerate(lines, start=1) if re.search(r"\d{4000}", line)), 1)
+def _line_without_place(reason: str, lines: list[str]) -> int:
+    """The line of a fault for which tomllib names none."""
+    if "end of document" not in reason:  # a number with too many digits
+        return next((i for i, line in enumerate(lines, start=1) if re.search(r"\d{4000}", line)), 1)
+    # What begins here never ends: all that stands above can be read.
+    for size in range(len(lines) - 1, max(0, len(lines) - MOST_LINES), -1):
+        try:
+            tomllib.loads("\n".join(lines[:size]))
+        except ValueError:
+            continue
+        return size + 1
+    return 1
 
 
 def _remedy(value: str) -> str:
@@ -137,7 +152,9 @@ def _remedy(value: str) -> str:
     if value[0] == "[" and value[-1] == "]":
         items = ", ".join(f'"{_bare(item)}"' for item in value[1:-1].split(","))
         return f"got {got}; values with a unit stand in quotes: [{items}]"
-    if value[0] in "\"'" and value.count(value[0]) == 1:
+    if value[0] == "[" and value[-1] != "]" and bare != "[":
+        return f"got {got} without the closing bracket ]"
+    if value[0] in "\"'" and value.count(value[0]) == 1 and bare:
         return f'got {got} without the closing quote; write "{bare}"'
     if re.search(r"\d{4000}", value):
         return "got a number of thousands of digits; check it"

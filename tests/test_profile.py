@@ -611,6 +611,8 @@ def test_a_key_given_twice_is_named_with_both_lines(old: str, new: str, fault: s
         ("2 kN # peak", 'got 2 kN without quotes; write "2 kN"'),
         ('"2 kN', 'got "2 kN without the closing quote; write "2 kN"'),
         ("“2 kN”", 'got “2 kN” with typographic quotes; write "2 kN" with straight ones'),
+        ("'2 kN\"", 'got \'2 kN" without the closing quote; write "2 kN"'),
+        ('["2 kN"', 'got ["2 kN" without the closing bracket ]'),
         ("auto", 'got auto without quotes; write "auto"'),
         (".5", "got .5; write digits on both sides of the point: 0.5"),
         ("2000.", "got 2000.; write digits on both sides of the point: 2000"),
@@ -636,6 +638,10 @@ def test_a_fault_of_syntax_hides_no_other_fault() -> None:
     )
     assert found[1].startswith('p.toml:9: plant.slider_mass: got "750 m", which is a length')
     assert found[2:] == ['p.toml:19: drive.max_force: got 2 kN without quotes; write "2 kN"']
+
+
+def test_an_array_open_at_the_end_of_the_file_has_its_line() -> None:
+    assert faults_in("a = [1, 2")[0] == "p.toml:1: a: got [1, 2 without the closing bracket ]"
 
 
 @pytest.mark.parametrize("text", ["schema;1\nname;X\n", "Fx 12 3\n"])
