@@ -283,6 +283,28 @@ def test_full_disk_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame) -> Non
     assert resumed(tmp_path).equals(undisturbed)
 
 
+def stop_while_a_case_is_under_way() -> None:
+    with open_lane(Engine(workers=2)) as lane:
+        lane.executor.submit(time.sleep, 0.0).result()
+        lane.executor.submit(time.sleep, 200.0)
+        raise KeyboardInterrupt
+
+
+def test_stopping_does_not_wait_for_cases_under_way() -> None:
+    """Cases may take half a minute each; whoever stops a sweep would think that it hangs."""
+    bystander = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(200,))
+    bystander.start()
+    try:
+        start = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            stop_while_a_case_is_under_way()
+        assert time.monotonic() - start < 60.0
+        assert bystander.is_alive(), "only the sweep's own workers may be ended"
+    finally:
+        bystander.kill()
+        bystander.join()
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="mounts a tmpfs")
 def test_really_full_disk_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
     """A disk that fills up midway: a message, exit code 2, and --resume once there is space."""

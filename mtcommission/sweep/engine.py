@@ -205,9 +205,16 @@ def open_lane(engine: Engine) -> Iterator[Lane]:
             yield lane
         return
     alone = engine.workers == 1
+    others = multiprocessing.active_children()
     executor = Immediate() if alone else _open_pool(engine.workers)
     try:
         yield Lane(executor=executor, width=1 if alone else 2 * engine.workers)
+    except BaseException:
+        # Nobody waits minutes for slow cases whose rows would be dropped; workers own no files.
+        for worker in multiprocessing.active_children():
+            if worker not in others:
+                worker.kill()
+        raise
     finally:
         executor.shutdown(wait=True, cancel_futures=True)
 
