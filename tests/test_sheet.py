@@ -782,7 +782,16 @@ def test_a_split_table_leaves_no_single_row_behind():
 @pytest.mark.parametrize("name", RECORDS)
 def test_no_text_lies_on_another(name, pdfs):
     """A caption on the sentence above it, or two numbers at one tick, cannot be read."""
-    for number, page in enumerate(pypdfium2.PdfDocument(pdfs[name]), start=1):
+    expect_nothing_covered(pdfs[name])
+
+
+def test_no_text_lies_on_another_where_german_words_stand_for_numbers():
+    """ "nicht eingeschwungen" in two narrow columns ran into itself."""
+    expect_nothing_covered(print_pdf(unsettled_record(), language="de"))
+
+
+def expect_nothing_covered(pdf):
+    for number, page in enumerate(pypdfium2.PdfDocument(pdf), start=1):
         text = page.get_textpage()
         boxes = np.array([text.get_rect(k) for k in range(text.count_rects())])
         low = np.maximum(boxes[:, None, :2], boxes[None, :, :2])
