@@ -315,7 +315,7 @@ def _bound(plant: Plant, text: str, faults: list[Fault]) -> Bound:
     elif name not in plant.signals:
         close = get_close_matches(name, plant.signals, n=1)
         hint = f"; did you mean {close[0]}?" if close else ""
-        message = f"no state or output {name!r}{hint} There are: {', '.join(plant.signals)}"
+        message = f"no state or output {name!r}{hint}; there are: {', '.join(plant.signals)}"
         faults.append(Fault(where="--limit", message=message))
     else:
         dimension = BY_UNIT[plant.signal_units[plant.signals.index(name)]]

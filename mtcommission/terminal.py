@@ -39,9 +39,9 @@ SHOWN_ARCS = 24
 
 def show(content: RenderableType) -> None:
     """Print to standard output: styled on a terminal, plain when piped."""
-    console = Console(highlight=False)
+    console = Console(highlight=False, emoji=False)
     if not console.is_terminal:
-        console = Console(highlight=False, width=WIDTH, no_color=True)
+        console = Console(highlight=False, emoji=False, width=WIDTH, no_color=True)
     console.print(content)
 
 

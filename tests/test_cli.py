@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from mtcommission import cli
+from mtcommission.terminal import show
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 PAPER = PROFILES / "milling-manipulator.toml"
@@ -273,6 +274,14 @@ def test_simulate_says_when_requirements_are_missed(run: Run) -> None:
     assert code == 1
     assert "saturated" in out
     assert "NOT MET" in out
+
+
+def test_names_between_colons_are_printed_as_they_are(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """``boundary:v:+`` came out with a picture of a hand in it."""
+    show("boundary:v:+")
+    assert capsys.readouterr().out == "boundary:v:+\n"
 
 
 def test_pieces_of_one_arc_are_printed_as_one(run: Run) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +19,11 @@ from mtcommission.machine import Machine, Positioning, StateFeedback
 from mtcommission.optimal.solution import TimeOptimum, sample_evenly
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import Plant, build_plant
+from mtcommission.profile import read_profile
 from mtcommission.setpoint import plan_setpoint
 from tests.machines import paper_machine, random_modal_machine
 
+PROFILES = Path(__file__).parent.parent / "profiles"
 LIMITS = MotionLimits(acceleration=1.94, jerk=41.2)
 
 
@@ -129,6 +132,19 @@ def test_continuous_loop_is_near_the_sampled_one(seed: int) -> None:
     gap = np.max(np.abs(other - sampled.deviation[inside]))
     held = 1.0 * tuned.controller.position_cycle**2 / 2.0
     assert 1e-3 * held < gap < held
+
+
+def test_continuous_loop_with_stiff_delays_does_not_grow() -> None:
+    """Without states of one size the sheet said 1e28 m of a loop whose poles are all stable."""
+    machine = read_profile(PROFILES / "modal-two-modes.toml")
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    setpoint = plan_setpoint(machine.moves[0], MotionLimits(acceleration=2.0, jerk=40.0))
+    band = machine.requirements.tcp_deviation
+    sampled = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=machine.drive, band=band)
+    found = simulate_continuous(
+        plant, tuned.controller, setpoint, model=plant, band=band, until=sampled.t_end + 0.5
+    )
+    assert np.max(np.abs(found.deviation)) < 2.0 * np.max(np.abs(sampled.deviation))
 
 
 def test_continuous_difference_on_the_paper_machine_is_as_documented(

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,7 +39,10 @@ from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import Plant, build_plant
+from mtcommission.profile import read_profile
 from tests.machines import paper_machine, random_modal_machine
+
+PROFILES = Path(__file__).parent.parent / "profiles"
 
 PAPER_STEP = VelocityStep(velocity_step=0.1)
 
@@ -389,6 +393,15 @@ def test_long_cruise_is_reached_by_lengthening_a_short_one() -> None:
     check_motion(paper_plant(), optimum)
     composed = compose_cruise(paper_plant(), move, force_limit=600.0)
     assert optimum.t_f < composed.t_f
+
+
+def test_multipliers_that_do_not_weigh_the_move_are_no_internal_error() -> None:
+    """The first programs of this cruise prove nothing; it was a division by zero."""
+    machine = read_profile(PROFILES / "ball-screw.toml")
+    move = Positioning(distance=0.05, max_velocity=15.17 / 60.0)
+    force = machine.drive.motion_force
+    optimum = solve_time_optimal(build_plant(machine), move, force_limit=force)
+    assert 0.0 < optimum.certificate.relative_gap < 0.02
 
 
 def test_unknown_signal_is_refused() -> None:

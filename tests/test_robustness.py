@@ -270,12 +270,18 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
     """Otherwise "all requirements met" would be read as true of a machine half a per cent off."""
     machine = paper_machine()
     (warning,) = warn_of_narrow_range(machine, _kept(*kept))
-    lost = "residual deviation below and set force above and peak v_phi above"
-    assert f"off by {english}. Missed beyond: {lost}. State requirements" in warning
+    lost = (
+        "residual deviation (where they are lower) and set force (where they are higher) and "
+        "peak v_phi (where they are higher)"
+    )
+    assert f"off by {english}. Missed outside this range: {lost}. State requirements" in warning
     translated = find_labels("de").say(warning)
     assert german in translated
-    lost = "Restabweichung darunter und Sollkraft darüber und Höchstwert v_φ darüber"
-    assert f"Dahinter verletzt: {lost}." in translated
+    lost = (
+        "Restabweichung (wo sie tiefer liegen) und Sollkraft (wo sie höher liegen) und "
+        "Höchstwert v_φ (wo sie höher liegen)"
+    )
+    assert f"Außerhalb davon verletzt: {lost}." in translated
     needs = replace(machine.requirements, frequency_spread=0.03)
     assert warn_of_narrow_range(replace(machine, requirements=needs), _kept(*kept)) == ()
 
@@ -312,7 +318,7 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
     settings = RobustnessSettings(frequency_points=10)
     error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
     warnings = warn_of_narrow_range(machine, error)
-    assert ["Missed beyond: set force below. " in warning for warning in warnings] == (
+    assert ["set force (where they are lower). " in warning for warning in warnings] == (
         [True] if is_narrow else []
     )
     (move,) = machine.moves

@@ -105,7 +105,10 @@ def optimal(
         str, typer.Option("--method", metavar="exact|transcription", help="Way of solving.")
     ] = "exact",
     scheme: Annotated[
-        str, typer.Option("--scheme", metavar="NAME", help="Transcription: euler or gauss.")
+        str,
+        typer.Option(
+            "--scheme", metavar="NAME", help="Transcription: euler, trapezoidal or gauss."
+        ),
     ] = "gauss",
     intervals: Annotated[
         int, typer.Option("--intervals", metavar="N", help="Transcription: intervals.")

@@ -15,7 +15,7 @@ def show_stage() -> Iterator[Callable[[str], None]]:
         return
     from rich.console import Console
 
-    with Console(stderr=True).status("") as status:
+    with Console(stderr=True, emoji=False).status("") as status:
         yield lambda stage: status.update(f"{stage} …")
 
 
@@ -41,7 +41,7 @@ def show_bar(total: int) -> Iterator[Callable[[int, int, int], None]]:
         TimeRemainingColumn(),
         TextColumn("{task.fields[failures]} failed"),
     )
-    with Progress(*layout, console=Console(stderr=True)) as bar:
+    with Progress(*layout, console=Console(stderr=True, emoji=False)) as bar:
         task = bar.add_task("cases", total=total, rate=0.0, failures=0)
         yield lambda done, total, failures: bar.update(
             task, completed=done, rate=bar.tasks[0].speed or 0.0, failures=failures

@@ -8,6 +8,7 @@ keeps force, bounds and target, and the multipliers prove that no control is fas
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,7 +101,10 @@ def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptim
     """Return the relative distance of the times that the two forms of a program give."""
     measure = relaxed.measure
     value = dual_value(problem, stretches(problem, measure), measure.atoms).value
-    reach = value / float(measure.terminal @ problem.target)
+    along = float(measure.terminal @ problem.target)
+    if along == 0.0:
+        return inf  # multipliers that do not weigh the move prove nothing of it
+    reach = value / along
     return (reach - kept.reach) / max(kept.slope * kept.layout.t_f, LEAST_SLOPE)
 
 

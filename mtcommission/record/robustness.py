@@ -100,13 +100,13 @@ def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[str, 
         for end, last in tried
     )
     lost = " and ".join(
-        f"{name} {side}"
-        for side, names in (("below", error.lost_below), ("above", error.lost_above))
+        f"{name} (where they are {side})"
+        for side, names in (("lower", error.lost_below), ("higher", error.lost_above))
         for name in names
     )
     return (
         "The profile states no spread of the frequencies; all requirements are kept only while "
-        f"the eigenfrequencies are off by {ends}. Missed beyond: {lost}. State "
+        f"the eigenfrequencies are off by {ends}. Missed outside this range: {lost}. State "
         f"requirements.frequency_spread, at least {100.0 * KNOWN_FREQUENCY:g} %, and run again.",
     )
 

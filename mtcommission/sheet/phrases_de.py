@@ -435,16 +435,16 @@ PHRASES: tuple[tuple[str, str], ...] = (
     # warnings
     (
         "The profile states no spread of the frequencies; all requirements are kept only while "
-        "the eigenfrequencies are off by {-range}. Missed beyond: {-lost}. State "
+        "the eigenfrequencies are off by {-range}. Missed outside this range: {-lost}. State "
         "requirements.frequency_spread, at least {1} %, and run again.",
         "Das Profil gibt keine Streuung der Frequenzen an; alle Anforderungen sind nur erfüllt, "
-        "solange die Eigenfrequenzen um {range} abweichen. Dahinter verletzt: {lost}. "
+        "solange die Eigenfrequenzen um {range} abweichen. Außerhalb davon verletzt: {lost}. "
         "requirements.frequency_spread angeben, mindestens {1} %, und neu rechnen.",
     ),
-    ("{-name} below", "{name} darunter"),
-    ("{-name} below and {-rest}", "{name} darunter und {rest}"),
-    ("{-name} above", "{name} darüber"),
-    ("{-name} above and {-rest}", "{name} darüber und {rest}"),
+    ("{-name} (where they are lower)", "{name} (wo sie tiefer liegen)"),
+    ("{-name} (where they are lower) and {-rest}", "{name} (wo sie tiefer liegen) und {rest}"),
+    ("{-name} (where they are higher)", "{name} (wo sie höher liegen)"),
+    ("{-name} (where they are higher) and {-rest}", "{name} (wo sie höher liegen) und {rest}"),
     ("{1} % to {2} %", "{1} % bis {2} %"),
     ("{1} % to at least {2} %", "{1} % bis mindestens {2} %"),
     ("at least {1} % to {2} %", "mindestens {1} % bis {2} %"),
