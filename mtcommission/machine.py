@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import product
-from math import inf, pi, sqrt
+from math import inf
 
 
 class Motion(Enum):
@@ -501,59 +501,3 @@ def corners(machine: Machine) -> tuple[Corner, ...]:
         for payload, frequency, damping in combinations
     ]
     return tuple(dict.fromkeys([NOMINAL, *outer]))
-
-
-def flexible_modes(machine: Machine) -> tuple[FlexibleMode, ...]:
-    """Return the flexible modes, all in the form q'' + 2 ζ ω q' + ω² q = F.
-
-    For the manipulator x_b = -q/m_b and φ = r q/J, so the base moves tool and encoder alike
-    (+1/m_b) and the tower moves the tool alone (h r/J).
-
-    Parameters
-    ----------
-    machine
-        Any machine.
-
-    Returns
-    -------
-    tuple of FlexibleMode
-        In the order of the plant's states.
-
-    Source: Christiansen, Maurer & Zirn, eq. (1), divided by m_b and J.
-
-    Examples
-    --------
-    >>> tower = Manipulator(base_mass=450, slider_mass=750, rotary_inertia=40, lever_arm=0.25,
-    ...     tcp_height=0.21, base_stiffness=44.41e6, base_damping=8500, rotary_stiffness=8.2e6,
-    ...     rotary_damping=1800)
-    >>> [round(m.natural_frequency / (2 * pi), 2) for m in _manipulator_modes(tower)]
-    [50.0, 72.06]
-    """
-    mechanics = machine.mechanics
-    return _manipulator_modes(mechanics) if isinstance(mechanics, Manipulator) else mechanics.modes
-
-
-def _manipulator_modes(mechanics: Manipulator) -> tuple[FlexibleMode, FlexibleMode]:
-    m_b, J = mechanics.base_mass, mechanics.rotary_inertia
-    k_b, d_b = mechanics.base_stiffness, mechanics.base_damping
-    k, d = mechanics.rotary_stiffness, mechanics.rotary_damping
-    base = FlexibleMode(
-        name="base",
-        natural_frequency=sqrt(k_b / m_b),
-        damping_ratio=d_b / (2 * sqrt(k_b * m_b)),
-        tcp_gain=1 / m_b,
-        measured_gain=1 / m_b,
-    )
-    tower = FlexibleMode(
-        name="rotation",
-        natural_frequency=sqrt(k / J),
-        damping_ratio=d / (2 * sqrt(k * J)),
-        tcp_gain=mechanics.tcp_height * mechanics.lever_arm / J,
-        measured_gain=0.0,
-    )
-    return base, tower
-
-
-def frequency_hz(mode: FlexibleMode) -> float:
-    """Return the natural frequency of a mode [Hz]."""
-    return mode.natural_frequency / (2 * pi)

@@ -16,13 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import (
-    Machine,
-    Manipulator,
-    Motion,
-    flexible_modes,
-    moving_mass,
-)
+from mtcommission.machine import Machine, Manipulator, Motion, moving_mass
+from mtcommission.mechanics import flexible_modes
 
 Array = NDArray[np.float64]
 

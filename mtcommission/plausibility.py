@@ -16,10 +16,9 @@ from mtcommission.machine import (
     Motion,
     Move,
     VelocityStep,
-    flexible_modes,
-    frequency_hz,
     moving_mass,
 )
+from mtcommission.mechanics import flexible_modes, frequency_hz
 from mtcommission.units import convert_to
 
 DAMPING_RATIOS = (0.002, 0.3)

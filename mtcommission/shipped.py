@@ -8,7 +8,8 @@ from pathlib import Path
 from textwrap import wrap
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.machine import Machine, flexible_modes, frequency_hz
+from mtcommission.machine import Machine
+from mtcommission.mechanics import flexible_modes, frequency_hz
 from mtcommission.profile import parse_profile, read_profile_text
 
 WIDTH = 80

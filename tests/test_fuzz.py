@@ -22,7 +22,8 @@ from mtcommission.choose import SearchSettings
 from mtcommission.commission import commission
 from mtcommission.errors import ComputationError, InputError
 from mtcommission.loop_choice import Settings
-from mtcommission.machine import Machine, Manipulator, flexible_modes, frequency_hz
+from mtcommission.machine import Machine, Manipulator
+from mtcommission.mechanics import flexible_modes, frequency_hz
 from mtcommission.profile import parse_profile
 from mtcommission.shipped import read_shipped
 

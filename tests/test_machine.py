@@ -17,12 +17,11 @@ from mtcommission.machine import (
     Manipulator,
     Modal,
     corners,
-    flexible_modes,
-    frequency_hz,
     mid_payload,
     moving_mass,
     vary,
 )
+from mtcommission.mechanics import flexible_modes, frequency_hz
 from mtcommission.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
 

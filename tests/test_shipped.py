@@ -13,7 +13,8 @@ from mtcommission import cli, shipped
 from mtcommission.choose import SearchSettings, choose_limits
 from mtcommission.errors import InputError
 from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Modal, Motion, StateFeedback, flexible_modes, frequency_hz
+from mtcommission.machine import Modal, Motion, StateFeedback
+from mtcommission.mechanics import flexible_modes, frequency_hz
 from mtcommission.plant import build_plant
 from mtcommission.plausibility import check_plausibility
 from mtcommission.profile import parse_profile

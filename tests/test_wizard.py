@@ -21,7 +21,8 @@ from mtcommission.choose import SearchSettings
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
 from mtcommission.loop_choice import Settings
-from mtcommission.machine import Manipulator, Modal, flexible_modes, frequency_hz
+from mtcommission.machine import Manipulator, Modal
+from mtcommission.mechanics import flexible_modes, frequency_hz
 from mtcommission.plant import build_plant
 from mtcommission.profile import parse_profile, profile_text_hash, read_profile
 from mtcommission.record.build import build_record
