@@ -1,6 +1,7 @@
 """Time per damping-optimal solve, warm, beside the same problem by IPOPT: one core.
 
-Then a survey of random problems: the worst accuracy, and every one that is not solved.
+Then a survey of random problems, each integrated again by another method with an adjoint of its
+own (tests/independent_damping.py): the worst errors, and every problem that is not solved.
 
 OMP_NUM_THREADS=1 python -m benchmarks.damping_optimal
 """
@@ -23,6 +24,7 @@ from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.optimal.transcription import transcribe_damping_optimal
 from mtcommission.optimal.weights import balanced_weights
 from mtcommission.plant import Plant, build_plant
+from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
 
 STEP = VelocityStep(velocity_step=0.1)
@@ -98,7 +100,7 @@ def random_cases() -> None:
 def survey(count: int) -> None:
     print(f"{count} random problems, 1 ... 8 modes, t_f 1.02 ... 3 t_f,min, both kinds of move")
     generator = np.random.default_rng(7)
-    errors, laws, times = [], [], []
+    checks, costs, times = [], [], []
     for seed in range(count):
         share = float(np.exp(generator.uniform(np.log(1.02), np.log(3.0))))
         step, force, stress = generator.uniform([0.0, -1.0, -2.0], [1.0, 1.0, 2.0])
@@ -119,11 +121,20 @@ def survey(count: int) -> None:
             print(f"seed {seed}, t_f = {share:.3f} t_f,min: {error}")
             continue
         times.append(process_time() - start)
-        errors.append(float(np.max(np.abs(found.terminal_error) / found.peaks[: plant.order])))
-        laws.append(found.law_residual)
-    print(f"solved {len(errors)}; terminal error at most {max(errors):.1e} of a peak,")
-    print(f"law residual at most {max(laws):.1e} of F_max; CPU median {1e3 * median(times):.0f} ms")
-    print(f"and at most {1e3 * max(times):.0f} ms")
+        again = follow(plant, found)
+        checks.append(again)
+        costs.append(abs(found.cost / again.cost - 1.0))
+    laws, gaps = ([getattr(each, name) for each in checks] for name in ("law", "cost_gap"))
+    errors = [float(np.abs(each.terminal_error).max()) for each in checks]
+    print(f"solved {len(checks)} of {count}; CPU median {1e3 * median(times):.0f} ms, at most")
+    print(f"{1e3 * max(times):.0f} ms. Integrated again, worst and median of all:")
+    for name, values in (
+        ("cost, relative difference", costs),
+        ("cost above the least possible, relative, at most", gaps),
+        ("control law (16) with an adjoint of its own, of F_max", laws),
+        ("terminal error, of a peak", errors),
+    ):
+        print(f"  {name}: {max(values):.1e}, {median(values):.1e}")
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.optimal.two_point import doubled, inner_nodes, middle, two_point
 from mtcommission.optimal.weights import balanced_weights
 from mtcommission.plant import Plant, build_plant
+from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
 
 Array = NDArray[np.float64]
@@ -139,6 +140,39 @@ def test_law_16_and_adjoint_equation_hold_for_a_general_ode_solver(move: Move, t
     )
     assert np.abs(force(flow.y) - motion.force[part]).max() < 1e-6 * F
     assert np.abs(flow.y[:n].T - motion.states[part] / size[:n]).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("move", "t_f"),
+    [(STEP, 0.043525), (STEP, 0.0522), (STEP, 0.435), (Positioning(distance=0.02), 0.18)],
+)
+def test_cost_law_and_adjoint_when_integrated_again(move: Move, t_f: float) -> None:
+    # Along the whole motion, by collocation, with an adjoint that is not the solver's. If this
+    # fails, cost or law on the sheet are not those of the control that is published.
+    best = paper_optimum(move=move, t_f=t_f)
+    again = follow(build_plant(paper_machine()), best)
+    assert best.cost == pytest.approx(again.cost, rel=1e-10)
+    assert again.cost_gap < 1e-10
+    assert again.law < 1e-9
+    assert np.abs(again.terminal_error).max() < 1e-9
+    worst = np.abs(again.adjoint_initial - best.adjoint_initial)
+    assert np.all(worst <= 1e-9 * np.abs(best.adjoint_initial))
+
+
+def test_integrating_again_sees_a_control_that_is_not_optimal() -> None:
+    # The saving that the gap leaves open must cover what the optimum really saves.
+    plant, best = build_plant(paper_machine()), paper_optimum()
+    other = solve_damping_optimal(
+        plant, STEP, force_limit=2e3, t_f=0.0522, weights=(Weight(state="v_phi", value=3e10),)
+    )
+    claimed = follow(plant, replace(other, weights=best.weights))
+    saving = 1.0 - best.cost / claimed.cost
+    assert claimed.cost_gap > saving > 1e-3
+    assert claimed.law > 1e-2
+    arc = best.arcs[3]
+    bent = replace(best, arcs=(*best.arcs[:3], replace(arc, output=1.0001 * arc.output)))
+    bent = replace(bent, arcs=(*bent.arcs, *best.arcs[4:]))
+    assert follow(plant, bent).law > 1e-5
 
 
 def test_cost_terms_agree_with_adaptive_quadrature() -> None:
@@ -304,6 +338,10 @@ def test_random_machines_reach_the_target(seed: int) -> None:
     assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
     assert best.law_residual < 1e-6
     assert best.cost > free.cost
+    again = follow(plant, best)
+    assert best.cost == pytest.approx(again.cost, rel=1e-9)
+    assert again.cost_gap < 1e-8
+    assert again.law < 1e-6
 
 
 def test_unknown_state_in_a_weight() -> None:
