@@ -21,13 +21,13 @@ from math import factorial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
     transition,
 )
 from mtcommission.optimal.bounded_sigma import integrate_sigma, sigma_magnitude
+from mtcommission.optimal.exponential import balanced_expm
 
 Array = NDArray[np.float64]
 
@@ -203,7 +203,7 @@ def adjoint_before(problem: BoundedProblem, stretch: Stretch) -> Array:
     if stretch.limit < 0:
         flow: Array = transition(problem.plant, np.array(stretch.length))
     else:
-        flow = expm(problem.limits[stretch.limit].adjoint_flow * stretch.length)
+        flow = balanced_expm(problem.limits[stretch.limit].adjoint_flow * stretch.length)
     return np.asarray(stretch.adjoint @ flow)
 
 
@@ -271,7 +271,7 @@ def _densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
     joint = np.zeros((n + 1, n + 1))
     joint[:n, :n], joint[:n, n] = limit.adjoint_flow, limit.density_column
     count = int(np.ceil(part.length * problem.rate * DENSITY_CELLS_PER_RADIAN)) + 1
-    flow = expm(joint * (part.length / count))
+    flow = balanced_expm(joint * (part.length / count))
     rows = [np.append(part.adjoint, 0.0)]
     for _ in range(count):
         rows.append(rows[-1] @ flow)

@@ -17,11 +17,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 from scipy.optimize import linprog
 
 from mtcommission.optimal.bounded_dual import Atom, Core, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.exponential import balanced_expm
 
 Array = NDArray[np.float64]
 
@@ -268,7 +268,7 @@ def _segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tupl
             limit = problem.limits[core.limit]
             if relaxed:
                 state = _projected(problem, layout, core, state)
-            state = expm(limit.boundary_flow * lengths[i]) @ state
+            state = balanced_expm(limit.boundary_flow * lengths[i]) @ state
             if relaxed:
                 state[:, jump : jump + limit.order] += limit.force_chain
                 jump += limit.order
@@ -318,7 +318,7 @@ def _bound_rows(
             continue
         since = np.array(segment.start - contact.remaining)
         if segment.limit >= 0:
-            flow = expm(problem.limits[segment.limit].boundary_flow * since)
+            flow = balanced_expm(problem.limits[segment.limit].boundary_flow * since)
             rows[i] = row @ flow @ segment.first
             continue
         rows[i] = row @ transition(problem.plant, since) @ segment.first

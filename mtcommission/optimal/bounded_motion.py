@@ -11,11 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_mesh import MeshOptimum
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
 from mtcommission.optimal.solution import Arc, constant_arc
 from mtcommission.plant import Plant
@@ -77,7 +77,7 @@ def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...
         else:
             arcs.append(boundary_arc(problem, piece.limit, start, end, state=state))
             flow = problem.limits[piece.limit].boundary_flow
-            state = expm(flow * piece.duration) @ state
+            state = balanced_expm(flow * piece.duration) @ state
         start = end
     return tuple(arcs)
 
@@ -160,7 +160,7 @@ def follow(plant: Plant, arcs: tuple[Arc, ...], *, rate: float) -> Motion:
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = int(np.ceil(length * rate / RADIANS_PER_CELL)) + 1
-        flow = expm(_joint(plant, arc) * (length / count))
+        flow = balanced_expm(_joint(plant, arc) * (length / count))
         samples = [np.concatenate([state, arc.initial])]
         for _ in range(count):
             samples.append(flow @ samples[-1])

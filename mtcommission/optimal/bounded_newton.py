@@ -17,7 +17,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
 from mtcommission.optimal.bounded_dual import Atom, Core, Measure
@@ -26,6 +25,7 @@ from mtcommission.optimal.bounded_problem import (
     step_response,
     transition,
 )
+from mtcommission.optimal.exponential import balanced_expm
 
 Array = NDArray[np.float64]
 
@@ -309,7 +309,7 @@ def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, A
             state = flows[j] @ state + pushes[j] * leg.side
             slope = flows[j] @ slope
         else:
-            flow = expm(held.boundary_flow * durations[j])
+            flow = balanced_expm(held.boundary_flow * durations[j])
             state, slope = flow @ state, flow @ slope
         slope[:, j] = (generator @ state + push) * system.scale
     error, scales = state - problem.target, problem.state_scale[problem.fixed]
@@ -342,7 +342,7 @@ def _add_dual(
                 direction = held.force_chain[:, 1] / held.gain
                 slope = slope - np.outer(held.row, direction @ slope)
                 adjoint = adjoint - held.row * float(direction @ adjoint)
-        flow = flows[j] if held is None else expm(generator * durations[j])
+        flow = flows[j] if held is None else balanced_expm(generator * durations[j])
         adjoint, slope = adjoint @ flow, flow.T @ slope
         slope[:, j] = adjoint @ generator * system.scale
         if leg.atom >= 0:
@@ -383,7 +383,7 @@ def _measure(system: _System, unknowns: Array) -> Measure:
                 atoms.append(Atom(remaining=after, limit=leg.limit, weight=out))
         generator = plant.A if held is None else held.adjoint_flow
         after += duration
-        adjoint = adjoint @ expm(generator * duration)
+        adjoint = adjoint @ balanced_expm(generator * duration)
         if leg.atom >= 0:
             weight = float(unknowns[system.width + leg.atom])
             limit, side = (leg.touch.limit, leg.touch.side) if leg.touch else (leg.limit, leg.side)

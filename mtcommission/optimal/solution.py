@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from mtcommission.machine import Move, Weight
+from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -152,7 +152,7 @@ def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
         shift = 0.0 if known is None else length - known.t_end + known.t_start
         if known is None or known.generator is not arc.generator or abs(shift) > SAME * length:
             known, shift, joint = arc, 0.0, _joint_system(plant, arc)
-            transition = expm(joint * length)
+            transition = balanced_expm(joint * length)
         z = transition @ np.concatenate([x, arc.initial])
         # The pieces of a long arc differ by rounding; the next term would be of order SAME².
         x = (z + shift * (joint @ z))[: plant.order]
@@ -181,7 +181,7 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length / step)))
-        transition = expm(_joint_system(plant, arc) * (length / count))
+        transition = balanced_expm(_joint_system(plant, arc) * (length / count))
         z = np.concatenate([x, arc.initial])
         for i in range(count):
             times.append(arc.t_start + i * length / count)
@@ -356,10 +356,10 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
         first = int(np.ceil(arc.t_start / step - 1e-9))
         stop = min(int(np.ceil(arc.t_end / step - 1e-9)), count)
         if first < stop:
-            z = expm(joint * max(first * step - arc.t_start, 0.0)) @ begin
-            transition = expm(joint * step)
+            z = balanced_expm(joint * max(first * step - arc.t_start, 0.0)) @ begin
+            transition = balanced_expm(joint * step)
             for i in range(first, stop):
                 states[i] = z[: plant.order]
                 z = transition @ z
-        x = (expm(joint * (arc.t_end - arc.t_start)) @ begin)[: plant.order]
+        x = (balanced_expm(joint * (arc.t_end - arc.t_start)) @ begin)[: plant.order]
     return states
