@@ -77,11 +77,7 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
             source="naive",
             limits=without_jerk_limit(machine, a),
         ),
-        Rule(
-            name=f"j = a f ({mode.name}, {f:.3g} Hz)",
-            source="zero residual vibration of an undamped mode (Biagiotti & Melchiorri)",
-            limits=_with_jerk_time(a, 1.0 / f),
-        ),
+        _ramp_of_periods(mode, a, periods=1),
         Rule(
             name="a = e ω², j = a f",
             source="static deflection within the band (textbook)",
@@ -131,14 +127,17 @@ def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
     """
     a = machine.drive.motion_force / moving_mass(machine)
     mode = dominant_mode(plant)
+    return tuple(_ramp_of_periods(mode, a, periods=k) for k in SLOWER_RAMPS)
+
+
+def _ramp_of_periods(mode: PlantMode, a: float, *, periods: int) -> Rule:
+    """Return j = a f / k: a ramp of k periods of a mode."""
     f = mode.frequency_hz
-    return tuple(
-        Rule(
-            name=f"j = a f / {k} ({mode.name}, {f:.3g} Hz)",
-            source="zero residual vibration of an undamped mode (Biagiotti & Melchiorri)",
-            limits=_with_jerk_time(a, k / f),
-        )
-        for k in SLOWER_RAMPS
+    formula = "j = a f" if periods == 1 else f"j = a f / {periods}"
+    return Rule(
+        name=f"{formula} ({mode.name}, {f:.3g} Hz)",
+        source="zero residual vibration of an undamped mode (Biagiotti & Melchiorri)",
+        limits=_with_jerk_time(a, periods / f),
     )
 
 
