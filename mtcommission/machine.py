@@ -11,6 +11,8 @@ from enum import Enum
 from itertools import product
 from math import inf
 
+from mtcommission.measures import LINEAR, ROTARY, Measures
+
 
 class Motion(Enum):
     """What the axis does: its units follow from it."""
@@ -388,6 +390,11 @@ class Machine:
     motion: Motion = Motion.LINEAR
     damping_optimal: DampingOptimal = field(default_factory=DampingOptimal)
     control: Control = field(default_factory=Control)
+
+    @property
+    def measures(self) -> Measures:
+        """What masses, forces and lengths are on this axis."""
+        return ROTARY if self.motion is Motion.ROTARY else LINEAR
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import Machine, Manipulator, Motion, moving_mass
+from mtcommission.machine import Machine, Manipulator, moving_mass
 from mtcommission.mechanics import flexible_modes
 
 Array = NDArray[np.float64]
@@ -262,14 +262,18 @@ def _assemble(
 
 
 def _signal_units(machine: Machine, states: tuple[str, ...]) -> tuple[str, ...]:
-    length, force = ("m", "N") if machine.motion is Motion.LINEAR else ("rad", "N m")
-    known = {"phi": "rad", "v_phi": "rad/s", "F": force}
+    axis = machine.measures
+    length, velocity = axis.length.si, axis.velocity.si
+    known = {"phi": "rad", "v_phi": "rad/s", "F": axis.force.si}
     if isinstance(machine.mechanics, Manipulator):
-        known |= {"x_b": "m", "v_b": "m/s", "x_s": length, "v_s": f"{length}/s"}
+        known |= {"x_b": "m", "v_b": "m/s", "x_s": length, "v_s": velocity}
     else:
-        known |= {"x": length, "v": f"{length}/s"}
-        known |= {f"q_{mode.name}": f"{force} s^2" for mode in machine.mechanics.modes}
-        known |= {f"v_{mode.name}": f"{force} s" for mode in machine.mechanics.modes}
+        known |= {"x": length, "v": velocity}
+        for mode in machine.mechanics.modes:
+            known |= {
+                f"q_{mode.name}": axis.modal_deflection.si,
+                f"v_{mode.name}": axis.modal_rate.si,
+            }
     return (*(known[state] for state in states), length, length, length)
 
 

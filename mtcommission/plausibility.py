@@ -177,7 +177,7 @@ def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> list[Remark
 
 
 def _check_deflection(machine: Machine, mode: FlexibleMode, *, key: str) -> list[Remark]:
-    unit = _length_unit(machine)
+    unit = machine.measures.length.si
     deflection = abs(mode.tcp_gain) * machine.drive.motion_force / mode.natural_frequency**2
     band = machine.requirements.tcp_deviation
     if deflection <= DEFLECTION_RATIO * band:
@@ -192,8 +192,8 @@ def _check_deflection(machine: Machine, mode: FlexibleMode, *, key: str) -> list
 
 def _check_drive(machine: Machine) -> list[Remark]:
     drive, m = machine.drive, moving_mass(machine)
-    is_rotary = machine.motion is Motion.ROTARY
-    force, mass, rate = ("N m", "kg m^2", "rad/s^2") if is_rotary else ("N", "kg", "m/s^2")
+    measures = machine.measures
+    force, mass, rate = measures.force.si, measures.mass.si, measures.acceleration.si
     low, high = ACCELERATIONS[machine.motion]
     a = drive.motion_force / m
     remarks = []
@@ -226,7 +226,7 @@ def _check_drive(machine: Machine) -> list[Remark]:
 
 def _check_moves(machine: Machine) -> list[Remark]:
     remarks = []
-    a = machine.drive.motion_force / moving_mass(machine)
+    a, unit = machine.drive.motion_force / moving_mass(machine), machine.measures.velocity.si
     for i, move in enumerate(machine.moves):
         time = _rigid_body_time(move, acceleration=a)
         if time > LONGEST_MOVE:
@@ -242,15 +242,15 @@ def _check_moves(machine: Machine) -> list[Remark]:
         )
         if VELOCITIES[machine.motion] < velocity < inf:
             message = (
-                f"{velocity:.4g} {_length_unit(machine)}/s is faster than machine axes move, "
-                f"{VELOCITIES[machine.motion]:g} {_length_unit(machine)}/s; check the unit"
+                f"{velocity:.4g} {unit} is faster than machine axes move, "
+                f"{VELOCITIES[machine.motion]:g} {unit}; check the unit"
             )
             remarks.append(Remark(key=f"moves[{i + 1}].{name}", message=message))
     return remarks
 
 
 def _check_requirements(machine: Machine) -> list[Remark]:
-    needs, m, unit = machine.requirements, moving_mass(machine), _length_unit(machine)
+    needs, m, unit = machine.requirements, moving_mass(machine), machine.measures.length.si
     low, high = DEVIATIONS[machine.motion]
     remarks = []
     if not low <= needs.tcp_deviation <= high:
@@ -258,7 +258,7 @@ def _check_requirements(machine: Machine) -> list[Remark]:
         message = f"{needs.tcp_deviation:.3g} {unit} is {side}; check the unit"
         remarks.append(Remark(key="requirements.tcp_deviation", message=message))
     if needs.payload[1] > PAYLOAD_RATIO * m:
-        mass = "kg m^2" if machine.motion is Motion.ROTARY else "kg"
+        mass = machine.measures.mass.si
         message = (
             f"{needs.payload[1]:.4g} {mass} is more than three times the moving mass, "
             f"{m:.4g} {mass}; one set of limits will be slow for the empty axis"
@@ -280,7 +280,7 @@ def _check_control(machine: Machine) -> list[Remark]:
     remarks = []
     mass = control.feedforward_mass
     if mass is not None and not low / FEEDFORWARD_RATIO <= mass <= high * FEEDFORWARD_RATIO:
-        unit = "kg m^2" if machine.motion is Motion.ROTARY else "kg"
+        unit = machine.measures.mass.si
         message = (
             f"{mass:.4g} {unit} is far from the moving mass, {low:.4g} to {high:.4g} {unit}; "
             "the feed-forward will push too little or too much"
@@ -308,7 +308,3 @@ def _rigid_body_time(move: Move, *, acceleration: float) -> float:
         return move.velocity_step / acceleration
     v = min(move.max_velocity, sqrt(move.distance * acceleration))
     return move.distance / v + v / acceleration
-
-
-def _length_unit(machine: Machine) -> str:
-    return "rad" if machine.motion is Motion.ROTARY else "m"

@@ -12,25 +12,14 @@ from pydantic import ValidationError
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine import Machine
+from mtcommission.measures import LINEAR, ROTARY
 from mtcommission.profile_build import build_machine
 from mtcommission.profile_faults import list_faults
 from mtcommission.profile_lines import find_key_lines
 from mtcommission.profile_model import ManipulatorTable, ModalTable, ProfileTable
 from mtcommission.profile_syntax import load_toml
 from mtcommission.profile_values import Context, describe, find_close
-from mtcommission.units import (
-    ANGLE,
-    ANGULAR_VELOCITY,
-    FORCE,
-    LENGTH,
-    MODAL_DEFLECTION,
-    MODAL_RATE,
-    ROTARY_MODAL_DEFLECTION,
-    ROTARY_MODAL_RATE,
-    TORQUE,
-    VELOCITY,
-    Dimension,
-)
+from mtcommission.units import ANGLE, ANGULAR_VELOCITY, Dimension
 
 LARGEST_FILE = 1_000_000
 """Bytes; a profile has a few thousand."""
@@ -210,11 +199,8 @@ def _context(data: Mapping[str, Any]) -> Context:
     """Return what values depend on, from data that may still be wrong."""
     machine, plant = data.get("machine"), data.get("plant")
     is_rotary = isinstance(machine, dict) and machine.get("motion") == "rotary"
-    position, velocity, force, deflection, rate = (
-        (ANGLE, ANGULAR_VELOCITY, TORQUE, ROTARY_MODAL_DEFLECTION, ROTARY_MODAL_RATE)
-        if is_rotary
-        else (LENGTH, VELOCITY, FORCE, MODAL_DEFLECTION, MODAL_RATE)
-    )
+    axis = ROTARY if is_rotary else LINEAR
+    position, velocity, force = axis.length, axis.velocity, axis.force
     kind = plant.get("kind") if isinstance(plant, dict) else ""
     states: dict[str, Dimension] = {}
     if isinstance(plant, dict) and kind == "manipulator":
@@ -227,6 +213,6 @@ def _context(data: Mapping[str, Any]) -> Context:
         )
         states = {"x": position, "v": velocity, "F": force}
         for name in (mode.get("name") for mode in tables):
-            states |= {f"q_{name}": deflection, f"v_{name}": rate}
+            states |= {f"q_{name}": axis.modal_deflection, f"v_{name}": axis.modal_rate}
     outputs = dict.fromkeys(("tcp", "encoder", "tcp_vibration"), position)
     return Context(is_rotary=is_rotary, states=states, outputs=outputs)

@@ -7,26 +7,17 @@ from __future__ import annotations
 
 from math import inf
 
+from mtcommission.measures import LINEAR, ROTARY
 from mtcommission.profile_values import Quantity, Range
 from mtcommission.units import (
-    ANGLE,
-    ANGULAR_VELOCITY,
-    DAMPING,
-    FORCE,
     FREQUENCY,
     GAIN,
     INERTIA,
     LENGTH,
-    MASS,
-    PER_INERTIA,
-    PER_MASS,
     RATIO,
     ROTARY_DAMPING,
     ROTARY_STIFFNESS,
-    STIFFNESS,
     TIME,
-    TORQUE,
-    VELOCITY,
     Dimension,
 )
 
@@ -40,23 +31,27 @@ def _same(dimension: Dimension, low: float, high: float, above: float = -inf) ->
     return Quantity(both, both)
 
 
-MASS_Q = Quantity(_range(MASS, 1e-3, 1e6, 0.0), _range(INERTIA, 1e-9, 1e7, 0.0))
-LOAD_Q = Quantity(_range(MASS, 0.0, 1e6), _range(INERTIA, 0.0, 1e7))
+MASS_Q = Quantity(_range(LINEAR.mass, 1e-3, 1e6, 0.0), _range(ROTARY.mass, 1e-9, 1e7, 0.0))
+LOAD_Q = Quantity(_range(LINEAR.mass, 0.0, 1e6), _range(ROTARY.mass, 0.0, 1e7))
 # The tower turns on a rotary axis as well, so its own quantities stay rotary.
 INERTIA_Q = _same(INERTIA, 1e-9, 1e7, 0.0)
 ROTARY_STIFFNESS_Q = _same(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0)
 ROTARY_DAMPING_Q = _same(ROTARY_DAMPING, 0.0, 1e11)
 ARM_Q = Quantity(_range(LENGTH, -100.0, 100.0), _range(RATIO, -1e4, 1e4))
-STIFFNESS_Q = Quantity(_range(STIFFNESS, 1.0, 1e12, 0.0), _range(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0))
-DAMPING_Q = Quantity(_range(DAMPING, 0.0, 1e10), _range(ROTARY_DAMPING, 0.0, 1e11))
-FORCE_Q = Quantity(_range(FORCE, 1e-3, 1e8, 0.0), _range(TORQUE, 1e-6, 1e8, 0.0))
-WEIGHT_Q = Quantity(_range(FORCE, -1e8, 1e8), _range(TORQUE, -1e8, 1e8))
-VELOCITY_Q = Quantity(_range(VELOCITY, 1e-6, 100.0, 0.0), _range(ANGULAR_VELOCITY, 1e-6, 1e4, 0.0))
-DISTANCE_Q = Quantity(_range(LENGTH, 1e-7, 1e3, 0.0), _range(ANGLE, 1e-7, 1e5, 0.0))
-BAND_Q = Quantity(_range(LENGTH, 1e-10, 0.1, 0.0), _range(ANGLE, 1e-10, 1.0, 0.0))
-MODE_GAIN_Q = Quantity(_range(PER_MASS, -1e6, 1e6), _range(PER_INERTIA, -1e12, 1e12))
+STIFFNESS_Q = Quantity(
+    _range(LINEAR.stiffness, 1.0, 1e12, 0.0), _range(ROTARY.stiffness, 1e-3, 1e13, 0.0)
+)
+DAMPING_Q = Quantity(_range(LINEAR.damping, 0.0, 1e10), _range(ROTARY.damping, 0.0, 1e11))
+FORCE_Q = Quantity(_range(LINEAR.force, 1e-3, 1e8, 0.0), _range(ROTARY.force, 1e-6, 1e8, 0.0))
+WEIGHT_Q = Quantity(_range(LINEAR.force, -1e8, 1e8), _range(ROTARY.force, -1e8, 1e8))
+VELOCITY_Q = Quantity(
+    _range(LINEAR.velocity, 1e-6, 100.0, 0.0), _range(ROTARY.velocity, 1e-6, 1e4, 0.0)
+)
+DISTANCE_Q = Quantity(_range(LINEAR.length, 1e-7, 1e3, 0.0), _range(ROTARY.length, 1e-7, 1e5, 0.0))
+BAND_Q = Quantity(_range(LINEAR.length, 1e-10, 0.1, 0.0), _range(ROTARY.length, 1e-10, 1.0, 0.0))
+MODE_GAIN_Q = Quantity(_range(LINEAR.gain, -1e6, 1e6), _range(ROTARY.gain, -1e12, 1e12))
 VELOCITY_GAIN_Q = Quantity(
-    _range(DAMPING, 1e-6, 1e12, 0.0), _range(ROTARY_DAMPING, 1e-9, 1e12, 0.0)
+    _range(LINEAR.damping, 1e-6, 1e12, 0.0), _range(ROTARY.damping, 1e-9, 1e12, 0.0)
 )
 DELAY_Q = Quantity(_range(TIME, 0.0, 10.0), _range(TIME, 0.0, 10.0), word="auto")
 LAG_Q = _same(TIME, 1e-6, 0.1, 0.0)

@@ -59,7 +59,11 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) ->
     -------
     Group
     """
-    printed, length, force = _formatter(machine), _length(machine), _force(machine)
+    printed, length, force = (
+        _formatter(machine),
+        machine.measures.length.si,
+        machine.measures.force.si,
+    )
     modes = _table(
         "Mode", "Frequency", "Damping ratio", "Tool per force, static", "Seen by encoder"
     )
@@ -127,7 +131,7 @@ def describe_optimum(
         peaks.add_row(name, printed.quantity(peak, unit), error)
     lines = [
         f"t_f = {1e3 * solution.t_f:.6f} ms at F_max = {solution.force_limit:g} "
-        f"{_force(machine)}, method {solution.method}"
+        f"{machine.measures.force.si}, method {solution.method}"
     ]
     if isinstance(solution, TimeOptimum):
         proof = solution.certificate
@@ -152,7 +156,7 @@ def describe_limits(
     machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[str]
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
-    printed, length = _formatter(machine), _length(machine)
+    printed, length = _formatter(machine), machine.measures.length.si
     best = part["recommended"]
     table = _table("Limits", "a", "j", "Settling", "Residual", "Peak", "Met")
     entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
@@ -219,7 +223,11 @@ def _hold_sentence(item: MoveSizesEntry, printed: Formatter, length: str) -> str
 
 def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
     """Return the worst response of each move and the verdict."""
-    printed, length, force = _formatter(machine), _length(machine), _force(machine)
+    printed, length, force = (
+        _formatter(machine),
+        machine.measures.length.si,
+        machine.measures.force.si,
+    )
     mass = motion_unit("kg", rotary=printed.rotary)
     table = _table("Move", "Corner", "Settling", "Residual", "Peak", "F_set")
     for number, move in enumerate(part["moves"], start=1):
@@ -271,11 +279,3 @@ def _table(*columns: str) -> Table:
 
 def _formatter(machine: Machine) -> Formatter:
     return Formatter(rotary=machine.motion is Motion.ROTARY, labels=Labels())
-
-
-def _length(machine: Machine) -> str:
-    return "m" if machine.motion is Motion.LINEAR else "rad"
-
-
-def _force(machine: Machine) -> str:
-    return "N" if machine.motion is Motion.LINEAR else "N m"

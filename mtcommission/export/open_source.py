@@ -263,7 +263,7 @@ def _gcode_layout(entries: Sequence[Entry]) -> list[str]:
 
 def _ros_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     typed = values.recommended
-    length = "rad" if subject.is_rotary else "m"
+    length = subject.length
     section = f"joint_limits/{identifier(subject)}"
     rows = (
         ("has_acceleration_limits", "true", "", ""),

@@ -122,7 +122,7 @@ def _si_coding(_subject: Subject) -> Coding:
 
 
 def _generic_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    length, force = ("rad", "N m") if subject.is_rotary else ("m", "N")
+    length, force = subject.length, subject.machine.measures.force.si
     typed, gains = values.recommended, subject.gains
     delay = subject.tuned.controller.reference_delay
     rows = (

@@ -85,7 +85,7 @@ class Subject:
     @property
     def length(self) -> str:
         """SI unit of a position."""
-        return "rad" if self.is_rotary else "m"
+        return self.machine.measures.length.si
 
     @property
     def gains(self) -> Gains:

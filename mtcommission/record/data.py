@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite, pi
+from math import isfinite
 
-from mtcommission.machine import Machine, Manipulator, Modal, Motion, Move, VelocityStep
+from mtcommission.machine import Machine, Manipulator, Modal, Move, VelocityStep
+from mtcommission.mechanics import frequency_hz
 from mtcommission.plant import Plant
 from mtcommission.profile_lines import ACCEPTED_DEFAULT, KeyPath, find_comments, find_key_lines
 from mtcommission.record.schema import Quantity
+
+Row = tuple[str, float, str]
+"""Key, value and SI unit."""
 
 DOUBTS = ("illustrative", ACCEPTED_DEFAULT)
 """Words in a comment that give a value another source than the profile's."""
@@ -76,55 +80,12 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
         itself, unless a comment behind the value has one of the words ``DOUBTS``; what the
         profile does not state is a default.
     """
-    length, force, mass = (
-        ("m", "N", "kg") if machine.motion is Motion.LINEAR else ("rad", "N m", "kg m^2")
-    )
-    mechanics, drive, needs = machine.mechanics, machine.drive, machine.requirements
-    rows: list[tuple[str, float | str, str]]
-    if isinstance(mechanics, Manipulator):
-        rows = [
-            ("plant.base_mass", mechanics.base_mass, "kg"),
-            ("plant.slider_mass", mechanics.slider_mass, "kg"),
-            ("plant.rotary_inertia", mechanics.rotary_inertia, "kg m^2"),
-            ("plant.lever_arm", mechanics.lever_arm, "m"),
-            ("plant.tcp_height", mechanics.tcp_height, "m"),
-            ("plant.base_stiffness", mechanics.base_stiffness, "N/m"),
-            ("plant.base_damping", mechanics.base_damping, "N s/m"),
-            ("plant.rotary_stiffness", mechanics.rotary_stiffness, "N m/rad"),
-            ("plant.rotary_damping", mechanics.rotary_damping, "N m s/rad"),
-        ]
-    else:
-        rows = [("plant.moving_mass", mechanics.moving_mass, mass)]
-        for mode in mechanics.modes:
-            place = f"plant.modes.{mode.name}"
-            rows += [
-                (f"{place}.frequency", mode.natural_frequency / (2 * pi), "Hz"),
-                (f"{place}.damping_ratio", mode.damping_ratio, "-"),
-                (f"{place}.tcp_gain", mode.tcp_gain, f"1/({mass})"),
-                (f"{place}.measured_gain", mode.measured_gain, f"1/({mass})"),
-            ]
-    rows += [
-        ("drive.force_lag", drive.force_lag, "s"),
-        ("drive.max_force", drive.max_force, force),
-        ("drive.continuous_force", drive.continuous_force, force),
-        ("drive.static_load", drive.static_load, force),
+    rows = [
+        *_plant_rows(machine),
+        *_drive_rows(machine),
+        *_move_rows(machine),
+        *_requirement_rows(machine, plant),
     ]
-    for number, move in enumerate(machine.moves, start=1):
-        for key, value in describe_move(move).items():
-            unit = {"velocity_step": f"{length}/s", "max_velocity": f"{length}/s"}.get(
-                key, length if key == "distance" else "s"
-            )
-            rows.append((f"moves[{number}].{key}", value, unit))
-    rows += [
-        ("requirements.tcp_deviation", needs.tcp_deviation, length),
-        ("requirements.max_settling_time", needs.max_settling_time, "s"),
-        ("requirements.frequency_spread", needs.frequency_spread, "-"),
-        ("requirements.damping_spread", needs.damping_spread, "-"),
-        ("requirements.payload (least)", needs.payload[0], mass),
-        ("requirements.payload (largest)", needs.payload[1], mass),
-    ]
-    units = dict(zip(plant.signals, plant.signal_units, strict=True))
-    rows += [(f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks]
     given = {_spelt(machine, path) for path in find_key_lines(profile_text).lines}
     doubted = {
         _spelt(machine, path): words
@@ -135,7 +96,72 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
     return [
         Quantity(key=key, value=value, unit=unit, source=_source(machine, key, given, doubted))
         for key, value, unit in rows
-        if not isinstance(value, float) or isfinite(value)
+        if isfinite(value)
+    ]
+
+
+def _plant_rows(machine: Machine) -> list[Row]:
+    mechanics, mass = machine.mechanics, machine.measures.mass.si
+    if isinstance(mechanics, Manipulator):
+        return [
+            ("plant.base_mass", mechanics.base_mass, "kg"),
+            ("plant.slider_mass", mechanics.slider_mass, "kg"),
+            ("plant.rotary_inertia", mechanics.rotary_inertia, "kg m^2"),
+            ("plant.lever_arm", mechanics.lever_arm, "m"),
+            ("plant.tcp_height", mechanics.tcp_height, "m"),
+            ("plant.base_stiffness", mechanics.base_stiffness, "N/m"),
+            ("plant.base_damping", mechanics.base_damping, "N s/m"),
+            ("plant.rotary_stiffness", mechanics.rotary_stiffness, "N m/rad"),
+            ("plant.rotary_damping", mechanics.rotary_damping, "N m s/rad"),
+        ]
+    rows: list[Row] = [("plant.moving_mass", mechanics.moving_mass, mass)]
+    for mode in mechanics.modes:
+        place = f"plant.modes.{mode.name}"
+        rows += [
+            (f"{place}.frequency", frequency_hz(mode), "Hz"),
+            (f"{place}.damping_ratio", mode.damping_ratio, "-"),
+            (f"{place}.tcp_gain", mode.tcp_gain, f"1/({mass})"),
+            (f"{place}.measured_gain", mode.measured_gain, f"1/({mass})"),
+        ]
+    return rows
+
+
+def _drive_rows(machine: Machine) -> list[Row]:
+    drive, force = machine.drive, machine.measures.force.si
+    return [
+        ("drive.force_lag", drive.force_lag, "s"),
+        ("drive.max_force", drive.max_force, force),
+        ("drive.continuous_force", drive.continuous_force, force),
+        ("drive.static_load", drive.static_load, force),
+    ]
+
+
+def _move_rows(machine: Machine) -> list[Row]:
+    axis = machine.measures
+    units = {
+        "distance": axis.length.si,
+        "velocity_step": axis.velocity.si,
+        "max_velocity": axis.velocity.si,
+        "dwell": "s",
+    }
+    return [
+        (f"moves[{number}].{key}", value, units[key])
+        for number, move in enumerate(machine.moves, start=1)
+        for key, value in describe_move(move).items()
+    ]
+
+
+def _requirement_rows(machine: Machine, plant: Plant) -> list[Row]:
+    needs, mass = machine.requirements, machine.measures.mass.si
+    units = dict(zip(plant.signals, plant.signal_units, strict=True))
+    return [
+        ("requirements.tcp_deviation", needs.tcp_deviation, machine.measures.length.si),
+        ("requirements.max_settling_time", needs.max_settling_time, "s"),
+        ("requirements.frequency_spread", needs.frequency_spread, "-"),
+        ("requirements.damping_spread", needs.damping_spread, "-"),
+        ("requirements.payload (least)", needs.payload[0], mass),
+        ("requirements.payload (largest)", needs.payload[1], mass),
+        *((f"requirements.peaks.{p.name}", p.bound, units[p.name]) for p in needs.peaks),
     ]
 
 

@@ -7,7 +7,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine import Machine, Motion
+from mtcommission.machine import Machine
 from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
     DistributionEntry,
@@ -112,7 +112,7 @@ def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[str, 
 
 
 def _monte_carlo_entry(machine: Machine, drawn: MonteCarlo) -> MonteCarloEntry:
-    length = "m" if machine.motion is Motion.LINEAR else "rad"
+    length = machine.measures.length.si
     return MonteCarloEntry(
         samples=len(drawn.settling_time),
         seed=drawn.seed,

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 
+from mtcommission.measures import LINEAR, ROTARY
 from mtcommission.units import FREQUENCY, RATIO, parse_quantity
 from mtcommission.wizard.measures import (
     MODAL,
@@ -275,21 +276,19 @@ def _plant(answers: Answers) -> dict[str, str]:
 def _tower_springs(answers: Answers) -> dict[str, str]:
     """Stiffness and damping from measured frequencies: k = m ω², d = 2 ζ m ω."""
     found = {}
-    for name, mass_key, length in (
-        ("base", "plant.base_mass", ""),
-        ("rotary", "plant.rotary_inertia", " m/rad"),
+    for name, mass_key, unit in (
+        ("base", "plant.base_mass", LINEAR),
+        ("rotary", "plant.rotary_inertia", ROTARY),
     ):
-        unit = measures({}).mass if name == "base" else measures({"machine.motion": "rotary"}).mass
-        m = si_value(answers, mass_key, unit)
+        m = si_value(answers, mass_key, unit.mass)
         f = si_value(answers, f"measured.{name}_frequency", FREQUENCY)
         zeta = si_value(answers, f"measured.{name}_damping_ratio", RATIO)
         if m is None or f is None:
             continue
         omega = 2.0 * pi * f
-        stiffness, damping = ("N/m", "N s/m") if not length else ("N m/rad", "N m s/rad")
-        found[f"plant.{name}_stiffness"] = f"{m * omega**2:.10g} {stiffness}"
+        found[f"plant.{name}_stiffness"] = f"{m * omega**2:.10g} {unit.stiffness.si}"
         if zeta is not None:
-            found[f"plant.{name}_damping"] = f"{2.0 * zeta * m * omega:.10g} {damping}"
+            found[f"plant.{name}_damping"] = f"{2.0 * zeta * m * omega:.10g} {unit.damping.si}"
     return found
 
 

@@ -21,9 +21,9 @@ from mtcommission.wizard.convert import pair_of
 from mtcommission.wizard.measures import (
     MODAL,
     PAIR_BY_FREQUENCY,
-    ROTARY,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
+    is_rotary,
     measures,
 )
 from mtcommission.wizard.mechanics import MOST_MODES
@@ -124,7 +124,7 @@ def _moving_mass(answers: Answers) -> float | None:
 
 def _deflection(answers: Answers, mode: _Mode, force: float) -> Insight:
     deflection = abs(mode.tcp_gain or 0.0) * force / mode.omega**2
-    unit = "urad" if measures(answers) is ROTARY else "um"
+    unit = "urad" if is_rotary(answers) else "um"
     return Insight(
         text=f"mode {mode.name} bends the tool by {1e6 * deflection:.4g} {unit} "
         "at full force, statically"

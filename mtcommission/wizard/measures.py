@@ -4,24 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.units import (
-    ANGLE,
-    ANGULAR_VELOCITY,
-    DAMPING,
-    FORCE,
-    INERTIA,
-    LENGTH,
-    MASS,
-    PER_INERTIA,
-    PER_MASS,
-    RATIO,
-    ROTARY_DAMPING,
-    ROTARY_STIFFNESS,
-    STIFFNESS,
-    TORQUE,
-    VELOCITY,
-    Dimension,
-)
+from mtcommission.measures import LINEAR, ROTARY, Measures
+from mtcommission.units import RATIO, Dimension
 from mtcommission.wizard.question import Answers, Question
 
 TOWER_BY_STIFFNESS = "tower: masses and stiffness"
@@ -61,61 +45,39 @@ class Common:
     velocity_gain: Span
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measures:
-    """What masses, forces and lengths are on this axis."""
-
-    common: Common
-    mass: Dimension
-    force: Dimension
-    length: Dimension
-    velocity: Dimension
-    stiffness: Dimension
-    damping: Dimension
-    gain: Dimension
-
-
-LINEAR = Measures(
-    common=Common(
-        mass=(0.01, 1e5),
-        force=(1.0, 1e5),
-        distance=(1e-5, 50.0),
-        deviation=(1e-8, 1e-3),
-        velocity=(1e-4, 10.0),
-        stiffness=(1e3, 1e10),
-        velocity_gain=(1.0, 1e8),
-    ),
-    mass=MASS,
-    force=FORCE,
-    length=LENGTH,
-    velocity=VELOCITY,
-    stiffness=STIFFNESS,
-    damping=DAMPING,
-    gain=PER_MASS,
+LINEAR_COMMON = Common(
+    mass=(0.01, 1e5),
+    force=(1.0, 1e5),
+    distance=(1e-5, 50.0),
+    deviation=(1e-8, 1e-3),
+    velocity=(1e-4, 10.0),
+    stiffness=(1e3, 1e10),
+    velocity_gain=(1.0, 1e8),
 )
-ROTARY = Measures(
-    common=Common(
-        mass=(1e-6, 1e5),
-        force=(0.01, 1e5),
-        distance=(1e-4, 1e3),
-        deviation=(1e-7, 1e-2),
-        velocity=(1e-3, 1e3),
-        stiffness=(1.0, 1e10),
-        velocity_gain=(1e-4, 1e7),
-    ),
-    mass=INERTIA,
-    force=TORQUE,
-    length=ANGLE,
-    velocity=ANGULAR_VELOCITY,
-    stiffness=ROTARY_STIFFNESS,
-    damping=ROTARY_DAMPING,
-    gain=PER_INERTIA,
+ROTARY_COMMON = Common(
+    mass=(1e-6, 1e5),
+    force=(0.01, 1e5),
+    distance=(1e-4, 1e3),
+    deviation=(1e-7, 1e-2),
+    velocity=(1e-3, 1e3),
+    stiffness=(1.0, 1e10),
+    velocity_gain=(1e-4, 1e7),
 )
+
+
+def is_rotary(answers: Answers) -> bool:
+    """Return whether the answers describe a rotary axis."""
+    return answers.get("machine.motion") == "rotary"
 
 
 def measures(answers: Answers) -> Measures:
     """Return what is measured on the axis that the answers describe."""
-    return ROTARY if answers.get("machine.motion") == "rotary" else LINEAR
+    return ROTARY if is_rotary(answers) else LINEAR
+
+
+def common(answers: Answers) -> Common:
+    """Return what is common on the axis that the answers describe."""
+    return ROTARY_COMMON if is_rotary(answers) else LINEAR_COMMON
 
 
 def ask(

@@ -17,13 +17,14 @@ from mtcommission.wizard.measures import (
     NO,
     PAIR_BY_FREQUENCY,
     PAIR_BY_STIFFNESS,
-    ROTARY,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     WAYS,
     YES,
     ask,
+    common,
     damping_ratio,
+    is_rotary,
     measures,
 )
 from mtcommission.wizard.question import Answers, Question
@@ -33,7 +34,7 @@ MOST_MODES = 8
 
 def ask_mechanics(answers: Answers) -> tuple[Question, ...]:
     """Return the questions for the way that was chosen; first the choice itself."""
-    ways = WAYS[2:] if measures(answers) is ROTARY else WAYS
+    ways = WAYS[2:] if is_rotary(answers) else WAYS
     way = Question(
         key="wizard.way",
         text="Known of the mechanics",
@@ -176,36 +177,36 @@ def _tower_frequencies() -> tuple[Question, ...]:
 
 
 def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
-    unit, is_rotary = measures(answers), measures(answers) is ROTARY
+    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
     mass, motor, load = (
-        ("Inertia", "2 kg m^2", "6 kg m^2") if is_rotary else ("Mass", "320 kg", "1150 kg")
+        ("Inertia", "2 kg m^2", "6 kg m^2") if turns else ("Mass", "320 kg", "1150 kg")
     )
-    stiffness = "1 MN m/rad" if is_rotary else "16 N/um"
+    stiffness = "1 MN m/rad" if turns else "16 N/um"
     masses = (
         ask(
             "pair.motor_mass",
             f"{mass} on the motor's side, seen at the axis",
             "Rotor and gearbox: inertia x (gear ratio)^2."
-            if is_rotary
+            if turns
             else "Rotor, screw, gearbox: inertia x (2 pi / lead)^2; moving part of a linear motor.",
             unit.mass,
             motor,
-            *unit.common.mass,
+            *usual.mass,
         ),
         ask(
             "pair.load_mass",
             f"{mass} on the tool's side of the spring",
             "Table or head with everything that it carries."
-            if is_rotary
+            if turns
             else "Table, gantry or head with everything that it carries.",
             unit.mass,
             load,
-            *unit.common.mass,
+            *usual.mass,
         ),
     )
     parts = (
         "Gear or worm, shaft in torsion, coupling in series, at the axis: data sheets."
-        if is_rotary
+        if turns
         else "Screw, nut and bearings in series, belt, rack, coupling: data sheets."
     )
     tail = damping_ratio("pair.damping_ratio", "the load against the held motor")
@@ -216,7 +217,7 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
             parts,
             unit.stiffness,
             stiffness,
-            *unit.common.stiffness,
+            *usual.stiffness,
         )
         return (*masses, spring, tail)
     frequency = ask(
@@ -234,24 +235,24 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
         CHECK,
         unit.stiffness,
         stiffness,
-        *unit.common.stiffness,
+        *usual.stiffness,
         is_optional=True,
     )
     return (*masses, frequency, check, tail)
 
 
 def _modal(answers: Answers) -> tuple[Question, ...]:
-    unit, is_rotary = measures(answers), measures(answers) is ROTARY
+    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
     found = [
         ask(
             "plant.moving_mass",
-            "Whole rigid inertia" if is_rotary else "Whole rigid mass",
+            "Whole rigid inertia" if turns else "Whole rigid mass",
             "Torque over angular acceleration at low frequencies."
-            if is_rotary
+            if turns
             else "Force over acceleration at low frequencies.",
             unit.mass,
-            "8 kg m^2" if is_rotary else "800 kg",
-            *unit.common.mass,
+            "8 kg m^2" if turns else "800 kg",
+            *usual.mass,
         ),
     ]
     for i in range(MOST_MODES):
@@ -271,7 +272,7 @@ def _modal(answers: Answers) -> tuple[Question, ...]:
                 where="Residue of the frequency response force to tool; 1/modal mass for the "
                 "mode shape 1 at force and tool.",
                 dimension=unit.gain,
-                example="0.1 1/(kg m^2)" if is_rotary else "0.002 1/kg",
+                example="0.1 1/(kg m^2)" if turns else "0.002 1/kg",
             ),
             Question(
                 key=f"{place}.measured_gain",

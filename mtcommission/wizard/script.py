@@ -9,11 +9,12 @@ from __future__ import annotations
 from mtcommission.units import GAIN, RATIO, TIME
 from mtcommission.wizard.measures import (
     NO,
-    ROTARY,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     YES,
     ask,
+    common,
+    is_rotary,
     measures,
 )
 from mtcommission.wizard.mechanics import ask_mechanics
@@ -82,19 +83,19 @@ def _machine() -> tuple[Question, ...]:
 
 
 def _drive(answers: Answers) -> tuple[Question, ...]:
-    unit, is_rotary = measures(answers), measures(answers) is ROTARY
-    force, example = ("torque", "800 N m") if is_rotary else ("force", "2 kN")
+    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    force, example = ("torque", "800 N m") if turns else ("force", "2 kN")
     return (
         Question(
             key="drive.max_force",
             text=f"Largest {force} of the drive at the axis",
             where="Motor data sheet: peak torque x gear ratio."
-            if is_rotary
+            if turns
             else "Motor data sheet: peak force, or peak torque x 2 pi / lead x gear ratio.",
             dimension=unit.force,
             example=example,
-            low=unit.common.force[0],
-            high=unit.common.force[1],
+            low=usual.force[0],
+            high=usual.force[1],
         ),
         Question(
             key="drive.force_lag",
@@ -110,16 +111,16 @@ def _drive(answers: Answers) -> tuple[Question, ...]:
             text=f"Continuous {force} (empty: no thermal limit)",
             where="Motor data sheet: rated or stall value, the thermal (RMS) limit.",
             dimension=unit.force,
-            example="400 N m" if is_rotary else "1 kN",
-            low=unit.common.force[0],
-            high=unit.common.force[1],
+            example="400 N m" if turns else "1 kN",
+            low=usual.force[0],
+            high=usual.force[1],
             is_optional=True,
         ),
         Question(
             key="drive.static_load",
             text=f"Weight or process {force} that the drive holds",
             where="Swivel axis off its balance: mass x 9.81 m/s^2 x distance of the centre; else 0."
-            if is_rotary
+            if turns
             else "Vertical axis without full counterbalance: mass x 9.81 m/s^2; else 0.",
             dimension=unit.force,
             default=f"0 {unit.force.si}",
@@ -128,8 +129,8 @@ def _drive(answers: Answers) -> tuple[Question, ...]:
 
 
 def _moves(answers: Answers) -> tuple[Question, ...]:
-    unit, is_rotary = measures(answers), measures(answers) is ROTARY
-    velocity = "60 rev/min" if is_rotary else "30 m/min"
+    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    velocity = "60 rev/min" if turns else "30 m/min"
     found: list[Question] = []
     for i in range(MOST_MOVES):
         place = f"moves.{i}"
@@ -150,7 +151,7 @@ def _moves(answers: Answers) -> tuple[Question, ...]:
                     "Feed or rapid traverse that is reached; the end position is free.",
                     unit.velocity,
                     velocity,
-                    *unit.common.velocity,
+                    *usual.velocity,
                 )
             )
         else:
@@ -160,8 +161,8 @@ def _moves(answers: Answers) -> tuple[Question, ...]:
                     "Distance",
                     "A typical step between two operations.",
                     unit.length,
-                    "90 deg" if is_rotary else "20 mm",
-                    *unit.common.distance,
+                    "90 deg" if turns else "20 mm",
+                    *usual.distance,
                 ),
                 ask(
                     f"{place}.max_velocity",
@@ -169,7 +170,7 @@ def _moves(answers: Answers) -> tuple[Question, ...]:
                     "Rapid traverse of the axis, from the control or its data sheet.",
                     unit.velocity,
                     velocity,
-                    *unit.common.velocity,
+                    *usual.velocity,
                     is_optional=True,
                 ),
             ]
@@ -197,15 +198,15 @@ def _moves(answers: Answers) -> tuple[Question, ...]:
 
 
 def _requirements(answers: Answers) -> tuple[Question, ...]:
-    unit, is_rotary = measures(answers), measures(answers) is ROTARY
+    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
     return (
         ask(
             "requirements.tcp_deviation",
             "Allowed deviation of the tool after a move",
             "Half the tolerance that you leave to vibration, not the whole tolerance of the part.",
             unit.length,
-            "5 arcsec" if is_rotary else "5 um",
-            *unit.common.deviation,
+            "5 arcsec" if turns else "5 um",
+            *usual.deviation,
         ),
         ask(
             "requirements.max_settling_time",
@@ -243,14 +244,14 @@ def _requirements(answers: Answers) -> tuple[Question, ...]:
             dimension=unit.mass,
             default=f"0 {unit.mass.si}",
             low=0.0,
-            high=unit.common.mass[1],
+            high=usual.mass[1],
         ),
     )
 
 
 def _control(answers: Answers) -> tuple[Question, ...]:
-    unit, is_rotary = measures(answers), measures(answers) is ROTARY
-    gain = "2000 N m s/rad" if is_rotary else "200 kN s/m"
+    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    gain = "2000 N m s/rad" if turns else "200 kN s/m"
     return (
         Question(
             key="control.position_cycle",
@@ -284,10 +285,10 @@ def _control(answers: Answers) -> tuple[Question, ...]:
             "control.velocity_gain",
             "Velocity gain Kp at the axis (empty: tune it)",
             "Drive: speed controller gain, turned to the axis: x "
-            + ("(gear ratio)^2." if is_rotary else "(2 pi / lead)^2."),
+            + ("(gear ratio)^2." if turns else "(2 pi / lead)^2."),
             unit.damping,
             gain,
-            *unit.common.velocity_gain,
+            *usual.velocity_gain,
             is_optional=True,
         ),
         ask(
