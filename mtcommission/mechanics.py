@@ -6,6 +6,10 @@ from math import pi, sqrt
 
 from mtcommission.machine import FlexibleMode, Machine, Manipulator
 
+EQUAL_POLE_TOLERANCE = 1e-6
+"""Relative distance of two poles below which they count as one (empirical: beyond it the
+moment equations of the two modes are dependent to half of double precision)."""
+
 
 def flexible_modes(machine: Machine) -> tuple[FlexibleMode, ...]:
     """Return the flexible modes, all in the form q'' + 2 ζ ω q' + ω² q = F.

@@ -17,13 +17,9 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Machine, Manipulator, moving_mass
-from mtcommission.mechanics import flexible_modes
+from mtcommission.mechanics import EQUAL_POLE_TOLERANCE, flexible_modes
 
 Array = NDArray[np.float64]
-
-EQUAL_POLE_TOLERANCE = 1e-6
-"""Relative distance of two poles below which they count as one (empirical: beyond it the
-moment equations of the two modes are dependent to half of double precision)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,7 +16,8 @@ from mtcommission.measures import LINEAR, ROTARY
 from mtcommission.profile_build import build_machine
 from mtcommission.profile_faults import list_faults
 from mtcommission.profile_lines import find_key_lines
-from mtcommission.profile_model import ManipulatorTable, ModalTable, ProfileTable
+from mtcommission.profile_model import ProfileTable
+from mtcommission.profile_plant import ManipulatorTable, ModalTable
 from mtcommission.profile_syntax import load_toml
 from mtcommission.profile_values import Context, describe, find_close
 from mtcommission.units import ANGLE, ANGULAR_VELOCITY, Dimension

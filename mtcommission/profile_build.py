@@ -29,12 +29,11 @@ from mtcommission.machine import (
 from mtcommission.profile_model import (
     ControlTable,
     DampingOptimalTable,
-    ManipulatorTable,
-    ModalTable,
     MoveTable,
     ProfileTable,
     RequirementsTable,
 )
+from mtcommission.profile_plant import ManipulatorTable, ModalTable
 
 MODE_BANDS = (0.4, 1.0, 4.0)
 """Default bands of surface, accuracy and speed in units of tcp_deviation (interface)."""

@@ -17,16 +17,14 @@ from mtcommission.profile_model import (
     DriveTable,
     ForceFilterTable,
     MachineTable,
-    ManipulatorTable,
-    ModalTable,
     ModeBands,
-    ModeTable,
     MoveTable,
     ProfileTable,
     RequirementsTable,
     SetpointFilterTable,
-    Table,
 )
+from mtcommission.profile_plant import ManipulatorTable, ModalTable, ModeTable
+from mtcommission.profile_table import Table
 from mtcommission.profile_values import Faults, describe, find_close, propose
 
 _TABLES: Mapping[tuple[str, ...], type[Table]] = {

@@ -6,24 +6,15 @@ that means is decided where the Machine is built.
 
 from __future__ import annotations
 
-from math import pi, sqrt
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from mtcommission.errors import Outcome
+from mtcommission.profile_plant import ManipulatorTable, ModalTable, damping_ratios
 from mtcommission.profile_ranges import (
     ARM_Q,
     BAND_Q,
     CYCLE_Q,
-    DAMPING_Q,
     DELAY_Q,
     DISTANCE_Q,
     DWELL_Q,
@@ -33,173 +24,48 @@ from mtcommission.profile_ranges import (
     FORCE_Q,
     FREQUENCY_Q,
     GAIN_Q,
-    INERTIA_Q,
     LAG_Q,
     LOAD_Q,
     MASS_Q,
-    MODE_GAIN_Q,
-    RATIO_Q,
-    ROTARY_DAMPING_Q,
-    ROTARY_STIFFNESS_Q,
     SPREAD_Q,
-    STIFFNESS_Q,
     TIME_Q,
     VELOCITY_GAIN_Q,
     VELOCITY_Q,
     WEIGHT_Q,
 )
-from mtcommission.profile_values import (
-    Faults,
-    Name,
-    PerSignal,
-    SignalTable,
-    describe,
-)
+from mtcommission.profile_table import Table, optional, raise_all, required
+from mtcommission.profile_values import Faults, Name, PerSignal, SignalTable, describe
 
-EQUAL_POLES = 1e-6
-"""Relative distance of two poles below which they count as one, as in the plant."""
-MOST_MODES = 8
+MOST_MOVES = 50
 LARGEST_FREQUENCY_SPREAD = 0.5
 WHOLE_MULTIPLE = 1e-9
 """Relative distance from a whole number of velocity cycles."""
 
 
-class Table(BaseModel):
-    """A TOML table: unknown keys are faults, and nothing is converted silently."""
-
-    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
-
-
-def _key(description: str, example: str) -> Any:
-    return Field(description=description, examples=[example])
-
-
-def _option(description: str, example: str, default: object = None) -> Any:
-    return Field(default, description=description, examples=[example])
-
-
 class MachineTable(Table):
     """[machine]."""
 
-    name: Annotated[str, Name()] = _key("Name of the machine.", '"Machining centre"')
-    axis: Annotated[str, Name()] = _key("Name of the axis.", '"X"')
-    source: Annotated[str, Name(longest=400)] = _key(
+    name: Annotated[str, Name()] = required("Name of the machine.", '"Machining centre"')
+    axis: Annotated[str, Name()] = required("Name of the axis.", '"X"')
+    source: Annotated[str, Name(longest=400)] = required(
         "Where the numbers come from.", '"data sheet 12/2024"'
     )
-    motion: Literal["linear", "rotary"] = _option(
+    motion: Literal["linear", "rotary"] = optional(
         "A rotary axis takes inertia for mass, torque for force and rad for m.",
         '"linear"',
         "linear",
     )
 
 
-class ManipulatorTable(Table):
-    """[plant] with kind = "manipulator"."""
-
-    kind: Literal["manipulator"] = _key("Form of the plant.", '"manipulator"')
-    base_mass: Annotated[float, MASS_Q] = _key("Mass of the base, m_b.", '"450 kg"')
-    slider_mass: Annotated[float, MASS_Q] = _key("Mass of the slider, m_s.", '"750 kg"')
-    rotary_inertia: Annotated[float, INERTIA_Q] = _key(
-        "Inertia of the tower about the fictive joint, J.", '"40 kg m^2"'
-    )
-    lever_arm: Annotated[float, ARM_Q] = _key("From the joint to the drive force, r.", '"0.25 m"')
-    tcp_height: Annotated[float, ARM_Q] = _key(
-        "Tool centre point above the joint, h; negative if the tower tilts backwards.", '"0.21 m"'
-    )
-    base_stiffness: Annotated[float, STIFFNESS_Q] = _key("Stiffness k_b.", '"44.41 N/um"')
-    base_damping: Annotated[float, DAMPING_Q] = _key("Damping d_b.", '"8500 N s/m"')
-    rotary_stiffness: Annotated[float, ROTARY_STIFFNESS_Q] = _key("Stiffness k.", '"8.2e6 N m/rad"')
-    rotary_damping: Annotated[float, ROTARY_DAMPING_Q] = _key("Damping d.", '"1800 N m s/rad"')
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        k_b, m_b, d_b = self.base_stiffness, self.base_mass, self.base_damping
-        k, J, d = self.rotary_stiffness, self.rotary_inertia, self.rotary_damping
-        faults = []
-        if self.lever_arm == 0.0:
-            faults.append(
-                (
-                    "lever_arm",
-                    "got 0, but the force must turn the tower; "
-                    'give the arm, or describe the axis as kind = "modal"',
-                )
-            )
-        for key, damping, critical, unit in (
-            ("base_damping", d_b, 2.0 * sqrt(k_b * m_b), "N s/m"),
-            ("rotary_damping", d, 2.0 * sqrt(k * J), "N m s/rad"),
-        ):
-            if damping >= critical:
-                faults.append(
-                    (
-                        key,
-                        f"got {damping:g} {unit}, a damping ratio of "
-                        f"{damping / critical:.3g}; must be < {critical:.4g} {unit} (ratio 1)",
-                    )
-                )
-        base = _pole(sqrt(k_b / m_b), d_b / (2.0 * sqrt(k_b * m_b)))
-        if not faults and _is_same(base, _pole(sqrt(k / J), d / (2.0 * sqrt(k * J)))):
-            faults.append(("rotary_stiffness", _equal_poles("base", "rotation", sqrt(k / J))))
-        _raise(faults)
-        return self
-
-
-class ModeTable(Table):
-    """[[plant.modes]]."""
-
-    name: Annotated[str, Name(is_identifier=True)] = _key("Name of the mode.", '"column"')
-    frequency: Annotated[float, FREQUENCY_Q] = _key("Eigenfrequency, undamped.", '"40 Hz"')
-    damping_ratio: Annotated[float, RATIO_Q] = _key("Damping ratio, 0 to below 1.", "0.03")
-    tcp_gain: Annotated[float, MODE_GAIN_Q] = _key("Share in the tool position.", '"0.002 1/kg"')
-    measured_gain: Annotated[float, MODE_GAIN_Q] = _option(
-        "Share in the encoder position.", '"0.001 1/kg"', 0.0
-    )
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        if not 0.0 <= self.damping_ratio < 1.0:
-            message = f"got {self.damping_ratio:g}, must be >= 0 and < 1"
-            raise Faults([("damping_ratio", message)])
-        return self
-
-
-class ModalTable(Table):
-    """[plant] with kind = "modal"."""
-
-    kind: Literal["modal"] = _key("Form of the plant.", '"modal"')
-    moving_mass: Annotated[float, MASS_Q] = _key("Total rigid mass.", '"800 kg"')
-    modes: list[ModeTable] = Field(
-        description="One to eight modes.", min_length=1, max_length=MOST_MODES
-    )
-
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        faults = []
-        poles = [_pole(mode.frequency, mode.damping_ratio) for mode in self.modes]
-        for i, mode in enumerate(self.modes):
-            for j in range(i):
-                other = self.modes[j]
-                if mode.name == other.name:
-                    faults.append(
-                        (f"modes.{i}.name", f'got "{mode.name}" twice, names must differ')
-                    )
-                if _is_same(poles[i], poles[j]):
-                    omega = 2.0 * pi * mode.frequency
-                    faults.append(
-                        (f"modes.{i}.frequency", _equal_poles(other.name, mode.name, omega))
-                    )
-        _raise(faults)
-        return self
-
-
 class DriveTable(Table):
     """[drive]."""
 
-    force_lag: Annotated[float, LAG_Q] = _key("Time constant of the force loop, T.", '"2.5 ms"')
-    max_force: Annotated[float, FORCE_Q] = _key("Largest force, F_max.", '"2 kN"')
-    continuous_force: Annotated[float | None, FORCE_Q] = _option(
+    force_lag: Annotated[float, LAG_Q] = required("Time constant of the force loop, T.", '"2.5 ms"')
+    max_force: Annotated[float, FORCE_Q] = required("Largest force, F_max.", '"2 kN"')
+    continuous_force: Annotated[float | None, FORCE_Q] = optional(
         "Thermal (RMS) limit over move and dwell.", '"1 kN"'
     )
-    static_load: Annotated[float, WEIGHT_Q] = _option(
+    static_load: Annotated[float, WEIGHT_Q] = optional(
         "Weight or process force; its amount is not available for motion.", '"0 N"', 0.0
     )
 
@@ -218,16 +84,16 @@ class DriveTable(Table):
 class MoveTable(Table):
     """[[moves]]."""
 
-    velocity_step: Annotated[float | None, VELOCITY_Q] = _option(
+    velocity_step: Annotated[float | None, VELOCITY_Q] = optional(
         "Accelerate from rest to this velocity; the end position is free.", '"0.1 m/s"'
     )
-    distance: Annotated[float | None, DISTANCE_Q] = _option(
+    distance: Annotated[float | None, DISTANCE_Q] = optional(
         "Move over this distance from rest to rest.", '"20 mm"'
     )
-    max_velocity: Annotated[float | None, VELOCITY_Q] = _option(
+    max_velocity: Annotated[float | None, VELOCITY_Q] = optional(
         "Velocity limit of a move over a distance.", '"0.5 m/s"'
     )
-    dwell: Annotated[float, DWELL_Q] = _option("Rest after the move.", '"0 s"', 0.0)
+    dwell: Annotated[float, DWELL_Q] = optional("Rest after the move.", '"0 s"', 0.0)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -243,24 +109,24 @@ class MoveTable(Table):
 class ModeBands(Table):
     """[requirements.modes]."""
 
-    surface: Annotated[float | None, BAND_Q] = _option("Band for finishing.", '"2 um"')
-    accuracy: Annotated[float | None, BAND_Q] = _option("Band for contours.", '"5 um"')
-    speed: Annotated[float | None, BAND_Q] = _option("Band for roughing.", '"20 um"')
+    surface: Annotated[float | None, BAND_Q] = optional("Band for finishing.", '"2 um"')
+    accuracy: Annotated[float | None, BAND_Q] = optional("Band for contours.", '"5 um"')
+    speed: Annotated[float | None, BAND_Q] = optional("Band for roughing.", '"20 um"')
 
 
 class RequirementsTable(Table):
     """[requirements]."""
 
-    tcp_deviation: Annotated[float, BAND_Q] = _key(
+    tcp_deviation: Annotated[float, BAND_Q] = required(
         "Half width of the band about the delayed setpoint.", '"5 um"'
     )
-    max_settling_time: Annotated[float | None, TIME_Q] = _option(
+    max_settling_time: Annotated[float | None, TIME_Q] = optional(
         "Longest settling time.", '"0.2 s"'
     )
-    frequency_spread: Annotated[float, SPREAD_Q] = _option(
+    frequency_spread: Annotated[float, SPREAD_Q] = optional(
         "Relative uncertainty of all eigenfrequencies.", '"5 %"', 0.0
     )
-    damping_spread: Annotated[float, SPREAD_Q] = _option(
+    damping_spread: Annotated[float, SPREAD_Q] = optional(
         "Relative uncertainty of all damping ratios.", '"0 %"', 0.0
     )
     payload: list[Annotated[float, LOAD_Q]] | None = Field(
@@ -270,10 +136,10 @@ class RequirementsTable(Table):
         min_length=2,
         max_length=2,
     )
-    payload_radius: Annotated[float, ARM_Q] = _option(
+    payload_radius: Annotated[float, ARM_Q] = optional(
         "Radius of gyration of the payload about the rotary joint.", '"0.3 m"', 0.0
     )
-    peaks: Annotated[dict[str, float], SignalTable(PerSignal.BOUND)] = _option(
+    peaks: Annotated[dict[str, float], SignalTable(PerSignal.BOUND)] = optional(
         "Bounds on states or outputs during the whole response.", '{ v_phi = "5 mrad/s" }', {}
     )
     modes: ModeBands = Field(default_factory=ModeBands, description="Band of each machining mode.")
@@ -293,32 +159,32 @@ class RequirementsTable(Table):
             faults.append(("payload", message))
         if self.payload_radius < 0.0:
             faults.append(("payload_radius", f"got {self.payload_radius:g}, must be >= 0"))
-        _raise(faults)
+        raise_all(faults)
         return self
 
 
 class DampingOptimalTable(Table):
     """[damping_optimal]."""
 
-    t_f: Annotated[float | None, TIME_Q] = _option("Final time.", '"52.2 ms"')
+    t_f: Annotated[float | None, TIME_Q] = optional("Final time.", '"52.2 ms"')
     weights: Annotated[str | dict[str, float], SignalTable(PerSignal.WEIGHT, ("balanced",))] = (
-        _option("Weights c_i of the squared states.", '"balanced"', "balanced")
+        optional("Weights c_i of the squared states.", '"balanced"', "balanced")
     )
 
 
 class SetpointFilterTable(Table):
     """setpoint_filter of [control]."""
 
-    kind: Literal["moving_average"] = _key("Kind of filter.", '"moving_average"')
-    time: Annotated[float, FILTER_TIME_Q] = _key("Length of the filter.", '"20 ms"')
+    kind: Literal["moving_average"] = required("Kind of filter.", '"moving_average"')
+    time: Annotated[float, FILTER_TIME_Q] = required("Length of the filter.", '"20 ms"')
 
 
 class ForceFilterTable(Table):
     """An element of force_filters of [control]."""
 
-    kind: Literal["notch", "low_pass"] = _key("Kind of filter.", '"notch"')
-    frequency: Annotated[float, FREQUENCY_Q] = _key("Frequency of the filter.", '"72 Hz"')
-    damping: Annotated[float, FILTER_DAMPING_Q] = _key(
+    kind: Literal["notch", "low_pass"] = required("Kind of filter.", '"notch"')
+    frequency: Annotated[float, FREQUENCY_Q] = required("Frequency of the filter.", '"72 Hz"')
+    damping: Annotated[float, FILTER_DAMPING_Q] = required(
         "Damping ratio: of the denominator of a low-pass, of the numerator of a notch.", "0.1"
     )
 
@@ -326,46 +192,46 @@ class ForceFilterTable(Table):
 class ControlTable(Table):
     """[control]; what is left out is tuned."""
 
-    position_gain: Annotated[float | None, GAIN_Q] = _option("Kv.", '"60 1/s"')
-    velocity_gain: Annotated[float | None, VELOCITY_GAIN_Q] = _option("Kp.", '"200 kN s/m"')
-    integral_time: Annotated[float | None, TIME_Q] = _option("Tn.", '"20 ms"')
-    reference_model_time: Annotated[float, DELAY_Q] = _option(
+    position_gain: Annotated[float | None, GAIN_Q] = optional("Kv.", '"60 1/s"')
+    velocity_gain: Annotated[float | None, VELOCITY_GAIN_Q] = optional("Kp.", '"200 kN s/m"')
+    integral_time: Annotated[float | None, TIME_Q] = optional("Tn.", '"20 ms"')
+    reference_model_time: Annotated[float, DELAY_Q] = optional(
         "Time constant of the reference model in the integral branch; 0 = none.", '"5 ms"', 0.0
     )
-    velocity_feedforward: Annotated[float, FEEDFORWARD_Q] = _option("Weight.", "1.0", 1.0)
-    acceleration_feedforward: Annotated[float, FEEDFORWARD_Q] = _option(
+    velocity_feedforward: Annotated[float, FEEDFORWARD_Q] = optional("Weight.", "1.0", 1.0)
+    acceleration_feedforward: Annotated[float, FEEDFORWARD_Q] = optional(
         "Weight, times feedforward_mass.", "1.0", 1.0
     )
-    jerk_feedforward: Annotated[float, FEEDFORWARD_Q] = _option(
+    jerk_feedforward: Annotated[float, FEEDFORWARD_Q] = optional(
         "Weight, times feedforward_mass and force_lag.", "0.0", 0.0
     )
-    feedforward_mass: Annotated[float | None, MASS_Q] = _option(
+    feedforward_mass: Annotated[float | None, MASS_Q] = optional(
         "Mass of the feed-forward; default: moving mass at mid payload.", '"800 kg"'
     )
-    reference_delay: Annotated[float | None, DELAY_Q] = _option(
+    reference_delay: Annotated[float | None, DELAY_Q] = optional(
         "Delay of the reference path, or auto.", '"auto"'
     )
-    position_cycle: Annotated[float, CYCLE_Q] = _option(
+    position_cycle: Annotated[float, CYCLE_Q] = optional(
         "Position controller cycle.", '"2 ms"', 2e-3
     )
-    velocity_cycle: Annotated[float, CYCLE_Q] = _option(
+    velocity_cycle: Annotated[float, CYCLE_Q] = optional(
         "Velocity controller cycle.", '"125 us"', 125e-6
     )
-    tcp_sensor: Literal["none", "position"] = _option(
+    tcp_sensor: Literal["none", "position"] = optional(
         "Second encoder near the tool.", '"none"', "none"
     )
     state_feedback: Annotated[
         str | dict[str, float], SignalTable(PerSignal.GAIN, ("auto", "off"))
-    ] = _option(
+    ] = optional(
         "Active damping of the dominant mode: auto, off, or gains by state.", '"auto"', "auto"
     )
-    setpoint_filter: SetpointFilterTable | None = _option(
+    setpoint_filter: SetpointFilterTable | None = optional(
         'Filter behind the setpoint generator, or "none".', '"none"'
     )
     force_filters: list[ForceFilterTable] = Field(
         default_factory=list, description="Filters in the set-force path.", max_length=8
     )
-    minimum_bandwidth: Annotated[float | None, FREQUENCY_Q] = _option(
+    minimum_bandwidth: Annotated[float | None, FREQUENCY_Q] = optional(
         "What tuning must at least reach, closed velocity loop, -3 dB.", '"15 Hz"'
     )
 
@@ -402,7 +268,9 @@ class ProfileTable(Table):
     )
     drive: DriveTable = Field(description="The motor as the axis feels it.")
     moves: list[MoveTable] = Field(
-        description="One or more; the limits must serve all of them.", min_length=1, max_length=50
+        description="One or more; the limits must serve all of them.",
+        min_length=1,
+        max_length=MOST_MOVES,
     )
     requirements: RequirementsTable = Field(description="What the axis must achieve.")
     damping_optimal: DampingOptimalTable = Field(
@@ -420,7 +288,7 @@ class ProfileTable(Table):
     @model_validator(mode="after")
     def _check(self) -> Self:
         spread = self.requirements.damping_spread
-        largest = max(_damping_ratios(self.plant)) * (1.0 + spread)
+        largest = max(damping_ratios(self.plant)) * (1.0 + spread)
         if largest >= 1.0:
             message = (
                 f"got {spread:g}, which raises a damping ratio to {largest:.3g} in the worst "
@@ -428,31 +296,3 @@ class ProfileTable(Table):
             )
             raise Faults([("requirements.damping_spread", message)])
         return self
-
-
-def _damping_ratios(plant: ManipulatorTable | ModalTable) -> list[float]:
-    if isinstance(plant, ModalTable):
-        return [mode.damping_ratio for mode in plant.modes]
-    return [
-        plant.base_damping / (2.0 * sqrt(plant.base_stiffness * plant.base_mass)),
-        plant.rotary_damping / (2.0 * sqrt(plant.rotary_stiffness * plant.rotary_inertia)),
-    ]
-
-
-def _pole(omega: float, zeta: float) -> complex:
-    """Return the pole of a mode; its unit does not matter for a relative comparison."""
-    return complex(-zeta * omega, omega * sqrt(1.0 - zeta**2)) if zeta < 1.0 else complex(-omega)
-
-
-def _is_same(pole: complex, other: complex) -> bool:
-    return abs(pole - other) <= EQUAL_POLES * abs(pole)
-
-
-def _equal_poles(one: str, other: str, omega: float) -> str:
-    hertz = omega / (2.0 * pi)
-    return f"modes {one} and {other} at {hertz:.6g} Hz: {Outcome.EQUAL_POLES.value}"
-
-
-def _raise(faults: list[tuple[str, str]]) -> None:
-    if faults:
-        raise Faults(faults)

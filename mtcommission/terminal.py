@@ -27,7 +27,7 @@ from mtcommission.record.schema import (
     SimulationPart,
 )
 from mtcommission.rules import peak_velocity
-from mtcommission.sheet.format import Formatter, motion_unit
+from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.limits_part import name_obstacle
 
@@ -223,12 +223,8 @@ def _hold_sentence(item: MoveSizesEntry, printed: Formatter, length: str) -> str
 
 def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
     """Return the worst response of each move and the verdict."""
-    printed, length, force = (
-        _formatter(machine),
-        machine.measures.length.si,
-        machine.measures.force.si,
-    )
-    mass = motion_unit("kg", rotary=printed.rotary)
+    printed, axis = _formatter(machine), machine.measures
+    mass, length, force = axis.mass.si, axis.length.si, axis.force.si
     table = _table("Move", "Corner", "Settling", "Residual", "Peak", "F_set")
     for number, move in enumerate(part["moves"], start=1):
         for index, response in enumerate(move["corners"]):

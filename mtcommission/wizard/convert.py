@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 from mtcommission.measures import LINEAR, ROTARY
+from mtcommission.profile_model import MOST_MOVES
+from mtcommission.profile_plant import MOST_MODES
 from mtcommission.units import FREQUENCY, RATIO, parse_quantity
 from mtcommission.wizard.measures import (
     MODAL,
@@ -18,9 +20,8 @@ from mtcommission.wizard.measures import (
     YES,
     measures,
 )
-from mtcommission.wizard.mechanics import MOST_MODES
 from mtcommission.wizard.question import Answers, list_accepted, si_value
-from mtcommission.wizard.script import MOST_MOVES, POSITIONING, STEP, list_questions
+from mtcommission.wizard.script import POSITIONING, STEP, list_questions
 
 Data = dict[str, object]
 """Nested tables as TOML has them; all values are texts but the schema's number."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sqrt
 
+from mtcommission.profile_plant import MOST_MODES
 from mtcommission.units import (
     DAMPING,
     FREQUENCY,
@@ -26,7 +27,6 @@ from mtcommission.wizard.measures import (
     is_rotary,
     measures,
 )
-from mtcommission.wizard.mechanics import MOST_MODES
 from mtcommission.wizard.question import Answers, si_value
 
 CONTRADICTION = 0.1

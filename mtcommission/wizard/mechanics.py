@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mtcommission.profile_plant import MOST_MODES
 from mtcommission.units import (
     DAMPING,
     FREQUENCY,
@@ -28,8 +29,6 @@ from mtcommission.wizard.measures import (
     measures,
 )
 from mtcommission.wizard.question import Answers, Question
-
-MOST_MODES = 8
 
 
 def ask_mechanics(answers: Answers) -> tuple[Question, ...]:

@@ -6,6 +6,7 @@ questions, and going back needs no memory but the answers.
 
 from __future__ import annotations
 
+from mtcommission.profile_model import MOST_MOVES
 from mtcommission.units import GAIN, RATIO, TIME
 from mtcommission.wizard.measures import (
     NO,
@@ -21,7 +22,6 @@ from mtcommission.wizard.mechanics import ask_mechanics
 from mtcommission.wizard.question import Answers, Question
 
 POSITIONING, STEP = "positioning from rest to rest", "acceleration to a velocity"
-MOST_MOVES = 50
 
 
 def list_questions(answers: Answers) -> tuple[Question, ...]:
