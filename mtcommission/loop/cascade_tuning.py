@@ -94,8 +94,8 @@ def close_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
         UNSTABLE_LOOP, MARGINS_OUT_OF_REACH or UNDAMPED_MODE.
     """
     bench = corner_plants(machine)
-    controller = design_cascade(machine, bench, settings)
-    tuned = close_loop(bench, controller, remarks=explain_cascade(machine, controller))
+    tuned = _close_cascade(machine, bench, settings)
+    tuned = replace(tuned, remarks=explain_cascade(machine, tuned.controller))
 
     def build(changed: Machine) -> Controller:
         return build_cascade(changed, bench.model, fraction=1.0)
@@ -123,11 +123,23 @@ def design_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettin
     ComputationError
         MARGINS_OUT_OF_REACH or UNDAMPED_MODE.
     """
-    _require_damping(bench)
-    if machine.control.velocity_gain is not None:
+    given = machine.control
+    if given.velocity_gain is not None:
+        _require_damping(bench)
         return build_cascade(machine, bench.model, fraction=1.0)
-    fraction = _largest_fraction(machine, bench, settings)
-    return build_cascade(machine, bench.model, fraction=fraction)
+    found = _close_by_rule(machine, bench, settings).controller
+    Kv, Tn = given.position_gain, given.integral_time
+    return replace(
+        found,
+        position_gain=found.position_gain if Kv is None else Kv,
+        integral_time=found.integral_time if Tn is None else Tn,
+    )
+
+
+def _close_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> TunedLoop:
+    if has_given_gains(machine):
+        return close_loop(bench, design_cascade(machine, bench, settings))
+    return _close_by_rule(machine, bench, settings)
 
 
 def filter_warnings(
@@ -178,15 +190,17 @@ def fractions(settings: TuningSettings, *, start: float, end: float) -> Iterator
         fraction *= settings.reduction
 
 
-def _largest_fraction(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> float:
-    """Kp of the cascade by rule alone, as a share of the symmetrical optimum."""
-    free = replace(machine.control, position_gain=None, integral_time=None)
+def _close_by_rule(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> TunedLoop:
+    """The cascade by rule alone, as if no gain was given, with the largest Kp that may be."""
+    _require_damping(bench)
+    free = replace(machine.control, velocity_gain=None, position_gain=None, integral_time=None)
     by_rule = replace(machine, control=free)
     answers = answer_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
     for fraction in fractions(settings, start=1.0, end=LEAST_FRACTION):
         controller = build_cascade(by_rule, bench.model, fraction=fraction)
-        if close_within_margins(bench, controller, answers, settings=settings) is not None:
-            return fraction
+        found = close_within_margins(bench, controller, answers, settings=settings)
+        if found is not None:
+            return found
     softest = close_loop(bench, controller)
     detail = (
         f"at Kp = {controller.velocity_gain:.4g} {gain_unit(machine)}, {LEAST_FRACTION:.0%} of the "

@@ -15,16 +15,21 @@ from math import exp, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.answers import (
+    Answers,
+    Blocks,
+    Sight,
+    answer_at,
+    answer_on_grid,
+    build_blocks,
+    resolvent,
+)
 from mtcommission.loop.controller import Controller
-from mtcommission.loop.discrete import discretise, discretise_disturbance, discretise_filter
+from mtcommission.loop.discrete import discretise_filter
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-
-GRID_POINTS = 800
-"""Frequencies before refinement; modes get a cluster of their own (empirical: no crossing of a
-shipped machine is missed, and margins do not change when doubled)."""
 
 SQRT_HALF = sqrt(0.5)
 """-3 dB."""
@@ -60,104 +65,145 @@ class FrequencyResponse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Answers:
-    """What plant and observer do at some frequencies, whatever the gains around them.
+class Laws:
+    """What the controller makes of what it sees, over frequency, each of shape (n,).
 
     Parameters
     ----------
-    omega
-        Shape (n,) [rad/s].
-    moved, disturbed
-        Plant states per set force and per force of disturbance, shape (n, n_plant).
-    estimates
-        Observer states per known force and per sensor, shape (n, n_observed, 1 + n_sensors).
+    path
+        Dead time of the velocity cycle and set-force filters, force asked for to force.
+    velocity
+        Error of the velocity to force asked for.
+    observed
+        Known force and each sensor, by observer and state gains, to force asked for, shape
+        (n, 1 + n_sensors).
+    ahead, position
+        What the position cycle hands down, and the position of the encoder, to force.
     """
 
-    omega: Array
-    moved: ComplexArray
-    disturbed: ComplexArray
-    estimates: ComplexArray
+    path: ComplexArray
+    velocity: ComplexArray
+    observed: ComplexArray
+    ahead: ComplexArray
+    position: ComplexArray
 
 
-def answer_on_grid(plant: Plant, controller: Controller) -> Answers:
-    """Return what ``scan`` needs of a loop, the same for all gains.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OpenLoop:
+    """The loop cut at F_set.
 
     Parameters
     ----------
-    plant, controller
-        The loop; of the controller only velocity cycle, sensors and observer count.
+    laws
+        Of its controller.
+    inner, whole
+        Without and with the position loop, shape (n,).
+    """
+
+    laws: Laws
+    inner: ComplexArray
+    whole: ComplexArray
+
+    @property
+    def sensitivity_peak(self) -> float:
+        """Largest |1/(1 + L)| at these frequencies [-]."""
+        return float(np.max(1.0 / np.abs(1.0 + self.whole)))
+
+
+def open_loop(controller: Controller, answers: Answers) -> OpenLoop:
+    """Return the loop cut at F_set.
+
+    Parameters
+    ----------
+    controller
+        Its gains.
+    answers
+        Of a plant with the same velocity cycle, sensors and observer.
 
     Returns
     -------
-    Answers
-        From 0.1 Hz to the Nyquist frequency of the velocity cycle, before refinement.
+    OpenLoop
     """
-    return _answer(plant, controller, _grid(plant, controller))
+    laws = _laws(controller, answers)
+    inner = _velocity_feedback(laws, answers.moved, known=1.0)
+    return OpenLoop(laws=laws, inner=inner, whole=inner + laws.position * answers.moved.encoder)
 
 
-def scan(plant: Plant, controller: Controller, answers: Answers) -> FrequencyResponse:
-    """Return open and closed loop at the frequencies of what is known of them.
+def _laws(controller: Controller, answers: Answers) -> Laws:
+    T_v, N, z = controller.velocity_cycle, controller.cycles, answers.z
+    Kp, integral = controller.velocity_gain, T_v / controller.integral_time / (z - 1.0)
+    path = 1.0 / z
+    for item in controller.force_filters:
+        stage = discretise_filter(item, controller)
+        path = path * (resolvent(stage.A, stage.B[:, None], z)[:, :, 0] @ stage.C + stage.D)
+    # The position controller's demand reaches the integral branch through the reference model.
+    ahead = path * (Kp * (1.0 + integral * _reference_model(controller, z)))
+    late = z**-N
+    gains = controller.state_gains[list(controller.observer.states)]
+    return Laws(
+        path=path,
+        velocity=Kp * (1.0 + integral),
+        observed=np.tensordot(answers.estimates, gains, axes=(2, 0)),
+        ahead=ahead,
+        position=ahead * controller.position_gain * (late * (1.0 - late) / (1.0 - 1.0 / z) / N),
+    )
+
+
+def _velocity_feedback(laws: Laws, seen: Sight, *, known: float) -> ComplexArray:
+    """Force asked for by velocity loop and state feedback, sign reversed."""
+    estimated = known * laws.observed[:, 0] + np.sum(laws.observed[:, 1:] * seen.sensors, axis=1)
+    return np.asarray(laws.path * (laws.velocity * seen.rate + estimated))
+
+
+def close(answers: Answers, cut: OpenLoop) -> FrequencyResponse:
+    """Return open and closed loop.
 
     Parameters
     ----------
-    plant, controller
-        The loop.
-    answers
-        Of the same plant, velocity cycle, sensors and observer.
+    answers, cut
+        Of plant and observer, and from ``open_loop`` with these.
 
     Returns
     -------
     FrequencyResponse
     """
-    T_v, N = controller.velocity_cycle, controller.cycles
-    z = np.exp(1j * answers.omega * T_v)
-    pi_law = controller.velocity_gain * (1.0 + T_v / controller.integral_time / (z - 1.0))
-    # The position controller's demand reaches the integral branch through the reference model.
-    model = _reference_model(controller, z)
-    position_law = controller.velocity_gain * (
-        1.0 + T_v / controller.integral_time / (z - 1.0) * model
-    )
-    held = z**-N * (1.0 - z**-N) / (1.0 - 1.0 / z) / N
-    path = 1.0 / z
-    for item in controller.force_filters:
-        stage = discretise_filter(item, controller)
-        path = path * (_resolvent(stage.A, stage.B[:, None], z)[:, :, 0] @ stage.C + stage.D)
-    observed = np.tensordot(
-        answers.estimates, controller.state_gains[list(controller.observer.states)], axes=(1, 0)
-    )
-    sensors = np.array([plant.row(sensor) for sensor in controller.sensors])
-    rate_row = plant.row("encoder") @ plant.A
-
-    def feedback(states: ComplexArray, known: float) -> ComplexArray:
-        """Force asked for by velocity loop and state feedback, sign reversed."""
-        estimated = known * observed[:, 0] + np.sum(observed[:, 1:] * (states @ sensors.T), axis=1)
-        return np.asarray(path * (pi_law * (states @ rate_row) + estimated))
-
-    def position_feedback(states: ComplexArray) -> ComplexArray:
-        gain = path * position_law * controller.position_gain * held
-        return np.asarray(gain * (states @ plant.row("encoder")))
-
-    moved, disturbed = answers.moved, answers.disturbed
-    inner = feedback(moved, 1.0)
-    open_loop = inner + position_feedback(moved)
+    moved, disturbed, laws = answers.moved, answers.disturbed, cut.laws
     # The observer does not know a disturbance.
-    reaction = feedback(disturbed, 0.0) + position_feedback(disturbed)
-    tool = plant.row("tcp")
+    reaction = _velocity_feedback(laws, disturbed, known=0.0) + laws.position * disturbed.encoder
     return FrequencyResponse(
         frequency_hz=answers.omega / (2 * pi),
-        open_loop=open_loop,
-        closed_velocity_loop=path * position_law * (moved @ rate_row) / (1.0 + inner),
-        compliance=disturbed @ tool - (moved @ tool) * reaction / (1.0 + open_loop),
+        open_loop=cut.whole,
+        closed_velocity_loop=laws.ahead * moved.rate / (1.0 + cut.inner),
+        compliance=disturbed.tool - moved.tool * reaction / (1.0 + cut.whole),
     )
 
 
-def refine(plant: Plant, controller: Controller, found: FrequencyResponse) -> FrequencyResponse:
+def scan(controller: Controller, answers: Answers) -> FrequencyResponse:
+    """Return open and closed loop at the frequencies of what is known of them.
+
+    Parameters
+    ----------
+    controller
+        Its gains.
+    answers
+        Of a plant with the same velocity cycle, sensors and observer.
+
+    Returns
+    -------
+    FrequencyResponse
+    """
+    return close(answers, open_loop(controller, answers))
+
+
+def refine(controller: Controller, blocks: Blocks, found: FrequencyResponse) -> FrequencyResponse:
     """Return a response with frequencies added where margins, bandwidth and peaks are read.
 
     Parameters
     ----------
-    plant, controller
-        The loop.
+    controller
+        Its gains.
+    blocks
+        Plant and observer.
     found
         From ``scan`` of ``answer_on_grid``; all of it is kept.
 
@@ -167,7 +213,7 @@ def refine(plant: Plant, controller: Controller, found: FrequencyResponse) -> Fr
     """
     for _ in range(REFINEMENTS):
         omega = _between(2 * pi * found.frequency_hz, _intervals_of_interest(found))
-        found = _merge(found, respond_at(plant, controller, omega=omega))
+        found = _merge(found, scan(controller, answer_at(blocks, omega)))
     return found
 
 
@@ -185,7 +231,8 @@ def frequency_response(plant: Plant, controller: Controller) -> FrequencyRespons
         From 0.1 Hz to the Nyquist frequency of the velocity cycle, finest where margins, the
         bandwidth and the peaks are read.
     """
-    return refine(plant, controller, scan(plant, controller, answer_on_grid(plant, controller)))
+    answers = answer_on_grid(plant, controller)
+    return refine(controller, answers.blocks, scan(controller, answers))
 
 
 def respond_at(plant: Plant, controller: Controller, *, omega: Array) -> FrequencyResponse:
@@ -202,23 +249,7 @@ def respond_at(plant: Plant, controller: Controller, *, omega: Array) -> Frequen
     -------
     FrequencyResponse
     """
-    return scan(plant, controller, _answer(plant, controller, omega))
-
-
-def _answer(plant: Plant, controller: Controller, omega: Array) -> Answers:
-    z = np.exp(1j * omega * controller.velocity_cycle)
-    A, B = discretise(plant, controller.velocity_cycle)
-    # A disturbance on the line of the drive force enters like the force state itself.
-    entries = np.column_stack([B, discretise_disturbance(plant, controller.velocity_cycle)])
-    states = _resolvent(A, entries, z)
-    observer = controller.observer
-    drives = np.column_stack([observer.B, observer.L])
-    return Answers(
-        omega=omega,
-        moved=states[:, :, 0],
-        disturbed=states[:, :, 1],
-        estimates=_resolvent(observer.A - observer.L @ observer.C, drives, z),
-    )
+    return scan(controller, answer_at(build_blocks(plant, controller), omega))
 
 
 def _reference_model(controller: Controller, z: ComplexArray) -> ComplexArray:
@@ -227,20 +258,6 @@ def _reference_model(controller: Controller, z: ComplexArray) -> ComplexArray:
         return np.ones_like(z)
     share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
     return np.asarray(share / (z - 1.0 + share))
-
-
-def _grid(plant: Plant, controller: Controller) -> Array:
-    """Frequencies [rad/s] up to Nyquist, with clusters of each mode's half-width.
-
-    An even number of points leaves out the very resonance, where an undamped mode is infinite.
-    """
-    nyquist = pi / controller.velocity_cycle
-    parts = [np.geomspace(2 * pi * 0.1, 0.999 * nyquist, GRID_POINTS)]
-    for mode in plant.modes:
-        width = max(mode.damping_ratio, 1e-3)
-        parts.append(mode.natural_frequency * (1.0 + width * np.linspace(-4.0, 4.0, 80)))
-    omega = np.unique(np.concatenate(parts))
-    return omega[(omega > 0.0) & (omega < nyquist)]
 
 
 def _intervals_of_interest(found: FrequencyResponse) -> NDArray[np.intp]:
@@ -276,9 +293,3 @@ def _merge(one: FrequencyResponse, other: FrequencyResponse) -> FrequencyRespons
         closed_velocity_loop=merged(one.closed_velocity_loop, other.closed_velocity_loop),
         compliance=merged(one.compliance, other.compliance),
     )
-
-
-def _resolvent(A: Array, drives: Array, z: ComplexArray) -> ComplexArray:
-    """(zI - A)^-1 drives at each frequency, shape (n_frequencies, n, n_drives)."""
-    matrices = z[:, None, None] * np.eye(A.shape[0]) - A
-    return np.asarray(np.linalg.solve(matrices, np.broadcast_to(drives, (z.size, *drives.shape))))
