@@ -48,21 +48,26 @@ class Choice:
     ----------
     limits
         Rounded to what is typed in.
-    bound_by
-        What forbids faster limits.
     meets_requirements
         Whether all requirements hold by the search's own judgement.
+    explain
+        Names what forbids faster limits, when it is first asked for: few choices are.
     chart
-        Charts the landscape to be printed when it is first asked for: few choices are.
+        Charts the landscape to be printed, likewise.
     evaluations
         Limits judged in every corner, or until others were better already.
     """
 
     limits: MotionLimits
-    bound_by: str
     meets_requirements: bool
+    explain: Callable[[], str]
     chart: Callable[[], Landscape]
     evaluations: int
+
+    @property
+    def bound_by(self) -> str:
+        """What forbids faster limits."""
+        return self.explain()
 
     @property
     def acceleration(self) -> Array:
@@ -143,8 +148,8 @@ def choose_limits(
     found = pick(bench, pool, settings)
     return Choice(
         limits=found.limits,
-        bound_by=_explain(bench, found.limits, found.meets_requirements),
         meets_requirements=found.meets_requirements,
+        explain=cache(partial(_explain, bench, found.limits, found.meets_requirements)),
         chart=cache(partial(_chart, machine, plant, tuned, widest, settings)),
         evaluations=len(pool.settling),
     )

@@ -29,7 +29,7 @@ from mtcommission.rule import RuleResult, apply_commissioning_rule
 from mtcommission.rules import apply_rules, apply_slower_ramps
 from mtcommission.shapers import compare_shapers
 from mtcommission.size_filter import find_size_filter
-from mtcommission.trials import MoveResult, Trial, judge, run_moves
+from mtcommission.trials import MoveResult, Trial, judge, judge_moves, run_moves
 
 RULE_SOURCE = "this project, by hand; derived and validated in docs/commissioning-rule.md"
 
@@ -188,7 +188,7 @@ def commission(
     choice = choose_limits(machine, plant, tuned, starts=start_limits, settings=settings.search)
     progress("responses and rules of thumb")
     moves = run_moves(machine, tuned, choice.limits)
-    recommended = judge(machine, plant, tuned, "recommended", "this search", choice.limits)
+    recommended = judge_moves(machine, plant, tuned, "recommended", "this search", moves)
     alternatives = tuple(
         judge(machine, plant, tuned, name, "condensed from the optimum", limits)
         for name, limits in starts

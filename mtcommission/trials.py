@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mtcommission.assess import Assessment, assess
@@ -96,12 +97,38 @@ def judge(
     limits: MotionLimits,
 ) -> Trial:
     """Return what some limits do in the same loop, corners and judgement as all others."""
-    rows = [result.responses for result in run_moves(machine, tuned, limits)]
+    return judge_moves(machine, plant, tuned, name, source, run_moves(machine, tuned, limits))
+
+
+def judge_moves(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    name: str,
+    source: str,
+    moves: Sequence[MoveResult],
+) -> Trial:
+    """Return the same where the moves have been run already.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant, and the loop that the moves went through.
+    name, source
+        Of the limits.
+    moves
+        From ``run_moves``.
+
+    Returns
+    -------
+    Trial
+    """
+    rows = [result.responses for result in moves]
     everywhere = [response for row in rows for response in row]
     return Trial(
         name=name,
         source=source,
-        limits=limits,
+        limits=moves[0].setpoint.limits,
         settling_time=max(response.settling_time for response in everywhere),
         residual_deviation=max(response.residual_deviation for response in everywhere),
         peak_deviation=max(response.peak_deviation for response in everywhere),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,7 @@ class Extremes:
     peaks
         Largest magnitude of each signal, shape (n_limits, n_signals).
     mean_force, mean_square_force
-        Of the motor force over [0, t_e + dwell], shape (n_limits,) [N, N²].
+        Of the motor force over [0, t_e + dwell], shape (n_limits,) [N, N²]; nan without dwell.
     """
 
     peaks: Array
@@ -34,7 +35,13 @@ class Extremes:
 
 
 def find_extremes(
-    lifted: LiftedLoop, steps: JerkSteps, *, signals: Array, order: int, dwell: float, tail: float
+    lifted: LiftedLoop,
+    steps: JerkSteps,
+    *,
+    signals: Array,
+    order: int,
+    dwell: float | None,
+    tail: float,
 ) -> Extremes:
     """Return peaks and mean forces of a moderate number of setpoints on one loop.
 
@@ -49,7 +56,7 @@ def find_extremes(
     order
         3 jerk, 4 snap.
     dwell
-        Rest after the setpoint that counts for the mean [s].
+        Rest after the setpoint that counts for the means [s]; None: they are not wanted.
     tail
         Free motion looked at after the longest setpoint [s].
 
@@ -57,16 +64,39 @@ def find_extremes(
     -------
     Extremes
     """
-    per_cycle = signals.shape[1]
+    per_cycle, count = signals.shape[1], len(steps.times)
     rows = len(lifted.outputs) // per_cycle
     C = lifted.C.reshape(rows, per_cycle, -1)
     C_s, C_f = (signals @ C).reshape(-1, len(lifted.A)), C[:, -1]
-    window = steps.duration + dwell
-    shortest = float(np.min(window))
-    step = lifted.dt / rows
+    window = steps.duration + (dwell or 0.0)
+    largest = np.zeros((len(C_s), count))
+    first, second = np.full((2, count), np.nan if dwell is None else 0.0)
+    for t, history in _move(lifted, steps, order=order, tail=tail):
+        # What a position cycle computes acts in the next one, so no reference feeds through. All
+        # cycles stand side by side: one large product.
+        motion = C_s @ history.reshape(len(lifted.A), -1)
+        reached = np.abs(motion, out=motion).reshape(len(C_s), len(t), -1).max(axis=1)
+        np.maximum(largest, reached, out=largest)
+        if dwell is not None:
+            force = (C_f @ history.reshape(len(lifted.A), -1)).reshape(rows, len(t), -1)
+            share = _shares(t, window, dt=lifted.dt, rows=rows)
+            first += (share * force).sum(axis=(0, 1))
+            second += (share * force**2).sum(axis=(0, 1))
+    return Extremes(
+        peaks=largest.reshape(rows, len(signals), -1).max(axis=0).T,
+        mean_force=first / window,
+        mean_square_force=second / window,
+    )
+
+
+def _move(
+    lifted: LiftedLoop, steps: JerkSteps, *, order: int, tail: float
+) -> Iterator[tuple[Array, Array]]:
+    """Yield the times of some position cycles, shape (n_times,), and the states there.
+
+    These of shape (n, n_times, n_limits), at rest before the first.
+    """
     X = np.zeros((len(lifted.A), len(steps.times)))
-    largest = np.zeros((len(C_s), len(steps.times)))
-    first, second = np.zeros((2, len(steps.times)))
     count = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
     for start in range(0, count, BLOCK):
         t = lifted.dt * np.arange(start, min(start + BLOCK, count), dtype=np.float64)
@@ -75,26 +105,19 @@ def find_extremes(
         for i in range(len(t)):
             history[:, i] = X
             X = lifted.A @ X + drive[i]
-        # What a position cycle computes acts in the next one, so no reference feeds through. All
-        # cycles stand side by side: one large product.
-        motion = C_s @ history.reshape(len(X), -1)
-        reached = np.abs(motion, out=motion).reshape(len(C_s), len(t), -1).max(axis=1)
-        np.maximum(largest, reached, out=largest)
-        force = (C_f @ history.reshape(len(X), -1)).reshape(rows, len(t), -1)
-        if float(t[-1]) + lifted.dt > shortest:
-            # Each sample stands for the cycle about it; the window cuts the last one.
-            times = t[:, None] + step * np.arange(rows)[:, None, None]
-            share = np.clip((window - times) / step + 0.5, 0.0, 1.0)
-            first += step * (share * force).sum(axis=(0, 1))
-            second += step * (share * force**2).sum(axis=(0, 1))
-        else:
-            first += step * force.sum(axis=(0, 1))
-            second += step * np.einsum("kim,kim->m", force, force)
-    return Extremes(
-        peaks=largest.reshape(rows, len(signals), -1).max(axis=0).T,
-        mean_force=first / window,
-        mean_square_force=second / window,
-    )
+        yield t, history
+
+
+def _shares(t: Array, window: Array, *, dt: float, rows: int) -> Array | float:
+    """How much of a velocity cycle each sample stands for, (rows, n_times, n_limits) [s].
+
+    The cycle lies about the sample; the window cuts the last one.
+    """
+    step = dt / rows
+    if float(t[-1]) + dt <= float(np.min(window)):
+        return step
+    times = t[:, None] + step * np.arange(rows)[:, None, None]
+    return step * np.clip((window - times) / step + 0.5, 0.0, 1.0)
 
 
 def _references(steps: JerkSteps, t: Array, *, order: int) -> Array:

@@ -181,6 +181,7 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
         Force, peaks, and RMS force where it is limited.
     """
     drive = bench.machine.drive
+    is_limited = isfinite(drive.continuous_force)
     used = np.zeros((len(acceleration), len(bench.names)))
     for move in bench.machine.moves:
         steps = plan_steps(bench.machine, move, acceleration, jerk_time)
@@ -190,11 +191,11 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
                 steps,
                 signals=bench.signals,
                 order=bench.order,
-                dwell=move.dwell,
+                dwell=move.dwell if is_limited else None,
                 tail=bench.tail,
             )
             share = found.peaks / bench.bounds
-            if isfinite(drive.continuous_force):
+            if is_limited:
                 load = abs(drive.static_load)
                 square = found.mean_square_force + load**2 + 2 * load * np.abs(found.mean_force)
                 share = np.column_stack([share, np.sqrt(square) / drive.continuous_force])

@@ -13,7 +13,7 @@ from mtcommission.optima import Optima, condense_optima, find_optima
 from mtcommission.plant import Plant, build_plant
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
-from mtcommission.trials import MoveResult, Trial, judge, run_moves
+from mtcommission.trials import MoveResult, Trial, judge_moves, run_moves
 
 
 def choose_case(machine: Machine) -> tuple[Cell, ...]:
@@ -41,7 +41,7 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     starts = [limits for _, limits in condense_optima(machine, plant, optima)]
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
     moves = run_moves(machine, tuned, choice.limits)
-    trial = judge(machine, plant, tuned, "recommended", "this search", choice.limits)
+    trial = judge_moves(machine, plant, tuned, "recommended", "this search", moves)
     return chain_cells(plant, optima, moves, trial, choice.bound_by)
 
 
