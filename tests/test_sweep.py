@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -159,6 +160,21 @@ def test_profile_of_a_case_differs_in_its_keys_alone() -> None:
     assert machine.moves[0].velocity_step == 0.2  # type: ignore[union-attr]
     with pytest.raises(InputError, match="there is no such key"):
         vary_profile(TEXT, (("moves.3.dwell", "1 s"),), where="p")
+
+
+@pytest.mark.parametrize(
+    "word", ["@0", '"@1"', "@@", 'a "quoted" \\1 \\ word', "x\ny", "ä", "2e400 kN"]
+)
+def test_any_text_of_a_case_arrives_as_it_is(word: str) -> None:
+    """A name with an odd sign would end up in another key, or break the profile."""
+    text = TEXT.replace('axis = "X"', 'axis = "@0 @1"', 1)
+    assert text != TEXT
+    settings = (("machine.name", word), ("plant.slider_mass", "800"), ("machine.source", "@0"))
+    found = tomllib.loads(vary_profile(text, settings, where="p"))
+    expected = tomllib.loads(text)
+    expected["machine"] |= {"name": word, "source": "@0"}
+    expected["plant"]["slider_mass"] = 800.0
+    assert found == expected
 
 
 def test_cases_from_a_table() -> None:

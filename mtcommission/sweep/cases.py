@@ -345,18 +345,39 @@ def vary_profile(text: str, settings: Settings, *, where: str) -> str:
     InputError
         If a key leads through a value, or the text is no TOML.
     """
+    mark = _unused_mark(text)
+    template = _mark_places(text, tuple(key for key, _ in settings), mark=mark, where=where)
+    written = [_write_value(value) for _, value in settings]
+    return re.sub(f'"{mark}([0-9]+)"', lambda match: written[int(match[1])], template)
+
+
+def _unused_mark(text: str) -> str:
+    mark = "@"
+    while mark in text:
+        mark += "@"
+    return mark
+
+
+@lru_cache(maxsize=16)  # all cases vary the same keys; reading the profile anew takes 6 ms
+def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> str:
+    """The profile with a mark and a number in place of each value that varies."""
     try:
         document = tomlkit.parse(text)
     except ValueError as error:
         message = f"TOML syntax: {error}"
         raise InputError([Fault(where=where, message=message)]) from error
-    for key, value in settings:
+    for number, key in enumerate(keys):
         try:
-            _place(document, plain_key(key).split("."), value)
+            _place(document, plain_key(key).split("."), f"{mark}{number}")
         except (TypeError, ValueError, IndexError) as error:
             message = f"there is no such key; elements of arrays go by number, e.g. {EXAMPLE_KEY}"
             raise InputError([Fault(where=where, key=key, message=message)]) from error
     return document.as_string()
+
+
+def _write_value(value: str) -> str:
+    """A number as TOML writes it, anything else as a string."""
+    return tomlkit.item(float(value) if NUMBER.fullmatch(value) else value).as_string()
 
 
 EXAMPLE_KEY = "moves[1].distance"
@@ -384,11 +405,9 @@ def _place(node: Any, path: Sequence[str], value: str) -> None:
             node = node.setdefault(part, tomlkit.table())
         else:
             raise TypeError
-    match = NUMBER.fullmatch(value)
-    content = float(value) if match else value
     if isinstance(node, list):
-        node[int(last)] = content
+        node[int(last)] = value
     elif isinstance(node, dict):
-        node[last] = content
+        node[last] = value
     else:
         raise TypeError
