@@ -356,6 +356,33 @@ def test_what_did_not_settle_is_said_and_never_a_number():
     assert "nan" not in everything
 
 
+def test_a_frequency_error_that_nothing_survives_is_a_sentence_and_no_empty_axes():
+    """Axes without a curve were drawn, and nobody could tell a fault of the plot from a result."""
+    record = unsettled_record()
+    error = record["robustness"]["frequency_error"]
+    reason = "The axis settles with none of the errors"
+
+    def shown():
+        blocks = next(s for s in compose(record, ENGLISH).sections if s.key == "robustness").blocks
+        drawn = [b for b in blocks if isinstance(b, LinePlot) and b.key == "frequency-error"]
+        told = [b.text for b in blocks if isinstance(b, Paragraph) and b.text.startswith(reason)]
+        return drawn, told
+
+    drawn, (told,) = shown()
+    low, high = (ROTARY.signed_percent(error["factor"][end] - 1.0) for end in (0, -1))
+    assert not drawn
+    assert f"tried, {low} to {high}; so there are no curves of residual" in told
+    error["residual_deviation"] = [9e-6 for _ in error["factor"]]
+    (plot,), (told,) = shown()
+    assert [panel.y_label.partition(" in ")[0] for panel in plot.panels] == [ENGLISH.residual]
+    assert "settling" not in (plot.caption + plot.alt).lower()
+    assert "no curve of the settling time" in told
+    error["settling_time"] = [None, *(0.1 for _ in error["factor"][1:])]
+    (plot,), told = shown()
+    assert len(plot.panels) == 2
+    assert not told
+
+
 def test_a_cross_check_that_does_not_settle_has_no_numbers():
     """An approximation that blew up was printed as a residual deviation of 10²⁸ m."""
     record = unsettled_record()
@@ -418,6 +445,25 @@ def test_a_payload_on_a_rotary_axis_is_a_moment_of_inertia(labels):
     assert f"{0.2:g}".replace(".", labels.decimal_mark) + " kg·m²," in said
     assert " kg," in labels.say("move 2, payload 0.2 kg, frequencies x 0.97")
     assert labels.for_rotary().say("kg m^2").count("m²") == 1
+
+
+MODE_SENTENCES = [
+    source
+    for source, _ in GERMAN.phrases
+    if re.search(r"[Mm]ode \{name\}|\(\{name\}, \{\d\} Hz\)|periods? of \{name\}", source)
+]
+
+
+@pytest.mark.parametrize(("labels", "names"), [(ENGLISH, "force mass"), (GERMAN, "Kraft Masse")])
+@pytest.mark.parametrize("source", MODE_SENTENCES)
+def test_a_mode_named_as_a_word_of_the_sheet_keeps_its_name(source, labels, names):
+    """On a rotary axis "mode force" was read as "mode torque", which the profile does not have."""
+    numbered = re.sub(r"\{\d+\}", "1.5", source)
+    for name in names.split():
+        told = re.sub(r"\{-?\w+\}", "encoder", numbered.replace("{name}", name))
+        said = labels.for_rotary().say(told)
+        assert len(re.findall(rf"\b{name}\b", said)) == 1
+        assert "[" not in said, "a sentence that the language does not know"
 
 
 def test_a_long_source_stands_once_with_a_number_and_a_short_one_in_its_row():

@@ -485,6 +485,21 @@ GERMAN = Labels(
         "Zwei Kurven über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt "
         "zwischen {least} und {most}; zulässig sind {band}."
     ),
+    residual_error_caption=(
+        "Restabweichung über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung"
+    ),
+    residual_error_alt=(
+        "Eine Kurve über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt "
+        "zwischen {least} und {most}; zulässig sind {band}."
+    ),
+    no_settling_curve=(
+        "Die Achse schwingt bei keinem der untersuchten Fehler der Eigenfrequenzen von {low} bis "
+        "{high} ein; eine Kurve der Einschwingzeit gibt es daher nicht."
+    ),
+    no_error_curves=(
+        "Die Achse schwingt bei keinem der untersuchten Fehler der Eigenfrequenzen von {low} bis "
+        "{high} ein; Kurven von Restabweichung und Einschwingzeit gibt es daher nicht."
+    ),
     nothing_drawn=(
         "Das Profil nennt weder eine Streuung von Frequenz oder Dämpfung noch einen Bereich der "
         "Zuladung; daher wurden keine Maschinen ausgelost."

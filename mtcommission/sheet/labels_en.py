@@ -454,6 +454,21 @@ class Labels:
         "Two curves over the common error of all eigenfrequencies. The residual deviation lies "
         "between {least} and {most}; permitted are {band}."
     )
+    residual_error_caption: str = (
+        "Residual deviation over the error of the eigenfrequencies, worst payload and damping"
+    )
+    residual_error_alt: str = (
+        "A curve over the common error of all eigenfrequencies. The residual deviation lies "
+        "between {least} and {most}; permitted are {band}."
+    )
+    no_settling_curve: str = (
+        "The axis settles with none of the errors of the eigenfrequencies that were tried, {low} "
+        "to {high}; so there is no curve of the settling time."
+    )
+    no_error_curves: str = (
+        "The axis settles with none of the errors of the eigenfrequencies that were tried, {low} "
+        "to {high}; so there are no curves of residual deviation and settling time."
+    )
     nothing_drawn: str = (
         "The profile states no spread of frequency or damping and no range of payload, so no "
         "machines were drawn at random."

@@ -33,6 +33,13 @@ SIGNS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
 )
 """What one types, as a pattern, and what one prints; names of machines and keys have none."""
 
+NAMED = re.compile(
+    r"(\{\w+\}"
+    r"|\b(?:[Mm]ode|Eigenform|periods? of|Perioden? von) \w+(?:, \w+)*"
+    r"|\(\w+, [\d.,×⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+ Hz\))"
+)
+"""A place to be filled in, or the name of a mode where a sentence speaks of it."""
+
 POWER = re.compile(r"(?<=\d)e([+-]?\d+)\b")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -91,14 +98,16 @@ def polish(text: str) -> str:
 def replace_words(text: str, words: Phrases) -> str:
     r"""Return a text with some of its words replaced, in their order; each is a pattern.
 
-    Places to be filled in keep their names.
+    Places to be filled in keep their names, and so do the modes of a profile.
 
     Examples
     --------
     >>> replace_words("Set force {force}", [(r"\bforce\b", "torque")])
     'Set torque {force}'
+    >>> replace_words("no force damps mode force", [(r"\bforce\b", "torque")])
+    'no torque damps mode force'
     """
-    parts = re.split(r"(\{\w+\})", text)
+    parts = NAMED.split(text)
     for pattern, other in words:
         parts[::2] = [re.sub(pattern, other, part) for part in parts[::2]]
     return "".join(parts)

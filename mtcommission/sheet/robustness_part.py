@@ -33,7 +33,7 @@ def robustness(record: Record, f: Formatter) -> Section:
         blocks=(
             *corners,
             Paragraph(text=kept_sentence(record, f)),
-            _frequency_error(record, f),
+            *_frequency_error(record, f),
             *found,
             _sensitivities(record, f),
         ),
@@ -93,31 +93,48 @@ def kept_sentence(record: Record, f: Formatter) -> str:
     return text.kept_between.format(low=shown[0], high=shown[1])
 
 
-def _frequency_error(record: Record, f: Formatter) -> LinePlot:
-    text, error, permitted = f.labels, record["robustness"]["frequency_error"], band(record)
-    x = 100.0 * (np.array(error["factor"]) - 1.0)
-    length = motion_unit("m", rotary=f.rotary)
+def _frequency_error(record: Record, f: Formatter) -> tuple[Block, ...]:
+    """Return the curves over the frequency error; where one has no point, why it is missing."""
+    text, error = f.labels, record["robustness"]["frequency_error"]
     residual, settling = (
         np.array([np.nan if value is None else value for value in error[key]])
         for key in ("residual_deviation", "settling_time")
     )
+    tried = {
+        "low": f.signed_percent(error["factor"][0] - 1.0),
+        "high": f.signed_percent(error["factor"][-1] - 1.0),
+    }
+    if not np.isfinite(residual).any():
+        return (Paragraph(text=text.no_error_curves.format(**tried), tone=Tone.NOTE),)
+    plot = _frequency_plot(record, residual, settling, f)
+    if np.isfinite(settling).any():
+        return (plot,)
+    return (plot, Paragraph(text=text.no_settling_curve.format(**tried), tone=Tone.NOTE))
+
+
+def _frequency_plot(record: Record, residual: Array, settling: Array, f: Formatter) -> LinePlot:
+    """Return residual deviation and, where it has points, settling time over the error."""
+    text, permitted = f.labels, band(record)
+    x = 100.0 * (np.array(record["robustness"]["frequency_error"]["factor"]) - 1.0)
+    length = motion_unit("m", rotary=f.rotary)
     limits = () if permitted is None else (permitted,)
-    known = residual[np.isfinite(residual)]
+    panels = [_panel(text.residual, text.recommended, x, residual, length, limits, f)]
+    caption, alt = text.residual_error_caption, text.residual_error_alt
+    if np.isfinite(settling).any():
+        panels.append(_panel(text.settling_time, text.recommended, x, settling, "s", (), f))
+        caption, alt = text.frequency_error_caption, text.frequency_error_alt
     return LinePlot(
         key="frequency-error",
-        caption=text.frequency_error_caption,
-        alt=text.frequency_error_alt.format(
-            least=f.quantity(float(known.min()) if known.size else None, length),
-            most=f.quantity(float(known.max()) if known.size else None, length),
+        caption=caption,
+        alt=alt.format(
+            least=f.quantity(float(np.nanmin(residual)), length),
+            most=f.quantity(float(np.nanmax(residual)), length),
             band=f.quantity(permitted, length),
         ),
         x_label=text.frequency_error,
         x_is_log=False,
         link="frequency-error",
-        panels=(
-            _panel(text.residual, text.recommended, x, residual, length, limits, f),
-            _panel(text.settling_time, text.recommended, x, settling, "s", (), f),
-        ),
+        panels=tuple(panels),
     )
 
 
