@@ -438,8 +438,8 @@ def test_boundary_flow_keeps_the_bound(name: str, value: float, order: int) -> N
     # d^r(c x)/dt^r = 0 in closed loop, from any state
     rate = limit.row.copy()
     for _ in range(order):
-        size = np.abs(rate) @ np.abs(limit.boundary_flow)
-        rate = rate @ limit.boundary_flow
+        size = np.abs(rate) @ np.abs(limit.boundary_flow.matrix)
+        rate = rate @ limit.boundary_flow.matrix
     assert np.all(np.abs(rate) <= 1e-9 * size + 1e-9)
 
 

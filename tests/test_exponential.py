@@ -1,6 +1,7 @@
 """The matrix exponential of a boundary arc against steps in extended precision."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.optimal.bounded_problem import bounded_problem
@@ -9,34 +10,63 @@ from mtcommission.optimal.solution import Bound
 from mtcommission.plant import build_plant
 from tests.machines import paper_machine
 
+Array = NDArray[np.float64]
+
 STEPS, TERMS = 4000, 14
 
 
-def _long_exponential(matrix):
+def _long_exponential(matrix: Array) -> Array:
     """Taylor steps with 64 bits of mantissa, multiplied one by one: no squaring, no scaling."""
     step = matrix.astype(np.longdouble) / STEPS
-    term = np.eye(len(matrix), dtype=np.longdouble)
-    short = term.copy()
+    term: NDArray[np.longdouble] = np.eye(len(matrix), dtype=np.longdouble)
+    short: NDArray[np.longdouble] = term.copy()
     for k in range(1, TERMS):
-        term = term @ step / k
+        term = np.asarray(term @ step / k, dtype=np.longdouble)
         short = short + term
-    out = np.eye(len(matrix), dtype=np.longdouble)
-    for _ in range(STEPS):
-        out = short @ out
-    return out.astype(float)
+    power: NDArray[np.longdouble] = short
+    for _ in range(STEPS - 1):
+        power = short @ power
+    return power.astype(np.float64)
 
 
-def test_a_long_boundary_arc_keeps_its_digits():
+def test_a_long_boundary_arc_keeps_its_digits() -> None:
     """Tight bounds were lost to this: 1e-9 of a state is what a finished control may miss."""
     machine = paper_machine()
     bounds = (Bound(name="v_phi", value=7e-4),)
     problem = bounded_problem(
         build_plant(machine), machine.moves[0], force_limit=2e3, bounds=bounds, horizon=0.05
     )
-    flow, scale = problem.limits[0].boundary_flow * 0.05, problem.state_scale
-    exact = _long_exponential(flow)
+    flow, scale = problem.limits[0].boundary_flow, problem.state_scale
+    exact = _long_exponential(flow.matrix * 0.05)
 
-    def error(found):
-        return (np.abs(found - exact) * scale / scale[:, np.newaxis]).max()
+    def error(found: Array) -> float:
+        return float((np.abs(found - exact) * scale / scale[:, np.newaxis]).max())
 
-    assert error(balanced_expm(flow)) < 1e-10 < error(expm(flow))
+    plain, balanced = expm(flow.matrix * 0.05), balanced_expm(flow.matrix * 0.05)
+    assert error(flow.over(0.05)) < 1e-11
+    assert error(balanced) < 1e-10 < error(plain)
+    # The bounded signal itself drifts in the states of the plant, not in those of the arc.
+    row, rate = problem.limits[0].output_chain
+
+    def drift(found: Array) -> float:
+        return float(np.abs((row @ found - row - problem.rate * 0.05 * rate) * scale).max())
+
+    assert drift(flow.over(0.05)) < 0.05 * drift(balanced)
+
+
+def test_the_adjoint_of_a_long_boundary_arc_keeps_sigma_at_zero() -> None:
+    """Rounding that moves σ off 0 on an arc is charged to the proof of t_f."""
+    machine = paper_machine()
+    bounds = (Bound(name="phi", value=1e-5),)
+    problem = bounded_problem(
+        build_plant(machine), machine.moves[0], force_limit=2e3, bounds=bounds, horizon=0.05
+    )
+    limit, span = problem.limits[0], 0.2
+    # σ and its derivatives follow their own chain: without rounding a polynomial of the span.
+    chain, u = limit.force_chain.T, problem.rate * span
+    shift = np.array([[1.0, u, u**2 / 2.0], [0.0, 1.0, u], [0.0, 0.0, 1.0]])
+    rows = chain @ limit.adjoint_flow.over(span)
+    weight = 1.0 / problem.state_scale
+    assert np.all(np.abs((rows - shift @ chain) * weight) < 1e-12 * np.abs(rows * weight).max())
+    plain = chain @ expm(limit.adjoint_flow.matrix * span)
+    assert np.abs((plain - shift @ chain) * weight).max() > 1e-11 * np.abs(rows * weight).max()

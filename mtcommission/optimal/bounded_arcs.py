@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
-from mtcommission.optimal.exponential import balanced_expm
 
 Array = NDArray[np.float64]
 
@@ -96,7 +95,7 @@ def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array
     if piece.limit < 0:
         pushes = step_response(problem.plant, tau) * piece.side * problem.force_limit
         return np.asarray(transition(problem.plant, tau) @ state + pushes)
-    flow = balanced_expm(problem.limits[piece.limit].boundary_flow * (tau[1] - tau[0]))
+    flow = problem.limits[piece.limit].boundary_flow.over(float(tau[1] - tau[0]))
     states = [state]
     for _ in tau[1:]:
         states.append(flow @ states[-1])

@@ -203,7 +203,7 @@ def adjoint_before(problem: BoundedProblem, stretch: Stretch) -> Array:
     if stretch.limit < 0:
         flow: Array = transition(problem.plant, np.array(stretch.length))
     else:
-        flow = balanced_expm(problem.limits[stretch.limit].adjoint_flow * stretch.length)
+        flow = problem.limits[stretch.limit].adjoint_flow.over(stretch.length).T
     return np.asarray(stretch.adjoint @ flow)
 
 
@@ -268,15 +268,17 @@ def _density(problem: BoundedProblem, part: Stretch) -> Integral:
 def _densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
     """Return the density of a core and its primitive at even distances from its end."""
     limit, n = problem.limits[part.limit], problem.plant.order
+    held = limit.adjoint_flow
+    to_density = limit.density_column @ held.inverse
     joint = np.zeros((n + 1, n + 1))
-    joint[:n, :n], joint[:n, n] = limit.adjoint_flow, limit.density_column
+    joint[:n, :n], joint[n, :n] = held.generator, to_density
     count = int(np.ceil(part.length * problem.rate * DENSITY_CELLS_PER_RADIAN)) + 1
     flow = balanced_expm(joint * (part.length / count))
-    rows = [np.append(part.adjoint, 0.0)]
+    rows = [np.append(held.chart @ part.adjoint, 0.0)]
     for _ in range(count):
-        rows.append(rows[-1] @ flow)
+        rows.append(flow @ rows[-1])
     followed = np.array(rows)
-    return followed[:, :n] @ limit.density_column, followed[:, n]
+    return followed[:, :n] @ to_density, followed[:, n]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

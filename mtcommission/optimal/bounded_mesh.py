@@ -21,7 +21,6 @@ from scipy.optimize import linprog
 
 from mtcommission.optimal.bounded_dual import Atom, Core, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
-from mtcommission.optimal.exponential import balanced_expm
 
 Array = NDArray[np.float64]
 
@@ -268,7 +267,7 @@ def _segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tupl
             limit = problem.limits[core.limit]
             if relaxed:
                 state = _projected(problem, layout, core, state)
-            state = balanced_expm(limit.boundary_flow * lengths[i]) @ state
+            state = limit.boundary_flow.over(float(lengths[i])) @ state
             if relaxed:
                 state[:, jump : jump + limit.order] += limit.force_chain
                 jump += limit.order
@@ -318,7 +317,7 @@ def _bound_rows(
             continue
         since = np.array(segment.start - contact.remaining)
         if segment.limit >= 0:
-            flow = balanced_expm(problem.limits[segment.limit].boundary_flow * since)
+            flow = problem.limits[segment.limit].boundary_flow.over(float(since))
             rows[i] = row @ flow @ segment.first
             continue
         rows[i] = row @ transition(problem.plant, since) @ segment.first

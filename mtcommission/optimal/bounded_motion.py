@@ -76,8 +76,7 @@ def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...
             state = transition(plant, since) @ state + push
         else:
             arcs.append(boundary_arc(problem, piece.limit, start, end, state=state))
-            flow = problem.limits[piece.limit].boundary_flow
-            state = balanced_expm(flow * piece.duration) @ state
+            state = problem.limits[piece.limit].boundary_flow.over(piece.duration) @ state
         start = end
     return tuple(arcs)
 
@@ -86,15 +85,15 @@ def boundary_arc(
     problem: BoundedProblem, index: int, start: float, end: float, *, state: Array
 ) -> Arc:
     """Return the arc that holds a bound from a state on it: F_set = K expm((A + B K) t) x."""
-    limit = problem.limits[index]
+    limit, flow = problem.limits[index], problem.limits[index].boundary_flow
     side = "+" if float(limit.row @ state) > 0.0 else "-"
     return Arc(
         t_start=start,
         t_end=end,
         control=f"boundary:{limit.bound.name}:{side}",
-        generator=limit.boundary_flow,
-        initial=state,
-        output=limit.feedback,
+        generator=flow.generator,
+        initial=flow.chart @ state,
+        output=limit.feedback @ flow.inverse,
     )
 
 

@@ -25,7 +25,6 @@ from mtcommission.optimal.bounded_problem import (
     step_response,
     transition,
 )
-from mtcommission.optimal.exponential import balanced_expm
 
 Array = NDArray[np.float64]
 
@@ -294,7 +293,7 @@ def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, A
     state, slope = np.zeros(plant.order), np.zeros((plant.order, unknowns.size))
     for j, leg in enumerate(system.legs):
         held = None if leg.limit < 0 else problem.limits[leg.limit]
-        generator = plant.A if held is None else held.boundary_flow
+        generator = plant.A if held is None else held.boundary_flow.matrix
         push = plant.B * (leg.side * problem.force_limit if held is None else 0.0)
         if leg.touch is not None:
             row = problem.limits[leg.touch.limit].row
@@ -309,7 +308,7 @@ def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, A
             state = flows[j] @ state + pushes[j] * leg.side
             slope = flows[j] @ slope
         else:
-            flow = balanced_expm(held.boundary_flow * durations[j])
+            flow = held.boundary_flow.over(float(durations[j]))
             state, slope = flow @ state, flow @ slope
         slope[:, j] = (generator @ state + push) * system.scale
     error, scales = state - problem.target, problem.state_scale[problem.fixed]
@@ -335,14 +334,14 @@ def _add_dual(
     for j in range(len(system.legs) - 1, -1, -1):
         leg = system.legs[j]
         held = None if leg.limit < 0 else problem.limits[leg.limit]
-        generator = plant.A if held is None else held.adjoint_flow
+        generator = plant.A if held is None else held.adjoint_flow.matrix.T
         if held is not None and leg.ends:
             rows.add(np.array(adjoint @ to_sigma), to_sigma @ slope)
             if held.order == 2:
                 direction = held.force_chain[:, 1] / held.gain
                 slope = slope - np.outer(held.row, direction @ slope)
                 adjoint = adjoint - held.row * float(direction @ adjoint)
-        flow = flows[j] if held is None else balanced_expm(generator * durations[j])
+        flow = flows[j] if held is None else held.adjoint_flow.over(float(durations[j])).T
         adjoint, slope = adjoint @ flow, flow.T @ slope
         slope[:, j] = adjoint @ generator * system.scale
         if leg.atom >= 0:
@@ -368,7 +367,7 @@ def _terminal(system: _System, unknowns: Array) -> Array:
 
 
 def _measure(system: _System, unknowns: Array) -> Measure:
-    problem, plant = system.problem, system.problem.plant
+    problem = system.problem
     durations = (unknowns[: len(system.legs)] * system.scale).tolist()
     atoms: list[Atom] = []
     cores: list[Core] = []
@@ -381,9 +380,11 @@ def _measure(system: _System, unknowns: Array) -> Measure:
                 out = float(adjoint @ held.force_chain[:, 1]) / held.gain
                 adjoint = adjoint - out * held.row
                 atoms.append(Atom(remaining=after, limit=leg.limit, weight=out))
-        generator = plant.A if held is None else held.adjoint_flow
         after += duration
-        adjoint = adjoint @ balanced_expm(generator * duration)
+        if held is None:
+            adjoint = adjoint @ transition(problem.plant, np.array(duration))
+        else:
+            adjoint = held.adjoint_flow.over(duration) @ adjoint
         if leg.atom >= 0:
             weight = float(unknowns[system.width + leg.atom])
             limit, side = (leg.touch.limit, leg.touch.side) if leg.touch else (leg.limit, leg.side)

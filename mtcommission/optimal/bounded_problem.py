@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.held_flow import HeldFlow, held_flow
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant import Plant
 
@@ -50,9 +51,9 @@ class Limit:
     feedback
         K, shape (n,) [N per unit of state].
     boundary_flow
-        A + B K: the motion on a boundary arc, shape (n, n).
+        A + B K: the motion on a boundary arc.
     adjoint_flow
-        A - A^r B c / (c A^(r-1) B): the adjoint on a boundary arc, shape (n, n).
+        A - A^r B c / (c A^(r-1) B), transposed: the adjoint on a boundary arc.
     density_column
         A^r B / (c A^(r-1) B): λ times it is the density of the multiplier, shape (n,).
     """
@@ -64,8 +65,8 @@ class Limit:
     output_chain: Array
     force_chain: Array
     feedback: Array
-    boundary_flow: Array
-    adjoint_flow: Array
+    boundary_flow: HeldFlow
+    adjoint_flow: HeldFlow
     density_column: Array
 
     @property
@@ -185,18 +186,19 @@ def bounded_problem(
         target[plant.position] = move.distance
     steps = step_response(plant, np.linspace(0.0, horizon, 200))
     travel = np.abs(np.diff(steps, axis=0)).sum(axis=0) * force_limit
+    scale = np.maximum(travel, np.abs(target))
     return BoundedProblem(
         plant=plant,
         force_limit=force_limit,
-        limits=tuple(_limit(plant, bound, rate, target) for bound in bounds),
+        limits=tuple(_limit(plant, bound, rate, target, scale) for bound in bounds),
         fixed=fixed,
         target=target,
-        state_scale=np.maximum(travel, np.abs(target)),
+        state_scale=scale,
         rate=rate,
     )
 
 
-def _limit(plant: Plant, bound: Bound, rate: float, target: Array) -> Limit:
+def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array) -> Limit:
     A, B = plant.A / rate, plant.B
     row = plant.row(bound.name) / bound.value
     outputs, forces = [row], [B]
@@ -206,16 +208,21 @@ def _limit(plant: Plant, bound: Bound, rate: float, target: Array) -> Limit:
     gain = float(outputs[-1] @ B)
     feedback = -rate * (outputs[-1] @ A) / gain
     density_column = rate * (A @ forces[-1]) / gain
+    output_chain, force_chain = np.array(outputs), np.column_stack(forces)
     return Limit(
         bound=bound,
         row=row,
         follows=abs(float(row @ target)) > FOLLOW_LEVEL,
         gain=gain,
-        output_chain=np.array(outputs),
-        force_chain=np.column_stack(forces),
+        output_chain=output_chain,
+        force_chain=force_chain,
         feedback=feedback,
-        boundary_flow=plant.A + np.outer(B, feedback),
-        adjoint_flow=plant.A - np.outer(density_column, row),
+        boundary_flow=held_flow(
+            plant.A + np.outer(B, feedback), output_chain, rate=rate, scale=scale
+        ),
+        adjoint_flow=held_flow(
+            (plant.A - np.outer(density_column, row)).T, force_chain.T, rate=rate, scale=1.0 / scale
+        ),
         density_column=density_column,
     )
 

@@ -1,0 +1,86 @@
+"""A linear motion that keeps a chain of its own derivatives, to the last digit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import qr
+
+from mtcommission.optimal.exponential import balanced_expm
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class HeldFlow:
+    """x' = G x in coordinates z = T x, of which the first r are the chain and follow it exactly.
+
+    Parameters
+    ----------
+    matrix
+        G, shape (n, n) [1/s].
+    chart
+        T, shape (n, n); its first r rows are the chain.
+    inverse
+        T^-1, shape (n, n).
+    generator
+        T G T^-1 with its first r rows as they are without rounding, shape (n, n) [1/s].
+    """
+
+    matrix: Array
+    chart: Array
+    inverse: Array
+    generator: Array
+
+    def over(self, span: float) -> Array:
+        """Return expm(G span), shape (n, n), for a span in s that may be negative."""
+        return np.asarray(self.inverse @ balanced_expm(self.generator * span) @ self.chart)
+
+
+def held_flow(matrix: Array, chain: Array, *, rate: float, scale: Array) -> HeldFlow:
+    """Return a motion that keeps a chain: c_j G = rate c_(j+1), and 0 for the last row.
+
+    A boundary arc is such a motion: c x is constant on it because its derivatives are 0. In the
+    states of the plant that is a difference of large numbers, and over a long arc the rounding
+    of the matrix exponential lets c x drift by more than a finished control may miss.
+
+    Parameters
+    ----------
+    matrix
+        G, shape (n, n) [1/s].
+    chain
+        Rows c_j, shape (r, n), linearly independent.
+    rate
+        [1/s].
+    scale
+        Typical size of each state, shape (n,).
+
+    Returns
+    -------
+    HeldFlow
+
+    Examples
+    --------
+    A mass on which a force acts that keeps its velocity: x = (v, F).
+
+    >>> flow = held_flow(np.array([[0.0, 2.0], [0.0, 0.0]]), np.array([[1.0, 0.0], [0.0, 2.0]]),
+    ...     rate=1.0, scale=np.ones(2))
+    >>> flow.over(3.0).round(12).tolist()
+    [[1.0, 6.0], [0.0, 1.0]]
+    """
+    r, n = chain.shape
+    # The chain takes the place of the states that it determines best.
+    order = qr(chain * scale, mode="economic", pivoting=True)[2]
+    given, free = np.sort(order[:r]), np.sort(order[r:])
+    solved = np.linalg.inv(chain[:, given] * scale[given]) * scale[given, np.newaxis]
+    inverse = np.zeros((n, n))
+    inverse[given, :r] = solved
+    inverse[np.ix_(given, np.arange(r, n))] = -solved @ chain[:, free]
+    inverse[free, np.arange(r, n)] = 1.0
+    chart = np.vstack([chain, np.eye(n)[free]])
+    generator = chart @ matrix @ inverse
+    generator[:r] = rate * np.eye(n, k=1)[:r]
+    generator[r - 1] = 0.0
+    return HeldFlow(matrix=matrix, chart=chart, inverse=inverse, generator=generator)
