@@ -252,6 +252,74 @@ def test_scan_finds_the_range_of_seven_switches(plant: Plant) -> None:
     assert half.counterexamples[0].lowest == 1270.0
 
 
+def test_short_moves_cannot_switch_more_often_than_five_times(plant: Plant) -> None:
+    """The theory behind the range above 12 MN: zeros of random switching functions."""
+    poles = [pole for pole in np.linalg.eigvals(plant.A) if pole.imag >= 0.0 and pole != 0.0]
+    half = np.pi / max(pole.imag for pole in poles)
+    random = np.random.default_rng(2)
+
+    def most_zeros(length: float) -> int:
+        tau = np.linspace(0.0, length, 4001)
+        waves = np.array([np.exp(pole * tau) for pole in poles])
+        functions = np.vstack([np.ones_like(tau), waves.real, waves[np.iscomplex(poles)].imag])
+        orthogonal = np.linalg.qr(functions.T)[0]
+        trials = orthogonal @ random.normal(size=(orthogonal.shape[1], 3000))
+        return int((np.diff(np.sign(trials), axis=0) != 0).sum(axis=0).max())
+
+    assert functions_needed(plant) == 6
+    assert most_zeros(half) == 5
+    assert most_zeros(4.0 * half) > 5
+
+
+def functions_needed(plant: Plant) -> int:
+    """1, the force lag and two for each mode: five zeros at most, by theory."""
+    return 2 + 2 * len(plant.modes)
+
+
+def test_claims_on_vibration_by_a_general_solver(found: Validation, plant: Plant) -> None:
+    """Peaks and changes of sign of v_phi, and its growth with the force."""
+
+    def rates(force_limit: float) -> Array:
+        best = solve_time_optimal(plant, STEP, force_limit=force_limit)
+        x, values = np.zeros(7), [np.zeros(1)]
+        for arc in best.arcs:
+            force, length = float(arc.output[0]), arc.t_end - arc.t_start
+            solved = solve_ivp(
+                lambda _, y, u=force: rate(y, u),
+                (0.0, length),
+                x,
+                method="DOP853",
+                rtol=1e-9,
+                atol=1e-12,
+                t_eval=np.linspace(0.0, length, 400),
+            )
+            values.append(solved.y[5, 1:-1])
+            x = solved.y[:, -1]
+        return np.concatenate(values)
+
+    swings = rates(2e3)
+    clear = swings[np.abs(swings) > 1e-4]
+    changes = int(np.count_nonzero(np.diff(np.sign(clear))))
+    told = pick(found.rows, "time-optimal trajectories oscillate").ours
+    assert f"changes its sign {changes} times" in told
+    assert f"{1e3 * np.abs(swings).max():.1f} mrad/s" in told
+    told = pick(found.rows, "higher F_max leads to higher vibrations").ours
+    ends_of_range = [f"{1e3 * np.abs(rates(force)).max():.1f}" for force in (500.0, 4000.0)]
+    assert f"from {ends_of_range[0]} to {ends_of_range[1]} mrad/s" in told
+
+
+def test_varied_loops_differ_in_one_thing(found: Validation) -> None:
+    """Else the jerk would not follow the mode that the row names."""
+    cases = found.cases
+    base, tower = cases.as_printed.frequencies
+    assert [base, tower] == pytest.approx([49.99819, 72.06047], rel=1e-6)
+    assert cases.softer_base.frequencies == pytest.approx([0.8 * base, tower])
+    assert cases.stiffer_tower.frequencies == pytest.approx([base, 1.25 * tower])
+    assert cases.as_printed.rectangular_time == cases.rectangular.response.settling_time
+    assert cases.as_printed.damping[1] == pytest.approx(0.0496942, rel=1e-4)
+    assert cases.sensed.damping[1] > 0.1
+
+
 def test_cost_of_coasting_by_quadrature(found: Validation, plant: Plant) -> None:
     """J of the time-optimal control, piece by piece with an adaptive rule."""
     x, total = np.zeros(7), 0.0
@@ -302,6 +370,17 @@ def test_terminal_shows_80_columns(found: Validation) -> None:
     text = " ".join(" ".join(lines).split())
     for row in found.rows:
         assert row.ours.split()[0] in text
+
+
+def test_page_names_first_what_does_not_hold(found: Validation) -> None:
+    """A reader must not have to search 70 rows for what the paper got wrong."""
+    page = unescape(print_validation(found, created="today"))
+    head = page[: page.index('id="part-1"')]
+    assert "for all F_max > 0 (sec. 5, (11)): printed 5 for all values of F_max > 0; ours" in head
+    assert "relative (sec. 5.2): printed 0.23; correct 0.1998621" in head
+    assert head.count("Does not hold:") == 4
+    assert head.count("Misprint:") == 9
+    assert "<th" not in head
 
 
 def test_page_is_offline_and_escaped(found: Validation) -> None:

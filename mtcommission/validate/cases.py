@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mtcommission.choose import choose_limits
 from mtcommission.comparison import ComparedControl, compare_controls
 from mtcommission.limits import MotionLimits, condense
 from mtcommission.loop.response import LoopResponse, simulate
+from mtcommission.loop.tuned import TunedLoop
 from mtcommission.loop_choice import Settings, settle_on_loop
-from mtcommission.machine import Machine, Weight
+from mtcommission.machine import Control, Machine, TcpSensor, Weight
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.solution import (
@@ -28,15 +32,19 @@ from mtcommission.setpoint import plan_setpoint
 from mtcommission.validate.paper import (
     BOUNDED_T_F,
     FORCE_LIMIT,
+    MECHANICS,
     RATE_BOUND,
     WEIGHTS,
     paper_machine,
 )
 
+Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
 CONDENSING_SAMPLES = 500
 """Samples of an optimum for the jerk-limited profile closest to it."""
+FREQUENCY_FACTORS = (0.8, 1.25)
+"""By what each eigenfrequency is changed to see what the jerk depends on [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,6 +64,28 @@ class LoopCase:
     limits: MotionLimits
     response: LoopResponse
     measured: ComparedControl
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class VariedLoop:
+    """The loop of a machine that differs from Table 1 in one thing, tuned anew.
+
+    Parameters
+    ----------
+    frequencies
+        Natural frequencies of base and tower [Hz].
+    limits
+        Recommended acceleration and jerk.
+    damping
+        Damping ratios of base and tower in the closed loop, shape (2,).
+    rectangular_time
+        Settling time of the setpoint without jerk limit [s].
+    """
+
+    frequencies: Array
+    limits: MotionLimits
+    damping: Array
+    rectangular_time: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -79,6 +109,12 @@ class Cases:
     condensed
         The jerk-limited profile closest to each optimum, in the loop: time-optimal, bounded,
         damping-optimal.
+    as_printed
+        The loop behind ``rectangular`` and ``trapezoidal``.
+    softer_base, stiffer_base, softer_tower, stiffer_tower
+        One eigenfrequency changed by ``FREQUENCY_FACTORS``, its damping ratio kept.
+    sensed
+        With a second encoder near the tool.
     """
 
     machine: Machine
@@ -90,6 +126,12 @@ class Cases:
     rectangular: LoopCase
     trapezoidal: LoopCase
     condensed: tuple[LoopCase, ...]
+    as_printed: VariedLoop
+    softer_base: VariedLoop
+    stiffer_base: VariedLoop
+    softer_tower: VariedLoop
+    stiffer_tower: VariedLoop
+    sensed: VariedLoop
 
 
 def solve_cases(progress: Progress = lambda _: None) -> Cases:
@@ -116,8 +158,10 @@ def solve_cases(progress: Progress = lambda _: None) -> Cases:
         plant, move, force_limit=FORCE_LIMIT, t_f=BOUNDED_T_F, weights=WEIGHTS
     )
     progress("feedback loop")
-    optima = (time.arcs, bounded.arcs, damping.arcs)
-    loops = _loop_cases(machine, plant, optima)
+    loops = _loop_cases(machine, plant, (time.arcs, bounded.arcs, damping.arcs))
+    progress("feedback loops of machines with other frequencies and sensors")
+    soft, stiff = FREQUENCY_FACTORS
+    near_tool = replace(machine, control=Control(tcp_sensor=TcpSensor.POSITION))
     return Cases(
         machine=machine,
         plant=plant,
@@ -128,6 +172,37 @@ def solve_cases(progress: Progress = lambda _: None) -> Cases:
         rectangular=loops[0],
         trapezoidal=loops[1],
         condensed=loops[2:],
+        as_printed=_vary(machine),
+        softer_base=_vary(_rescale(machine, base=soft)),
+        stiffer_base=_vary(_rescale(machine, base=stiff)),
+        softer_tower=_vary(_rescale(machine, tower=soft)),
+        stiffer_tower=_vary(_rescale(machine, tower=stiff)),
+        sensed=_vary(near_tool),
+    )
+
+
+def _rescale(machine: Machine, *, base: float = 1.0, tower: float = 1.0) -> Machine:
+    """Return the machine with its eigenfrequencies times these factors."""
+    mechanics = replace(
+        MECHANICS,
+        base_stiffness=base**2 * MECHANICS.base_stiffness,
+        base_damping=base * MECHANICS.base_damping,
+        rotary_stiffness=tower**2 * MECHANICS.rotary_stiffness,
+        rotary_damping=tower * MECHANICS.rotary_damping,
+    )
+    return replace(machine, mechanics=mechanics)
+
+
+def _vary(machine: Machine) -> VariedLoop:
+    plant, settings = build_plant(machine), Settings()
+    tuned = settle_on_loop(machine, plant, settings).tuned
+    chosen = choose_limits(machine, plant, tuned, starts=[], settings=settings.search)
+    rough = without_jerk_limit(machine, machine.drive.motion_force / plant.moving_mass)
+    return VariedLoop(
+        frequencies=np.array([mode.natural_frequency / (2.0 * np.pi) for mode in plant.modes]),
+        limits=chosen.limits,
+        damping=tuned.nominal.mode_damping,
+        rectangular_time=_respond(machine, tuned, rough).settling_time,
     )
 
 
@@ -149,13 +224,17 @@ def _loop_cases(
     rectangular = without_jerk_limit(machine, a)
     cases = []
     for limits in (rectangular, chosen.limits, *closest):
-        response = simulate(
-            tuned.loops[0],
-            tuned.lifted[0],
-            plan_setpoint(move, limits),
-            drive=machine.drive,
-            band=machine.requirements.tcp_deviation,
-        )
+        response = _respond(machine, tuned, limits)
         measured = compare_controls(machine, plant, tuned, move, limits=limits, optima=())[1]
         cases.append(LoopCase(limits=limits, response=response, measured=measured))
     return tuple(cases)
+
+
+def _respond(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> LoopResponse:
+    return simulate(
+        tuned.loops[0],
+        tuned.lifted[0],
+        plan_setpoint(machine.moves[0], limits),
+        drive=machine.drive,
+        band=machine.requirements.tcp_deviation,
+    )

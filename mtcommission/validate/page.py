@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.model import (
@@ -19,6 +21,15 @@ from mtcommission.validate.figures import paper_figures
 from mtcommission.validate.report import Part, Validation, count_verdicts
 from mtcommission.validate.row import Row, Verdict
 
+SIGNS = (
+    (r"\blambda", "λ"),
+    (r"phi\b", "φ"),
+    (r"\bmu_", "µ_"),
+    (r"<=", "≤"),
+    (r">=", "≥"),
+    (r"\^2\b", "²"),
+)
+"""What a terminal may not have, and how the page shows it."""
 SOURCE = "B. Christiansen, H. Maurer, O. Zirn: Optimal Control of Machine Tool Manipulators"
 
 
@@ -79,7 +90,23 @@ def _verdict(validation: Validation) -> Section:
         ),
         tone=Tone.NOTE,
     )
-    return Section(key="verdict", heading="Verdict", blocks=(headline, note))
+    found = tuple(
+        _typeset(f"{word}: {row.quantity} ({row.place}): {_finding(row)}.")
+        for verdict, word in (
+            (Verdict.OUT, "Unexplained"),
+            (Verdict.DIFFERS, "Does not hold"),
+            (Verdict.CORRECTED, "Misprint"),
+        )
+        for row in rows
+        if row.verdict is verdict
+    )
+    return Section(key="verdict", heading="Verdict", blocks=(headline, Bullets(items=found), note))
+
+
+def _finding(row: Row) -> str:
+    if row.corrected:
+        return f"printed {row.printed}; correct {row.corrected}"
+    return f"printed {row.printed}; ours {row.ours}"
 
 
 def _section(number: int, part: Part) -> Section:
@@ -88,7 +115,7 @@ def _section(number: int, part: Part) -> Section:
     claims = [row for row in part.rows if row.is_claim]
     if numbers:
         blocks.append(_numbers(numbers))
-        blocks.append(Bullets(items=(*_bases(numbers), *_reasons(numbers)), tone=Tone.NOTE))
+        blocks.append(Bullets(items=(*_reasons(numbers), *_bases(numbers)), tone=Tone.NOTE))
     if claims:
         blocks.append(_claims(claims))
     if reasons := _reasons(claims):
@@ -97,51 +124,51 @@ def _section(number: int, part: Part) -> Section:
 
 
 def _numbers(rows: list[Row]) -> Table:
-    heads = ("Printed", "Correct", "Ours", "Difference", "Tolerance")
-    return Table(
-        caption="Numbers",
-        columns=(
-            Column(head="Place"),
+    """Return the numbers, what matters most on the left: a telephone shows four columns."""
+    cells: list[tuple[Column, list[str]]] = [
+        (
             Column(head="Quantity", width=2.0),
-            *(Column(head=head, is_number=True) for head in heads),
-            Column(head="Verdict"),
+            [
+                _typeset(f"{row.quantity} [{row.unit}]" if row.unit else row.quantity)
+                for row in rows
+            ],
         ),
-        rows=tuple(
-            (
-                row.place,
-                f"{row.quantity} [{row.unit}]" if row.unit else row.quantity,
-                row.printed,
-                row.corrected,
-                row.ours,
-                f"{row.difference:.2g}",
-                f"{row.tolerance:.2g}",
-                row.verdict.value,
-            )
-            for row in rows
-        ),
-        strong_rows=_unusual(rows),
-    )
+        (Column(head="Printed", is_number=True), [row.printed for row in rows]),
+        (Column(head="Correct", is_number=True), [_typeset(row.corrected) for row in rows]),
+        (Column(head="Ours", is_number=True), [row.ours for row in rows]),
+        (Column(head="Difference", is_number=True), [f"{row.difference:.2g}" for row in rows]),
+        (Column(head="Tolerance", is_number=True), [f"{row.tolerance:.2g}" for row in rows]),
+        (Column(head="Verdict"), [row.verdict.value for row in rows]),
+        (Column(head="Place"), [row.place for row in rows]),
+    ]
+    return _table("Numbers", cells, rows)
 
 
 def _claims(rows: list[Row]) -> Table:
-    heads = ("Place", "Claim", "Printed", "Correct", "Ours, and how it was tested", "Verdict")
+    cells: list[tuple[Column, list[str]]] = [
+        (Column(head="Claim", width=1.5), [_typeset(row.quantity) for row in rows]),
+        (Column(head="Verdict"), [row.verdict.value for row in rows]),
+        (Column(head="Printed", width=1.5), [_typeset(row.printed) for row in rows]),
+        (Column(head="Correct", width=1.5), [_typeset(row.corrected) for row in rows]),
+        (
+            Column(head="Ours, and how it was tested", width=3.0),
+            [_typeset(f"{row.ours} ({row.basis})") for row in rows],
+        ),
+        (Column(head="Place"), [row.place for row in rows]),
+    ]
+    return _table("Claims and formulas", cells, rows)
+
+
+def _table(caption: str, cells: list[tuple[Column, list[str]]], rows: list[Row]) -> Table:
+    """Return a table without the columns that are empty throughout."""
+    filled = [(column, texts) for column, texts in cells if any(texts)]
     return Table(
-        caption="Claims and formulas",
-        columns=tuple(
-            Column(head=head, width=1.0 if head in ("Place", "Verdict") else 2.0) for head in heads
+        caption=caption,
+        columns=tuple(column for column, _ in filled),
+        rows=tuple(zip(*(texts for _, texts in filled), strict=True)),
+        strong_rows=tuple(
+            i for i, row in enumerate(rows) if row.verdict in (Verdict.OUT, Verdict.DIFFERS)
         ),
-        rows=tuple(
-            (
-                row.place,
-                row.quantity,
-                row.printed,
-                row.corrected,
-                f"{row.ours} ({row.basis})",
-                row.verdict.value,
-            )
-            for row in rows
-        ),
-        strong_rows=_unusual(rows),
     )
 
 
@@ -151,13 +178,23 @@ def _bases(rows: list[Row]) -> tuple[str, ...]:
     for row in rows:
         named.setdefault(row.basis, []).append(row.quantity)
     return tuple(
-        f"Tolerance of {'; '.join(quantities)}: {basis}." for basis, quantities in named.items()
+        _typeset(f"Tolerance of {'; '.join(quantities)}: {basis}.")
+        for basis, quantities in named.items()
     )
 
 
 def _reasons(rows: list[Row]) -> tuple[str, ...]:
-    return tuple(f"{row.quantity}: {row.reason}" for row in rows if row.reason)
+    return tuple(_typeset(f"{row.quantity}: {row.reason}") for row in rows if row.reason)
 
 
-def _unusual(rows: list[Row]) -> tuple[int, ...]:
-    return tuple(i for i, row in enumerate(rows) if row.verdict is Verdict.OUT)
+def _typeset(text: str) -> str:
+    """Return a text with the signs that not every terminal has.
+
+    Examples
+    --------
+    >>> _typeset("|v_phi| <= 0.005, lambda_vphi(0), mu_1 J^2")
+    '|v_φ| ≤ 0.005, λ_vφ(0), µ_1 J²'
+    """
+    for plain, sign in SIGNS:
+        text = re.sub(plain, sign, text)
+    return text

@@ -39,10 +39,23 @@ def plant_rows(cases: Cases) -> tuple[Row, ...]:
             ours=kalman_rank(plant),
             tolerance=0.0,
             basis="a whole number",
-            reason="Decided after scaling the states; unscaled, the columns span 30 decades.",
+            reason=_scaling(plant),
         ),
         _adjoint_equations(plant),
         _constraint_order(plant),
+    )
+
+
+def _scaling(plant: Plant) -> str:
+    columns = [plant.B]
+    for _ in range(plant.order - 1):
+        columns.append(plant.A @ columns[-1])
+    kalman = np.array(columns).T
+    entries = np.abs(kalman[kalman != 0.0])
+    return (
+        f"Decided after scaling the states. In SI units the entries of C span "
+        f"{np.log10(entries.max() / entries.min()):.0f} decades, and rounding makes its rank look "
+        f"like {np.linalg.matrix_rank(kalman)}."
     )
 
 

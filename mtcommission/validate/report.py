@@ -13,6 +13,7 @@ from mtcommission.validate.plant_rows import plant_rows
 from mtcommission.validate.row import Row, Verdict
 from mtcommission.validate.structure import structure_rows
 from mtcommission.validate.time_rows import time_rows
+from mtcommission.validate.vibration_rows import vibration_rows
 
 PARTS: tuple[tuple[str, Callable[[Cases], tuple[Row, ...]]], ...] = (
     ("Plant (sec. 2)", plant_rows),
@@ -21,6 +22,7 @@ PARTS: tuple[tuple[str, Callable[[Cases], tuple[Row, ...]]], ...] = (
     ("Structure of the control (sec. 5)", structure_rows),
     ("Bound on the tower's rate (sec. 5.2)", bounded_rows),
     ("Damping-optimal control (sec. 6)", damping_rows),
+    ("Vibration (secs. 4 to 6)", vibration_rows),
     ("Conclusion (sec. 7)", conclusion_rows),
 )
 """Parts of the comparison in the paper's order."""

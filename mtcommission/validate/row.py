@@ -33,7 +33,8 @@ class Row:
     unit
         SI unit; "" for a claim or a plain number.
     printed, corrected, ours
-        As text; ``corrected`` is "" where nothing had to be corrected.
+        As text; ``corrected`` is "" where nothing had to be corrected. Two digits of ours where
+        the printed number is 0: the rest is rounding.
     printed_value, ours_value
         As numbers in the unit; nan for a claim.
     difference
@@ -126,7 +127,7 @@ def number_row(
         unit=unit,
         printed=f"{printed:.7g}",
         corrected=words if verdict is not Verdict.AGREES else "",
-        ours=f"{ours:.7g}",
+        ours=f"{ours:.7g}" if wanted != 0.0 else f"{ours:.2g}",
         printed_value=printed,
         ours_value=ours,
         difference=difference,
