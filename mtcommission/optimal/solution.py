@@ -176,24 +176,25 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     Trajectory
         A switch appears once, with the force after it; the last sample ends the last arc.
     """
-    x = np.zeros(plant.order)
-    times, forces, states = [], [], []
+    n = plant.order
+    x, times, forces, states = np.zeros(n), [], [], []
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length / step)))
         transition = balanced_expm(_joint_system(plant, arc) * (length / count))
-        z = np.concatenate([x, arc.initial])
+        motion = np.empty((count + 1, n + arc.initial.size))
+        motion[0] = np.concatenate([x, arc.initial])
         for i in range(count):
-            times.append(arc.t_start + i * length / count)
-            forces.append(arc.output @ z[plant.order :])
-            states.append(z[: plant.order])
-            z = transition @ z
-        x = z[: plant.order]
-        last_force = float(arc.output @ z[plant.order :])
-    times.append(arcs[-1].t_end)
-    forces.append(last_force)
-    states.append(x)
-    return Trajectory(t=np.array(times), force=np.array(forces), states=np.array(states))
+            np.matmul(transition, motion[i], out=motion[i + 1])
+        x = motion[-1, :n]
+        times.append(arc.t_start + np.arange(count) * length / count)
+        forces.append(motion[:, n:] @ arc.output)
+        states.append(motion[:-1, :n])
+    return Trajectory(
+        t=np.concatenate([*times, [arcs[-1].t_end]]),
+        force=np.concatenate([*(force[:-1] for force in forces), forces[-1][-1:]]),
+        states=np.concatenate([*states, x[None]]),
+    )
 
 
 def _joint_system(plant: Plant, arc: Arc) -> Array:
