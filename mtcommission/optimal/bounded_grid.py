@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.optimal.bounded_cells import STEPS_PER_CELL, cell_grid
 from mtcommission.optimal.bounded_least import LEAST_TOLERANCE, smallest_factor
 from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_program import Program, solve_program
 
 Array = NDArray[np.float64]
 
@@ -208,16 +208,15 @@ def _attempt(problem: BoundedProblem, t_f: float, *, cells: int) -> tuple[GridOp
     grid, n_limits = cell_grid(problem, t_f, cells=cells), len(problem.limits)
     follows = np.repeat([limit.follows for limit in problem.limits], cells).astype(np.float64)
     column = -follows[:, np.newaxis]
-    result = linprog(
-        np.append(np.zeros(cells), -1.0),
-        A_ub=np.block([[grid.response, column], [-grid.response, column]]),
-        b_ub=np.tile(1.0 - follows, 2),
-        A_eq=np.column_stack([grid.moments, -grid.target]),
-        b_eq=np.zeros(grid.target.size),
+    program = Program(
+        cost=np.append(np.zeros(cells), -1.0),
+        rows=np.block([[grid.response, column], [-grid.response, column]]),
+        rooms=np.tile(1.0 - follows, 2),
+        equal=np.column_stack([grid.moments, -grid.target]),
+        right=np.zeros(grid.target.size),
         bounds=[(-1.0, 1.0)] * cells + [(0.0, None)],
-        method="highs",
-        options={"maxiter": STEPS_PER_CELL * cells},
     )
+    result = solve_program(program, steps=STEPS_PER_CELL * cells)
     if result.status != 0 or result.x is None:
         return None, str(result.message)
     force = result.x[:-1]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import inf, isfinite
 
 import numpy as np
-from scipy.optimize import linprog
 
 from mtcommission.optimal.bounded_cells import STEPS_PER_CELL, cell_grid
 from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_program import Program, solve_program
 
 LEAST_TIMES = (1.6, 2.2, 3.0, 4.2, 6.0, 10.0)
 """Where the smallest possible bound is looked for, in multiples of the free optimum: it falls with
@@ -93,17 +93,14 @@ def _refined(problem: BoundedProblem, t_f: float, least: float) -> float:
 def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:
     """Return the least factor of all bounds with which the target is reached by t_f."""
     grid = cell_grid(problem, t_f, cells=cells)
-    rows = grid.response.shape[0]
-    result = linprog(
-        np.append(np.zeros(cells), 1.0),
-        A_ub=np.block(
-            [[grid.response, -np.ones((rows, 1))], [-grid.response, -np.ones((rows, 1))]]
-        ),
-        b_ub=np.zeros(2 * rows),
-        A_eq=np.column_stack([grid.moments, np.zeros(grid.target.size)]),
-        b_eq=grid.target,
+    column = -np.ones((grid.response.shape[0], 1))
+    program = Program(
+        cost=np.append(np.zeros(cells), 1.0),
+        rows=np.block([[grid.response, column], [-grid.response, column]]),
+        rooms=np.zeros(2 * grid.response.shape[0]),
+        equal=np.column_stack([grid.moments, np.zeros(grid.target.size)]),
+        right=grid.target,
         bounds=[(-1.0, 1.0)] * cells + [(0.0, None)],
-        method="highs",
-        options={"maxiter": STEPS_PER_CELL * cells},
     )
+    result = solve_program(program, steps=STEPS_PER_CELL * cells)
     return inf if result.status != 0 or result.x is None else float(result.x[-1])

@@ -17,10 +17,10 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from mtcommission.optimal.bounded_dual import Atom, Core, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.bounded_program import Program, solve_program
 
 Array = NDArray[np.float64]
 
@@ -94,14 +94,16 @@ class Segment:
         Index of the bound held; -1 in a cell.
     column
         Unknown that is the cell's force; -1 in a core.
-    first, last
-        Shapes (n, n_unknowns + 2); the last columns belong to the reach and the constant.
+    arrived, first, last
+        Where the motion arrives, where it starts (on the bound in a core) and where it ends,
+        shapes (n, n_unknowns + 2); the last columns belong to the reach and the constant.
     """
 
     start: float
     end: float
     limit: int
     column: int
+    arrived: Array
     first: Array
     last: Array
 
@@ -193,20 +195,15 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         held, levels = _entry_rows(problem, layout, segments)
         equal, right = np.vstack([equal, held]), np.append(right, levels)
     cells = sum(segment.limit < 0 for segment in segments)
-    result = linprog(
-        np.append(np.zeros(size), -1.0),
-        A_ub=rows,
-        b_ub=rooms,
-        A_eq=equal,
-        b_eq=right,
+    program = Program(
+        cost=np.append(np.zeros(size), -1.0),
+        rows=rows,
+        rooms=rooms,
+        equal=equal,
+        right=right,
         bounds=[(-1.0, 1.0)] * cells + [(None, None)] * (size - cells) + [(0.0, None)],
-        method="highs",
-        options={
-            "primal_feasibility_tolerance": FEASIBILITY,
-            "dual_feasibility_tolerance": FEASIBILITY,
-            "maxiter": MOST_ITERATIONS,
-        },
     )
+    result = solve_program(program, steps=MOST_ITERATIONS, tolerance=FEASIBILITY)
     if result.status != 0 or result.x is None:
         return None
     weights = -result.ineqlin.marginals[: len(layout.contacts)]
@@ -259,15 +256,16 @@ def _segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tupl
     state, column, jump = np.zeros((plant.order, cells + jumps + 2)), 0, cells
     segments: list[Segment] = []
     for i, (start, end, core) in enumerate(spans):
-        first = state
+        arrived = first = state
         if core is None:
             state = flows[i] @ state
             state[:, column] += pushes[i]
         else:
             limit = problem.limits[core.limit]
-            if relaxed:
-                state = _projected(problem, layout, core, state)
-            state = limit.boundary_flow.over(float(lengths[i])) @ state
+            # The restriction arrives on the bound by its own equations. Without this its small
+            # misses of them would grow over the core, and the program would lose all digits.
+            first = _projected(problem, layout, core, arrived)
+            state = limit.boundary_flow.over(float(lengths[i])) @ first
             if relaxed:
                 state[:, jump : jump + limit.order] += limit.force_chain
                 jump += limit.order
@@ -277,6 +275,7 @@ def _segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tupl
                 end=end,
                 limit=-1 if core is None else core.limit,
                 column=column if core is None else -1,
+                arrived=arrived,
                 first=first,
                 last=state,
             )
@@ -361,7 +360,7 @@ def _entry_rows(
     for segment in segments:
         if segment.limit >= 0:
             core = next(core for core in layout.cores if core.start == segment.start)
-            held = problem.limits[core.limit].output_chain @ segment.first
+            held = problem.limits[core.limit].output_chain @ segment.arrived
             held[0] -= core.side * _level(problem, layout, core.limit, held.shape[1])
             rows.append(held)
     stacked = np.vstack(rows)
