@@ -14,7 +14,7 @@ from mtcommission.setpoint import INSTANT, JerkSteps
 Array = NDArray[np.float64]
 
 BLOCK = 32
-"""Position cycles whose outputs are computed together: bounds the memory for slow moves."""
+"""Position cycles whose outputs are computed together: keeps them in the cache."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -72,13 +72,11 @@ def find_extremes(
     largest = np.zeros((len(C_s), count))
     first, second = np.full((2, count), np.nan if dwell is None else 0.0)
     for t, history in _move(lifted, steps, order=order, tail=tail):
-        # What a position cycle computes acts in the next one, so no reference feeds through. All
-        # cycles stand side by side: one large product.
-        motion = C_s @ history.reshape(len(lifted.A), -1)
-        reached = np.abs(motion, out=motion).reshape(len(C_s), len(t), -1).max(axis=1)
-        np.maximum(largest, reached, out=largest)
+        # What a position cycle computes acts in the next one, so no reference feeds through.
+        motion = C_s @ history
+        np.maximum(largest, np.abs(motion, out=motion).max(axis=0), out=largest)
         if dwell is not None:
-            force = (C_f @ history.reshape(len(lifted.A), -1)).reshape(rows, len(t), -1)
+            force = C_f @ history
             share = _shares(t, window, dt=lifted.dt, rows=rows)
             first += (share * force).sum(axis=(0, 1))
             second += (share * force**2).sum(axis=(0, 1))
@@ -94,41 +92,44 @@ def _move(
 ) -> Iterator[tuple[Array, Array]]:
     """Yield the times of some position cycles, shape (n_times,), and the states there.
 
-    These of shape (n, n_times, n_limits), at rest before the first.
+    These of shape (n_times, n, n_limits); at rest in the first.
     """
     X = np.zeros((len(lifted.A), len(steps.times)))
     count = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
     for start in range(0, count, BLOCK):
         t = lifted.dt * np.arange(start, min(start + BLOCK, count), dtype=np.float64)
         drive = lifted.B @ _references(steps, t, order=order)
-        history = np.empty((len(X), len(t), len(steps.times)))
+        history = np.empty((len(t) + 1, *X.shape))
+        history[0] = X
         for i in range(len(t)):
-            history[:, i] = X
-            X = lifted.A @ X + drive[i]
-        yield t, history
+            np.matmul(lifted.A, history[i], out=history[i + 1])
+            history[i + 1] += drive[i]
+        X = history[-1]
+        yield t, history[:-1]
 
 
 def _shares(t: Array, window: Array, *, dt: float, rows: int) -> Array | float:
-    """How much of a velocity cycle each sample stands for, (rows, n_times, n_limits) [s].
+    """How much of a velocity cycle each sample stands for, (n_times, rows, n_limits) [s].
 
     The cycle lies about the sample; the window cuts the last one.
     """
     step = dt / rows
     if float(t[-1]) + dt <= float(np.min(window)):
         return step
-    times = t[:, None] + step * np.arange(rows)[:, None, None]
+    times = t[:, None, None] + step * np.arange(rows)[:, None]
     return step * np.clip((window - times) / step + 0.5, 0.0, 1.0)
 
 
 def _references(steps: JerkSteps, t: Array, *, order: int) -> Array:
     """x_ref, v_ref, a_ref, j_ref of all setpoints at the times t, (n_times, 4, n_limits)."""
-    age = t[:, None, None] - steps.times
-    term = steps.steps * (age >= -INSTANT)
+    # The few steps go first: numpy adds along the first axis far quicker than along the last.
+    age = t[:, None] - steps.times.T[:, None, :]
+    term = steps.steps.T[:, None, :] * (age >= -INSTANT)
     age = np.maximum(age, 0.0)
     result = np.zeros((len(t), 4, len(steps.times)))
     for power in range(order + 1):
         if power:
             term = term * age / power
         if order - power < 4:
-            result[:, order - power] = term.sum(axis=2)
+            result[:, order - power] = term.sum(axis=0)
     return result

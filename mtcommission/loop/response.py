@@ -228,10 +228,11 @@ def _advance_linear(
     """Loop state at cycle ``stop`` and the lifted outputs of all cycles before it."""
     times = np.arange(start, stop, dtype=np.float64) * lifted.dt
     references = sample_setpoint(setpoint, times)
+    drive = references @ lifted.B.T
     history = np.empty((len(references), len(X)))
-    for k, r in enumerate(references):
+    for k, pushed in enumerate(drive):
         history[k] = X
-        X = lifted.A @ X + lifted.B @ r
+        X = lifted.A @ X + pushed
     return X, history @ lifted.C.T + references @ lifted.D.T
 
 

@@ -115,12 +115,15 @@ def _motion_from(tables: ResponseTables, times: Array, steps: Array, at: IntArra
     begun = np.minimum(np.ceil((times - INSTANT) / T).astype(np.int64), at[:, None])
     early = begun * T - times
     cycles = at[:, None] - begun
-    if not tables.transients[:, -1].any():
-        cycles = np.minimum(cycles, tables.transients.shape[1] - 1)
-    X = np.zeros((len(times), tables.transients.shape[2] + 1))
-    for p in range(order + 1):
-        weight = steps * early**p / factorial(p)
-        X[:, :-1] += np.einsum("ms,msn->mn", weight, tables.transients[p][cycles])
+    if not tables.transients[-1].any():
+        cycles = np.minimum(cycles, len(tables.transients) - 1)
+    weights = np.empty((*steps.shape, order + 1))
+    weights[:, :, 0] = steps
+    for p in range(1, order + 1):
+        weights[:, :, p] = weights[:, :, p - 1] * early / p
+    transients = tables.transients[cycles].reshape(len(times), -1, tables.transients.shape[2])
     age = times[:, -1:] - times
-    X[:, -1] = np.sum(steps * age ** (order - 1), axis=1) / factorial(order - 1)
-    return X
+    coasting = np.sum(steps * age ** (order - 1), axis=1) / factorial(order - 1)
+    # One small product for each setpoint: the steps of all its basis inputs at once.
+    X = weights.reshape(len(times), 1, -1) @ transients
+    return np.column_stack([X[:, 0], coasting])

@@ -56,7 +56,7 @@ class ResponseTables:
         Highest derivative that steps: 3 jerk, 4 snap (behind a moving average).
     transients
         Loop state less its steady motion, n cycles after a basis input began, shape
-        (order + 1, n_cycles, n); the last one stands for all later cycles and is zero where the
+        (n_cycles, order + 1, n); the last one stands for all later cycles and is zero where the
         transient has decayed before the longest setpoint ends.
     free_motion
         Tool deviation at later velocity cycles, shape (n + 1, n_samples): per unit transient and,
@@ -97,14 +97,10 @@ def build_tables(
     T, order = lifted.dt, 4 if filtered else 3
     following = _following_states(lifted, order)
     tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
-    rows = lifted.C[tool]
-    pieces = []
-    for _ in range(int(np.ceil(search_horizon(lifted) / T))):
-        pieces.append(rows)
-        rows = rows @ lifted.A
+    free = _free_motion(lifted, lifted.C[tool], cycles=int(np.ceil(search_horizon(lifted) / T)))
     tau, T_v = loop.controller.reference_delay, loop.controller.velocity_cycle
     ripple = lifted.C[tool] @ following[1] + tau - T_v * np.arange(len(tool))
-    coasting = np.tile(ripple, len(pieces))
+    coasting = np.tile(ripple, len(free))
     instants: Array = np.arange(len(coasting), dtype=np.float64) * T_v
     return ResponseTables(
         dt=T,
@@ -112,21 +108,41 @@ def build_tables(
         reference_delay=tau,
         order=order,
         transients=_transients(lifted, -following[::-1], count=int(np.ceil(longest / T)) + 3),
-        free_motion=np.vstack([np.concatenate(pieces).T, coasting]),
+        free_motion=np.vstack([free.reshape(-1, len(lifted.A)).T, coasting]),
     )
 
 
+def _free_motion(lifted: LiftedLoop, rows: Array, *, cycles: int) -> Array:
+    """``rows`` of the loop state so many cycles ago, shape (cycles, n_rows, n)."""
+    found = np.empty((cycles, *rows.shape))
+    found[0] = rows
+    for i in range(1, cycles):
+        np.matmul(found[i - 1], lifted.A, out=found[i])
+    return found
+
+
 def _transients(lifted: LiftedLoop, start: Array, *, count: int) -> Array:
-    """Free motion from some states, shape (n_states, <= count, n); ends in zero once decayed."""
-    found, largest = [start], np.abs(start)
-    while len(found) < count:
-        found.append(found[-1] @ lifted.A.T)
-        size = np.abs(found[-1])
-        if np.all(size <= FORGOTTEN * largest):
-            found[-1] = np.zeros_like(start)
-            break
-        np.maximum(largest, size, out=largest)
-    return np.stack(found, axis=1)
+    """Free motion from some states, shape (<= count, n_states, n); ends in zero once decayed."""
+    blocks, largest, left = [start[None]], np.abs(start), count - 1
+    while left > 0:
+        block = np.empty((min(BLOCK, left) + 1, *start.shape))
+        block[0] = blocks[-1][-1]
+        for i in range(1, len(block)):
+            np.matmul(block[i - 1], lifted.A.T, out=block[i])
+        size = np.abs(block)
+        size[0] = largest
+        peaks = np.maximum.accumulate(size)
+        gone = np.all(size[1:] <= FORGOTTEN * peaks[:-1], axis=(1, 2))
+        if gone.any():
+            block = block[: int(np.argmax(gone)) + 2]
+            block[-1], left = 0.0, 0
+        blocks.append(block[1:])
+        largest, left = peaks[-1], left - len(block) + 1
+    return np.concatenate(blocks)
+
+
+BLOCK = 32
+"""Position cycles that are advanced before it is looked whether anything is left."""
 
 
 def _following_states(lifted: LiftedLoop, order: int) -> Array:
