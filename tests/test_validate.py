@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from dataclasses import replace
 from html import unescape
 from io import StringIO
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -370,6 +372,29 @@ def test_terminal_shows_80_columns(found: Validation) -> None:
     text = " ".join(" ".join(lines).split())
     for row in found.rows:
         assert row.ours.split()[0] in text
+
+
+def documented_rows() -> list[list[str]]:
+    """The cells of every row of docs/validation.md, without markdown's escapes."""
+    text = (Path(__file__).parent.parent / "docs" / "validation.md").read_text(encoding="utf-8")
+    lines = [line for line in text[text.index("### Plant") :].splitlines() if line[:1] == "|"]
+    cells = [re.split(r"(?<!\\)\|", line)[1:-1] for line in lines]
+    plain = [[unescape(re.sub(r"\\(.)", r"\1", cell)).strip() for cell in row] for row in cells]
+    return [row for row in plain if row[0] not in ("place", "---")]
+
+
+def test_documentation_holds_the_rows_of_the_command(found: Validation) -> None:
+    """docs/validation.md is read by those who do not run the command."""
+    documented = documented_rows()
+    expected = [row for part in found.parts for row in sorted(part.rows, key=lambda r: r.is_claim)]
+    assert len(documented) == len(expected)
+    for cells, row in zip(documented, expected, strict=True):
+        quantity = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
+        assert cells[:4] == [row.place, quantity, row.printed, row.corrected]
+        assert cells[-1] == row.verdict.value
+        if not row.is_claim:
+            rounding = row.tolerance if row.printed_value == 0.0 else 0.0
+            assert float(cells[4]) == pytest.approx(row.ours_value, rel=1e-6, abs=rounding)
 
 
 def test_page_names_first_what_does_not_hold(found: Validation) -> None:
