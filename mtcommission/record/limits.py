@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.attainable import Attainable
 from mtcommission.commission import Commissioning, ModeLimits
 from mtcommission.machine import VelocityStep
 from mtcommission.move_sizes import MoveSizes
@@ -14,6 +15,7 @@ from mtcommission.record.schema import (
     NO_LIMITS,
     Alternative,
     AttainableEntry,
+    JudgedLimits,
     Landscape,
     LimitsEntry,
     LimitsPart,
@@ -24,6 +26,7 @@ from mtcommission.record.schema import (
     RuleText,
 )
 from mtcommission.rules import NO_JERK_LIMIT
+from mtcommission.trials import Trial
 
 Array = NDArray[np.float64]
 
@@ -42,42 +45,13 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
             peak_deviation=best.peak_deviation,
         ),
         modes=[_mode_entry(mode) for mode in commissioning.modes],
-        attainable=[
-            AttainableEntry(
-                requirement=item.requirement,
-                limit=item.limit,
-                value=item.value,
-                unit=item.unit,
-                acceleration=item.limits.acceleration,
-                jerk=item.limits.jerk,
-                together_with=list(item.together_with),
-            )
-            for item in commissioning.attainable
-        ],
+        attainable=[_attainable_entry(item) for item in commissioning.attainable],
         move_sizes=[_move_sizes_entry(item) for item in commissioning.move_sizes],
         alternatives=[
-            Alternative(
-                name=trial.name,
-                acceleration=trial.limits.acceleration,
-                jerk=trial.limits.jerk,
-                settling_time=finite_or_none(trial.settling_time),
-                residual_deviation=finite_or_none(trial.residual_deviation),
-                peak_deviation=trial.peak_deviation,
-                meets_requirements=trial.assessment.is_met,
-            )
-            for trial in commissioning.alternatives
+            Alternative(name=trial.name, **_judged(trial)) for trial in commissioning.alternatives
         ],
         rules=[
-            RuleResult(
-                name=trial.name,
-                source=trial.source,
-                acceleration=trial.limits.acceleration,
-                jerk=trial.limits.jerk,
-                settling_time=finite_or_none(trial.settling_time),
-                residual_deviation=finite_or_none(trial.residual_deviation),
-                peak_deviation=trial.peak_deviation,
-                meets_requirements=trial.assessment.is_met,
-            )
+            RuleResult(name=trial.name, source=trial.source, **_judged(trial))
             for trial in commissioning.rules
         ],
         rule=_rule_text(commissioning),
@@ -89,6 +63,29 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
             usage=_plotted(choice.usage),
         ),
         search={"evaluations": choice.evaluations},
+    )
+
+
+def _judged(trial: Trial) -> JudgedLimits:
+    return JudgedLimits(
+        acceleration=trial.limits.acceleration,
+        jerk=trial.limits.jerk,
+        settling_time=finite_or_none(trial.settling_time),
+        residual_deviation=finite_or_none(trial.residual_deviation),
+        peak_deviation=trial.peak_deviation,
+        meets_requirements=trial.assessment.is_met,
+    )
+
+
+def _attainable_entry(item: Attainable) -> AttainableEntry:
+    return AttainableEntry(
+        requirement=item.requirement,
+        limit=item.limit,
+        value=item.value,
+        unit=item.unit,
+        acceleration=item.limits.acceleration,
+        jerk=item.limits.jerk,
+        together_with=list(item.together_with),
     )
 
 

@@ -8,8 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
+from mtcommission.loop.analysis import LoopAnalysis
 from mtcommission.loop.controller import Controller, filter_delay
+from mtcommission.loop.frequency import FrequencyResponse
 from mtcommission.loop.mixing import explain_mixing, find_mixed_modes
+from mtcommission.loop.sampled import LiftedLoop
 from mtcommission.loop.tuned import TunedLoop
 from mtcommission.loop_choice import LoopVariant
 from mtcommission.loop_study import LoopStudy
@@ -21,6 +24,7 @@ from mtcommission.record.schema import (
     JerkFeedforwardEntry,
     LoopCornerEntry,
     LoopPart,
+    Margins,
     ObserverEntry,
     Series,
     VariantEntry,
@@ -28,13 +32,14 @@ from mtcommission.record.schema import (
 
 Array = NDArray[np.float64]
 
+PUSH_STEP = 0.5e-3
+"""Spacing of the samples of a disturbance response for its plot [s]."""
+
 
 def loop_part(commissioning: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant = commissioning.tuned, commissioning.plant
     controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.lifted[0]
-    bode = tuned.responses[0]
-    gains = controller.state_gains
     mixed = find_mixed_modes(plant, lifted, nominal.mode_damping)
     return LoopPart(
         Kv=controller.position_gain,
@@ -42,7 +47,9 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         Tn=controller.integral_time,
         reference_delay=controller.reference_delay,
         state_feedback={
-            state: float(gain) for state, gain in zip(plant.states, gains, strict=True) if gain
+            state: float(gain)
+            for state, gain in zip(plant.states, controller.state_gains, strict=True)
+            if gain
         },
         feedforward={
             "velocity": controller.velocity_feedforward,
@@ -53,24 +60,8 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         position_cycle=controller.position_cycle,
         velocity_cycle=controller.velocity_cycle,
         sensors=list(controller.sensors),
-        observer=ObserverEntry(
-            states=[plant.states[i] for i in controller.observer.states],
-            sensors=list(controller.sensors),
-            A=controller.observer.A.tolist(),
-            B=controller.observer.B.tolist(),
-            C=controller.observer.C.tolist(),
-            L=controller.observer.L.tolist(),
-        ),
-        closed_loop=ClosedLoop(
-            A=lifted.A.tolist(),
-            B=lifted.B.tolist(),
-            C=lifted.C.tolist(),
-            D=lifted.D.tolist(),
-            dt=lifted.dt,
-            states=list(lifted.states),
-            inputs=list(lifted.inputs),
-            outputs=list(lifted.outputs),
-        ),
+        observer=_observer_entry(plant, controller),
+        closed_loop=_closed_loop(lifted),
         poles=[[float(pole.real), float(pole.imag)] for pole in nominal.poles],
         gain_margin_db=finite_or_none(nominal.gain_margin_db),
         gain_margin_up_db=finite_or_none(nominal.gain_margin_up_db),
@@ -82,29 +73,76 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         weakest_frequency_hz=nominal.weakest_frequency_hz,
         mode_damping=_by_mode(plant, nominal.mode_damping),
         variants=[_variant_entry(plant, variant) for variant in commissioning.loop.variants],
-        worst_corner={
-            "gain_margin_db": finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
-            "phase_margin_deg": finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
-            "sensitivity_peak": max(a.sensitivity_peak for a in tuned.analyses),
-            "bandwidth_hz": finite_or_none(tuned.least_bandwidth_hz),
-            "dynamic_stiffness": tuned.least_stiffness,
-        },
+        worst_corner=_worst_corner(tuned),
         worst_mode_damping=_by_mode(plant, tuned.least_damping),
         corners=_corner_entries(plant, tuned),
         delays=_delay_entries(controller),
         disturbance=_disturbance_entry(commissioning.loop_study),
         jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
-        bode=Series(
-            t=bode.frequency_hz.tolist(),
-            signals={
-                "open_loop_db": (20 * np.log10(np.abs(bode.open_loop))).tolist(),
-                "open_loop_deg": _phase_deg(bode.open_loop).tolist(),
-                "closed_velocity_db": (20 * np.log10(np.abs(bode.closed_velocity_loop))).tolist(),
-            },
-        ),
+        bode=_bode(tuned.responses[0]),
         remarks=[*tuned.remarks, *explain_mixing(mixed)],
         warnings=list(tuned.warnings),
     )
+
+
+def _observer_entry(plant: Plant, controller: Controller) -> ObserverEntry:
+    observer = controller.observer
+    return ObserverEntry(
+        states=[plant.states[i] for i in observer.states],
+        sensors=list(controller.sensors),
+        A=observer.A.tolist(),
+        B=observer.B.tolist(),
+        C=observer.C.tolist(),
+        L=observer.L.tolist(),
+    )
+
+
+def _closed_loop(lifted: LiftedLoop) -> ClosedLoop:
+    return ClosedLoop(
+        A=lifted.A.tolist(),
+        B=lifted.B.tolist(),
+        C=lifted.C.tolist(),
+        D=lifted.D.tolist(),
+        dt=lifted.dt,
+        states=list(lifted.states),
+        inputs=list(lifted.inputs),
+        outputs=list(lifted.outputs),
+    )
+
+
+def _margins(analysis: LoopAnalysis) -> Margins:
+    return Margins(
+        gain_margin_db=finite_or_none(analysis.gain_margin_db),
+        phase_margin_deg=finite_or_none(analysis.phase_margin_deg),
+        sensitivity_peak=analysis.sensitivity_peak,
+        bandwidth_hz=finite_or_none(analysis.bandwidth_hz),
+        dynamic_stiffness=analysis.dynamic_stiffness,
+    )
+
+
+def _worst_corner(tuned: TunedLoop) -> dict[str, float | None]:
+    return {
+        "gain_margin_db": finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
+        "phase_margin_deg": finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
+        "sensitivity_peak": max(a.sensitivity_peak for a in tuned.analyses),
+        "bandwidth_hz": finite_or_none(tuned.least_bandwidth_hz),
+        "dynamic_stiffness": tuned.least_stiffness,
+    }
+
+
+def _bode(response: FrequencyResponse) -> Series:
+    return Series(
+        t=response.frequency_hz.tolist(),
+        signals={
+            "open_loop_db": _decibel(response.open_loop),
+            "open_loop_deg": _phase_deg(response.open_loop).tolist(),
+            "closed_velocity_db": _decibel(response.closed_velocity_loop),
+        },
+    )
+
+
+def _decibel(response: NDArray[np.complex128]) -> list[float]:
+    return list((20 * np.log10(np.abs(response))).tolist())
 
 
 def _phase_deg(response: NDArray[np.complex128]) -> Array:
@@ -119,11 +157,7 @@ def _corner_entries(plant: Plant, tuned: TunedLoop) -> list[LoopCornerEntry]:
             payload=corner.payload,
             frequency_factor=corner.frequency_factor,
             damping_factor=corner.damping_factor,
-            gain_margin_db=finite_or_none(analysis.gain_margin_db),
-            phase_margin_deg=finite_or_none(analysis.phase_margin_deg),
-            sensitivity_peak=analysis.sensitivity_peak,
-            bandwidth_hz=finite_or_none(analysis.bandwidth_hz),
-            dynamic_stiffness=analysis.dynamic_stiffness,
+            **_margins(analysis),
             mode_damping=_by_mode(plant, analysis.mode_damping),
         )
         for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True)
@@ -170,10 +204,6 @@ def _disturbance_entry(study: LoopStudy) -> Series:
     )
 
 
-PUSH_STEP = 0.5e-3
-"""Spacing of the samples of a disturbance response for its plot [s]."""
-
-
 def _jerk_feedforward_entries(study: LoopStudy) -> list[JerkFeedforwardEntry]:
     return [
         JerkFeedforwardEntry(
@@ -199,11 +229,7 @@ def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
         name=variant.name,
         used=variant.is_used,
         mode_damping=_by_mode(plant, nominal.mode_damping),
-        gain_margin_db=finite_or_none(nominal.gain_margin_db),
-        phase_margin_deg=finite_or_none(nominal.phase_margin_deg),
-        sensitivity_peak=nominal.sensitivity_peak,
-        bandwidth_hz=finite_or_none(nominal.bandwidth_hz),
-        dynamic_stiffness=nominal.dynamic_stiffness,
+        **_margins(nominal),
         weakest_frequency_hz=nominal.weakest_frequency_hz,
         settling_time=finite_or_none(trial.settling_time),
         residual_deviation=finite_or_none(trial.residual_deviation),

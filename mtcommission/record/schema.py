@@ -123,29 +123,27 @@ class LimitsEntry(TypedDict):
     peak_deviation: float
 
 
-class Alternative(TypedDict):
+class JudgedLimits(TypedDict):
+    """Limits and what they reach, worst over moves and corners."""
+
+    acceleration: float
+    jerk: float
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float
+    meets_requirements: bool
+
+
+class Alternative(JudgedLimits):
     """Other limits, and why they are shown."""
 
     name: str
-    acceleration: float
-    jerk: float
-    settling_time: float | None
-    residual_deviation: float | None
-    peak_deviation: float
-    meets_requirements: bool
 
 
-class RuleResult(TypedDict):
+class RuleResult(Alternative):
     """A maker's or textbook's rule, in the same simulation."""
 
-    name: str
     source: str
-    acceleration: float
-    jerk: float
-    settling_time: float | None
-    residual_deviation: float | None
-    peak_deviation: float
-    meets_requirements: bool
 
 
 class RuleStepEntry(TypedDict):
@@ -292,24 +290,29 @@ class ObserverEntry(TypedDict):
     L: list[list[float]]
 
 
-class VariantEntry(TypedDict):
-    """The loop without or with state feedback, each with its own best limits."""
+class Margins(TypedDict):
+    """How good a loop is; ``dynamic_stiffness`` in N/m or N m/rad."""
 
-    name: str
-    used: bool
-    mode_damping: dict[str, float]
     gain_margin_db: float | None
     phase_margin_deg: float | None
     sensitivity_peak: float
     bandwidth_hz: float | None
     dynamic_stiffness: float
+
+
+class VariantEntry(Margins):
+    """The loop without or with state feedback, each with its own best limits."""
+
+    name: str
+    used: bool
+    mode_damping: dict[str, float]
     weakest_frequency_hz: float
     settling_time: float | None
     residual_deviation: float | None
     max_force: float
 
 
-class LoopCornerEntry(TypedDict):
+class LoopCornerEntry(Margins):
     """How good the loop is in one corner of payload and spread, the nominal machine first.
 
     ``dynamic_stiffness`` is the least disturbance force per tool displacement over all
@@ -320,11 +323,6 @@ class LoopCornerEntry(TypedDict):
     payload: float
     frequency_factor: float
     damping_factor: float
-    gain_margin_db: float | None
-    phase_margin_deg: float | None
-    sensitivity_peak: float
-    bandwidth_hz: float | None
-    dynamic_stiffness: float
     mode_damping: dict[str, float]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from base64 import b64encode
+from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -92,47 +93,54 @@ def _json_for_script(data: dict[str, Any]) -> Markup:
 
 
 def _plot_data(plot: Plot) -> dict[str, Any]:
+    """Return a plot as page.js draws it."""
     if isinstance(plot, LinePlot):
-        return {
-            "kind": "LinePlot",
-            "x_label": plot.x_label,
-            "x_is_log": plot.x_is_log,
-            "link": plot.link,
-            "panels": [
-                {
-                    "y_label": panel.y_label,
-                    "borders": [{"label": item.label, "y": item.y} for item in panel.borders],
-                    "lines": [
-                        {
-                            "label": line.label,
-                            "style": line.style,
-                            "stepped": line.is_stepped,
-                            "x": _rounded(line.x),
-                            "y": _rounded(line.y),
-                        }
-                        for line in panel.lines
-                    ],
-                }
-                for panel in plot.panels
-            ],
-        }
+        return _line_plot_data(plot)
     if isinstance(plot, PointPlot):
-        return {
-            "kind": "PointPlot",
-            "x_label": plot.x_label,
-            "y_label": plot.y_label,
-            "border": {"label": plot.border.label, "y": plot.border.y},
-            "marks": [
-                {
-                    "label": mark.label,
-                    "x": mark.x,
-                    "y": mark.y,
-                    "style": mark.style,
-                    "beside": beside,
-                }
-                for mark, beside in zip(plot.marks, _label_offsets(plot), strict=True)
-            ],
-        }
+        return _point_plot_data(plot)
+    return _heat_map_data(plot)
+
+
+def _line_plot_data(plot: LinePlot) -> dict[str, Any]:
+    return {
+        "kind": "LinePlot",
+        "x_label": plot.x_label,
+        "x_is_log": plot.x_is_log,
+        "link": plot.link,
+        "panels": [
+            {
+                "y_label": panel.y_label,
+                "borders": [asdict(border) for border in panel.borders],
+                "lines": [
+                    {
+                        "label": line.label,
+                        "style": line.style,
+                        "stepped": line.is_stepped,
+                        "x": _rounded(line.x),
+                        "y": _rounded(line.y),
+                    }
+                    for line in panel.lines
+                ],
+            }
+            for panel in plot.panels
+        ],
+    }
+
+
+def _point_plot_data(plot: PointPlot) -> dict[str, Any]:
+    return {
+        "kind": "PointPlot",
+        "x_label": plot.x_label,
+        "y_label": plot.y_label,
+        "border": asdict(plot.border),
+        "marks": [
+            {**asdict(mark), "beside": beside}
+            for mark, beside in zip(plot.marks, _label_offsets(plot), strict=True)
+        ],
+    }
+
+
+def _heat_map_data(plot: HeatMap) -> dict[str, Any]:
     return {
         "kind": "HeatMap",
         "x_label": plot.x_label,
@@ -150,12 +158,7 @@ def _plot_data(plot: Plot) -> dict[str, Any]:
             }
             for contour in plot.contours
         ],
-        "chosen": {
-            "label": plot.chosen.label,
-            "x": plot.chosen.x,
-            "y": plot.chosen.y,
-            "style": plot.chosen.style,
-        },
+        "chosen": asdict(plot.chosen),
     }
 
 
