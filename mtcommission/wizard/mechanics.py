@@ -176,12 +176,17 @@ def _tower_frequencies() -> tuple[Question, ...]:
 
 
 def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
+    tail = damping_ratio("pair.damping_ratio", "the load against the held motor")
+    spring = _pair_by_stiffness(answers) if by_stiffness else _pair_by_frequency(answers)
+    return (*_pair_masses(answers), *spring, tail)
+
+
+def _pair_masses(answers: Answers) -> tuple[Question, Question]:
     unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
     mass, motor, load = (
         ("Inertia", "2 kg m^2", "6 kg m^2") if turns else ("Mass", "320 kg", "1150 kg")
     )
-    stiffness = "1 MN m/rad" if turns else "16 N/um"
-    masses = (
+    return (
         ask(
             "pair.motor_mass",
             f"{mass} on the motor's side, seen at the axis",
@@ -203,22 +208,18 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
             *usual.mass,
         ),
     )
-    parts = (
+
+
+def _pair_by_stiffness(answers: Answers) -> tuple[Question]:
+    where = (
         "Gear or worm, shaft in torsion, coupling in series, at the axis: data sheets."
-        if turns
+        if is_rotary(answers)
         else "Screw, nut and bearings in series, belt, rack, coupling: data sheets."
     )
-    tail = damping_ratio("pair.damping_ratio", "the load against the held motor")
-    if by_stiffness:
-        spring = ask(
-            "pair.stiffness",
-            "Stiffness between the two",
-            parts,
-            unit.stiffness,
-            stiffness,
-            *usual.stiffness,
-        )
-        return (*masses, spring, tail)
+    return (_pair_stiffness(answers, "Stiffness between the two", where, is_optional=False),)
+
+
+def _pair_by_frequency(answers: Answers) -> tuple[Question, Question]:
     frequency = ask(
         "pair.frequency",
         "Eigenfrequency of the load while the motor holds",
@@ -228,16 +229,20 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
         1.0,
         2e3,
     )
-    check = ask(
+    text = "Stiffness between the two (empty: unknown)"
+    return frequency, _pair_stiffness(answers, text, CHECK, is_optional=True)
+
+
+def _pair_stiffness(answers: Answers, text: str, where: str, *, is_optional: bool) -> Question:
+    return ask(
         "pair.stiffness",
-        "Stiffness between the two (empty: unknown)",
-        CHECK,
-        unit.stiffness,
-        stiffness,
-        *usual.stiffness,
-        is_optional=True,
+        text,
+        where,
+        measures(answers).stiffness,
+        "1 MN m/rad" if is_rotary(answers) else "16 N/um",
+        *common(answers).stiffness,
+        is_optional=is_optional,
     )
-    return (*masses, frequency, check, tail)
 
 
 def _modal(answers: Answers) -> tuple[Question, ...]:
@@ -255,35 +260,10 @@ def _modal(answers: Answers) -> tuple[Question, ...]:
         ),
     ]
     for i in range(MOST_MODES):
-        place = f"plant.modes.{i}"
-        found += [
-            Question(
-                key=f"{place}.name",
-                text=f"Name of mode {i + 1}",
-                where="What moves: column, ram, table, ...; letters, digits and _.",
-                default=f"mode{i + 1}",
-            ),
-            ask(f"{place}.frequency", "Its eigenfrequency", PEAK, FREQUENCY, "40 Hz", 1.0, 2e3),
-            damping_ratio(f"{place}.damping_ratio", "this mode"),
-            Question(
-                key=f"{place}.tcp_gain",
-                text="Its share in the tool position, signed",
-                where="Residue of the frequency response force to tool; 1/modal mass for the "
-                "mode shape 1 at force and tool.",
-                dimension=unit.gain,
-                example="0.1 1/(kg m^2)" if turns else "0.002 1/kg",
-            ),
-            Question(
-                key=f"{place}.measured_gain",
-                text="Its share in the encoder position, signed",
-                where="The same from force to encoder; 0 if the encoder does not see the mode.",
-                dimension=unit.gain,
-                default=f"0 {unit.gain.si}",
-            ),
-        ]
+        found += _mode(answers, i)
         if i + 1 == MOST_MODES:
             break
-        more = f"{place}.more"
+        more = f"plant.modes.{i}.more"
         found.append(
             Question(
                 key=more,
@@ -296,3 +276,32 @@ def _modal(answers: Answers) -> tuple[Question, ...]:
         if answers.get(more) != YES:
             break
     return tuple(found)
+
+
+def _mode(answers: Answers, index: int) -> tuple[Question, ...]:
+    gain, place = measures(answers).gain, f"plant.modes.{index}"
+    return (
+        Question(
+            key=f"{place}.name",
+            text=f"Name of mode {index + 1}",
+            where="What moves: column, ram, table, ...; letters, digits and _.",
+            default=f"mode{index + 1}",
+        ),
+        ask(f"{place}.frequency", "Its eigenfrequency", PEAK, FREQUENCY, "40 Hz", 1.0, 2e3),
+        damping_ratio(f"{place}.damping_ratio", "this mode"),
+        Question(
+            key=f"{place}.tcp_gain",
+            text="Its share in the tool position, signed",
+            where="Residue of the frequency response force to tool; 1/modal mass for the "
+            "mode shape 1 at force and tool.",
+            dimension=gain,
+            example="0.1 1/(kg m^2)" if is_rotary(answers) else "0.002 1/kg",
+        ),
+        Question(
+            key=f"{place}.measured_gain",
+            text="Its share in the encoder position, signed",
+            where="The same from force to encoder; 0 if the encoder does not see the mode.",
+            dimension=gain,
+            default=f"0 {gain.si}",
+        ),
+    )

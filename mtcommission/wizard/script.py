@@ -129,72 +129,82 @@ def _drive(answers: Answers) -> tuple[Question, ...]:
 
 
 def _moves(answers: Answers) -> tuple[Question, ...]:
-    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
-    velocity = "60 rev/min" if turns else "30 m/min"
     found: list[Question] = []
     for i in range(MOST_MOVES):
-        place = f"moves.{i}"
-        found.append(
-            Question(
-                key=f"{place}.kind",
-                text=f"Kind of move {i + 1}",
-                where="The limits serve all moves that you list: take the typical and the hardest.",
-                choices=(POSITIONING, STEP),
-                default=POSITIONING,
-            )
-        )
-        if answers.get(f"{place}.kind") == STEP:
-            found.append(
-                ask(
-                    f"{place}.velocity_step",
-                    "Velocity at the end",
-                    "Feed or rapid traverse that is reached; the end position is free.",
-                    unit.velocity,
-                    velocity,
-                    *usual.velocity,
-                )
-            )
-        else:
-            found += [
-                ask(
-                    f"{place}.distance",
-                    "Distance",
-                    "A typical step between two operations.",
-                    unit.length,
-                    "90 deg" if turns else "20 mm",
-                    *usual.distance,
-                ),
-                ask(
-                    f"{place}.max_velocity",
-                    "Velocity limit (empty: none)",
-                    "Rapid traverse of the axis, from the control or its data sheet.",
-                    unit.velocity,
-                    velocity,
-                    *usual.velocity,
-                    is_optional=True,
-                ),
-            ]
-        found += [
-            Question(
-                key=f"{place}.dwell",
-                text="Rest after it",
-                where="Counts for the thermal load only.",
-                dimension=TIME,
-                default="0 s",
-                low=0.0,
-                high=3600.0,
-            ),
-            Question(
-                key=f"{place}.more",
-                text="Another move",
-                where="E.g. a short and a long one.",
-                choices=(NO, YES),
-                default=NO,
-            ),
-        ]
-        if answers.get(f"{place}.more") != YES:
+        found += _move(answers, i)
+        if answers.get(f"moves.{i}.more") != YES:
             break
     return tuple(found)
+
+
+def _move(answers: Answers, index: int) -> tuple[Question, ...]:
+    place = f"moves.{index}"
+    kind = Question(
+        key=f"{place}.kind",
+        text=f"Kind of move {index + 1}",
+        where="The limits serve all moves that you list: take the typical and the hardest.",
+        choices=(POSITIONING, STEP),
+        default=POSITIONING,
+    )
+    is_step = answers.get(kind.key) == STEP
+    dwell = Question(
+        key=f"{place}.dwell",
+        text="Rest after it",
+        where="Counts for the thermal load only.",
+        dimension=TIME,
+        default="0 s",
+        low=0.0,
+        high=3600.0,
+    )
+    more = Question(
+        key=f"{place}.more",
+        text="Another move",
+        where="E.g. a short and a long one.",
+        choices=(NO, YES),
+        default=NO,
+    )
+    size = _velocity_step(answers, place) if is_step else _positioning(answers, place)
+    return (kind, *size, dwell, more)
+
+
+def _velocity_step(answers: Answers, place: str) -> tuple[Question]:
+    return (
+        ask(
+            f"{place}.velocity_step",
+            "Velocity at the end",
+            "Feed or rapid traverse that is reached; the end position is free.",
+            measures(answers).velocity,
+            _example_velocity(answers),
+            *common(answers).velocity,
+        ),
+    )
+
+
+def _positioning(answers: Answers, place: str) -> tuple[Question, Question]:
+    unit, usual = measures(answers), common(answers)
+    return (
+        ask(
+            f"{place}.distance",
+            "Distance",
+            "A typical step between two operations.",
+            unit.length,
+            "90 deg" if is_rotary(answers) else "20 mm",
+            *usual.distance,
+        ),
+        ask(
+            f"{place}.max_velocity",
+            "Velocity limit (empty: none)",
+            "Rapid traverse of the axis, from the control or its data sheet.",
+            unit.velocity,
+            _example_velocity(answers),
+            *usual.velocity,
+            is_optional=True,
+        ),
+    )
+
+
+def _example_velocity(answers: Answers) -> str:
+    return "60 rev/min" if is_rotary(answers) else "30 m/min"
 
 
 def _requirements(answers: Answers) -> tuple[Question, ...]:
@@ -250,8 +260,6 @@ def _requirements(answers: Answers) -> tuple[Question, ...]:
 
 
 def _control(answers: Answers) -> tuple[Question, ...]:
-    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
-    gain = "2000 N m s/rad" if turns else "200 kN s/m"
     return (
         Question(
             key="control.position_cycle",
@@ -271,6 +279,20 @@ def _control(answers: Answers) -> tuple[Question, ...]:
             low=3e-5,
             high=5e-3,
         ),
+        *_gains(answers),
+        Question(
+            key="control.tcp_sensor",
+            text="Second encoder near the tool",
+            where="A direct measuring system at the tool that the controller could use.",
+            choices=("none", "position"),
+            default="none",
+        ),
+    )
+
+
+def _gains(answers: Answers) -> tuple[Question, ...]:
+    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    return (
         ask(
             "control.position_gain",
             "Position gain Kv (empty: tune it)",
@@ -287,7 +309,7 @@ def _control(answers: Answers) -> tuple[Question, ...]:
             "Drive: speed controller gain, turned to the axis: x "
             + ("(gear ratio)^2." if turns else "(2 pi / lead)^2."),
             unit.damping,
-            gain,
+            "2000 N m s/rad" if turns else "200 kN s/m",
             *usual.velocity_gain,
             is_optional=True,
         ),
@@ -300,13 +322,6 @@ def _control(answers: Answers) -> tuple[Question, ...]:
             1e-3,
             1.0,
             is_optional=True,
-        ),
-        Question(
-            key="control.tcp_sensor",
-            text="Second encoder near the tool",
-            where="A direct measuring system at the tool that the controller could use.",
-            choices=("none", "position"),
-            default="none",
         ),
     )
 
