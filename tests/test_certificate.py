@@ -24,7 +24,7 @@ from mtcommission.optimal.solution import (
     propagate,
     sample_trajectory,
 )
-from mtcommission.optimal.switching import isolate_zeros
+from mtcommission.optimal.switching import bracket_zeros, has_one_zero, isolate_zeros
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
@@ -239,6 +239,21 @@ def test_no_sign_change_is_missed(seed: int) -> None:
     zeros = isolate_zeros(mesh, c).tau
     assert zeros.size == changes.size
     assert np.all((zeros >= tau[changes]) & (zeros <= tau[changes + 1]))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_cells_that_bend_to_one_side_bracket_the_same_zeros(seed: int) -> None:
+    # One zero too few or too many in a cell would let a wrong control pass for proved.
+    plant = build_plant(random_modal_machine(seed, n_modes=1 + seed % 4))
+    problem = moment_problem(plant, STEP if seed % 2 else POSITIONING)
+    generator = np.random.default_rng(100 + seed)
+    mesh, horizon = build_mesh(problem, 0.3), 0.2
+    c = generator.normal(size=problem.size) * 10.0 ** generator.uniform(-1, 1)
+    zeros = isolate_zeros(mesh, c).tau
+    start, length = bracket_zeros(mesh, c, horizon=horizon, settled=has_one_zero).cells[:2]
+    inside = (start[:, np.newaxis] <= zeros) & (zeros <= (start + length)[:, np.newaxis])
+    assert np.all(inside.sum(axis=1) == 1)
+    assert inside.any(axis=0)[zeros < horizon].all()
 
 
 @pytest.mark.parametrize("depth", [1e-4, 1e-8, 1e-12])

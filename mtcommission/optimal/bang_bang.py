@@ -16,6 +16,7 @@ from mtcommission.optimal.switching import newton_quotient
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 
 RADIANS_PER_CELL = 0.25
@@ -38,19 +39,16 @@ class SignalRows:
     ----------
     problem
         Moment functions with ψ = τ, so that every state follows from the moments.
-    values, slopes, bends
+    derivatives
         Rows that take the moments to the signals, their first and second derivatives but for
-        the force's own part, shape (n_signals, n).
-    slope_of_force, bend_of_force
-        That part per newton of F_set, shape (n_signals,).
+        the force's own part, shape (3, n_signals, n).
+    of_force
+        That part per newton of F_set, shape (3, n_signals); 0 for the signals themselves.
     """
 
     problem: MomentProblem
-    values: Array
-    slopes: Array
-    bends: Array
-    slope_of_force: Array
-    bend_of_force: Array
+    derivatives: Array
+    of_force: Array
 
 
 @lru_cache(maxsize=PLANTS)
@@ -67,17 +65,14 @@ def signals_of_moments(plant: Plant) -> SignalRows:
     SignalRows
     """
     problem = moment_problem(plant, Positioning(distance=1.0))
+    rows = np.empty((3, len(plant.signals), plant.order))
+    rows[0] = signal_rows(plant)
+    np.matmul(rows[0], plant.A, out=rows[1])
+    np.matmul(rows[1], plant.A, out=rows[2])
+    of_force = np.zeros(rows.shape[:2])
+    np.matmul(rows[:2], plant.B, out=of_force[1:])
     states = np.linalg.inv(moment_rows(plant, problem))
-    rows = signal_rows(plant)
-    slopes = rows @ plant.A
-    return SignalRows(
-        problem=problem,
-        values=rows @ states,
-        slopes=slopes @ states,
-        bends=slopes @ plant.A @ states,
-        slope_of_force=rows @ plant.B,
-        bend_of_force=slopes @ plant.B,
-    )
+    return SignalRows(problem=problem, derivatives=rows @ states, of_force=of_force)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -140,9 +135,9 @@ def bang_bang_motion(
     lengths = starts[1:] - starts[:-1]
     less_one = np.expm1(lengths[:, np.newaxis] * rates)
     growth, gain = less_one + 1.0, less_one / rates * forces[:-1, np.newaxis]
-    gathered = np.zeros((count, rates.size), dtype=complex)
-    for i in range(count - 1):
-        gathered[i + 1] = growth[i] * gathered[i] + gain[i]
+    gathered = [[0j] * rates.size]
+    for grown, gained in zip(growth.tolist(), gain.tolist(), strict=True):
+        gathered.append([g * z + d for g, z, d in zip(grown, gathered[-1], gained, strict=True)])
     pushes = lengths * forces[:-1]
     impulse, double = np.zeros(count), np.zeros(count)
     pushes.cumsum(out=impulse[1:])
@@ -152,13 +147,13 @@ def bang_bang_motion(
         starts=starts,
         t_f=t_f,
         forces=forces,
-        gathered=gathered,
+        gathered=np.array(gathered),
         impulse=impulse,
         double=double,
     )
 
 
-def moments_at(motion: BangBangMotion, since: Array, arc: Index) -> Array:
+def moments_at(motion: BangBangMotion, since: Array, arc: Index, less_one: Complex) -> Array:
     """Return the moments of the force up to some instants.
 
     Parameters
@@ -169,16 +164,17 @@ def moments_at(motion: BangBangMotion, since: Array, arc: Index) -> Array:
         Time since the start of the arc, up to its end, shape (k,) [s].
     arc
         Index of each arc, shape (k,).
+    less_one
+        e^{p since} - 1 for each rate p, shape (k, n_rates).
 
     Returns
     -------
     ndarray, shape (k, n)
     """
-    rates, force, impulse = motion.rows.problem.rates, motion.forces[arc], motion.impulse[arc]
-    less_one = np.expm1(since[:, np.newaxis] * rates)
-    steady = motion.forces[:, np.newaxis] / rates
+    force, impulse = motion.forces[arc], motion.impulse[arc]
+    steady = motion.forces[:, np.newaxis] / motion.rows.problem.rates
     modal = less_one * (motion.gathered + steady)[arc] + motion.gathered[arc]
-    moments = np.empty((since.size, 2 * rates.size + 1))
+    moments = np.empty((since.size, 2 * modal.shape[1] + 1))
     moments[:, :-1] = modal.view(np.float64)
     moments[:, -2] = impulse + since * force
     moments[:, -1] = motion.double[arc] + since * (impulse + 0.5 * since * force)
@@ -200,54 +196,88 @@ def signal_peaks(motion: BangBangMotion) -> Array:
     Source: cubic Hermite interpolation shows where a peak is possible; there Newton's method on
     the exact derivative.
     """
-    arc, since, step = _cells(motion)
-    rows = motion.rows
-    end = np.append(since, motion.t_f - motion.starts[-1])
-    moments = moments_at(motion, end, np.append(arc, arc[-1]))
-    values, rates = moments @ rows.values.T, moments @ rows.slopes.T
-    drive, h = motion.forces[arc, np.newaxis] * rows.slope_of_force, step[:, np.newaxis]
-    first, last = h * (rates[:-1] + drive), h * (rates[1:] + drive)
+    cells, rows = _cells(motion), motion.rows
+    arc, step = cells.arc[:-1], cells.step
+    values, rates = rows.derivatives[:2] @ _moments_at_nodes(motion, cells).T
+    drive = rows.of_force[1, :, np.newaxis] * motion.forces[arc]
+    first, last = step * (rates[:, :-1] + drive), step * (rates[:, 1:] + drive)
     size = np.abs(values)
-    largest = size.max(axis=0)
-    cell, signal = np.nonzero(_may_peak(values, size, first, last, largest))
+    largest = size.max(axis=1)
+    signal, cell = _may_peak(values, size, first, last, largest).nonzero()
     if not cell.size:
         return np.asarray(largest)
-    at = cell, signal
-    share = _peak_of_cubic(values[at], values[cell + 1, signal], first[at], last[at])
-    on, length = arc[cell], step[cell]
-    there = moments_at(motion, since[cell] + share * length, on)
-    slope = (there * rows.slopes[signal]).sum(axis=1)
-    slope += motion.forces[on] * rows.slope_of_force[signal]
-    bend = (there * rows.bends[signal]).sum(axis=1)
-    bend += motion.forces[on] * rows.bend_of_force[signal]
+    at = signal, cell
+    share = _peak_of_cubic(values[at], values[signal, cell + 1], first[at], last[at])
+    on, length, since = arc[cell], step[cell], cells.since[cell]
+    since += share * length
+    less_one = np.expm1(since[:, np.newaxis] * rows.problem.rates)
+    there = moments_at(motion, since, on, less_one)
+    value, slope, bend = (rows.derivatives[:, signal] * there).sum(axis=2)
+    slope += motion.forces[on] * rows.of_force[1, signal]
+    bend += motion.forces[on] * rows.of_force[2, signal]
     shift = -newton_quotient(slope, bend)
     shift = np.minimum(np.maximum(shift, -share * length), (1.0 - share) * length)
-    inside = (there * rows.values[signal]).sum(axis=1) + shift * (slope + 0.5 * shift * bend)
-    np.maximum.at(largest, signal, np.abs(inside))
+    np.maximum.at(largest, signal, np.abs(value + shift * (slope + 0.5 * shift * bend)))
     return np.asarray(largest)
 
 
-def _cells(motion: BangBangMotion) -> tuple[Index, Array, Array]:
-    """Return arc, start since the start of the arc, and length of the cells of the mesh.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Cells:
+    """The mesh for peaks: its cells in the order of time, and the end of the motion.
 
-    A fast pole matters only for a while after each switch, so all arcs share one graded mesh.
+    Parameters
+    ----------
+    nodes
+        Times since the start of an arc, the same for all arcs, and last the end [s].
+    index
+        Which of them is the start of each cell, and last the end, shape (n_cells + 1,).
+    arc
+        Of each cell and of the end, shape (n_cells + 1,).
+    since
+        Start of each cell since the start of its arc, and the end, shape (n_cells + 1,) [s].
+    step
+        Lengths, shape (n_cells,) [s].
+    """
+
+    nodes: Array
+    index: Index
+    arc: Index
+    since: Array
+    step: Array
+
+
+def _cells(motion: BangBangMotion) -> _Cells:
+    """Return the mesh: a fast pole matters only for a while after each switch, for all arcs alike.
+
+    So all arcs share one graded mesh.
     """
     lengths = np.append(motion.starts[1:], motion.t_f) - motion.starts
-    nodes = graded_nodes(motion.rows.problem, float(lengths.max()), radians=RADIANS_PER_CELL)
-    counts = np.maximum(nodes.searchsorted(lengths), 1)
-    arc = np.repeat(np.arange(lengths.size), counts)
-    index = np.arange(arc.size) - np.repeat(np.cumsum(counts) - counts, counts)
-    since = nodes[index]
-    return arc, since, np.minimum(nodes[index + 1], lengths[arc]) - since
+    graded = graded_nodes(motion.rows.problem, float(lengths.max()), radians=RADIANS_PER_CELL)
+    counts = np.maximum(graded.searchsorted(lengths), 1)
+    ends = counts.cumsum()
+    index, arc = np.arange(ends[-1] + 1), np.arange(lengths.size).repeat(counts)
+    index[:-1] -= (ends - counts)[arc]
+    step = np.minimum(graded[index[:-1] + 1], lengths[arc]) - graded[index[:-1]]
+    index[-1] = graded.size
+    nodes = np.append(graded, lengths[-1])
+    return _Cells(
+        nodes=nodes, index=index, arc=np.append(arc, arc[-1]), since=nodes[index], step=step
+    )
+
+
+def _moments_at_nodes(motion: BangBangMotion, cells: _Cells) -> Array:
+    less_one = np.expm1(cells.nodes[:, np.newaxis] * motion.rows.problem.rates)
+    return moments_at(motion, cells.since, cells.arc, less_one[cells.index])
 
 
 def _may_peak(
     values: Array, size: Array, first: Array, last: Array, largest: Array
 ) -> NDArray[np.bool_]:
-    inner = np.maximum(np.abs(values[:-1] + first / 3.0), np.abs(values[1:] - last / 3.0))
+    inner = np.maximum(np.abs(values[:, :-1] + first / 3.0), np.abs(values[:, 1:] - last / 3.0))
     # A plateau is nearly largest everywhere, but its control points do not rise above its ends.
-    rises = inner > np.maximum(size[:-1], size[1:]) + ROUNDOFF_MARGIN * largest
-    return np.asarray(rises & (inner * (1.0 + SELECTION_MARGIN) >= largest))
+    limit = largest[:, np.newaxis]
+    rises = inner > np.maximum(size[:, :-1], size[:, 1:]) + ROUNDOFF_MARGIN * limit
+    return np.asarray(rises & (inner * (1.0 + SELECTION_MARGIN) >= limit))
 
 
 def _peak_of_cubic(left: Array, right: Array, first: Array, last: Array) -> Array:

@@ -97,14 +97,13 @@ def integrate_switching(
     -------
     SwitchingIntegral
     """
-    tau = ends.astype(np.longdouble)[:, np.newaxis]
-    rates = problem.rates.astype(np.clongdouble)
+    t = ends.astype(np.longdouble)
+    tau, rates = t[:, np.newaxis], problem.rates.astype(np.clongdouble)
     less_one = np.expm1(tau * rates)
+    grown = less_one + 1.0
     weights = _complex_multipliers(problem, multipliers)
     constant = np.longdouble(problem.constant(multipliers))
-    t = tau[:, 0]
     power = 0.5 * t * t if problem.degree else t
-    grown = less_one + 1.0
     primitive = power - constant * t - (less_one @ (weights / rates)).real
     value = (t if problem.degree else 1.0) - constant - (grown @ weights).real
     slope = problem.degree - (grown @ (rates * weights)).real
@@ -124,9 +123,7 @@ def integrate_switching(
 
 def _complex_multipliers(problem: MomentProblem, multipliers: Array) -> NDArray[np.clongdouble]:
     """Return C with Σ c_i φ_i = Re Σ C e^{pτ} (without the constant)."""
-    rates = problem.rates.size
-    pairs = np.zeros((rates, 2))
-    pairs.reshape(-1)[: 2 * rates - 1] = multipliers[: 2 * rates - 1]
-    weights = np.empty(rates, dtype=np.clongdouble)
-    weights.real, weights.imag = pairs[:, 0], -pairs[:, 1]
-    return weights
+    count = 2 * problem.rates.size
+    pairs = np.zeros(count)
+    pairs[: count - 1] = multipliers[: count - 1]
+    return pairs.view(np.complex128).conj().astype(np.clongdouble)

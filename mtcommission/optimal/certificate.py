@@ -10,6 +10,7 @@ from math import exp, nan
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesdd
 
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.dual import DualPoint
@@ -29,6 +30,7 @@ SIGN_ROUNDING = 1e3 * ROUNDOFF
 exponential and its powers (empirical)."""
 RANK_TOLERANCE = 1e-12
 """Singular value against the largest below which the terminal Jacobian counts as singular."""
+TINY = 1e-300
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -103,21 +105,22 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     # less is still a bound.
     span = problem.target / abs(claim.first_force)
     bound = min(prove_bound(claim.point, span=span), claim.t_f)
-    zeros = claim.t_f - claim.switching_times
-    at_switches, slopes, _ = values_and_slopes(problem, multipliers, zeros)
+    # In the order of time, so those at t = 0 come first.
+    remaining = claim.t_f - np.append(0.0, claim.switching_times)
+    sigma, slopes, phi = values_and_slopes(problem, multipliers, remaining)
     factor, rank, condition = claim.adjoint_factor, -1, nan
     rows = factor * moment_rows(flow.plant, problem)
     end = _adjoint_weights(claim, 0.0) @ rows
-    if zeros.size == problem.size:
-        values = np.linalg.svd(terminal_jacobian(problem, zeros, claim.t_f), compute_uv=False)
-        rank = int(np.sum(values > RANK_TOLERANCE * values[0]))
-        condition = float(values[0] / values[-1])
+    if remaining.size == problem.size + 1:
+        values = dgesdd(_scaled(phi, problem.target_values(remaining)), compute_uv=0)[1].tolist()
+        rank = sum(value > RANK_TOLERANCE * values[0] for value in values)
+        condition = values[0] / max(values[-1], TINY)
     return Certificate(
         t_f_lower_bound=bound,
         relative_gap=(claim.t_f - bound) / claim.t_f,
         adjoint_initial=_adjoint_weights(claim, claim.t_f) @ rows,
-        switching_slopes=factor * slopes,
-        switching_law_holds=_law_holds(claim, flow, end, factor * at_switches),
+        switching_slopes=factor * slopes[1:],
+        switching_law_holds=_law_holds(claim, flow, end, factor * sigma[1:]),
         terminal_jacobian_rank=rank,
         terminal_jacobian_condition=condition,
     )
@@ -181,10 +184,16 @@ def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> A
     Source: Christiansen, Maurer & Zirn, sec. 5.1.
     """
     at = np.append(zeros, horizon)
-    functions = np.empty((problem.size + 1, at.size))
-    functions[:-1], functions[-1] = problem.values(at).T, problem.target_values(at)
-    by_row = functions / np.maximum(np.sqrt((functions**2).sum(axis=1, keepdims=True)), 1e-300)
-    return np.asarray(by_row / np.sqrt((by_row**2).sum(axis=0)))
+    return _scaled(problem.values(at), problem.target_values(at))
+
+
+def _scaled(phi: Array, psi: Array) -> Array:
+    functions = np.empty((phi.shape[1] + 1, psi.size))
+    functions[:-1], functions[-1] = phi.T, psi
+    by_row = (
+        functions / np.maximum(np.sqrt((functions * functions).sum(axis=1)), TINY)[:, np.newaxis]
+    )
+    return np.asarray(by_row / np.sqrt((by_row * by_row).sum(axis=0)))
 
 
 def _law_holds(claim: Claim, flow: DyadicFlow, end: Array, at_switches: Array) -> bool:

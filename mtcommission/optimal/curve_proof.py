@@ -24,6 +24,7 @@ from mtcommission.optimal.switching import (
     is_noise,
     may_vanish,
     newton_quotient,
+    rounding_bound,
 )
 
 Array = NDArray[np.float64]
@@ -102,20 +103,23 @@ def isolate_owned_zeros(mesh: Mesh, multipliers: Array, times: Array) -> OwnedZe
     """
     cells, owner = _first_cells(mesh, multipliers, times)
     doubt = np.zeros(times.size)
-    found, owners = [np.empty((8, 0))], [np.empty(0, dtype=np.intp)]
+    found, owners = [np.empty((7, 0))], [np.empty(0, dtype=np.intp)]
     for _ in range(MAX_DIVISIONS):
         live = may_vanish(cells)
         cells, owner = cells[:, live], owner[live]
         if not owner.size:
             break
-        monotone = is_monotone(cells)
-        noise = is_noise(cells) & ~monotone
-        np.add.at(doubt, owner[noise], 4.0 * cells[1, noise] * cells[7, noise])
-        settled = monotone | noise
-        crossing = settled & crosses_zero(cells)
-        found.append(cells[:, crossing])
-        owners.append(owner[crossing])
-        cells, owner = _divide(mesh.problem, multipliers, cells[:, ~settled], owner[~settled])
+        settled, crossing = is_monotone(cells), crosses_zero(cells)
+        found.append(cells[:, settled & crossing])
+        owners.append(owner[settled & crossing])
+        cells, owner, crossing = cells[:, ~settled], owner[~settled], crossing[~settled]
+        c = multipliers[owner]
+        rounding = rounding_bound(mesh.problem, _amplitudes(mesh.problem, c), c, cells)
+        noise = is_noise(cells, rounding)
+        np.add.at(doubt, owner[noise], 4.0 * cells[1, noise] * rounding[noise])
+        found.append(cells[:, noise & crossing])
+        owners.append(owner[noise & crossing])
+        cells, owner = _divide(mesh.problem, multipliers, cells[:, ~noise], owner[~noise])
     else:
         # An unsettled cell may hide anything: nothing is proved for its owner.
         doubt[owner] = np.inf
@@ -140,22 +144,17 @@ def _first_cells(mesh: Mesh, multipliers: Array, times: Array) -> tuple[Array, I
     slope = problem.degree - mesh.slopes @ multipliers.T
     length = np.diff(nodes, axis=0)
     amplitudes = _amplitudes(problem, multipliers).T
-    constant = np.abs(multipliers[:, -1]) if problem.degree else np.zeros(times.size)
-    turned = mesh.envelope @ (amplitudes * problem.magnitudes[:, np.newaxis])
-    rounding = mesh.envelope @ amplitudes + 0.25 * nodes[1:] * turned
-    rounding += constant + problem.target_values(nodes[1:])
-    rounding *= 8.0 * ROUNDOFF
-    starts = np.broadcast_to(nodes[:-1], rounding.shape)
+    remainder = mesh.remainder @ amplitudes
+    starts = np.broadcast_to(nodes[:-1], remainder.shape)
     cells = np.array(
         [
             starts,
-            np.broadcast_to(length, rounding.shape),
+            np.broadcast_to(length, remainder.shape),
             sigma[:-1],
             sigma[1:],
             slope[:-1] * length,
             slope[1:] * length,
-            mesh.remainder @ amplitudes,
-            rounding,
+            remainder,
         ]
     )
     inside = starts < times

@@ -1,4 +1,4 @@
-"""A start for the search: the best force that is constant on cells, by an interior-point method.
+"""A start for the search: the best force that is constant on cells, by a primal-dual method.
 
 The end of the move floats: at every step it is where ∫|σ| reaches the span, so one run finds
 multipliers and final time together. Where the result is not near enough to the optimum, cells in
@@ -12,7 +12,8 @@ from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgeqrf, dgesv, dtrtri
+from scipy.linalg.blas import dtrsm
+from scipy.linalg.lapack import dgeqrf, dgesv, dtrtrs
 
 from mtcommission.optimal.mesh import Mesh, build_mesh, tabulate
 from mtcommission.optimal.moments import MomentProblem
@@ -28,24 +29,22 @@ LEAST_SHARE = 0.6
 PARTS = 4
 """Cells into which one is divided."""
 STEPS = 100
-"""Interior-point steps; some ten are usual."""
-CENTRING = 0.2
-"""Aim of a step, as a share of the mean complementarity (usual for such methods)."""
-RECENTRING = 0.5
-LONG_STEP = 0.3
-"""The aim after a step shorter than this share of a full one (empirical)."""
+"""Newton steps; six are usual."""
+SMOOTHING = 0.6
+"""Width over which the sign of σ is smoothed, against the mean gap (empirical)."""
 BACK_OFF = 0.99
 """Longest step, as a share of the one that makes a force reach its limit (empirical)."""
-FIRST_BARRIER = 0.25
-"""Where the central path is entered, against the mean of |σ| (empirical: fewest steps)."""
+FIRST_SMOOTHING = 2.0
+"""The same against the mean of |σ|, at the beginning (empirical: fewest steps)."""
 SHRINKING = 0.9
 """Least horizon after a step against that before (empirical)."""
-SIDES = np.array([[1.0], [-1.0]])
-"""Two rows each: what is left to u = 1 and u = -1, and the parts of σ above and below 0."""
 GUESS_NODES = 64
+FIRST_GUESS = 0.12
+"""Between the least and the longest time thought of (empirical: the median)."""
 GUESS_TOLERANCE = 0.1
 """Error of the logarithm of the span (empirical)."""
 GUESS_STEPS = 8
+TINY = 1e-300
 MEAN_TO_SQUARE = 0.9
 """Mean magnitude against root mean square of a sine."""
 
@@ -61,15 +60,13 @@ class CellForce:
     psi
         Means of ψ over the cells, shape (n_cells,).
     basis
-        Means of combinations of φ that are orthonormal on the mesh, shape (n_cells, size).
-    transform
-        Multipliers = transform @ coefficients, shape (size, size).
+        Means of combinations of φ that are orthonormal up to the guess, shape (n_cells, size).
+    triangle
+        φ = basis @ triangle, upper triangular (what is below is void), shape (size, size).
     coefficients
         Of the basis in σ, shape (size,).
     force
         In units of F_max, shape (n_cells,).
-    part
-        Parts of σ above and below 0, both positive, their difference σ; shape (2, n_cells).
     horizon
         Where ∫|σ| reaches the span [s].
     """
@@ -77,16 +74,15 @@ class CellForce:
     mesh: Mesh
     psi: Array
     basis: Array
-    transform: Array
+    triangle: Array
     coefficients: Array
     force: Array
-    part: Array
     horizon: float
 
     @property
     def multipliers(self) -> Array:
         """Return c, shape (size,)."""
-        return np.asarray(self.transform @ self.coefficients)
+        return np.asarray(dtrtrs(self.triangle, self.coefficients)[0])
 
 
 def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> CellForce:
@@ -99,7 +95,7 @@ def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> Cel
     span
         target / F_max [s] or [s²].
     tolerance
-        Mean complementarity against the mean of |σ|.
+        ∫(|σ| - σ force) against the span.
 
     Returns
     -------
@@ -138,9 +134,9 @@ def refine_cells(coarse: CellForce) -> CellForce:
     starts = np.repeat(mesh.nodes[:-1], parts) + index * np.repeat(mesh.lengths / parts, parts)
     fine = tabulate(mesh.problem, np.append(starts, mesh.nodes[-1]))
     phi, psi = _means(fine)
-    basis = phi @ coarse.transform
-    force, part = _central(fine, psi - basis @ coarse.coefficients, coarse.horizon)
-    return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force, part=part)
+    basis = dtrsm(1.0, coarse.triangle, phi, side=1)
+    force = _smooth_sign(fine, psi - basis @ coarse.coefficients, coarse.horizon)
+    return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force)
 
 
 def guess_horizon(problem: MomentProblem, *, span: float) -> float:
@@ -163,7 +159,7 @@ def guess_horizon(problem: MomentProblem, *, span: float) -> float:
     low, high = log(least), log(longest)
     x = (np.arange(GUESS_NODES) + 0.5) / GUESS_NODES
     columns = np.empty((GUESS_NODES, problem.size + 1), order="F")
-    guess, known = 0.5 * (low + high), [False, False]
+    guess, known = log(least + FIRST_GUESS * (longest - least)), [False, False]
     error = [0.0, 0.0]
     for _ in range(GUESS_STEPS):
         tau = exp(guess) * x
@@ -171,7 +167,7 @@ def guess_horizon(problem: MomentProblem, *, span: float) -> float:
         columns[:, -1] = problem.target_values(tau)
         triangle = dgeqrf(columns)[0]
         distance = abs(float(triangle[problem.size, -1])) * exp(guess) / sqrt(GUESS_NODES)
-        now = log(max(MEAN_TO_SQUARE * distance, 1e-300) / span)
+        now = log(max(MEAN_TO_SQUARE * distance, TINY) / span)
         side = now > 0.0
         known[side], error[side] = True, now
         low, high = (low, guess) if side else (guess, high)
@@ -193,23 +189,20 @@ def _means(mesh: Mesh) -> tuple[Array, Array]:
 def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
     """Return the force that follows σ of the fit in the mean square up to the horizon."""
     phi, psi = _means(mesh)
-    scale = np.abs(phi).max(axis=0) + 1e-300
-    root = np.sqrt(mesh.lengths)[:, np.newaxis]
-    reflectors = dgeqrf(phi * (root / scale))[0]
-    transform = np.triu(dtrtri(reflectors[: mesh.problem.size])[0])
-    transform /= scale[:, np.newaxis]
-    basis = phi @ transform
-    weighted = basis.T * _weights(mesh, horizon)
-    coefficients = dgesv(weighted @ basis, weighted @ psi)[2]
-    force, part = _central(mesh, psi - basis @ coefficients, horizon)
+    size, root = mesh.problem.size, np.sqrt(_weights(mesh, horizon))
+    columns = np.empty((psi.size, size + 1), order="F")
+    np.multiply(phi, root[:, np.newaxis], out=columns[:, :-1])
+    np.multiply(psi, root, out=columns[:, -1])
+    reflectors = dgeqrf(columns, overwrite_a=1)[0]
+    triangle, coefficients = reflectors[:size, :size], reflectors[:size, size]
+    basis = dtrsm(1.0, triangle, phi, side=1)
     return CellForce(
         mesh=mesh,
         psi=psi,
         basis=basis,
-        transform=transform,
+        triangle=triangle,
         coefficients=coefficients,
-        force=force,
-        part=part,
+        force=_smooth_sign(mesh, psi - basis @ coefficients, horizon),
         horizon=horizon,
     )
 
@@ -219,16 +212,18 @@ def _weights(mesh: Mesh, horizon: float) -> Array:
     return np.minimum(np.maximum(horizon - mesh.nodes[:-1], 0.0), mesh.lengths)
 
 
-def _central(mesh: Mesh, sigma: Array, horizon: float) -> tuple[Array, Array]:
-    """Return force and parts of σ on the central path, near its beginning."""
-    mean = float(_weights(mesh, horizon) @ np.abs(sigma)) / horizon
-    barrier = FIRST_BARRIER * mean + 1e-300
-    root = np.sqrt(barrier * barrier + sigma * sigma) + barrier
-    return sigma / root, 0.5 * (root + SIDES * sigma)
+def _smooth_sign(mesh: Mesh, sigma: Array, horizon: float) -> Array:
+    width = FIRST_SMOOTHING * float(_weights(mesh, horizon) @ np.abs(sigma)) / horizon
+    return np.asarray(sigma / (np.hypot(sigma, width) + TINY))
 
 
 def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
-    """Return the force after enough steps along the central path.
+    """Return the force after enough Newton steps.
+
+    At the optimum the force is the sign of σ, and its moments vanish. The sign is smoothed over a
+    width in proportion to the gap that is left, so both shrink together. Newton's equations are
+    those of force · √(σ² + width²) = σ: unlike those of force = σ / √(σ² + width²) they hold
+    far from the solution, too.
 
     Parameters
     ----------
@@ -237,53 +232,41 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
     span
         target / F_max [s] or [s²].
     tolerance
-        Mean complementarity against the mean of |σ| at which to stop.
+        ∫(|σ| - σ force) against the span at which to stop.
 
     Returns
     -------
     CellForce
 
-    Source: Portnoy & Koenker 1997, the interior-point method for L1 regression; with a
-    floating end.
+    Source: Chan, Golub & Mulet 1999, there for total variation; with a floating end.
     """
-    nodes, lengths, basis = begun.mesh.nodes, begun.mesh.lengths, begun.basis
-    c, part, room = begun.coefficients, begun.part.copy(), 1.0 - SIDES * begun.force
+    mesh, basis = begun.mesh, begun.basis
+    c, force, horizon, proved = begun.coefficients, begun.force, begun.horizon, 0.0
     sigma, across = begun.psi - basis @ c, np.ascontiguousarray(basis.T)
-    horizon, proved, share = begun.horizon, 0.0, 1.0
     for _ in range(STEPS):
-        reached = (lengths * np.abs(sigma)).cumsum()
+        size = np.abs(sigma)
+        reached = (mesh.lengths * size).cumsum()
         # Any c proves its time; one that is far from the best may prove next to nothing.
-        proved = max(proved, _crossing(nodes, reached, span))
+        proved = max(proved, _crossing(mesh.nodes, reached, span))
         horizon = max(proved, SHRINKING * horizon)
-        k = int(nodes.searchsorted(horizon))
-        weight = lengths[:k].copy()
-        weight[-1] = horizon - nodes[k - 1]
-        left, half = room[:, :k], part[:, :k]
-        product = left * half
-        gap = sum((product @ weight).tolist())
-        if gap < tolerance * min(span, float(reached[k - 1])):
+        weight = _weights(mesh, horizon)
+        gap = float(weight @ (size - force * sigma))
+        if gap < tolerance * min(span, float(reached[-1])):
             break
-        aim = CENTRING if share > LONG_STEP else RECENTRING
-        relative = (0.5 * aim * gap / horizon) / product
-        ratio, barrier = half / left, relative * half
-        stiffness = 1.0 / (ratio[0] + ratio[1])
-        pull = sigma[:k] - barrier[0] + barrier[1]
-        pressed = weight * stiffness
-        hessian = (across[:, :k] * pressed) @ basis[:k]
-        right = across[:, :k] @ (weight * (left[1] - 1.0) + pressed * pull)
-        _, _, step, info = dgesv(hessian, right)
+        width = SMOOTHING * gap / horizon
+        root = np.sqrt(sigma * sigma + width * width)
+        sign = sigma / root
+        stiffness = (1.0 - force * sign) / root
+        hessian = (across * (weight * stiffness)) @ basis
+        _, _, step, info = dgesv(hessian, across @ (weight * sign))
         if info:
             break
         change = basis @ step
-        spent = (stiffness * (pull - change[:k])) * SIDES
-        used = spent / left
-        lost = 1.0 - used - relative
-        primal, dual = _longest(used), _longest(lost)
-        share = min(primal, dual)
-        left -= primal * spent
-        half *= 1.0 - dual * lost
-        c, sigma = c + dual * step, sigma - dual * change
-    return replace(begun, coefficients=c, force=room[1] - 1.0, part=part, horizon=horizon)
+        c, sigma = c + step, sigma - change
+        move = sign - stiffness * change - force
+        room = np.copysign(1.0, move) - force
+        force = force + min(1.0, BACK_OFF / max(float((move / room).max()), TINY)) * move
+    return replace(begun, coefficients=c, force=force, horizon=horizon)
 
 
 def _crossing(nodes: Array, reached: Array, span: float) -> float:
@@ -294,8 +277,3 @@ def _crossing(nodes: Array, reached: Array, span: float) -> float:
     before = float(reached[i - 1]) if i else 0.0
     start, end = float(nodes[i]), float(nodes[i + 1])
     return start + (end - start) * (span - before) / (float(reached[i]) - before)
-
-
-def _longest(used: Array) -> float:
-    """Return the step that leaves some of everything, at most 1."""
-    return min(1.0, BACK_OFF / max(float(used.max()), 1e-300))

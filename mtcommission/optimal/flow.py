@@ -19,10 +19,14 @@ from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 
+UNIT = 0.8
+"""Longest step of the power series against the fastest pole."""
+TERMS = np.arange(18)
+"""0.8^18 / 18! = 3e-18."""
+FACTORIALS = np.cumprod(np.maximum(TERMS, 1.0))[:, np.newaxis, np.newaxis]
+PIECES = np.arange(4) / 4
 SHORT = 0.2
-"""Longest step against the fastest pole: of the power series, and of the checks of the sign."""
-TERMS = np.arange(12)
-"""0.2^12 / 12! = 1e-17."""
+"""Parts of a unit at which the sign is checked: steps of at most ``SHORT`` of the fastest pole."""
 DECAY = 41.0
 """e^-41 is below the unit roundoff: a mode is gone after DECAY times its time constant."""
 LEAST = 8
@@ -76,7 +80,7 @@ def dyadic_flow(plant: Plant, problem: MomentProblem, *, t_f: float) -> DyadicFl
     """
     scale = 1.0 / float(problem.magnitudes.max())
     series = _series(plant, scale)
-    bits = max(0, ceil(log2(t_f / (scale * SHORT))))
+    bits = max(0, ceil(log2(t_f / (scale * UNIT))))
     unit = t_f / 2.0**bits
     powers = (unit / scale) ** TERMS
     flow = (powers @ series.reshape(TERMS.size, -1)).reshape(series.shape[1:]).T
@@ -92,11 +96,14 @@ def _series(plant: Plant, scale: float) -> Array:
     n = plant.order
     joint = np.zeros((n + 1, n + 1))
     joint[:n, :n], joint[:n, n] = scale * plant.A, scale * plant.B
-    series = np.empty((TERMS.size, n + 1, n + 1))
-    series[0] = np.eye(n + 1)
-    for power in range(1, TERMS.size):
-        series[power] = series[power - 1] @ joint / power
-    return series
+    powers = np.empty((TERMS.size, n + 1, n + 1))
+    powers[0], powers[1] = np.eye(n + 1), joint
+    known = 1
+    while known + 1 < TERMS.size:
+        more = powers[known + 1 : 2 * known + 1]
+        np.matmul(powers[1 : len(more) + 1], powers[known], out=more)
+        known *= 2
+    return np.asarray(powers / FACTORIALS)
 
 
 def final_state(flow: DyadicFlow, switching_times: Array, *, first_force: float) -> Array:
@@ -138,7 +145,7 @@ def final_state(flow: DyadicFlow, switching_times: Array, *, first_force: float)
     response = (rest[:, np.newaxis] ** TERMS) @ flow.series[:, :, n]
     is_in = (whole[:, np.newaxis] >> np.arange(bits + 1) & 1).astype(bool)
     for bit, double in enumerate(flow.doubles):
-        response = np.where(is_in[:, bit, np.newaxis], response @ double, response)
+        np.copyto(response, response @ double, where=is_in[:, bit, np.newaxis])
     last_sign = (-1.0) ** switching_times.size
     jumps = sign_jumps(switching_times.size, first_sign=last_sign)
     return np.asarray(first_force * (jumps @ response[:, :n]))
@@ -181,7 +188,8 @@ def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> Adj
     """
     n, force = flow.plant.order, flow.plant.force
     poles, unit = problem.rates.tolist(), flow.unit
-    rows, tau, step, length = end[np.newaxis], np.zeros(1), unit, unit
+    tau, step, length = PIECES * unit, unit / PIECES.size, unit
+    rows = (tau / flow.scale)[:, np.newaxis] ** TERMS @ (end @ flow.series[:, :n, :n])
     taus, values = [tau], [rows[:, force]]
     for double in flow.doubles[:-1]:
         fastest = max((abs(p) for p in poles if -p.real * length < DECAY), default=0.0)

@@ -71,6 +71,15 @@ class MomentProblem:
         """Return the multiplier of φ = 1; 0 for a velocity step."""
         return float(multipliers[-1]) if self.degree else 0.0
 
+    def slope_multipliers(self, multipliers: Array) -> Array:
+        """Return c' with Σ c_i dφ_i/dτ = Σ c'_i φ_i, shape (size,)."""
+        pairs = np.zeros(self.rates.size, dtype=np.complex128)
+        flat = pairs.view(np.float64)
+        flat[: 2 * self.rates.size - 1] = multipliers[: 2 * self.rates.size - 1]
+        # Re C e^{pτ} with C = c_1 - i c_2 has the slope Re C p e^{pτ}.
+        pairs *= self.rates.conj()
+        return flat[: self.size]
+
     def values(self, tau: Array) -> Array:
         """Return φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
         return self.columns(np.exp(tau[:, np.newaxis] * self.rates), 1.0)

@@ -25,7 +25,7 @@ from mtcommission.optimal.dual import (
 from mtcommission.optimal.dual_start import PARTS, CellForce, improve, refine_cells, start_force
 from mtcommission.optimal.mesh import ROUNDOFF, Mesh
 from mtcommission.optimal.moments import MomentProblem, independence
-from mtcommission.optimal.switching import bracket_zeros, cubic_zeros
+from mtcommission.optimal.switching import bracket_zeros, cubic_zeros, has_one_zero
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -78,18 +78,37 @@ class BangBang:
         Sign of the force before the first zero, i.e. at the end of the move.
     multipliers
         c, shape (size,).
-    residual
-        Largest violated moment against ∫|φ|, and of the target against itself.
     """
 
     zeros: Array
     horizon: float
     first_sign: float
     multipliers: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Polished:
+    """What Newton made of a control.
+
+    Parameters
+    ----------
+    control
+        The best one on the way.
+    residual
+        Largest violated moment against ∫|φ|, and of the target against itself.
+    end_value
+        σ at the final time.
+    excess
+        ∫ sign σ up to the final time less the span, with the signs of the control [s] or [s²].
+    """
+
+    control: BangBang
     residual: float
+    end_value: float
+    excess: float
 
 
-def polish(mesh: Mesh, start: BangBang, *, span: float) -> BangBang:
+def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
     """Return the stationary control next to another.
 
     Parameters
@@ -103,7 +122,7 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> BangBang:
 
     Returns
     -------
-    BangBang
+    Polished
         Its ``residual`` tells whether Newton converged.
 
     Source: docs/optimal-control.md, section 3.
@@ -111,81 +130,92 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> BangBang:
     problem = mesh.problem
     scale = np.append(moment_norms(mesh, start.horizon), span) + 1e-300
     jumps = sign_jumps(start.zeros.size, first_sign=start.first_sign)
+    k = start.zeros.size
     ends, c = np.append(start.zeros, start.horizon), start.multipliers
-    best_ends, best_c, least = ends, c, inf
+    best, best_ends, best_c, least = None, ends, c, inf
     for steps in range(FINISHING_STEPS):
         if steps >= NEWTON_STEPS and least > FEASIBLE:
             break
         if not _largest(c * scale[:-1]) < LARGEST_MULTIPLIER * span:
             break
-        here = _equations(problem, ends, c, jumps=jumps, scale=scale)
-        residual = _largest(here.right[jumps.size - 1 :])
+        here = _defects(problem, ends, c, jumps=jumps, scale=scale)
+        residual = _largest(here.right[k:])
         if not isfinite(residual):
             break
         if residual < least:
-            best_ends, best_c, least = ends, c, residual
-        off = _largest(here.right[: jumps.size - 1])
-        if residual <= CONVERGED and off <= ON_ZERO * here.target_value:
+            best, best_ends, best_c, least = here, ends, c, residual
+        if residual <= CONVERGED and _largest(here.right[:k]) <= ON_ZERO * float(here.psi[-1]):
             break
-        step = _solve(here)
-        share = _share(ends.tolist(), step[: jumps.size].tolist())
-        ends = ends + share * step[: jumps.size]
-        c = c + share * step[jumps.size :] / scale[:-1]
-    return BangBang(
+        step = _solve(_jacobian(problem, here, c, jumps=jumps, scale=scale), here.right)
+        share = _share(ends.tolist(), step[: k + 1].tolist())
+        ends = ends + share * step[: k + 1]
+        c = c - share * step[k + 1 :] / scale[:-1]
+    control = BangBang(
         zeros=best_ends[:-1],
         horizon=float(best_ends[-1]),
         first_sign=start.first_sign,
         multipliers=best_c,
+    )
+    if best is None:
+        return Polished(control=control, residual=inf, end_value=nan, excess=nan)
+    missing = best.right[k:] * scale
+    return Polished(
+        control=control,
         residual=least,
+        end_value=float(best.psi[-1] - best.phi[-1] @ best_c),
+        excess=float(missing[:-1] @ best_c - missing[-1]),
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Equations:
-    """The linear equations of a Newton step for switches, final time and scaled multipliers.
+class _Defects:
+    """What a Newton step is to remove.
 
     Parameters
     ----------
-    matrix
-        Shape (k + size + 1, k + size + 1), by columns.
+    phi, psi
+        At the switches and the final time, shapes (k + 1, size), (k + 1,).
     right
         Minus what must vanish: σ at the k switches, moments and the missing target against
-        their scales.
-    target_value
-        ψ at the final time.
+        their scales; shape (k + size + 1,).
     """
 
-    matrix: Array
+    phi: Array
+    psi: Array
     right: Array
-    target_value: float
 
 
-def _equations(
+def _defects(
     problem: MomentProblem, ends: Array, multipliers: Array, *, jumps: Array, scale: Array
-) -> _Equations:
+) -> _Defects:
     k, size = jumps.size - 1, problem.size
     less_one: Complex = np.expm1(ends[:, np.newaxis] * problem.rates)
-    exponentials = less_one + 1.0
-    phi = problem.columns(exponentials, 1.0)
-    slope = problem.columns(exponentials * problem.rates, 0.0)
-    psi = problem.target_values(ends)
-    primitive = problem.target_integrals(ends)
+    phi, psi = problem.columns(less_one + 1.0, 1.0), problem.target_values(ends)
+    summed = (jumps @ less_one.view(np.float64)).view(np.complex128) / problem.rates
     right = np.empty(k + size + 1)
-    right[:k] = phi[:k] @ multipliers - psi[:k]
-    constant = jumps @ ends if problem.degree else 0.0
-    modal: Complex = (jumps @ less_one) / problem.rates
-    moments = problem.columns(modal[np.newaxis], constant)
-    right[k:-1] = moments[0]
-    right[-1] = jumps @ primitive - scale[-1]
+    np.subtract(phi[:k] @ multipliers, psi[:k], out=right[:k])
+    right[k:-1] = summed.view(np.float64)[:size]
+    if problem.degree:
+        right[-2] = jumps @ ends
+    right[-1] = jumps @ problem.target_integrals(ends) - scale[-1]
     right[k:] /= -scale
+    return _Defects(phi=phi, psi=psi, right=right)
+
+
+def _jacobian(
+    problem: MomentProblem, here: _Defects, multipliers: Array, *, jumps: Array, scale: Array
+) -> Array:
+    """Return the derivatives by switches, final time and minus the scaled multipliers."""
+    k, size = jumps.size - 1, problem.size
     matrix = np.zeros((k + size + 1, k + size + 1), order="F")
     diagonal = matrix.reshape(-1, order="F")[: k * (k + size + 2) : k + size + 2]
-    diagonal[:] = problem.degree - slope[:k] @ multipliers
-    relative = phi / scale[:-1]
-    matrix[:k, k + 1 :] = -relative[:k]
-    matrix[k:-1, : k + 1] = (relative * jumps[:, np.newaxis]).T
-    matrix[-1, : k + 1] = psi * jumps / scale[-1]
-    return _Equations(matrix=matrix, right=right, target_value=float(psi[-1]))
+    slopes = here.phi[:k] @ problem.slope_multipliers(multipliers)
+    np.subtract(problem.degree, slopes, out=diagonal)
+    relative = here.phi / scale[:-1]
+    matrix[:k, k + 1 :] = relative[:k]
+    matrix[k:-1, : k + 1] = relative.T * jumps
+    matrix[-1, : k + 1] = here.psi * (jumps / scale[-1])
+    return matrix
 
 
 def _largest(values: Array) -> float:
@@ -194,11 +224,11 @@ def _largest(values: Array) -> float:
     return max(sizes, default=0.0) if isfinite(sum(sizes)) else nan
 
 
-def _solve(equations: _Equations) -> Array:
-    _, _, step, info = dgesv(equations.matrix, equations.right)
+def _solve(matrix: Array, right: Array) -> Array:
+    _, _, step, info = dgesv(matrix, right)
     if info:
         # Fewer switches than conditions leave multipliers undetermined: take the least step.
-        return np.asarray(np.linalg.lstsq(equations.matrix, equations.right, rcond=None)[0])
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
     return np.asarray(step)
 
 
@@ -212,7 +242,7 @@ def _share(ends: list[float], step: list[float]) -> float:
     return min(1.0, TO_BOUNDARY / closing)
 
 
-def confirm(mesh: Mesh, control: BangBang, *, span: float) -> DualPoint:
+def confirm(mesh: Mesh, polished: Polished, *, span: float) -> DualPoint:
     """Return the multipliers of a control with all zeros of their σ and the time they prove.
 
     Usually the zeros are just the switches, known to full precision, and ∫|σ| up to the final time
@@ -222,8 +252,8 @@ def confirm(mesh: Mesh, control: BangBang, *, span: float) -> DualPoint:
     ----------
     mesh
         Reaches beyond the final time.
-    control
-        Polished.
+    polished
+        A control next to which Newton ended.
     span
         target / F_max.
 
@@ -231,19 +261,16 @@ def confirm(mesh: Mesh, control: BangBang, *, span: float) -> DualPoint:
     -------
     DualPoint
     """
-    problem, c, horizon = mesh.problem, control.multipliers, control.horizon
-    _, end_value = problem.combination(c, horizon)
-    brackets = bracket_zeros(mesh, c)
+    control, end_value = polished.control, polished.end_value
+    c, horizon = control.multipliers, control.horizon
+    brackets = bracket_zeros(mesh, c, horizon=horizon, settled=has_one_zero)
     sign = control.first_sign * (-1.0) ** control.zeros.size
     if sign * end_value <= 0.0 or not brackets.isolate(control.zeros, horizon, end_value):
         return evaluate_dual(mesh, c, span=span, near=horizon)
-    ends = np.append(control.zeros, horizon)
-    jumps = sign_jumps(control.zeros.size, first_sign=control.first_sign)
-    integral = jumps @ (problem.target_integrals(ends) - problem.integrals(ends) @ c)
     return DualPoint(
         mesh=mesh,
         multipliers=c,
-        bound=horizon - (float(integral) - span) / abs(end_value),
+        bound=horizon - polished.excess / abs(end_value),
         zeros=control.zeros,
         first_sign=control.first_sign,
         end_value=abs(end_value),
@@ -276,12 +303,14 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
         is left to the certificate.
     """
     cells = start_force(problem, span=span, tolerance=TOLERANCES[0])
-    best = None
-    for tolerance in TOLERANCES:
-        cells = improve(cells, span=span, tolerance=tolerance)
-        best = _better(best, _exchange(cells.mesh, _seen_control(cells), span))
+    best = _exchange(cells.mesh, _seen_control(cells), span)
+    for tolerance in TOLERANCES[1:]:
         if best and best.gap <= AGREEMENT:
             return best
+        cells = improve(cells, span=span, tolerance=tolerance)
+        best = _better(best, _exchange(cells.mesh, _seen_control(cells), span))
+    if best and best.gap <= AGREEMENT:
+        return best
     # Finer starts help the structure, not the digits that nearly dependent functions cost.
     is_worth = ROUNDING * independence(problem, cells.horizon) > ROUNDOFF
     for refinement in range(REFINEMENTS if is_worth else 0):
@@ -342,13 +371,13 @@ def _exchange(mesh: Mesh, start: BangBang, span: float) -> Attempt | None:
     """
     best = None
     for _ in range(EXCHANGES):
-        control = polish(mesh, start, span=span)
-        if control.residual > FEASIBLE:
+        polished = polish(mesh, start, span=span)
+        if polished.residual > FEASIBLE:
             break
-        point = confirm(mesh, control, span=span)
-        attempt = Attempt(control=control, point=point)
+        point = confirm(mesh, polished, span=span)
+        attempt = Attempt(control=polished.control, point=point)
         best = _better(best, attempt)
-        if attempt.gap <= AGREEMENT or point.zeros.size == control.zeros.size:
+        if attempt.gap <= AGREEMENT or point.zeros.size == polished.control.zeros.size:
             break
         start = _proved_control(point)
     return best
@@ -360,20 +389,20 @@ def _proved_control(point: DualPoint) -> BangBang:
         horizon=point.bound,
         first_sign=point.first_sign,
         multipliers=point.multipliers,
-        residual=inf,
     )
 
 
 def _seen_control(cells: CellForce) -> BangBang:
     """Return the sign changes of σ between nodes; pairs inside a cell are left out."""
     mesh, c = cells.mesh, cells.multipliers
-    last = int(mesh.nodes.searchsorted(cells.horizon))
-    nodes, lengths = mesh.nodes[: last + 1], mesh.lengths[:last]
-    sigma = mesh.problem.target_values(nodes) - mesh.values[: last + 1] @ c
-    at = np.flatnonzero((sigma[1:] > 0.0) != (sigma[:-1] > 0.0))
-    slopes = [mesh.problem.degree - mesh.slopes[at + side] @ c for side in (0, 1)]
-    length = lengths[at]
-    left_slope, right_slope = (slope * length for slope in slopes)
+    problem, last = mesh.problem, int(mesh.nodes.searchsorted(cells.horizon))
+    nodes, values = mesh.nodes[: last + 1], mesh.values
+    sigma = problem.target_values(nodes) - values[: last + 1] @ c
+    positive = sigma > 0.0
+    at = (positive[1:] != positive[:-1]).nonzero()[0]
+    length, slopes = mesh.lengths[at], problem.slope_multipliers(c)
+    left_slope = (problem.degree - values[at] @ slopes) * length
+    right_slope = (problem.degree - values[at + 1] @ slopes) * length
     share = cubic_zeros(sigma[at], sigma[at + 1], left_slope, right_slope, steps=1)
     zeros = nodes[at] + length * share
     inside = zeros < cells.horizon
@@ -382,5 +411,4 @@ def _seen_control(cells: CellForce) -> BangBang:
         horizon=cells.horizon,
         first_sign=1.0 if sigma[0] > 0.0 else -1.0,
         multipliers=c,
-        residual=inf,
     )

@@ -2,14 +2,16 @@
 
 No zero may be missed, since every proof rests on them: an interval is settled only when a
 rigorous error bound of the cubic that interpolates σ and σ' at its ends shows that σ has no
-zero, or that σ is monotone there; else it is halved.
+zero, or just one: σ is monotone there, or changes its sign and bends to one side only. Else it is
+divided.
 
-A cell is a column of eight rows: start, length, σ at both ends, length·σ' at both ends, bound of
-the cubic's error, bound of the rounding error of σ.
+A cell is a column of seven rows: start, length, σ at both ends, length·σ' at both ends, bound of
+the cubic's error.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 
@@ -29,6 +31,8 @@ MAX_DIVISIONS = 30
 """More than the bits of double precision: the search has always ended before."""
 SLOPE_ERROR = 384.0 * float(np.sqrt(3.0)) / 216.0
 """Error of the cubic's slope times the length against that of its value."""
+BEND_ERROR = 384.0 / 12.0
+"""Error of its second derivative times the length squared."""
 CUBIC_STEPS = 3
 EXACT_STEPS = 2
 """Newton steps on the cubic and then on σ: errors 1e-4 and 1e-16 of the cell (empirical)."""
@@ -38,9 +42,9 @@ def values_and_slopes(
     problem: MomentProblem, multipliers: Array, tau: Array
 ) -> tuple[Array, Array, Array]:
     """Return σ, dσ/dτ and φ at remaining times τ; shapes (k,), (k,), (k, size)."""
-    phi, slope = problem.values_and_slopes(tau)
+    phi = problem.values(tau)
     sigma = problem.target_values(tau) - phi @ multipliers
-    return sigma, problem.degree - slope @ multipliers, phi
+    return sigma, problem.degree - phi @ problem.slope_multipliers(multipliers), phi
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -50,7 +54,7 @@ class Brackets:
     Parameters
     ----------
     cells
-        In any order, shape (8, n_zeros).
+        In any order, shape (7, n_zeros).
     doubt
         ∫|σ| over the places where |σ| stays below its rounding error, so that pairs of zeros
         there may have been left out, at most [s] or [s²].
@@ -64,16 +68,15 @@ class Brackets:
 
         ``end_value`` is σ there.
         """
-        starts = self.cells[0]
-        order = starts.argsort()
-        order = order[: int(np.count_nonzero(starts < horizon))]
-        if order.size > zeros.size and (self.cells[2, order[-1]] > 0.0) == (end_value > 0.0):
+        brackets = sorted(zip(*self.cells[:3].tolist(), strict=True))
+        brackets = [bracket for bracket in brackets if bracket[0] < horizon]
+        if len(brackets) > zeros.size and (brackets[-1][2] > 0.0) == (end_value > 0.0):
             # The last bracket reaches beyond the horizon and changes its sign there.
-            order = order[:-1]
-        if order.size != zeros.size:
-            return False
-        first = starts[order]
-        return bool(((first <= zeros) & (zeros <= first + self.cells[1, order])).all())
+            brackets.pop()
+        return len(brackets) == zeros.size and all(
+            start <= zero <= start + length
+            for (start, length, _), zero in zip(brackets, zeros.tolist(), strict=True)
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,57 +109,60 @@ def isolate_zeros(mesh: Mesh, multipliers: Array) -> Zeros:
     -------
     Zeros
     """
-    brackets = bracket_zeros(mesh, multipliers)
+    brackets = bracket_zeros(mesh, multipliers, horizon=mesh.horizon, settled=is_monotone)
     tau = _refine(mesh.problem, multipliers, brackets.cells)
     tau.sort()
     return Zeros(tau=tau[tau > 0.0], doubt=brackets.doubt)
 
 
-def bracket_zeros(mesh: Mesh, multipliers: Array) -> Brackets:
-    """Return cells on [0, horizon] that hold the sign changes of σ.
+def bracket_zeros(
+    mesh: Mesh, multipliers: Array, *, horizon: float, settled: Callable[[Array], Mask]
+) -> Brackets:
+    """Return cells that hold the sign changes of σ up to a horizon, and perhaps some behind it.
 
     Parameters
     ----------
     mesh
-        Tables on [0, horizon].
+        Tables on [0, horizon] or more.
     multipliers
         c, shape (size,).
+    horizon
+        [s].
+    settled
+        Tells which cells hold at most one zero for certain: ``is_monotone`` or ``has_one_zero``.
 
     Returns
     -------
     Brackets
 
     Source: Bernstein form of the cubic Hermite interpolant with remainder |σ⁗| h⁴/384 (its
-    slope: √3 |σ⁗| h³/216); docs/optimal-control.md, section 3.
+    slope: √3 |σ⁗| h³/216, its second derivative: |σ⁗| h²/12); docs/optimal-control.md, section 3.
     """
-    cells = _doubtful_cells(mesh, multipliers)
-    found, doubt = [], 0.0
+    cells = _doubtful_cells(mesh, multipliers, horizon)
+    found, doubt = [np.empty((7, 0))], 0.0
     for _ in range(MAX_DIVISIONS):
-        if not cells.shape[1]:
+        is_settled, crossing = settled(cells), crosses_zero(cells)
+        found.append(cells[:, is_settled & crossing])
+        if is_settled.all():
             break
-        monotone, crossing = is_monotone(cells), crosses_zero(cells)
-        found.append(cells[:, monotone & crossing])
-        if monotone.all():
-            break
-        noise = is_noise(cells) & ~monotone
-        if noise.any():
-            doubt += float(4.0 * cells[1, noise] @ cells[7, noise])
-            found.append(cells[:, noise & crossing])
-        parts = _divide(mesh.problem, multipliers, cells[:, ~(monotone | noise)])
+        cells, crossing = cells[:, ~is_settled], crossing[~is_settled]
+        rounding = rounding_bound(
+            mesh.problem, mesh.problem.amplitudes(multipliers), multipliers, cells
+        )
+        noise = is_noise(cells, rounding)
+        doubt += float(4.0 * cells[1, noise] @ rounding[noise])
+        found.append(cells[:, noise & crossing])
+        parts = _divide(mesh.problem, multipliers, cells[:, ~noise])
         cells = parts[:, may_vanish(parts)]
     else:
         # An unsettled cell may hide anything.
         doubt = inf
-    if not found:
-        return Brackets(cells=np.empty((8, 0)), doubt=doubt)
-    return Brackets(
-        cells=found[0] if len(found) == 1 else np.concatenate(found, axis=1), doubt=doubt
-    )
+    return Brackets(cells=np.concatenate(found, axis=1), doubt=doubt)
 
 
 def may_vanish(cells: Array) -> Mask:
     """Return which cells may hold a zero."""
-    _, _, left, right, left_slope, right_slope, remainder, _ = cells
+    _, _, left, right, left_slope, right_slope, remainder = cells
     return within(left, right, left_slope, right_slope, remainder)
 
 
@@ -170,7 +176,7 @@ def within(left: Array, right: Array, left_slope: Array, right_slope: Array, bou
 
 def is_monotone(cells: Array) -> Mask:
     """Return on which cells σ is monotone for certain."""
-    _, _, left, right, left_slope, right_slope, remainder, _ = cells
+    _, _, left, right, left_slope, right_slope, remainder = cells
     middle = 3.0 * (right - left) - left_slope - right_slope
     low = np.minimum(np.minimum(left_slope, right_slope), middle)
     high = np.maximum(np.maximum(left_slope, right_slope), middle)
@@ -178,9 +184,19 @@ def is_monotone(cells: Array) -> Mask:
     return np.asarray((low > error) | (high < -error))
 
 
-def is_noise(cells: Array) -> Mask:
+def has_one_zero(cells: Array) -> Mask:
+    """Return on which cells σ is monotone, or convex or concave with a sign change, for certain."""
+    _, _, left, right, left_slope, right_slope, remainder = cells
+    # The second derivative of a cubic is linear: its ends tell all.
+    chord, error = 3.0 * (right - left), 0.5 * BEND_ERROR * remainder
+    start, end = chord - 2.0 * left_slope - right_slope, left_slope + 2.0 * right_slope - chord
+    bends = (np.minimum(start, end) > error) | (np.maximum(start, end) < -error)
+    return np.asarray((bends & crosses_zero(cells)) | is_monotone(cells))
+
+
+def is_noise(cells: Array, rounding: Array) -> Mask:
     """Return on which cells |σ| stays below its rounding error."""
-    _, _, left, right, left_slope, right_slope, remainder, rounding = cells
+    _, _, left, right, left_slope, right_slope, remainder = cells
     reach = np.maximum(np.abs(left), np.abs(right))
     reach += np.abs(left_slope) + np.abs(right_slope) + remainder
     return np.asarray(reach <= 4.0 * rounding)
@@ -199,7 +215,7 @@ def inner_nodes(cells: Array) -> Array:
 def divided(cells: Array, sigma: Array, slope: Array) -> Array:
     """Return the PARTS parts of all cells, given σ and σ' at ``inner_nodes``."""
     count = cells.shape[1]
-    parts = np.empty((8, PARTS, count))
+    parts = np.empty((7, PARTS, count))
     parts[0] = cells[0] + SHARES[:, np.newaxis] * cells[1]
     parts[1] = cells[1] / PARTS
     parts[2, 0], parts[2, 1:] = cells[2], sigma
@@ -207,8 +223,8 @@ def divided(cells: Array, sigma: Array, slope: Array) -> Array:
     slope = slope * parts[1, 0]
     parts[4, 0], parts[4, 1:] = cells[4] / PARTS, slope
     parts[5, -1], parts[5, :-1] = cells[5] / PARTS, slope
-    parts[6], parts[7] = cells[6] / PARTS**4, cells[7]
-    return parts.reshape(8, -1)
+    parts[6] = cells[6] / PARTS**4
+    return parts.reshape(7, -1)
 
 
 def newton_quotient(value: Array, slope: Array) -> Array:
@@ -217,39 +233,32 @@ def newton_quotient(value: Array, slope: Array) -> Array:
 
 
 def rounding_bound(
-    problem: MomentProblem, multipliers: Array, ends: Array, envelope: Array
+    problem: MomentProblem, amplitudes: Array, multipliers: Array, cells: Array
 ) -> Array:
     """Return a bound of the rounding error of σ on cells, shape (n_cells,).
 
-    Covers the products p τ inside the exponentials, the exponentials and the sum. ``ends`` are
-    those of the cells, ``envelope`` is max |e^{pτ}| there.
+    Covers the products p τ inside the exponentials, the exponentials and the sum. The multipliers
+    and their ``amplitudes`` are those of all cells, or one row for each cell.
     """
-    amplitudes = problem.amplitudes(multipliers)
-    modal = envelope @ amplitudes + (0.25 * ends) * (envelope @ (amplitudes * problem.magnitudes))
-    polynomial = abs(problem.constant(multipliers)) + problem.target_values(ends)
-    return np.asarray(8.0 * ROUNDOFF * (modal + polynomial))
+    start, end = cells[0], cells[0] + cells[1]
+    envelope = np.exp(start[:, np.newaxis] * problem.rates.real) * amplitudes
+    modal = (envelope * (1.0 + (0.25 * end)[:, np.newaxis] * problem.magnitudes)).sum(axis=1)
+    constant = np.abs(multipliers[..., -1]) if problem.degree else 0.0
+    return np.asarray(8.0 * ROUNDOFF * (modal + constant + problem.target_values(end)))
 
 
-def _doubtful_cells(mesh: Mesh, multipliers: Array) -> Array:
-    """Return the cells of the mesh that may hold a zero."""
-    problem, nodes, length = mesh.problem, mesh.nodes, mesh.lengths
-    sigma = problem.target_values(nodes) - mesh.values @ multipliers
-    slope = problem.degree - mesh.slopes @ multipliers
-    left_slope, right_slope = slope[:-1] * length, slope[1:] * length
-    remainder = mesh.remainder @ problem.amplitudes(multipliers)
-    at = np.flatnonzero(within(sigma[:-1], sigma[1:], left_slope, right_slope, remainder))
-    return np.array(
-        [
-            nodes[at],
-            length[at],
-            sigma[at],
-            sigma[at + 1],
-            left_slope[at],
-            right_slope[at],
-            remainder[at],
-            rounding_bound(problem, multipliers, nodes[at + 1], mesh.envelope[at]),
-        ]
-    )
+def _doubtful_cells(mesh: Mesh, multipliers: Array, horizon: float) -> Array:
+    """Return the cells of the mesh that begin before the horizon and may hold a zero."""
+    problem, last = mesh.problem, int(mesh.nodes[:-1].searchsorted(horizon))
+    nodes, length, values = mesh.nodes[: last + 1], mesh.lengths[:last], mesh.values[: last + 1]
+    sigma = problem.target_values(nodes) - values @ multipliers
+    slope = problem.degree - values @ problem.slope_multipliers(multipliers)
+    cells = np.empty((7, last))
+    cells[0], cells[1], cells[2], cells[3] = nodes[:-1], length, sigma[:-1], sigma[1:]
+    np.multiply(slope[:-1], length, out=cells[4])
+    np.multiply(slope[1:], length, out=cells[5])
+    np.matmul(mesh.remainder[:last], problem.amplitudes(multipliers), out=cells[6])
+    return cells[:, may_vanish(cells)]
 
 
 def _divide(problem: MomentProblem, multipliers: Array, cells: Array) -> Array:

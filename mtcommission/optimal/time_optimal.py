@@ -21,7 +21,7 @@ from mtcommission.optimal.flow import dyadic_flow, final_state
 from mtcommission.optimal.mesh import ROUNDOFF
 from mtcommission.optimal.moments import MomentProblem, independence, moment_problem
 from mtcommission.optimal.polish import Attempt, find_bang_bang
-from mtcommission.optimal.solution import Arc, TimeOptimum, constant_arc
+from mtcommission.optimal.solution import Arc, TimeOptimum
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -30,6 +30,8 @@ GAP_TOLERANCE = 1e-9
 """Largest relative distance of t_f from its proved lower bound."""
 ERROR_TOLERANCE = 1e-9
 """Largest terminal error of a state against the peak of that state."""
+NO_CHANGE, ONE = np.zeros((1, 1)), np.ones(1)
+"""Generator and initial value of a constant force; all bang arcs share them."""
 
 
 def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeOptimum:
@@ -126,14 +128,21 @@ def _claim(found: Attempt, force_limit: float) -> Claim:
 
 
 def _arcs(claim: Claim) -> tuple[Arc, ...]:
-    ends = [0.0, *(float(t) for t in claim.switching_times), claim.t_f]
-    arcs = []
-    force = claim.first_force
-    for start, end in pairwise(ends):
-        label = "+F_max" if force > 0.0 else "-F_max"
-        arcs.append(constant_arc(start, end, control=label, force=force))
-        force = -force
-    return tuple(arcs)
+    times = claim.switching_times.tolist()
+    forces = [claim.first_force, -claim.first_force]
+    outputs = [np.array([force]) for force in forces]
+    labels = ["+F_max" if force > 0.0 else "-F_max" for force in forces]
+    return tuple(
+        Arc(
+            t_start=start,
+            t_end=end,
+            control=labels[i % 2],
+            generator=NO_CHANGE,
+            initial=ONE,
+            output=outputs[i % 2],
+        )
+        for i, (start, end) in enumerate(pairwise([0.0, *times, claim.t_f]))
+    )
 
 
 def _terminal_error(plant: Plant, move: Move, final: Array) -> Array:
