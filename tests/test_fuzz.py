@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+from argparse import Namespace
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -16,6 +17,7 @@ import numpy as np
 import pint
 import pytest
 
+from benchmarks import fuzz
 from benchmarks.fuzz import Ending, arguments_of, call, fault_of, in_place
 from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values, shipped_texts
 from mtcommission.choose import SearchSettings
@@ -25,7 +27,7 @@ from mtcommission.loop_choice import Settings
 from mtcommission.machine import Machine, Manipulator
 from mtcommission.mechanics import flexible_modes, frequency_hz
 from mtcommission.profile import parse_profile
-from mtcommission.shipped import read_shipped
+from mtcommission.shipped import read_shipped, shipped_names
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 
@@ -80,6 +82,24 @@ def test_machines_with_slips_of_units_are_computed_or_refused(
 def test_the_fuzzer_sees_what_is_bad(ending: Ending, fault: str) -> None:
     """A judge that never finds anything would let every fault pass."""
     assert fault_of("check", ending, longest=LONGEST) == fault
+
+
+def test_a_broken_profile_may_take_as_long_as_the_same_one_unbroken(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Held to the quickest profile's time, every mutant of a slow one was called bad."""
+    slow = shipped_names()[2]
+    times = {name: 5.0 if name == slow else 2.0 for name in shipped_names()}
+    ending = Ending(code=0, processor=3.0, said="done")
+    monkeypatch.setattr(fuzz.GoodRuns, "time_of", lambda _, name: times[name])
+    monkeypatch.setattr(fuzz, "in_place", lambda _work: ending)
+    count = len(times)
+    options = {"command": "check", "count": count, "first": 0, "series": 1, "keep": tmp_path}
+    options |= {"values": False, "second": False, "longest": 1.0, "seconds": 1}
+    assert fuzz.fuzz(Namespace(**options), tmp_path) == 1
+    said = capsys.readouterr().out
+    bad = re.findall(r"BAD seed (\d+): .*3\.0 s of CPU, more than 2\.0 s", said)
+    assert sorted(map(int, bad)) == [seed for seed in range(count) if seed != 2]
 
 
 def test_mutated_profiles_never_crash_the_wizard(tmp_path: Path) -> None:
