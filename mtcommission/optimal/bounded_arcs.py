@@ -102,6 +102,31 @@ def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array
     return np.array(states)
 
 
+def peaks_above(levels: Array, least: float) -> list[tuple[int, int]]:
+    """Return (sample, signal) of the inner peaks of magnitude above a level.
+
+    Parameters
+    ----------
+    levels
+        Samples of signals, shape (n_samples, n_signals).
+    least
+        Level.
+
+    Returns
+    -------
+    list of (int, int)
+
+    Examples
+    --------
+    >>> peaks_above(np.array([[0.0], [-2.0], [0.0], [1.0], [0.5]]), 1.5)
+    [(1, 0)]
+    """
+    size = np.abs(levels)
+    inner = size[1:-1]
+    peaks = (inner > least) & (inner >= size[:-2]) & (inner > size[2:])
+    return [(int(at) + 1, int(k)) for at, k in zip(*np.nonzero(peaks), strict=True)]
+
+
 def flow_bang(problem: BoundedProblem, state: Array, side: int, span: float) -> Array:
     """Return the state after a bang arc, or before it where the span is negative.
 

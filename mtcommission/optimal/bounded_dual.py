@@ -207,6 +207,13 @@ def adjoint_before(problem: BoundedProblem, stretch: Stretch) -> Array:
     return np.asarray(stretch.adjoint @ flow)
 
 
+def sigma_sign(problem: BoundedProblem, parts: tuple[Stretch, ...], remaining: float) -> int:
+    """Return the sign of σ at a remaining time off the cores."""
+    part = next(part for part in parts if part.end <= remaining <= part.start)
+    flow = transition(problem.plant, np.array(remaining - part.end))
+    return 1 if float(part.adjoint @ flow @ problem.plant.B) > 0.0 else -1
+
+
 def dual_value(
     problem: BoundedProblem, parts: tuple[Stretch, ...], atoms: tuple[Atom, ...]
 ) -> Integral:

@@ -1,7 +1,9 @@
 """Edits of a solved sequence whose motion or multipliers break a condition of the optimum.
 
 - A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign: taken out.
-- A bound exceeded inside a piece: a touch point is put in.
+- A bound exceeded inside a piece: a touch point is put in where it is exceeded most.
+- σ of the other sign than the force in a part of a bang arc: the force is turned there, or, if
+  that part holds a touch point, the touch point has grown into a boundary arc.
 - A boundary arc whose multiplier has a density of the wrong sign somewhere: there it pays to
   leave the bound for a while. A *dip* is put in: away from the bound, towards it, and (order 2)
   away again.
@@ -16,13 +18,27 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch, flow_bang, piece_states
-from mtcommission.optimal.bounded_dual import DensityZone, negative_zones
+from mtcommission.optimal.bounded_arcs import (
+    Piece,
+    Sequence,
+    Touch,
+    flow_bang,
+    peaks_above,
+    piece_states,
+)
+from mtcommission.optimal.bounded_dual import (
+    DensityZone,
+    dual_value,
+    negative_zones,
+    sigma_sign,
+    stretches,
+)
 from mtcommission.optimal.bounded_mesh import Contact
 from mtcommission.optimal.bounded_newton import Extremal
 from mtcommission.optimal.bounded_problem import BoundedProblem
@@ -34,6 +50,8 @@ VANISHED = 1e-8
 """Share of t_f below which a piece is taken out."""
 RADIANS_PER_SAMPLE = 0.05
 """Samples that look for excesses of a solved sequence."""
+APART = 1e-7
+"""Share of t_f that a zero of σ keeps from the ends of a bang arc if it calls for a switch."""
 EXCESS = 1e-9
 """Relative excess over a bound that counts."""
 DIP_LENGTH = {1: sqrt(12.0), 2: sqrt(19.2)}
@@ -65,15 +83,8 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     Sequence or None
     """
     sequence = extremal.sequence
-    pieces: list[Piece] = []
-    for piece in _shared(sequence.pieces):
-        if piece.duration <= least * sequence.t_f:
-            continue
-        same = pieces and (pieces[-1].limit, pieces[-1].side) == (piece.limit, piece.side)
-        if same:
-            pieces[-1] = replace(pieces[-1], duration=pieces[-1].duration + piece.duration)
-        else:
-            pieces.append(piece)
+    left = [p for p in _shared(sequence.pieces) if p.duration > least * sequence.t_f]
+    pieces = _joined(left)
     contacts = touch_contacts(sequence)
     weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
     t_f = sum(piece.duration for piece in pieces)
@@ -111,38 +122,89 @@ def touch_contacts(sequence: Sequence) -> tuple[Contact, ...]:
     )
 
 
-def with_touches(problem: BoundedProblem, sequence: Sequence) -> Sequence | None:
-    """Return the sequence with a touch point wherever it runs through a bound; None if nowhere.
+def with_touch(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with a touch point where it exceeds a bound most; None if nowhere.
+
+    The first of several excesses of a decaying oscillation is often the only one that is left.
 
     Parameters
     ----------
     problem
         The bounded problem.
-    sequence
+    extremal
         Solved.
 
     Returns
     -------
     Sequence or None
     """
+    sequence = extremal.sequence
     rows, state = problem.rows, np.zeros(problem.plant.order)
-    touches = list(sequence.touches)
+    worst, most = None, 1.0 + EXCESS
     for index, piece in enumerate(sequence.pieces):
         count = int(np.ceil(piece.duration * problem.rate / RADIANS_PER_SAMPLE)) + 4
         tau = np.linspace(0.0, piece.duration, count)
         states = piece_states(problem, piece, state, tau)
         levels, state = states @ rows.T, states[-1]
-        magnitude = np.abs(levels)
-        inner = magnitude[1:-1]
-        peaks = (inner > 1.0 + EXCESS) & (inner >= magnitude[:-2]) & (inner > magnitude[2:])
-        for at, k in zip(*np.nonzero(peaks), strict=True):
-            if k != piece.limit:
-                side = int(np.sign(levels[at + 1, k]))
-                offset = float(tau[at + 1])
-                touches.append(Touch(piece=index, offset=offset, limit=int(k), side=side))
-    if len(touches) == len(sequence.touches):
+        for at, k in peaks_above(levels, most):
+            if k != piece.limit and abs(levels[at, k]) > most:
+                side, most = int(np.sign(levels[at, k])), float(abs(levels[at, k]))
+                worst = Touch(piece=index, offset=float(tau[at]), limit=k, side=side)
+    if worst is None:
         return None
-    return Sequence(pieces=sequence.pieces, touches=tuple(touches))
+    return Sequence(pieces=sequence.pieces, touches=(*sequence.touches, worst))
+
+
+def with_switches(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with the force turned wherever σ has the other sign; None if nowhere.
+
+    About a touch point where σ has the other sign the bound is held for a while.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved.
+
+    Returns
+    -------
+    Sequence or None
+    """
+    measure, sequence = extremal.measure, extremal.sequence
+    parts = stretches(problem, measure)
+    zeros = dual_value(problem, parts, measure.atoms).zeros
+    ends = measure.t_f - np.cumsum([piece.duration for piece in sequence.pieces])
+    touches = touch_contacts(sequence)
+    pieces: list[Piece] = []
+    for piece, end in zip(sequence.pieces, ends.tolist(), strict=True):
+        apart, start = APART * measure.t_f, end + piece.duration
+        inside = zeros[(zeros > end + apart) & (zeros < start - apart)][::-1]
+        if piece.limit >= 0 or not inside.size:
+            pieces.append(piece)
+            continue
+        for a, b in pairwise([start, *inside.tolist(), end]):
+            side = sigma_sign(problem, parts, 0.5 * (a + b))
+            held = next((at for at in touches if b < at.remaining < a and side != piece.side), None)
+            if held is None:
+                pieces.append(Piece(limit=-1, side=side, duration=a - b))
+            else:
+                pieces.append(Piece(limit=held.limit, side=held.side, duration=a - b))
+    if len(pieces) == len(sequence.pieces):
+        return None
+    joined = tuple(_joined(pieces))
+    return Sequence(pieces=joined, touches=place_touches(problem, joined, touches))
+
+
+def _joined(pieces: list[Piece]) -> list[Piece]:
+    """Return the pieces with neighbours of the same kind as one."""
+    joined: list[Piece] = []
+    for piece in pieces:
+        if joined and (joined[-1].limit, joined[-1].side) == (piece.limit, piece.side):
+            joined[-1] = replace(joined[-1], duration=joined[-1].duration + piece.duration)
+        else:
+            joined.append(piece)
+    return joined
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

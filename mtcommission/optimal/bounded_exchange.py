@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.optimal.bounded_arcs import Piece, peaks_above, piece_states
 from mtcommission.optimal.bounded_mesh import Contact, Layout, MeshOptimum, off_cores, solve_mesh
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
 
@@ -17,6 +18,8 @@ EXCHANGES = 6
 BROKEN = 1e-6
 """Relative excess over a bound that calls for another point of the program; what is left is
 covered by a margin."""
+RADIANS_PER_SAMPLE = 0.2
+"""Samples of a core among which excesses over other bounds are looked for."""
 LEAST_SLOPE = 0.3
 """Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
 ROOM_AT_START = 1e-6
@@ -79,7 +82,28 @@ def broken(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> 
         side = int(np.sign(levels[cell, at, k]))
         remaining = max(float(cells[cell].start - t), cells[cell].end)
         over.append(Contact(remaining=remaining, limit=int(k), side=side))
-    return list(off_cores(problem, tuple(over), found.layout.cores))
+    return [
+        *off_cores(problem, tuple(over), found.layout.cores),
+        *_broken_in_cores(problem, found, tolerance),
+    ]
+
+
+def _broken_in_cores(
+    problem: BoundedProblem, found: MeshOptimum, tolerance: float
+) -> list[Contact]:
+    """Return where the motion in a core exceeds a bound other than the one held there."""
+    over = []
+    for core in (segment for segment in found.segments if segment.limit >= 0):
+        count = int(np.ceil((core.start - core.end) * problem.rate / RADIANS_PER_SAMPLE)) + 4
+        tau = np.linspace(0.0, core.start - core.end, count)
+        piece = Piece(limit=core.limit, side=0, duration=float(tau[-1]))
+        levels = piece_states(problem, piece, found.state(core.first), tau) @ problem.rows.T
+        levels[:, core.limit] = 0.0
+        for at, k in peaks_above(levels, 1.0 + tolerance):
+            t = _peak_time(np.abs(levels[at - 1 : at + 2, k]), 1) - 1.0
+            remaining = float(core.start - tau[at] - t * tau[1])
+            over.append(Contact(remaining=remaining, limit=k, side=int(np.sign(levels[at, k]))))
+    return over
 
 
 def _peak_time(levels: Array, at: int) -> float:

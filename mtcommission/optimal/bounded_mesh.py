@@ -146,17 +146,17 @@ class MeshOptimum:
 def off_cores(
     problem: BoundedProblem, contacts: tuple[Contact, ...], cores: tuple[Core, ...]
 ) -> tuple[Contact, ...]:
-    """Return the contacts that may carry an atom: off the cores, or where c B = 0 inside one.
+    """Return the contacts that may carry an atom: off the cores, or of a higher order inside one.
 
-    An atom inside a core jumps Λ by a multiple of c. On a core of order 1 that leaves σ = 0 if
-    c B = 0; on others it would end the core.
+    An atom inside a core jumps Λ by a multiple of c. On a core of order r that leaves σ = 0 if
+    c B = ... = c A^(r-1) B = 0; on others it would end the core.
     """
     return tuple(
         at
         for at in contacts
         if not any(
             core.holds(at.remaining)
-            and (problem.limits[core.limit].order > 1 or problem.limits[at.limit].order < 2)
+            and problem.limits[at.limit].order <= problem.limits[core.limit].order
             for core in cores
         )
     )

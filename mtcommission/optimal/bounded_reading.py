@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
-from mtcommission.optimal.bounded_dual import Core, Stretch
+from mtcommission.optimal.bounded_dual import Core, Stretch, sigma_sign
 from mtcommission.optimal.bounded_mesh import Contact
-from mtcommission.optimal.bounded_problem import BoundedProblem, transition
+from mtcommission.optimal.bounded_problem import BoundedProblem
 
 Array = NDArray[np.float64]
 
@@ -156,7 +156,7 @@ def _edges(zeros: Array, start: float, end: float, mesh: Array, *, first: bool) 
 def _bang_pieces(
     problem: BoundedProblem, parts: tuple[Stretch, ...], edges: Array, *, after: int, before: int
 ) -> list[Piece]:
-    sign = _sign(problem, parts, 0.5 * (edges[0] + edges[1]))
+    sign = sigma_sign(problem, parts, 0.5 * (edges[0] + edges[1]))
     pieces = []
     for start, end in pairwise(edges.tolist()):
         pieces.append(Piece(limit=-1, side=sign, duration=start - end))
@@ -167,12 +167,6 @@ def _bang_pieces(
     if before and pieces[-1].side != before:
         pieces.append(Piece(limit=-1, side=before, duration=min(short, 1e-3 * parts[0].start)))
     return pieces
-
-
-def _sign(problem: BoundedProblem, parts: tuple[Stretch, ...], remaining: float) -> int:
-    part = next(part for part in parts if part.end <= remaining <= part.start)
-    flow = transition(problem.plant, np.array(remaining - part.end))
-    return 1 if float(part.adjoint @ flow @ problem.plant.B) > 0.0 else -1
 
 
 def place_touches(
@@ -199,7 +193,9 @@ def place_touches(
         t = float(ends[-1]) - contact.remaining
         index = min(int(np.searchsorted(ends, t)), len(pieces) - 1)
         held = pieces[index].limit
-        if held < 0 or (problem.limits[held].order == 1 < problem.limits[contact.limit].order):
+        # An atom of order 1 would turn the force; inside an arc it may not disturb σ = 0.
+        least = 1 if held < 0 else problem.limits[held].order
+        if problem.limits[contact.limit].order > least:
             offset = t - float(ends[index]) + pieces[index].duration
             touches.append(
                 Touch(piece=index, offset=offset, limit=contact.limit, side=contact.side)

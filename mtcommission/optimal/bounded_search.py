@@ -7,6 +7,7 @@ keeps force, bounds and target, and the multipliers prove that no control is fas
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -21,7 +22,7 @@ from mtcommission.optimal.bounded_dual import (
     negative_zones,
     stretches,
 )
-from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_touches
+from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
 from mtcommission.optimal.bounded_layout import SHRINK, Sight, lay_out, off_arcs
 from mtcommission.optimal.bounded_mesh import Contact, Layout, MeshOptimum, solve_mesh
@@ -42,6 +43,8 @@ MOST_FILLED = 2000
 """Most points with which a core is read."""
 EDITS = 30
 """Changes of a sequence in one round: pieces taken out, dips and touch points put in."""
+VISITS = 2
+"""How often the same sequence is solved in one round: from durations of its own each time."""
 SLIVER = 1e-6
 """Share of t_f of a piece that is taken out if the sequence can be solved without it."""
 FINISHED = 3
@@ -198,12 +201,12 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
     -------
     Found or None
     """
-    seen = set()
+    seen: Counter[tuple[tuple[int, ...], ...]] = Counter()
     for _ in range(EDITS):
-        # An edit that leads back to a sequence already solved would go on in circles.
-        if _shape(guess) in seen:
+        # An edit may lead back to a sequence with better durations, but not in circles.
+        seen[_shape(guess)] += 1
+        if seen[_shape(guess)] > VISITS:
             return None
-        seen.add(_shape(guess))
         if _has_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
             return None
         extremal = solve_sequence(problem, guess)
@@ -228,8 +231,12 @@ def _edited(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     edited = pruned(problem, extremal, least=VANISHED)
     if edited is not None or extremal.residual > RESIDUAL:
         return edited
-    dipped = with_dip(problem, extremal)
-    return with_touches(problem, extremal.sequence) if dipped is None else dipped
+    # What the multipliers call for comes first: the motion is that of another sequence then.
+    for edit in (with_dip, with_switches, with_touch):
+        edited = edit(problem, extremal)
+        if edited is not None:
+            return edited
+    return None
 
 
 def _simplest(problem: BoundedProblem, extremal: Extremal, found: Found) -> Found:
