@@ -8,22 +8,20 @@ best.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import exp, inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.assess import assess
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.response import simulate
 from mtcommission.loop.tuning import TunedLoop
 from mtcommission.machine import Machine, Move, moving_mass
 from mtcommission.plant import Plant, PlantMode
 from mtcommission.rules import NO_JERK_LIMIT, dominant_mode, without_jerk_limit
 from mtcommission.setpoint import Setpoint, plan_setpoint
-from mtcommission.trials import Trial
+from mtcommission.trials import Trial, judge_moves, run_setpoints
 from mtcommission.variations import as_variations
 from mtcommission.varied_response import follow_setpoints
 
@@ -241,38 +239,9 @@ def _best_trial(
         if is_outside and outside:
             break
         limits = MotionLimits(acceleration=a, jerk=a / jerk_time)
-        trial = _judge(machine, plant, tuned, setpoints, name=name, source=source, limits=limits)
+        moves = run_setpoints(machine, tuned, setpoints)
+        trial = replace(judge_moves(machine, plant, tuned, name, source, moves), limits=limits)
         if trial.assessment.is_met:
             return trial
         outside.append(trial)
     return min(outside, key=lambda item: item.settling_time)
-
-
-def _judge(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    setpoints: Sequence[Setpoint],
-    *,
-    name: str,
-    source: str,
-    limits: MotionLimits,
-) -> Trial:
-    drive, band = machine.drive, machine.requirements.tcp_deviation
-    rows = [
-        [
-            simulate(loop, lifted, setpoint, drive=drive, band=band)
-            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
-        ]
-        for setpoint in setpoints
-    ]
-    everywhere = [response for row in rows for response in row]
-    return Trial(
-        name=name,
-        source=source,
-        limits=limits,
-        settling_time=max(response.settling_time for response in everywhere),
-        residual_deviation=max(response.residual_deviation for response in everywhere),
-        peak_deviation=max(response.peak_deviation for response in everywhere),
-        assessment=assess(machine, plant, tuned.corners, rows),
-    )

@@ -71,21 +71,40 @@ def run_moves(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple
     -------
     tuple of MoveResult
     """
-    results = []
-    for move in machine.moves:
-        setpoint = plan_setpoint(move, limits, moving_average=machine.control.moving_average_time)
-        responses = tuple(
-            simulate(
-                loop,
-                lifted,
-                setpoint,
-                drive=machine.drive,
-                band=machine.requirements.tcp_deviation,
-            )
-            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+    time = machine.control.moving_average_time
+    setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
+    return run_setpoints(machine, tuned, setpoints)
+
+
+def run_setpoints(
+    machine: Machine, tuned: TunedLoop, setpoints: Sequence[Setpoint]
+) -> tuple[MoveResult, ...]:
+    """Return given setpoints, simulated in every corner.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its band and drive count.
+    tuned
+        The loop in every corner.
+    setpoints
+        One for each move, filters included.
+
+    Returns
+    -------
+    tuple of MoveResult
+    """
+    drive, band = machine.drive, machine.requirements.tcp_deviation
+    return tuple(
+        MoveResult(
+            setpoint=setpoint,
+            responses=tuple(
+                simulate(loop, lifted, setpoint, drive=drive, band=band)
+                for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+            ),
         )
-        results.append(MoveResult(setpoint=setpoint, responses=responses))
-    return tuple(results)
+        for setpoint in setpoints
+    )
 
 
 def judge(
@@ -117,7 +136,7 @@ def judge_moves(
     name, source
         Of the limits.
     moves
-        From ``run_moves``.
+        From ``run_moves`` or ``run_setpoints``; the first one's limits are the trial's.
 
     Returns
     -------

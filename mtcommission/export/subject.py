@@ -15,7 +15,6 @@ import numpy as np
 from mtcommission.assess import Assessment, assess
 from mtcommission.errors import Fault, InputError
 from mtcommission.limits import MotionLimits
-from mtcommission.loop.response import simulate
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Machine, Motion, StateFeedback, StateGain
 from mtcommission.plant import Plant, PlantMode, build_plant
@@ -23,6 +22,7 @@ from mtcommission.profile import parse_profile, profile_text_hash
 from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.rules import dominant_mode, peak_velocity
 from mtcommission.setpoint import Setpoint, plan_setpoint
+from mtcommission.trials import run_setpoints
 
 REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what
@@ -229,19 +229,7 @@ def judge_setpoints(subject: Subject, setpoints: Sequence[Setpoint]) -> Verdict:
     Verdict
     """
     machine, tuned = subject.machine, subject.tuned
-    rows = [
-        [
-            simulate(
-                loop,
-                lifted,
-                setpoint,
-                drive=machine.drive,
-                band=machine.requirements.tcp_deviation,
-            )
-            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
-        ]
-        for setpoint in setpoints
-    ]
+    rows = [result.responses for result in run_setpoints(machine, tuned, setpoints)]
     everywhere = [response for row in rows for response in row]
     return Verdict(
         settling_time=max(response.settling_time for response in everywhere),
