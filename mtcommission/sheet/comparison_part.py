@@ -7,12 +7,12 @@ from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import (
     Block,
     Bullets,
-    Column,
     Paragraph,
     Section,
     Subheading,
     Table,
     Tone,
+    name_and_numbers,
 )
 from mtcommission.sheet.motion_part import flexible_rates
 from mtcommission.sheet.phrases import polish
@@ -91,10 +91,7 @@ def _controls(record: Record, controls: list[ComparedEntry], move: str, f: Forma
     )
     return Table(
         caption=text.controls_caption.format(move=move),
-        columns=(
-            Column(head=text.control, width=2.0),
-            *(Column(head=head, is_number=True) for head in heads),
-        ),
+        columns=name_and_numbers(text.control, heads, width=2.0),
         rows=rows,
     )
 
@@ -113,10 +110,7 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, f: Formatter) -> Tab
     )
     return Table(
         caption=text.fed_forward_caption.format(move=move),
-        columns=(
-            Column(head=text.control, width=1.4),
-            *(Column(head=head, is_number=True) for head in heads),
-        ),
+        columns=name_and_numbers(text.control, heads, width=1.4),
         rows=tuple(
             (
                 text.say(entry["control"]),

@@ -15,7 +15,15 @@ from mtcommission.record.schema import (
     RuleResult,
 )
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import Block, Column, Paragraph, Section, Table, Tone
+from mtcommission.sheet.model import (
+    Block,
+    Column,
+    Paragraph,
+    Section,
+    Table,
+    Tone,
+    name_and_numbers,
+)
 from mtcommission.sheet.plot_model import Border, Contour, HeatMap, Mark, PointPlot
 from mtcommission.sheet.verdict_part import acceleration, band, capitalised
 
@@ -79,10 +87,7 @@ def _attainable(record: Record, f: Formatter) -> tuple[Table, ...]:
         )
         for item in record["limits"]["attainable"]
     )
-    columns = (
-        Column(head=text.check, width=1.6),
-        *(Column(head=head, is_number=True) for head in heads),
-    )
+    columns = name_and_numbers(text.check, heads, width=1.6)
     return (Table(caption=text.attainable_caption, columns=columns, rows=rows),) if rows else ()
 
 

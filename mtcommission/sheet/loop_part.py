@@ -20,6 +20,7 @@ from mtcommission.sheet.model import (
     Subheading,
     Table,
     Tone,
+    name_and_numbers,
 )
 from mtcommission.sheet.phrases import polish
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
@@ -174,10 +175,7 @@ def _variants(record: Record, f: Formatter) -> tuple[Table, ...]:
     return (
         Table(
             caption=text.variants_caption,
-            columns=(
-                Column(head=text.quantity, width=1.6),
-                *(Column(head=head, is_number=True) for head in heads),
-            ),
+            columns=name_and_numbers(text.quantity, heads, width=1.6),
             rows=tuple(rows),
         ),
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from mtcommission.record.schema import Record
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import Block, Column, Table
+from mtcommission.sheet.model import Block, Column, Table, name_and_numbers
 from mtcommission.sheet.plot_model import Line, LinePlot, Panel
 
 USED, OTHER = 4, 1
@@ -94,10 +94,7 @@ def _delays(record: Record, f: Formatter) -> Table:
     keys = ("setpoint_age", "dead_time", "hold", "lag", "total")
     return Table(
         caption=text.delays_caption,
-        columns=(
-            Column(head=text.path, width=1.6),
-            *(Column(head=head, is_number=True) for head in heads),
-        ),
+        columns=name_and_numbers(text.path, heads, width=1.6),
         rows=tuple(
             (
                 text.say(entry["path"]),
@@ -113,10 +110,7 @@ def _jerk_feedforward(record: Record, f: Formatter) -> Table:
     heads = (text.reference_delay, text.wanted_force, text.settling_time, text.residual)
     return Table(
         caption=text.jerk_feedforward_caption,
-        columns=(
-            Column(head=text.jerk_weight, width=1.4),
-            *(Column(head=head, is_number=True) for head in heads),
-        ),
+        columns=name_and_numbers(text.jerk_weight, heads, width=1.4),
         rows=tuple(
             (
                 text.variant_used.format(name=f.number(entry["weight"]))

@@ -5,6 +5,7 @@ The printers know these types and no others, so HTML and PDF cannot tell differe
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
@@ -121,6 +122,27 @@ class Column:
     width: float = 1.0
     is_number: bool = False
     is_formula: bool = False
+
+
+def name_and_numbers(name: str, heads: Iterable[str], *, width: float) -> tuple[Column, ...]:
+    """Return a column of names and, behind it, columns of numbers.
+
+    Parameters
+    ----------
+    name, width
+        Of the first column.
+    heads
+        Of the others.
+
+    Examples
+    --------
+    >>> [column.is_number for column in name_and_numbers("rule", ["a", "j"], width=1.4)]
+    [False, True, True]
+    """
+    return (
+        Column(head=name, width=width),
+        *(Column(head=head, is_number=True) for head in heads),
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

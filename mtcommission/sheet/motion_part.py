@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from mtcommission.record.schema import MoveEntry, OptimaEntry, OptimumEntry, Record, Series
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import Block, Column, Paragraph, Section, Subheading, Table, Tone
+from mtcommission.sheet.model import (
+    Block,
+    Column,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+    name_and_numbers,
+)
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.verdict_part import band, move_title, reference_sentence
 
@@ -273,10 +282,7 @@ def _peaks(record: Record, optima: OptimaEntry, move: MoveEntry, title: str, f: 
     heads = [*(name for name, *_ in named), text.response]
     return Table(
         caption=text.peaks_caption.format(move=title),
-        columns=(
-            Column(head=text.signal_head, width=1.6),
-            *(Column(head=head, is_number=True) for head in heads),
-        ),
+        columns=name_and_numbers(text.signal_head, heads, width=1.6),
         rows=rows,
     )
 

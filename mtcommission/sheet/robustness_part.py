@@ -7,7 +7,15 @@ from numpy.typing import NDArray
 
 from mtcommission.record.schema import DistributionEntry, MonteCarloEntry, MoveEntry, Record
 from mtcommission.sheet.format import Formatter, motion_unit
-from mtcommission.sheet.model import Block, Column, Paragraph, Section, Table, Tone
+from mtcommission.sheet.model import (
+    Block,
+    Column,
+    Paragraph,
+    Section,
+    Table,
+    Tone,
+    name_and_numbers,
+)
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.verdict_part import band, move_title
 
@@ -242,10 +250,7 @@ def _extremes(drawn: MonteCarloEntry, f: Formatter) -> Table:
     )
     return Table(
         caption=text.extremes_caption,
-        columns=(
-            Column(head=text.machine_row, width=1.8),
-            *(Column(head=head, is_number=True) for head in heads),
-        ),
+        columns=name_and_numbers(text.machine_row, heads, width=1.8),
         rows=tuple(
             (
                 name,

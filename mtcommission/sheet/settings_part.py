@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from mtcommission.record.schema import Record
 from mtcommission.sheet.format import Formatter
-from mtcommission.sheet.model import Column, Table
+from mtcommission.sheet.model import Table, name_and_numbers
 
 UNITS: Mapping[str, str] = MappingProxyType(
     {
@@ -52,10 +52,7 @@ def _table(names: list[str], groups: list[dict[str, float | str]], f: Formatter)
     heads = [text.say(name.replace("_", " ")) if name else text.value for name in names]
     return Table(
         caption=text.settings_caption.format(names=", ".join(heads)),
-        columns=(
-            Column(head=text.setting, width=1.6),
-            *(Column(head=head, is_number=True) for head in heads),
-        ),
+        columns=name_and_numbers(text.setting, heads, width=1.6),
         rows=tuple(
             (
                 text.setting_names.get(key, text.say(key.replace("_", " "))),

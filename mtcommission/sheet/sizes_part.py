@@ -7,7 +7,15 @@ import numpy as np
 from mtcommission.record.schema import MoveSizesEntry, Record
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.limits_part import shown_jerk
-from mtcommission.sheet.model import Block, Column, Paragraph, Section, Subheading, Table, Tone
+from mtcommission.sheet.model import (
+    Block,
+    Paragraph,
+    Section,
+    Subheading,
+    Table,
+    Tone,
+    name_and_numbers,
+)
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.verdict_part import band, move_title
 
@@ -64,10 +72,7 @@ def _table(record: Record, ways: list[MoveSizesEntry], title: str, f: Formatter)
     )
     return Table(
         caption=text.sizes_caption.format(move=title),
-        columns=(
-            Column(head=text.limits_name, width=1.4),
-            *(Column(head=head, is_number=True) for head in heads),
-        ),
+        columns=name_and_numbers(text.limits_name, heads, width=1.4),
         rows=tuple(map(row, ways)),
     )
 
