@@ -117,14 +117,14 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         worse = broken(problem, found, tolerance=FINE) if attempt < POINT_STEPS else []
         margin = layout.margin + (1.1 * excess if excess > 0.0 and not worse else 0.0)
         contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
-        layout = replace(layout, t_f=t_f, contacts=contacts, margin=margin)
+        layout = replace(layout, contacts=contacts, margin=margin).stretched(t_f)
         following = solve_mesh(problem, layout, relaxed=False)
         if following is None:
             return None
         # The marginal knows one cell only; the secant knows the way gone.
         gone = following.layout.t_f - found.layout.t_f
         secant = (following.reach - found.reach) / gone if gone else 0.0
-        same = following.layout.contacts == found.layout.contacts
+        same = len(following.layout.contacts) == len(found.layout.contacts)
         slope = secant if same and secant > 0.0 and attempt else following.slope
         found = following
     return None

@@ -76,7 +76,7 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     extremal
         Solved, or as far as the iteration came.
     least
-        Share of t_f below which a piece is taken out.
+        Share of t_f below which a piece is taken out, and a touch point so near to an arc.
 
     Returns
     -------
@@ -91,7 +91,9 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     inside = tuple(
         at
         for at in contacts
-        if weights.get(at.remaining, 0.0) * at.side >= 0.0 and 0.0 < at.remaining < t_f
+        if weights.get(at.remaining, 0.0) * at.side >= 0.0
+        and 0.0 < at.remaining < t_f
+        and not _at_arc(sequence, at, near=least * t_f)
     )
     if len(pieces) == len(sequence.pieces) and len(inside) == len(contacts):
         return None
@@ -106,6 +108,15 @@ def _shared(pieces: tuple[Piece, ...]) -> list[Piece]:
         if half < 0.0 and min(spans[i - 1], spans[i + 1]) > -half:
             spans[i - 1], spans[i], spans[i + 1] = spans[i - 1] + half, 0.0, spans[i + 1] + half
     return [replace(piece, duration=span) for piece, span in zip(pieces, spans, strict=True)]
+
+
+def _at_arc(sequence: Sequence, contact: Contact, *, near: float) -> bool:
+    """Return whether a touch point has come to an end of an arc of its bound, whose atom it is."""
+    ends = sequence.t_f - np.cumsum([0.0, *(piece.duration for piece in sequence.pieces)])
+    return any(
+        piece.limit == contact.limit and np.abs(ends[i : i + 2] - contact.remaining).min() <= near
+        for i, piece in enumerate(sequence.pieces)
+    )
 
 
 def touch_contacts(sequence: Sequence) -> tuple[Contact, ...]:

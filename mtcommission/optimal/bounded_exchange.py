@@ -22,8 +22,6 @@ RADIANS_PER_SAMPLE = 0.2
 """Samples of a core among which excesses over other bounds are looked for."""
 LEAST_SLOPE = 0.3
 """Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
-ROOM_AT_START = 1e-6
-"""Share of t_f that the first cell has at least."""
 LARGEST_CHANGE = 0.02
 """Largest relative change of t_f on one mesh."""
 
@@ -33,7 +31,6 @@ def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
     found: MeshOptimum | None = None
     # While the mesh is coarse, more exactness at the bounds would be wasted.
     tolerance = max(BROKEN, 0.3 * float(np.diff(layout.mesh).min()) / layout.t_f)
-    layout = replace(layout, t_f=max(layout.t_f, _least_time(layout)))
     for _ in range(EXCHANGES):
         found = solve_mesh(problem, layout, relaxed=False)
         if found is None:
@@ -42,18 +39,10 @@ def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
         in_time = abs(found.reach - 1.0) < 1e-4
         if not worse and in_time:
             break
-        contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
-        t_f = layout.t_f
+        layout = replace(layout, contacts=tuple(dict.fromkeys([*layout.contacts, *worse])))
         if not in_time:
-            t_f = later(layout, found)
-        layout = replace(layout, contacts=contacts, t_f=max(t_f, _least_time(layout)))
+            layout = layout.stretched(later(layout, found))
     return found
-
-
-def _least_time(layout: Layout) -> float:
-    """Return the shortest t_f in which the mesh and the cores have room [s]."""
-    starts = [*(core.start for core in layout.cores), *layout.mesh[-1:].tolist()]
-    return max(starts, default=0.0) * (1.0 + ROOM_AT_START)
 
 
 def later(layout: Layout, found: MeshOptimum) -> float:

@@ -63,6 +63,21 @@ class Sight:
     switches: Array
     room: float = 1.0
 
+    def stretched(self, t_f: float) -> Sight:
+        """Return the same sight over another t_f [s], every place at the same share of it."""
+        share = t_f / self.t_f
+        arcs, touches = self.reading.arcs, self.reading.touches
+        return replace(
+            self,
+            t_f=t_f,
+            mesh=self.mesh * share,
+            reading=Reading(
+                arcs=tuple(replace(k, start=k.start * share, end=k.end * share) for k in arcs),
+                touches=tuple(replace(k, remaining=k.remaining * share) for k in touches),
+            ),
+            switches=self.switches * share,
+        )
+
 
 def first_sight(problem: BoundedProblem, grid: GridOptimum) -> Sight:
     """Return what the even grid shows.

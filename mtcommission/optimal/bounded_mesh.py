@@ -81,6 +81,19 @@ class Layout:
     contacts: tuple[Contact, ...]
     margin: float
 
+    def stretched(self, t_f: float) -> Layout:
+        """Return the same layout over another t_f [s], every place at the same share of it."""
+        share = t_f / self.t_f
+        return replace(
+            self,
+            t_f=t_f,
+            mesh=self.mesh * share,
+            cores=tuple(
+                replace(core, start=core.start * share, end=core.end * share) for core in self.cores
+            ),
+            contacts=tuple(replace(at, remaining=at.remaining * share) for at in self.contacts),
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Segment:
@@ -181,9 +194,6 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
     if relaxed:
         # What may not carry an atom is left out of the relaxation.
         layout = replace(layout, contacts=off_cores(problem, layout.contacts, layout.cores))
-    # A search for t_f may come to times in which the cores have no room.
-    if any(core.start >= layout.t_f for core in layout.cores):
-        return None
     segments = _segments(problem, layout, relaxed=relaxed)
     size = segments[-1].last.shape[1] - 2
     rows, rooms = _bound_rows(problem, layout, segments)

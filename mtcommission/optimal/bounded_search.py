@@ -158,8 +158,9 @@ def _look(
         for i, t in enumerate(switches.tolist())
         if not i or t - switches[i - 1] > local_cell(mesh, t) / SHRINK
     ]
-    sight = Sight(t_f=later(kept.layout, kept), mesh=mesh, reading=split, switches=np.array(apart))
-    return sight, guess
+    t_f = kept.layout.t_f
+    sight = Sight(t_f=t_f, mesh=mesh, reading=split, switches=np.array(apart))
+    return sight.stretched(later(kept.layout, kept)), guess
 
 
 def _filled(layout: Layout) -> Array:
