@@ -82,21 +82,20 @@ def design_shapers(mode: PlantMode) -> tuple[Shaper, ...]:
     >>> [(s.name, round(1e3 * s.times[-1], 3)) for s in design_shapers(slow)]
     [('ZV', 10.0), ('MZV', 15.0), ('ZVD', 20.0), ('EI', 20.0)]
     """
-    zeta = mode.damping_ratio
+    f, zeta = mode.frequency_hz, mode.damping_ratio
     root = sqrt(1.0 - zeta**2)
     T_d = 2.0 * pi / (mode.natural_frequency * root)
     K, K_m = exp(-zeta * pi / root), exp(-0.75 * zeta * pi / root)
     V, edge = EI_TOLERANCE, 1.0 - 1.0 / sqrt(2.0)
-    singer = "Singer & Seering 1990"
     return (
-        _normed("ZV", singer, (0.0, T_d / 2), (1.0, K)),
+        zero_vibration(1, frequency_hz=f, damping_ratio=zeta),
         _normed(
             "MZV",
             "Klipper, Resonance Compensation",
             (0.0, 0.375 * T_d, 0.75 * T_d),
             (edge, (sqrt(2.0) - 1.0) * K_m, edge * K_m**2),
         ),
-        _normed("ZVD", singer, (0.0, T_d / 2, T_d), (1.0, 2.0 * K, K**2)),
+        zero_vibration(2, frequency_hz=f, damping_ratio=zeta),
         _normed(
             "EI",
             "Singhose, Seering & Singer 1994",
@@ -104,6 +103,36 @@ def design_shapers(mode: PlantMode) -> tuple[Shaper, ...]:
             (0.25 * (1 + V), 0.5 * (1 - V) * K, 0.25 * (1 + V) * K**2),
         ),
     )
+
+
+def zero_vibration(order: int, *, frequency_hz: float, damping_ratio: float) -> Shaper:
+    """Return ZV, or ZVD, whose residual vibration has no slope over the frequency, either.
+
+    Parameters
+    ----------
+    order
+        1: ZV, 2: ZVD, which is ZV twice.
+    frequency_hz, damping_ratio
+        Natural frequency [Hz] and damping ratio [-] of the mode, below 1.
+
+    Returns
+    -------
+    Shaper
+
+    Source: Singer & Seering 1990: ZV = [1, K]/(1+K) at 0, T_d/2.
+
+    Examples
+    --------
+    >>> zvd = zero_vibration(2, frequency_hz=50.0, damping_ratio=0.0)
+    >>> zvd.name, zvd.times, zvd.amplitudes
+    ('ZVD', (0.0, 0.01, 0.02), (0.25, 0.5, 0.25))
+    """
+    root = sqrt(1.0 - damping_ratio**2)
+    K, half_period = exp(-damping_ratio * pi / root), 0.5 / (frequency_hz * root)
+    source = "Singer & Seering 1990"
+    if order == 1:
+        return _normed("ZV", source, (0.0, half_period), (1.0, K))
+    return _normed("ZVD", source, (0.0, half_period, 2.0 * half_period), (1.0, 2.0 * K, K**2))
 
 
 def _normed(

@@ -28,7 +28,7 @@ from mtcommission.commission import Commissioning, commission
 from mtcommission.errors import InputError
 from mtcommission.export.catalogue import CONTROL_TITLES, control_keys
 from mtcommission.export.rounding import Coding, round_down, round_up, type_limits
-from mtcommission.export.shaping import Shaper, shape_setpoint, shaper_impulses
+from mtcommission.export.shaping import TypedShaper
 from mtcommission.export.subject import Gains, build_subject, with_gains
 from mtcommission.export.write import CONTROLS, export_record, parameter_list
 from mtcommission.limits import MotionLimits
@@ -41,6 +41,7 @@ from mtcommission.record.files import dump_json, find_checksum, load_record
 from mtcommission.record.schema import Profile, Record
 from mtcommission.rules import NO_JERK_LIMIT, dominant_mode
 from mtcommission.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.shapers import shape_setpoint
 from mtcommission.trials import judge
 
 PAPER = (Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml").read_text()
@@ -117,7 +118,7 @@ class ReadBack:
     Kv: float | None = None
     Kp: float | None = None
     Tn: float | None = None
-    shaper: Shaper | None = None
+    shaper: TypedShaper | None = None
 
 
 def _ini(text: str) -> configparser.ConfigParser:
@@ -202,7 +203,7 @@ def read_back(control: str, text: str, *, rotary: bool, cycle: float) -> ReadBac
             j = a / cycle
             part = ini["input_shaper"]
             order = {"zv": 1, "zvd": 2}[part["shaper_type_x"]]
-            shaper = Shaper(
+            shaper = TypedShaper(
                 order=order,
                 frequency_hz=float(part["shaper_freq_x"]),
                 damping_ratio=float(part["damping_ratio_x"]),
@@ -214,7 +215,7 @@ def read_back(control: str, text: str, *, rotary: bool, cycle: float) -> ReadBac
             assert words[1]["S"] == "1"
             a = float(words[0]["X"]) * 1e-3
             j = a / cycle
-            shaper = Shaper(
+            shaper = TypedShaper(
                 order=int(words[2]["C"]),
                 frequency_hz=float(words[2]["A"]),
                 damping_ratio=float(words[2]["I"]),
@@ -255,7 +256,7 @@ def _meets(case: Case, found: ReadBack) -> bool:
     machine = case.found.machine
     rows = []
     for move in machine.moves:
-        setpoint = shape_setpoint(plan_setpoint(move, found.limits), found.shaper)
+        setpoint = shape_setpoint(plan_setpoint(move, found.limits), found.shaper.impulses)
         rows.append(
             [
                 simulate(loop, lifted, setpoint, drive=machine.drive,
@@ -637,8 +638,8 @@ def test_rounding_up_gives_the_next_whole_multiple(value: float, step: int) -> N
 def test_shapers_cancel_their_mode(order: int, damping: float) -> None:
     """Singer & Seering's condition: the sum of the impulse responses of the mode vanishes, for
     ZVD with its derivative by frequency."""
-    shaper = Shaper(order=order, frequency_hz=40.0, damping_ratio=damping)
-    times, amplitudes = shaper_impulses(shaper)
+    shaper = TypedShaper(order=order, frequency_hz=40.0, damping_ratio=damping).impulses
+    times, amplitudes = np.array(shaper.times), np.array(shaper.amplitudes)
 
     def left(frequency_hz: float) -> complex:
         omega = 2.0 * pi * frequency_hz
@@ -654,7 +655,8 @@ def test_shapers_cancel_their_mode(order: int, damping: float) -> None:
 @pytest.mark.parametrize("move", [VelocityStep(velocity_step=0.1), Positioning(distance=0.01)])
 def test_a_shaped_setpoint_arrives_where_the_move_ends(move: VelocityStep | Positioning) -> None:
     plain = plan_setpoint(move, MotionLimits(acceleration=2.0, jerk=200.0))
-    shaped = shape_setpoint(plain, Shaper(order=2, frequency_hz=50.0, damping_ratio=0.03))
+    typed = TypedShaper(order=2, frequency_hz=50.0, damping_ratio=0.03)
+    shaped = shape_setpoint(plain, typed.impulses)
     assert shaped.duration == pytest.approx(plain.duration + 0.02 / np.sqrt(1.0 - 0.03**2))
     before_end = shaped.duration - 1e-9
     x, v, a, _ = sample_setpoint(shaped, np.array([before_end]))[0]

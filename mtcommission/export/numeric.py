@@ -116,13 +116,13 @@ def _fanuc_coding(subject: Subject) -> Coding:
 
 def _fanuc_rapid(subject: Subject) -> tuple[str, float]:
     """Rapid traverse as typed, per minute, and what it is [m/s]."""
-    unit = (DEGREE if subject.is_rotary else MILLI) / 60.0
+    unit = subject.small_unit[1] / 60.0
     number = round_down(subject.fastest / unit)
     return type_number(number), float(number) * unit
 
 
 def _fanuc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    unit = "deg/min" if subject.is_rotary else "mm/min"
+    unit = f"{subject.small_unit[0]}/min"
     typed = values.recommended
     return (
         Entry(
@@ -145,7 +145,7 @@ def _fanuc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
 
 
 def _fanuc_notes(subject: Subject, values: Values) -> tuple[str, ...]:
-    length, size = ("deg", DEGREE) if subject.is_rotary else ("mm", MILLI)
+    length, size = subject.small_unit
     rapid = _fanuc_rapid(subject)[0]
     rise = values.recommended.acceleration
     a = values.recommended.limits.acceleration / size
@@ -163,7 +163,7 @@ def _fanuc_notes(subject: Subject, values: Values) -> tuple[str, ...]:
 
 def _isg_coding(subject: Subject) -> Coding:
     return Coding(
-        acceleration_unit=DEGREE if subject.is_rotary else MILLI,
+        acceleration_unit=subject.small_unit[1],
         is_whole=True,
         jerk_form=JerkForm.TIME,
         jerk_unit=MICRO,
@@ -182,7 +182,7 @@ RAMPS = (
 
 
 def _isg_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    unit = "deg/s^2" if subject.is_rotary else "mm/s^2"
+    unit = f"{subject.small_unit[0]}/s^2"
     place, typed = "getriebe[0].slope_profil", values.recommended
     a = Entry(name="", value=typed.acceleration, unit=unit, meaning="")
     ramp = Entry(name="", value=typed.jerk, unit="us", meaning="")

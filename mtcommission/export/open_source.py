@@ -17,11 +17,11 @@ from mtcommission.export.control import (
     yaml_layout,
 )
 from mtcommission.export.modes import Values
-from mtcommission.export.plc import identifier
+from mtcommission.export.plc import identifier, si_coding
 from mtcommission.export.rounding import Coding, JerkForm, Typed
-from mtcommission.export.shaping import Shaper
+from mtcommission.export.shaping import TypedShaper
 from mtcommission.export.subject import Subject
-from mtcommission.export.wording import DEGREE, MILLI
+from mtcommission.export.wording import MILLI
 
 LETTERS = "XYZABCUVW"
 """Axis letters in the order in which these controls number them."""
@@ -52,24 +52,20 @@ def _require_linear(subject: Subject, control: str) -> None:
         raise InputError([Fault(where="--control", message=message)])
 
 
-def _unit(subject: Subject) -> tuple[str, float]:
-    return ("deg", DEGREE) if subject.is_rotary else ("mm", MILLI)
-
-
 def _jerk_coding(subject: Subject) -> Coding:
-    size = _unit(subject)[1]
+    size = subject.small_unit[1]
     return Coding(acceleration_unit=size, jerk_unit=size)
 
 
 def _plain_coding(subject: Subject) -> Coding:
-    return Coding(acceleration_unit=_unit(subject)[1], jerk_form=JerkForm.NONE)
+    return Coding(acceleration_unit=subject.small_unit[1], jerk_form=JerkForm.NONE)
 
 
 def _shaped_coding(subject: Subject, *, control: str) -> Coding:
     _require_linear(subject, control)
     mode = subject.mode
     shapers = tuple(
-        Shaper(
+        TypedShaper(
             order=order,
             frequency_hz=round(mode.frequency_hz, FREQUENCY_DIGITS),
             damping_ratio=max(LEAST_DAMPING, round(mode.damping_ratio, DAMPING_DIGITS)),
@@ -82,7 +78,7 @@ def _shaped_coding(subject: Subject, *, control: str) -> Coding:
 def _linuxcnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     typed = values.recommended
     letter = _letter(subject, LETTERS, "LinuxCNC")
-    unit = _unit(subject)[0]
+    unit = subject.small_unit[0]
     joint = f"JOINT_{LETTERS.index(letter)}"
     limits = tuple(
         Entry(name=name, value=value, unit=power, meaning=meaning, section=section)
@@ -118,7 +114,7 @@ def _linuxcnc_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
 def _grblhal_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     typed = values.recommended
     index = LETTERS.index(_letter(subject, LETTERS[:6], "grblHAL"))
-    unit = _unit(subject)[0]
+    unit = subject.small_unit[0]
     return (
         Entry(
             name=f"${120 + index}",
@@ -147,7 +143,7 @@ def _fluidnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     entry = Entry(
         name="acceleration_mm_per_sec2",
         value=typed.acceleration,
-        unit=f"{_unit(subject)[0]}/s^2",
+        unit=f"{subject.small_unit[0]}/s^2",
         meaning="acceleration",
         section=f"axes/{letter}",
     )
@@ -277,10 +273,6 @@ def _ros_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     )
 
 
-def _si_coding(_subject: Subject) -> Coding:
-    return Coding(acceleration_unit=1.0)
-
-
 OPEN_CONTROLS = (
     Control(
         key="linuxcnc",
@@ -324,7 +316,7 @@ OPEN_CONTROLS = (
     ),
     Control(
         key="ros2",
-        coding=_si_coding,
+        coding=si_coding,
         describe=_ros_entries,
         layout=yaml_layout,
         comment=hash_comment,

@@ -23,7 +23,7 @@ from mtcommission.export.rounding import (
     type_number,
 )
 from mtcommission.export.subject import Subject
-from mtcommission.export.wording import DEGREE, MICRO, MILLI
+from mtcommission.export.wording import MICRO
 
 INLINE = "NC program"
 """Section of what stands in the part program instead of the PLC."""
@@ -37,12 +37,8 @@ def identifier(subject: Subject) -> str:
     return kept if kept[:1].isalpha() else f"Axis_{kept}"
 
 
-def _small_unit(subject: Subject) -> tuple[str, float]:
-    return ("deg", DEGREE) if subject.is_rotary else ("mm", MILLI)
-
-
 def _small_coding(subject: Subject) -> Coding:
-    size = _small_unit(subject)[1]
+    size = subject.small_unit[1]
     return Coding(acceleration_unit=size, jerk_unit=size)
 
 
@@ -60,7 +56,7 @@ def _constants(subject: Subject, typed: Typed, *, length: str) -> tuple[Entry, .
 
 
 def _twincat_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    typed, length = values.recommended, _small_unit(subject)[0]
+    typed, length = values.recommended, subject.small_unit[0]
     path = Entry(
         name="#set paramPathDynamics",
         value=f"{typed.acceleration};{typed.acceleration};{typed.jerk}",
@@ -72,7 +68,7 @@ def _twincat_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
 
 
 def _plcopen_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    return _constants(subject, values.recommended, length=_small_unit(subject)[0])
+    return _constants(subject, values.recommended, length=subject.small_unit[0])
 
 
 def _structured_text(entries: Sequence[Entry]) -> list[str]:
@@ -117,7 +113,8 @@ def _plcopen_notes(subject: Subject, _values: Values) -> tuple[str, ...]:
     )
 
 
-def _si_coding(_subject: Subject) -> Coding:
+def si_coding(_subject: Subject) -> Coding:
+    """Return how a control stores limits in SI units."""
     return Coding(acceleration_unit=1.0)
 
 
@@ -174,7 +171,7 @@ PLC_CONTROLS = (
     ),
     Control(
         key="generic",
-        coding=_si_coding,
+        coding=si_coding,
         describe=_generic_entries,
         layout=table_layout,
         comment=hash_comment,

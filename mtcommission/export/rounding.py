@@ -15,9 +15,11 @@ from itertools import product
 from math import inf
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.export.shaping import Shaper, shape_setpoint, shaper_impulses
+from mtcommission.export.shaping import TypedShaper
 from mtcommission.export.subject import Subject, Verdict, judge_setpoints, plan_moves
 from mtcommission.limits import MotionLimits
+from mtcommission.rules import without_jerk_limit
+from mtcommission.shapers import shape_setpoint
 
 DIGITS = 4
 """Significant digits of what is typed in: a tenth of the digits by which valleys differ."""
@@ -81,7 +83,7 @@ class Coding:
     time_step: int = 1
     is_whole: bool = False
     rapid: float = inf
-    shapers: tuple[Shaper, ...] = ()
+    shapers: tuple[TypedShaper, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,7 +105,7 @@ class Typed:
     acceleration: str
     jerk: str
     limits: MotionLimits
-    shaper: Shaper | None
+    shaper: TypedShaper | None
     verdict: Verdict
 
 
@@ -114,7 +116,7 @@ class _Pair:
     acceleration: str
     jerk: str
     limits: MotionLimits
-    shaper: Shaper | None = None
+    shaper: TypedShaper | None = None
 
 
 def round_down(
@@ -230,27 +232,18 @@ def type_limits(subject: Subject, coding: Coding) -> Typed:
     return min(tried, key=lambda one: one.verdict.residual_deviation) if is_jerkless else typed
 
 
-def without_jerk_limit(subject: Subject, acceleration: float) -> MotionLimits:
-    """Return limits for a control that sets the acceleration from one cycle to the next.
-
-    Such a step still takes the one position cycle between two setpoints.
-    """
-    return MotionLimits(
-        acceleration=acceleration, jerk=acceleration / subject.machine.control.position_cycle
-    )
-
-
 def _ramp(subject: Subject, pair: _Pair) -> float:
     """Duration of the change to the largest velocity [s]."""
-    shaper = shaper_impulses(pair.shaper)[0][-1] if pair.shaper else 0.0
-    return pair.limits.jerk_time + subject.fastest / pair.limits.acceleration + float(shaper)
+    shaper = pair.shaper.impulses.times[-1] if pair.shaper else 0.0
+    return pair.limits.jerk_time + subject.fastest / pair.limits.acceleration + shaper
 
 
 def _judge(subject: Subject, pair: _Pair) -> Typed:
     average = subject.machine.control.moving_average_time
     setpoints = plan_moves(subject, pair.limits, moving_average=average)
     if pair.shaper:
-        setpoints = tuple(shape_setpoint(setpoint, pair.shaper) for setpoint in setpoints)
+        shaper = pair.shaper.impulses
+        setpoints = tuple(shape_setpoint(setpoint, shaper) for setpoint in setpoints)
     return Typed(
         acceleration=pair.acceleration,
         jerk=pair.jerk,
@@ -294,7 +287,7 @@ def _with_jerk_time(subject: Subject, coding: Coding) -> Iterator[_Pair]:
 def _without_jerk(subject: Subject, coding: Coding) -> Iterator[_Pair]:
     accelerations = _accelerations(subject, coding, WIDE)
     for (text, a), shaper in product(accelerations, coding.shapers or (None,)):
-        limits = without_jerk_limit(subject, a)
+        limits = without_jerk_limit(subject.machine, a)
         yield _Pair(acceleration=text, jerk="", limits=limits, shaper=shaper)
 
 

@@ -19,10 +19,10 @@ from mtcommission.export.rounding import (
     round_down,
     round_up_digits,
     type_number,
-    without_jerk_limit,
 )
 from mtcommission.export.subject import Subject, judge_setpoints, plan_moves
 from mtcommission.export.wording import MILLI, TURN, show_value
+from mtcommission.rules import without_jerk_limit
 
 GAIN_PER_MINUTE = 1000.0 / 60.0
 """(m/min)/mm = 1000/min in 1/s."""
@@ -136,7 +136,7 @@ def _jerk_filter(subject: Subject, values: Values) -> tuple[Block, ...]:
         )
         return (Block(title=title, entries=(), notes=(note,)),)
     time = count * cycle
-    limits = without_jerk_limit(subject, typed.limits.acceleration)
+    limits = without_jerk_limit(subject.machine, typed.limits.acceleration)
     verdict = judge_setpoints(subject, plan_moves(subject, limits, moving_average=time))
     met = "meets" if verdict.assessment.is_met else "DOES NOT MEET"
     notes = (

@@ -14,6 +14,7 @@ import numpy as np
 
 from mtcommission.assess import Assessment, assess
 from mtcommission.errors import Fault, InputError
+from mtcommission.export.wording import DEGREE, MILLI
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.machine import Machine, Motion, StateFeedback, StateGain
@@ -86,6 +87,11 @@ class Subject:
     def length(self) -> str:
         """SI unit of a position."""
         return self.machine.measures.length.si
+
+    @property
+    def small_unit(self) -> tuple[str, float]:
+        """Unit of a position that most controls have: its name, and its size in SI."""
+        return ("deg", DEGREE) if self.is_rotary else ("mm", MILLI)
 
     @property
     def gains(self) -> Gains:
