@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from math import isfinite
 
 from mtcommission.effort import least_motion_time
@@ -23,6 +22,7 @@ from mtcommission.optimal.transcription import (
     transcribe_damping_optimal,
     transcribe_time_optimal,
 )
+from mtcommission.option_texts import read_bound, read_positive
 from mtcommission.plant import Plant
 from mtcommission.units import (
     ACCELERATION,
@@ -33,15 +33,9 @@ from mtcommission.units import (
     FORCE,
     JERK,
     LENGTH,
-    MODAL_DEFLECTION,
-    MODAL_RATE,
-    ROTARY_MODAL_DEFLECTION,
-    ROTARY_MODAL_RATE,
     TIME,
     TORQUE,
     VELOCITY,
-    Dimension,
-    parse_quantity,
 )
 
 MOST_INTERVALS = 20_000
@@ -50,19 +44,6 @@ MOST_INTERVALS = 20_000
 MOST_SIMULATED_CYCLES = 500_000
 """Velocity cycles of one simulation, all moves and corners together (empirical: about as long as
 the run of a usual machine, and well below a GB)."""
-
-BY_UNIT = {
-    "m": LENGTH,
-    "m/s": VELOCITY,
-    "rad": ANGLE,
-    "rad/s": ANGULAR_VELOCITY,
-    "N": FORCE,
-    "N m": TORQUE,
-    "N s^2": MODAL_DEFLECTION,
-    "N s": MODAL_RATE,
-    "N m s^2": ROTARY_MODAL_DEFLECTION,
-    "N m s": ROTARY_MODAL_RATE,
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,7 +95,7 @@ def with_force(machine: Machine, text: str) -> Machine:
     """
     dimension = FORCE if machine.motion is Motion.LINEAR else TORQUE
     faults: list[Fault] = []
-    force = _positive("--f-max", text, dimension, faults)
+    force = read_positive("--f-max", text, dimension, faults)
     _raise(faults)
     if force <= abs(machine.drive.static_load):
         message = (
@@ -135,10 +116,10 @@ def read_limits(machine: Machine, *, acceleration: str, jerk: str) -> MotionLimi
     """
     linear = machine.motion is Motion.LINEAR
     faults: list[Fault] = []
-    a = _positive(
+    a = read_positive(
         "--acceleration", acceleration, ACCELERATION if linear else ANGULAR_ACCELERATION, faults
     )
-    j = _positive("--jerk", jerk, JERK if linear else ANGULAR_JERK, faults)
+    j = read_positive("--jerk", jerk, JERK if linear else ANGULAR_JERK, faults)
     _raise(faults)
     return MotionLimits(acceleration=a, jerk=j)
 
@@ -210,8 +191,8 @@ def read_optimal_request(
     faults: list[Fault] = []
     _one_of("--kind", kind, ("time", "damping"), faults)
     _one_of("--method", method, ("exact", "transcription"), faults)
-    bounds = [_bound(plant, text, faults) for text in limits]
-    final = _positive("--t-f", t_f, TIME, faults) if t_f else None
+    bounds = [read_bound(plant, text, faults) for text in limits]
+    final = read_positive("--t-f", t_f, TIME, faults) if t_f else None
     if kind == "time" and t_f:
         message = "goes with --kind damping; a time-optimal control finds its own final time"
         faults.append(Fault(where="--t-f", message=message))
@@ -294,48 +275,17 @@ def _move(
     if velocity_step:
         dimension = VELOCITY if linear else ANGULAR_VELOCITY
         return VelocityStep(
-            velocity_step=_positive("--velocity-step", velocity_step, dimension, faults)
+            velocity_step=read_positive("--velocity-step", velocity_step, dimension, faults)
         )
     if distance:
         return Positioning(
-            distance=_positive("--distance", distance, LENGTH if linear else ANGLE, faults)
+            distance=read_positive("--distance", distance, LENGTH if linear else ANGLE, faults)
         )
     if not 1 <= number <= len(machine.moves):
         message = f"got {number}, the profile has moves 1 to {len(machine.moves)}"
         faults.append(Fault(where="--move", message=message))
         return machine.moves[0]
     return machine.moves[number - 1]
-
-
-def _bound(plant: Plant, text: str, faults: list[Fault]) -> Bound:
-    name, separator, value = text.partition("=")
-    name = name.strip()
-    if not separator:
-        faults.append(Fault(where="--limit", message=f"got {text!r}, must be NAME=VALUE"))
-    elif name not in plant.signals:
-        close = get_close_matches(name, plant.signals, n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
-        message = f"no state or output {name!r}{hint}; there are: {', '.join(plant.signals)}"
-        faults.append(Fault(where="--limit", message=message))
-    else:
-        dimension = BY_UNIT[plant.signal_units[plant.signals.index(name)]]
-        found = _positive(f"--limit {name}", value, dimension, faults)
-        return Bound(name=name, value=found)
-    return Bound(name=name, value=1.0)
-
-
-def _positive(where: str, text: str, dimension: Dimension, faults: list[Fault]) -> float:
-    """The quantity, or 1 after noting a fault: the faults are raised together."""
-    try:
-        value = parse_quantity(text, dimension)
-    except ValueError as error:
-        faults.append(Fault(where=where, message=str(error)))
-        return 1.0
-    if value <= 0.0:
-        message = f"got {text.strip()}, must be > 0 {dimension.si}"
-        faults.append(Fault(where=where, message=message))
-        return 1.0
-    return value
 
 
 def _one_of(where: str, text: str, allowed: tuple[str, ...], faults: list[Fault]) -> None:

@@ -508,7 +508,7 @@ def run_command(line: list[str]) -> None:
 def request_of(**options: Any) -> dict[str, Any]:
     """Options of the command as they are where one is not given."""
     nothing = {"f_max": "", "vary": [], "limits": [], "cases": None, "is_paired": False}
-    return nothing | {"quantity": "optimal", "bounds": (), "move": 1, "created": ""} | options
+    return nothing | {"quantity": "optimal", "move": 1, "created": ""} | options
 
 
 def test_a_wrong_line_among_many_is_found(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
-from mtcommission.cli.inputs import now, read_machine
+from mtcommission.cli.inputs import now
 from mtcommission.cli.progress import show_bar, show_stage
 
 
@@ -57,38 +57,20 @@ def sweep(
     DIR gets rows.parquet, rows.csv and sweep.html.
     """
     from mtcommission.files import require_folder
-    from mtcommission.options import read_optimal_request
-    from mtcommission.plant import build_plant
     from mtcommission.sweep.engine import Engine, run_sweep
     from mtcommission.sweep.page import print_sweep
-    from mtcommission.sweep.request import read_plan, split_limits
+    from mtcommission.sweep.request import read_plan
     from mtcommission.sweep.table import read_table, summarise_table, write_safely, write_table
 
     require_folder(output)
-    fixed, varied = split_limits(limit or [])
-    machine = read_machine(profile, "")
-    request = read_optimal_request(
-        machine,
-        build_plant(machine),
-        kind="time",
-        method="exact",
-        t_f="",
-        limits=fixed,
-        velocity_step="",
-        distance="",
-        move=move,
-        scheme="gauss",
-        intervals=1000,
-    )
     plan = read_plan(
         profile,
         f_max=f_max,
         vary=vary or [],
-        limits=varied,
+        limits=limit or [],
         cases=cases,
         is_paired=paired,
         quantity=quantity,
-        bounds=request.bounds,
         move=move,
         created=now(),
     )

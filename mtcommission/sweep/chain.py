@@ -9,7 +9,7 @@ import numpy as np
 from mtcommission.choose import choose_limits
 from mtcommission.loop_choice import Settings, settle_on_loop
 from mtcommission.machine import Machine
-from mtcommission.optima import Optima, condense_optima, find_optima
+from mtcommission.optima import Optima, condense_optima, find_optima, require_force
 from mtcommission.plant import Plant, build_plant
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
@@ -34,6 +34,7 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     ComputationError
         With a named outcome.
     """
+    require_force(machine)
     settings = Settings()
     plant = build_plant(machine)
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)

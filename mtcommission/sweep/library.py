@@ -64,7 +64,6 @@ def sweep(
         cases=None,
         is_paired=is_paired,
         quantity=quantity,
-        bounds=(),
         move=1,
         created="",
     )

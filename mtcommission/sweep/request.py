@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import islice, product
 from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.optimal.solution import Bound
+from mtcommission.option_texts import read_bound
+from mtcommission.plant import build_plant
 from mtcommission.profile import parse_profile, read_profile_text
 from mtcommission.sweep.cases import (
     FORCE_KEY,
@@ -39,7 +41,6 @@ def read_plan(
     cases: Path | None,
     is_paired: bool,
     quantity: str,
-    bounds: tuple[Bound, ...],
     move: int,
     created: str,
 ) -> Plan:
@@ -49,10 +50,10 @@ def read_plan(
     ----------
     profile
         The machine as it is.
-    f_max, vary, limits, cases, is_paired, quantity
-        Of the options; "" or None where one is not given. Of the limits those that vary.
-    bounds, move
-        For ``optimal``; anything else refuses them.
+    f_max, vary, cases, is_paired, quantity
+        Of the options; "" or None where one is not given.
+    limits, move
+        For ``optimal``; anything else refuses them. A limit has a value or a range.
     created
         Date, ISO 8601.
 
@@ -66,41 +67,22 @@ def read_plan(
         With every fault found.
     """
     faults: list[Fault] = []
-    axes: list[Axis] = []
-    places: list[str] = []
-
-    def attempt(read: Callable[[], Axis], where: str) -> None:
-        try:
-            axes.append(read())
-            places.append(where)
-        except InputError as error:
-            faults.extend(error.faults)
-
-    if cases is not None:
-        attempt(lambda: read_cases(read_profile_text(cases), where=str(cases)), str(cases))
-    for text in vary:
-        attempt(lambda text=text: read_axis(text, where="--vary"), "--vary")  # type: ignore[misc]
-    for text in limits:
-        attempt(lambda text=text: read_axis(PEAKS_KEY + text, where="--limit"), "--limit")  # type: ignore[misc]
-    if f_max:
-        force = "--f-max"
-        attempt(lambda: Axis(keys=(FORCE_KEY,), rows=read_range(f_max, where=force)), force)
-    names = [item.value for item in Quantity]
-    if quantity not in names:
-        message = f"got {quantity!r}, must be {', '.join(names[:-1])} or {names[-1]}"
-        faults.append(Fault(where="--quantity", message=message))
-    elif quantity != Quantity.OPTIMAL.value:
-        message = f"only goes with --quantity optimal; {quantity} takes it from the profile"
-        given = {"--limit": bool(bounds or limits), "--move": move != 1}
-        faults += [
-            Fault(where=name, message=message) for name, is_given in given.items() if is_given
-        ]
+    text = read_profile_text(profile)
+    machine = parse_profile(text, where=str(profile))
+    plant = build_plant(machine)
+    fixed, varied = split_limits(limits)
+    bounds = tuple(read_bound(plant, limit, faults) for limit in fixed)
+    found = _read_axes(f_max=f_max, vary=vary, limits=varied, cases=cases, faults=faults)
+    faults += _refuse_options(quantity, {"--limit": bool(limits), "--move": move != 1})
+    if not 1 <= move <= len(machine.moves):
+        message = f"got {move}, the profile has moves 1 to {len(machine.moves)}"
+        faults.append(Fault(where="--move", message=message))
     if faults:
         raise InputError(faults)
     plan = Plan(
-        profile_text=read_profile_text(profile),
+        profile_text=text,
         where=profile.name,
-        axes=tuple(axes),
+        axes=tuple(axis for axis, _ in found),
         is_paired=is_paired,
         quantity=Quantity(quantity),
         move=move,
@@ -108,8 +90,50 @@ def read_plan(
         created=created,
     )
     check_plan(plan)
-    check_values(plan, places)
+    check_values(plan, [place for _, place in found])
     return plan
+
+
+def _read_axes(
+    *,
+    f_max: str,
+    vary: Sequence[str],
+    limits: Sequence[str],
+    cases: Path | None,
+    faults: list[Fault],
+) -> list[tuple[Axis, str]]:
+    """What varies, each with the option or file that it came from."""
+    readers: list[tuple[Callable[[], Axis], str]] = []
+    if cases is not None:
+        where = str(cases)
+        readers.append((lambda: read_cases(read_profile_text(cases), where=where), where))
+    keyed = [(text, "--vary") for text in vary]
+    keyed += [(PEAKS_KEY + text, "--limit") for text in limits]
+    readers += [(partial(read_axis, text, where=where), where) for text, where in keyed]
+    if f_max:
+        where = "--f-max"
+        readers.append(
+            (lambda: Axis(keys=(FORCE_KEY,), rows=read_range(f_max, where=where)), where)
+        )
+    found = []
+    for read, place in readers:
+        try:
+            found.append((read(), place))
+        except InputError as error:
+            faults.extend(error.faults)
+    return found
+
+
+def _refuse_options(quantity: str, given: dict[str, bool]) -> list[Fault]:
+    """An unknown quantity, and options that it does not go with."""
+    names = [item.value for item in Quantity]
+    if quantity not in names:
+        message = f"got {quantity!r}, must be {', '.join(names[:-1])} or {names[-1]}"
+        return [Fault(where="--quantity", message=message)]
+    if quantity == Quantity.OPTIMAL.value:
+        return []
+    message = f"only goes with --quantity optimal; {quantity} takes it from the profile"
+    return [Fault(where=name, message=message) for name, is_given in given.items() if is_given]
 
 
 def split_limits(texts: Sequence[str]) -> tuple[list[str], list[str]]:

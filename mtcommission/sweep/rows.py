@@ -14,8 +14,6 @@ from typing import Any
 
 from mtcommission.errors import ComputationError, InputError
 from mtcommission.machine import Machine, Motion
-from mtcommission.optima import find_time_optimum, require_force
-from mtcommission.optimal.solution import Bound, TimeOptimum
 from mtcommission.optimal.time_optimal import GAP_TOLERANCE
 from mtcommission.plant import Plant, build_plant
 from mtcommission.profile import parse_profile, profile_schema
@@ -281,14 +279,12 @@ def solve_case(work: Work, number: int) -> Answer:
 
 
 def _compute(work: Work, number: int, text: str, machine: Machine) -> Answer:
+    # What each of them needs takes up to seconds to load.
     base = work.base
-    require_force(machine)
     if base.quantity is Quantity.OPTIMAL:
-        plant = build_plant(machine)
-        bounds = (*base.bounds, *_varied_bounds(machine, work.settings[number]))
-        optimum = _time_optimum(machine, plant, base.move, bounds)
-        return done(work, number, optimum_cells(plant, optimum))
-    # Each of both takes seconds to load.
+        from mtcommission.sweep.single import solve_single
+
+        return done(work, number, solve_single(machine, base, work.settings[number]))
     if base.quantity is Quantity.LIMITS:
         from mtcommission.sweep.chain import choose_case
 
@@ -298,32 +294,6 @@ def _compute(work: Work, number: int, text: str, machine: Machine) -> Answer:
     name = f"case-{work.first + number:06d}.json"
     found = run_case(machine, text=text, name=base.where, created=base.created)
     return done(work, number, (*found.cells, f"records/{name}"), record=found.record)
-
-
-def _varied_bounds(machine: Machine, settings: Settings) -> tuple[Bound, ...]:
-    """The bounds on peaks that vary: an optimal control keeps those, too."""
-    varied = {key.removeprefix(PEAKS_KEY) for key, _ in settings if key.startswith(PEAKS_KEY)}
-    peaks = machine.requirements.peaks
-    return tuple(Bound(name=peak.name, value=peak.bound) for peak in peaks if peak.name in varied)
-
-
-def _time_optimum(
-    machine: Machine, plant: Plant, move: int, bounds: tuple[Bound, ...]
-) -> TimeOptimum:
-    if not 1 <= move <= len(machine.moves):
-        raise IndexError(f"move {move} of {len(machine.moves)}")
-    force = machine.drive.motion_force
-    return find_time_optimum(plant, machine.moves[move - 1], force_limit=force, bounds=bounds)
-
-
-def optimum_cells(plant: Plant, optimum: TimeOptimum) -> tuple[Cell, ...]:
-    """Return the result columns of a time-optimal control."""
-    peaks = dict(zip(plant.signals, optimum.peaks.tolist(), strict=True))
-    return (
-        *proof_cells(optimum.t_f, optimum.certificate.t_f_lower_bound),
-        *switch_cells(optimum.switching_times),
-        *(peaks[name] for name in peak_signals(plant)),
-    )
 
 
 def proof_cells(t_f: float, lower_bound: float) -> tuple[Cell, ...]:
