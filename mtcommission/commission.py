@@ -194,14 +194,7 @@ def commission(
         for name, limits in starts
     )
     rule = apply_commissioning_rule(machine, plant, tuned)
-    rules = (
-        judge(machine, plant, tuned, "commissioning rule", RULE_SOURCE, rule.limits),
-        *(
-            judge(machine, plant, tuned, item.name, item.source, item.limits)
-            for item in (*apply_rules(machine, plant), *apply_slower_ramps(machine, plant))
-        ),
-        *compare_shapers(machine, plant, tuned),
-    )
+    rules = judge_rules(machine, plant, tuned, rule)
     attainable: tuple[Attainable, ...] = ()
     if not recommended.assessment.is_met:
         progress("what could be met")
@@ -235,6 +228,33 @@ def commission(
         robustness=robustness,
         move_sizes=vary_move_sizes(machine, tuned, _ways(machine, plant, tuned, choice, rule)),
         attainable=attainable,
+    )
+
+
+def judge_rules(
+    machine: Machine, plant: Plant, tuned: TunedLoop, rule: RuleResult
+) -> tuple[Trial, ...]:
+    """Return what the rules of makers and textbooks do in the same loop.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    rule
+        The commissioning rule, applied.
+
+    Returns
+    -------
+    tuple of Trial
+        First the commissioning rule, then the others, then shapers and the jerk filter.
+    """
+    return (
+        judge(machine, plant, tuned, "commissioning rule", RULE_SOURCE, rule.limits),
+        *(
+            judge(machine, plant, tuned, item.name, item.source, item.limits)
+            for item in (*apply_rules(machine, plant), *apply_slower_ramps(machine, plant))
+        ),
+        *compare_shapers(machine, plant, tuned),
     )
 
 

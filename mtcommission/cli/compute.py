@@ -173,14 +173,14 @@ def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOpt
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
+    part, met = limits_part(found), found.assessment.is_met
     if json_file:
-        write_text(json_file, dump_json(limits_part(found)))
+        write_text(json_file, dump_json(part))
     if json_file != "-":
-        part, met = limits_part(found), found.assessment.is_met
         narrow = warn_of_narrow_range(machine, found.robustness.frequency_error)
         warnings = [*found.tuned.warnings, *narrow]
         show(describe_limits(machine, part, met=met, warnings=warnings))
-    raise typer.Exit(0 if found.assessment.is_met else 1)
+    raise typer.Exit(0 if met else 1)
 
 
 def simulate(
