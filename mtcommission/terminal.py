@@ -13,7 +13,8 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from mtcommission.machine import Machine, Motion, Positioning
+from mtcommission.effort import least_motion_time
+from mtcommission.machine import Machine
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum
 from mtcommission.plant import Plant, kalman_rank
 from mtcommission.record.schema import (
@@ -26,9 +27,8 @@ from mtcommission.record.schema import (
     RuleResult,
     SimulationPart,
 )
-from mtcommission.rules import peak_velocity
-from mtcommission.sheet.format import Formatter
-from mtcommission.sheet.labels_en import Labels
+from mtcommission.sheet.format import Formatter, formatter_of
+from mtcommission.sheet.labels_en import ENGLISH
 from mtcommission.sheet.limits_part import name_obstacle
 
 WIDTH = 80
@@ -59,13 +59,11 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) ->
     -------
     Group
     """
-    printed, length, force = (
-        _formatter(machine),
-        machine.measures.length.si,
-        machine.measures.force.si,
-    )
+    printed, axis = _formatter(machine), machine.measures
+    length, force = axis.length.si, axis.force.si
+    said = printed.labels.say
     modes = _table(
-        "Mode", "Frequency", "Damping ratio", "Tool per force, static", "Seen by encoder"
+        "Mode", "Frequency", "Damping ratio", said("Tool per force, static"), "Seen by encoder"
     )
     for mode in plant.modes:
         compliance = mode.tcp_gain / mode.natural_frequency**2
@@ -79,20 +77,16 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) ->
         )
     limits = _table("Rigid-body limit", "Value", "Reason")
     a = machine.drive.motion_force / plant.moving_mass
-    mass = printed.quantity(plant.moving_mass, "kg" if length == "m" else "kg m^2")
+    mass = printed.quantity(plant.moving_mass, axis.mass.si)
     limits.add_row(
         "acceleration",
         printed.quantity(a, f"{length}/s^2"),
         f"{printed.quantity(machine.drive.motion_force, force)} on {mass}",
     )
     for number, move in enumerate(machine.moves, start=1):
-        velocity = peak_velocity(move, a)
-        time = velocity / a
-        if isinstance(move, Positioning):
-            time += move.distance / velocity
         limits.add_row(
             f"time of move {number}",
-            printed.quantity(time, "s"),
+            printed.quantity(least_motion_time(move, a), "s"),
             "at this acceleration, no jerk limit, no vibration: no control is faster",
         )
     rank = kalman_rank(plant)
@@ -103,7 +97,7 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) ->
         limits,
         Text(f"Controllable: Kalman rank {rank} of {plant.order} states."),
     ]
-    parts += [Text(f"Warning: {warning}", style="yellow") for warning in warnings]
+    parts += _warnings(printed, warnings)
     if not warnings:
         parts.append(Text("No warnings."))
     return Group(*parts)
@@ -157,7 +151,7 @@ def describe_limits(
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
     printed, length = _formatter(machine), machine.measures.length.si
-    best = part["recommended"]
+    said, best = printed.labels.say, part["recommended"]
     table = _table("Limits", "a", "j", "Settling", "Residual", "Peak", "Met")
     entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
     entries = [("recommended", best, met)]
@@ -179,7 +173,7 @@ def describe_limits(
     rule = part["rule"]
     return Group(
         _heading("Limits"),
-        Text(f"Bound by: {best['bound_by']}."),
+        Text(f"Bound by: {said(best['bound_by'])}."),
         table,
         Text(
             f"By hand, with the commissioning rule ({rule['chosen']}): "
@@ -193,13 +187,13 @@ def describe_limits(
         ),
         *(
             Text(
-                f"In the way: {name_obstacle(item)}; instead of "
+                f"In the way: {said(name_obstacle(item))}; instead of "
                 f"{printed.quantity(item['limit'], item['unit'])} could be met: "
                 f"{printed.quantity(item['value'], item['unit'])}."
             )
             for item in part["attainable"]
         ),
-        *(Text(f"Warning: {warning}", style="yellow") for warning in warnings),
+        *_warnings(printed, warnings),
     )
 
 
@@ -243,23 +237,28 @@ def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
                 printed.quantity(response["peak_deviation"], length),
                 f"{wanted} saturated" if response["saturated"] else wanted,
             )
-    warnings = [Text(f"Warning: {warning}", style="yellow") for warning in part["warnings"]]
     verdict = _verdict(printed, part["assessment"])
+    warnings = _warnings(printed, part["warnings"])
     return Group(_heading("Response of the loop"), table, *verdict, *warnings)
 
 
 def _verdict(printed: Formatter, assessment: AssessmentPart) -> list[RenderableType]:
-    lines: list[RenderableType] = []
+    said, lines = printed.labels.say, list[RenderableType]()
     for check in assessment["checks"]:
         value = printed.quantity(check["value"], check["unit"], missing="not settled")
         limit = printed.quantity(check["limit"], check["unit"])
         word, style = ("met", "green") if check["met"] else ("NOT MET", "red")
         lines.append(
             Text(
-                f"{word}: {check['name']} {value}, allowed {limit} ({check['where']})", style=style
+                f"{word}: {said(check['name'])} {value}, allowed {limit} ({said(check['where'])})",
+                style=style,
             )
         )
     return lines
+
+
+def _warnings(printed: Formatter, warnings: Sequence[str]) -> list[Text]:
+    return [Text(f"Warning: {printed.labels.say(line)}", style="yellow") for line in warnings]
 
 
 def _heading(text: str) -> Text:
@@ -274,4 +273,4 @@ def _table(*columns: str) -> Table:
 
 
 def _formatter(machine: Machine) -> Formatter:
-    return Formatter(rotary=machine.motion is Motion.ROTARY, labels=Labels())
+    return formatter_of(machine.motion.value, ENGLISH)

@@ -64,6 +64,7 @@ from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
 from mtcommission.sheet.terminal import further_sentences, summary_rows
 from mtcommission.shipped import read_shipped, shipped_names
+from mtcommission.terminal import describe_simulation
 from mtcommission.units import read_unit
 
 from .sheet_record import (
@@ -436,6 +437,27 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia():
         assert not re.findall(f".*(?:{forces[labels.language]}).*", shown)
         linear = block_text(table_of(example_record(), "measurements", labels))
         assert re.search(forces[labels.language], linear), "the words that are looked for"
+
+
+def test_a_rotary_axis_has_torques_and_moments_of_inertia_on_the_terminal_too():
+    """Its table said kg·m² and N·m, the verdict below "set force" and "payload 0.2 kg"."""
+    where = "move 1, payload 0.2 kg, frequencies x 0.97"
+    check = {"name": "set force", "value": 21.7, "limit": 800.0, "unit": "N m", "met": True}
+    part = {
+        "moves": [],
+        "assessment": {"checks": [{**check, "where": where}]},
+        "warnings": ["drive.max_force: 800 N m; the full force bends the tool"],
+    }
+    said = {}
+    for name in ("rotary-table", "milling-manipulator"):
+        screen = Console(file=StringIO(), width=200)
+        screen.print(describe_simulation(read_shipped(name).machine, part))
+        said[name] = screen.file.getvalue()
+    assert "met: set torque 21.7" in said["rotary-table"]
+    assert "payload 0.2 kg·m², frequencies × 0.97" in said["rotary-table"]
+    assert "drive.max_force: 800 N m; the full torque bends" in said["rotary-table"]
+    assert "met: set force 21.7" in said["milling-manipulator"]
+    assert "payload 0.2 kg, frequencies × 0.97" in said["milling-manipulator"]
 
 
 @pytest.mark.parametrize("labels", [ENGLISH, GERMAN], ids=["en", "de"])
