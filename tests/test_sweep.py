@@ -250,6 +250,22 @@ def test_killed_by_force_and_resumed(
     assert (tmp_path / NAME).read_bytes().startswith(sound)
 
 
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_asked_to_end_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame, name: str) -> None:
+    """A shutdown or a closed terminal ends a sweep with a sentence, not with leaked semaphores."""
+    line = [*command(tmp_path), "--workers", "2"]
+    running = subprocess.Popen(
+        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    while running.poll() is None and lines_in(tmp_path) <= 1:
+        time.sleep(0.002)
+    os.killpg(running.pid, getattr(signal, name))
+    _, told = running.communicate()
+    assert running.returncode == 3
+    assert re.fullmatch(r"stopped: \d+ of 24 cases are on disk in .* --resume\n", told), told
+    assert resumed(tmp_path).equals(undisturbed)
+
+
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.31, 0.5, 0.77, 0.999])
 def test_any_torn_end_is_repaired(tmp_path: Path, undisturbed: pl.DataFrame, share: float) -> None:
     """A power cut may leave any prefix of the file, and rubbish in its last block."""

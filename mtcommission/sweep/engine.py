@@ -32,6 +32,7 @@ from mtcommission.sweep.forces import solve_piece
 from mtcommission.sweep.lock import hold_folder
 from mtcommission.sweep.pieces import count_pieces, cut_work, piece_size
 from mtcommission.sweep.rows import DONE, Answer, Work
+from mtcommission.sweep.signals import end_as_if_by_keyboard, shield_tracker
 from mtcommission.sweep.store import Finished, Opened, append, open_store, read_finished
 
 LOSSES = 3
@@ -102,10 +103,10 @@ def run_sweep(
         If the plan or the folder cannot be used, another sweep is at work there, or the disk is
         full.
     ComputationError
-        WORKER_LOST if workers end again and again; STOPPED by Ctrl-C.
+        WORKER_LOST if workers end again and again; STOPPED by Ctrl-C, kill or a closed terminal.
     """
     check_plan(plan)
-    with hold_folder(folder):
+    with hold_folder(folder), end_as_if_by_keyboard():
         return _complete(plan, folder, engine or Engine(), resume=resume, progress=progress)
 
 
@@ -119,6 +120,16 @@ def _complete(
     tally = _Tally(total=plan.count, progress=progress)
     for finished in read_finished(store):
         tally.add(finished)
+    try:
+        _complete_pieces(plan, store, engine, tally)
+    except KeyboardInterrupt as error:
+        detail = f"{tally.done} of {plan.count} cases are on disk in {folder}"
+        raise ComputationError(Outcome.STOPPED, detail) from error
+    return store
+
+
+def _complete_pieces(plan: Plan, store: Opened, engine: Engine, tally: _Tally) -> None:
+    """Compute what is missing, anew where a worker is lost."""
     left = set(range(count_pieces(plan))) - store.pieces
     losses = 0
     while left:
@@ -132,10 +143,6 @@ def _complete(
             if losses >= LOSSES:
                 detail = f"{tally.done} of {plan.count} cases are on disk, piece {min(left)} is not"
                 raise ComputationError(Outcome.WORKER_LOST, detail) from error
-        except KeyboardInterrupt as error:
-            detail = f"{tally.done} of {plan.count} cases are on disk in {folder}"
-            raise ComputationError(Outcome.STOPPED, detail) from error
-    return store
 
 
 class _Tally:
@@ -224,6 +231,7 @@ def _open_pool(workers: int) -> Executor:
     # of summation would change with their number.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    shield_tracker()
     return ProcessPoolExecutor(
         workers, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker
     )
