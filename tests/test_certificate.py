@@ -11,13 +11,14 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.bang_bang_search import find_bang_bang
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.certificate import Claim, adjoint, certify, terminal_jacobian
 from mtcommission.optimal.dual import DualPoint, evaluate_dual
 from mtcommission.optimal.flow import adjoint_samples, dyadic_flow
 from mtcommission.optimal.mesh import build_mesh
 from mtcommission.optimal.moments import MomentProblem, moment_problem
-from mtcommission.optimal.polish import BangBang, find_bang_bang
+from mtcommission.optimal.polish import BangBang
 from mtcommission.optimal.solution import (
     Certificate,
     constant_arc,

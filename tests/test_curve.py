@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.bang_bang_search import find_bang_bang
 from mtcommission.optimal.bound import prove_bound
 from mtcommission.optimal.curve import solve_curve
 from mtcommission.optimal.curve_proof import isolate_owned_zeros, prove_bounds
 from mtcommission.optimal.dual import evaluate_dual
 from mtcommission.optimal.mesh import build_mesh
 from mtcommission.optimal.moments import moment_problem
-from mtcommission.optimal.polish import find_bang_bang
 from mtcommission.optimal.switching import isolate_zeros
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import build_plant

@@ -22,10 +22,10 @@ from mtcommission.machine import (
     Positioning,
     VelocityStep,
 )
+from mtcommission.optimal.bang_bang_search import find_bang_bang
 from mtcommission.optimal.dual_start import start_force
 from mtcommission.optimal.flow import dyadic_flow, final_state
 from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
-from mtcommission.optimal.polish import find_bang_bang
 from mtcommission.optimal.solution import (
     TimeOptimum,
     constant_arc,

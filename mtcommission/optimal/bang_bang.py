@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine import Positioning
-from mtcommission.optimal.mesh import graded_nodes
+from mtcommission.optimal.mesh import Grading
 from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
 from mtcommission.optimal.peaks import signal_rows
 from mtcommission.optimal.switching import newton_quotient
@@ -171,23 +171,26 @@ def moments_at(motion: BangBangMotion, since: Array, arc: Index, less_one: Compl
     -------
     ndarray, shape (k, n)
     """
-    force, impulse = motion.forces[arc], motion.impulse[arc]
+    impulse, push = motion.impulse.take(arc), since * motion.forces.take(arc)
     steady = motion.forces[:, np.newaxis] / motion.rows.problem.rates
-    modal = less_one * (motion.gathered + steady)[arc] + motion.gathered[arc]
+    modal = less_one * (motion.gathered + steady).take(arc, axis=0)
+    modal += motion.gathered.take(arc, axis=0)
     moments = np.empty((since.size, 2 * modal.shape[1] + 1))
     moments[:, :-1] = modal.view(np.float64)
-    moments[:, -2] = impulse + since * force
-    moments[:, -1] = motion.double[arc] + since * (impulse + 0.5 * since * force)
+    moments[:, -2] = impulse + push
+    moments[:, -1] = motion.double.take(arc) + since * (impulse + 0.5 * push)
     return moments
 
 
-def signal_peaks(motion: BangBangMotion) -> Array:
+def signal_peaks(motion: BangBangMotion, grading: Grading) -> Array:
     """Return the largest magnitude of each of ``Plant.signals`` on [0, t_f].
 
     Parameters
     ----------
     motion
         The motion.
+    grading
+        Of its moment functions, up to t_f or beyond.
 
     Returns
     -------
@@ -196,7 +199,7 @@ def signal_peaks(motion: BangBangMotion) -> Array:
     Source: cubic Hermite interpolation shows where a peak is possible; there Newton's method on
     the exact derivative.
     """
-    cells, rows = _cells(motion), motion.rows
+    cells, rows = _cells(motion, grading), motion.rows
     arc, step = cells.arc[:-1], cells.step
     values, rates = rows.derivatives[:2] @ _moments_at_nodes(motion, cells).T
     drive = rows.of_force[1, :, np.newaxis] * motion.forces[arc]
@@ -246,28 +249,29 @@ class _Cells:
     step: Array
 
 
-def _cells(motion: BangBangMotion) -> _Cells:
+def _cells(motion: BangBangMotion, grading: Grading) -> _Cells:
     """Return the mesh: a fast pole matters only for a while after each switch, for all arcs alike.
 
     So all arcs share one graded mesh.
     """
     lengths = np.append(motion.starts[1:], motion.t_f) - motion.starts
-    graded = graded_nodes(motion.rows.problem, float(lengths.max()), radians=RADIANS_PER_CELL)
+    graded = grading.nodes(float(lengths.max()), radians=RADIANS_PER_CELL)
     counts = np.maximum(graded.searchsorted(lengths), 1)
     ends = counts.cumsum()
-    index, arc = np.arange(ends[-1] + 1), np.arange(lengths.size).repeat(counts)
-    index[:-1] -= (ends - counts)[arc]
-    step = np.minimum(graded[index[:-1] + 1], lengths[arc]) - graded[index[:-1]]
+    # The end of the motion counts as a cell of no length, whose start is a node of its own.
+    nodes, whole = np.append(graded, lengths[-1]), counts.copy()
+    whole[-1] += 1
+    arc = np.arange(lengths.size).repeat(whole)
+    index = np.arange(arc.size) - (ends - counts).take(arc)
     index[-1] = graded.size
-    nodes = np.append(graded, lengths[-1])
-    return _Cells(
-        nodes=nodes, index=index, arc=np.append(arc, arc[-1]), since=nodes[index], step=step
-    )
+    since = nodes.take(index)
+    step = np.minimum(nodes.take(index[:-1] + 1), lengths.take(arc[:-1])) - since[:-1]
+    return _Cells(nodes=nodes, index=index, arc=arc, since=since, step=step)
 
 
 def _moments_at_nodes(motion: BangBangMotion, cells: _Cells) -> Array:
     less_one = np.expm1(cells.nodes[:, np.newaxis] * motion.rows.problem.rates)
-    return moments_at(motion, cells.since, cells.arc, less_one[cells.index])
+    return moments_at(motion, cells.since, cells.arc, less_one.take(cells.index, axis=0))
 
 
 def _may_peak(
@@ -284,9 +288,8 @@ def _peak_of_cubic(left: Array, right: Array, first: Array, last: Array) -> Arra
     """Return where the magnitude of each cubic is largest, from 0 to 1."""
     square = 3.0 * (right - left) - 2.0 * first - last
     cube = first + last - 2.0 * (right - left)
-    # Both roots of first + 2 square s + 3 cube s², in the form that does not cancel.
-    q = -(square + np.copysign(np.sqrt(np.maximum(square**2 - 3.0 * first * cube, 0.0)), square))
-    roots = np.array([newton_quotient(q, 3.0 * cube), newton_quotient(first, q)])
-    share = np.minimum(np.maximum(roots, 0.0), 1.0)
-    height = np.abs(left + share * (first + share * (square + share * cube)))
-    return np.asarray(np.where(height[0] > height[1], share[0], share[1]))
+    # Of the roots of first + 2 square s + 3 cube s² the one where |y| falls behind it, in the form
+    # that does not cancel.
+    root = np.sqrt(np.maximum(square * square - 3.0 * first * cube, 0.0))
+    share = newton_quotient(first, np.copysign(root, left + right) - square)
+    return np.asarray(np.minimum(np.maximum(share, 0.0), 1.0))

@@ -6,6 +6,7 @@ What is proved, and what each number means, is derived in docs/optimal-control.m
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import exp, nan
 
 import numpy as np
@@ -108,9 +109,9 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     # In the order of time, so those at t = 0 come first.
     remaining = claim.t_f - np.append(0.0, claim.switching_times)
     sigma, slopes, phi = values_and_slopes(problem, multipliers, remaining)
-    factor, rank, condition = claim.adjoint_factor, -1, nan
-    rows = factor * moment_rows(flow.plant, problem)
-    end = _adjoint_weights(claim, 0.0) @ rows
+    factor, rank, condition = 1.0 / abs(claim.first_force * float(sigma[0])), -1, nan
+    unit, rows = factor * flow.plant.force_lag, factor * moment_rows(flow.plant, problem)
+    end = np.append(multipliers, -1.0) @ rows
     if remaining.size == problem.size + 1:
         values = dgesdd(_scaled(phi, problem.target_values(remaining)), compute_uv=0)[1].tolist()
         rank = sum(value > RANK_TOLERANCE * values[0] for value in values)
@@ -120,7 +121,9 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
         relative_gap=(claim.t_f - bound) / claim.t_f,
         adjoint_initial=_adjoint_weights(claim, claim.t_f) @ rows,
         switching_slopes=factor * slopes[1:],
-        switching_law_holds=_law_holds(claim, flow, end, factor * sigma[1:]),
+        switching_law_holds=_law_holds(
+            claim, flow, end, unit=unit, at_switches=unit * np.abs(sigma[1:])
+        ),
         terminal_jacobian_rank=rank,
         terminal_jacobian_condition=condition,
     )
@@ -190,21 +193,25 @@ def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> A
 def _scaled(phi: Array, psi: Array) -> Array:
     functions = np.empty((phi.shape[1] + 1, psi.size))
     functions[:-1], functions[-1] = phi.T, psi
-    by_row = (
-        functions / np.maximum(np.sqrt((functions * functions).sum(axis=1)), TINY)[:, np.newaxis]
-    )
+    lengths = np.sqrt((functions * functions).sum(axis=1, keepdims=True))
+    by_row = functions / np.maximum(lengths, TINY)
     return np.asarray(by_row / np.sqrt((by_row * by_row).sum(axis=0)))
 
 
-def _law_holds(claim: Claim, flow: DyadicFlow, end: Array, at_switches: Array) -> bool:
-    """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on A from λ(t_f) on."""
-    problem, lag = claim.point.mesh.problem, flow.plant.force_lag
+def _law_holds(
+    claim: Claim, flow: DyadicFlow, end: Array, *, unit: float, at_switches: Array
+) -> bool:
+    """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on A from λ(t_f) on.
+
+    ``unit`` is λ_F per σ, ``at_switches`` |λ_F| there.
+    """
+    problem = claim.point.mesh.problem
     samples = adjoint_samples(flow, problem, end)
-    arcs = claim.switching_times.searchsorted(claim.t_f - samples.tau)
-    signs = (1.0 if claim.first_force > 0.0 else -1.0) * (1.0 - 2.0 * (arcs & 1))
-    composed = problem.amplitudes(claim.point.multipliers).sum() + claim.t_f**problem.degree
-    composed *= claim.adjoint_factor * lag
-    sizes = np.abs(samples.force)
-    zero = SIGN_TOLERANCE * float(sizes.max()) + SIGN_ROUNDING * float(composed)
-    is_met = (signs * samples.force < 0.0) | (sizes <= zero)
-    return bool(is_met.all() and (np.abs(at_switches) * lag <= zero).all())
+    edges = samples.tau.searchsorted(claim.t_f - claim.switching_times[::-1]).tolist()
+    counts = [stop - start for start, stop in pairwise([0, *edges, samples.tau.size])]
+    last = (1.0 if claim.first_force > 0.0 else -1.0) * (-1.0) ** len(edges)
+    signs = np.array([last, -last] * len(counts))[: len(counts)].repeat(counts)
+    composed = sum(problem.amplitudes(claim.point.multipliers).tolist()) + claim.t_f**problem.degree
+    zero = SIGN_TOLERANCE * float(np.abs(samples.force).max()) + SIGN_ROUNDING * unit * composed
+    against = max(float((signs * samples.force).max()), float(at_switches.max(initial=0.0)))
+    return bool(against <= zero)

@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError
+from mtcommission.optimal.bang_bang_search import AGREEMENT, find_bang_bang
 from mtcommission.optimal.curve_proof import prove_bounds
 from mtcommission.optimal.dual import sign_jumps
-from mtcommission.optimal.mesh import graded_nodes
+from mtcommission.optimal.mesh import grade
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.polish import AGREEMENT, CONVERGED, TO_BOUNDARY, find_bang_bang
+from mtcommission.optimal.polish import CONVERGED, TO_BOUNDARY
 
 Array = NDArray[np.float64]
 
@@ -251,7 +252,8 @@ def _polish(
 
 def _norms(problem: MomentProblem, horizons: Array) -> Array:
     """Return ∫|φ| up to each horizon, shape (n, size), by a sum."""
-    nodes = graded_nodes(problem, float(horizons.max()), radians=FINE)
+    longest = float(horizons.max())
+    nodes = grade(problem, longest).nodes(longest, radians=FINE)
     sums = np.cumsum(np.abs(problem.values(nodes[:-1])) * np.diff(nodes)[:, np.newaxis], axis=0)
     return np.column_stack([np.interp(horizons, nodes[1:], column) for column in sums.T])
 

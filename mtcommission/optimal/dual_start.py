@@ -8,7 +8,7 @@ which σ may change sign are divided, and the run goes on from where it was.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import exp, log, sqrt
+from math import exp, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,15 +30,15 @@ PARTS = 4
 """Cells into which one is divided."""
 STEPS = 100
 """Newton steps; six are usual."""
-SMOOTHING = 0.6
+SMOOTHING = 0.5
 """Width over which the sign of σ is smoothed, against the mean gap (empirical)."""
 BACK_OFF = 0.99
 """Longest step, as a share of the one that makes a force reach its limit (empirical)."""
-FIRST_SMOOTHING = 2.0
+FIRST_SMOOTHING = 3.0
 """The same against the mean of |σ|, at the beginning (empirical: fewest steps)."""
 SHRINKING = 0.9
 """Least horizon after a step against that before (empirical)."""
-GUESS_NODES = 64
+GUESS_NODES = (np.arange(64) + 0.5) / 64
 FIRST_GUESS = 0.12
 """Between the least and the longest time thought of (empirical: the median)."""
 GUESS_TOLERANCE = 0.1
@@ -132,7 +132,7 @@ def refine_cells(coarse: CellForce) -> CellForce:
     parts = np.where(divided, PARTS, 1)
     index = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
     starts = np.repeat(mesh.nodes[:-1], parts) + index * np.repeat(mesh.lengths / parts, parts)
-    fine = tabulate(mesh.problem, np.append(starts, mesh.nodes[-1]))
+    fine = tabulate(mesh.problem, mesh.grading, np.append(starts, mesh.nodes[-1]))
     phi, psi = _means(fine)
     basis = dtrsm(1.0, coarse.triangle, phi, side=1)
     force = _smooth_sign(fine, psi - basis @ coarse.coefficients, coarse.horizon)
@@ -155,18 +155,17 @@ def guess_horizon(problem: MomentProblem, *, span: float) -> float:
         Mostly within a tenth of the final time.
     """
     least = 2.0 * sqrt(span) if problem.degree else span
-    longest = least + 1.5 * float(np.sum(2.0 * np.pi / problem.magnitudes))
+    longest = least + 3.0 * pi * sum((1.0 / problem.magnitudes).tolist())
     low, high = log(least), log(longest)
-    x = (np.arange(GUESS_NODES) + 0.5) / GUESS_NODES
-    columns = np.empty((GUESS_NODES, problem.size + 1), order="F")
+    columns = np.empty((GUESS_NODES.size, problem.size + 1), order="F")
     guess, known = log(least + FIRST_GUESS * (longest - least)), [False, False]
     error = [0.0, 0.0]
     for _ in range(GUESS_STEPS):
-        tau = exp(guess) * x
+        tau = exp(guess) * GUESS_NODES
         columns[:, :-1] = problem.values(tau)
         columns[:, -1] = problem.target_values(tau)
         triangle = dgeqrf(columns)[0]
-        distance = abs(float(triangle[problem.size, -1])) * exp(guess) / sqrt(GUESS_NODES)
+        distance = abs(float(triangle[problem.size, -1])) * exp(guess) / sqrt(GUESS_NODES.size)
         now = log(max(MEAN_TO_SQUARE * distance, TINY) / span)
         side = now > 0.0
         known[side], error[side] = True, now

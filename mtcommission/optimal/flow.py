@@ -19,12 +19,12 @@ from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 
-UNIT = 0.8
+UNIT = 1.6
 """Longest step of the power series against the fastest pole."""
-TERMS = np.arange(18)
-"""0.8^18 / 18! = 3e-18."""
+TERMS = np.arange(22)
+"""1.6^22 / 22! = 3e-17."""
 FACTORIALS = np.cumprod(np.maximum(TERMS, 1.0))[:, np.newaxis, np.newaxis]
-PIECES = np.arange(4) / 4
+PIECES = np.arange(8) / 8
 SHORT = 0.2
 """Parts of a unit at which the sign is checked: steps of at most ``SHORT`` of the fastest pole."""
 DECAY = 41.0
@@ -195,11 +195,12 @@ def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> Adj
         fastest = max((abs(p) for p in poles if -p.real * length < DECAY), default=0.0)
         while 2.0 * step * fastest <= SHORT and tau.size > LEAST:
             rows, tau, step = rows[::2], tau[::2], 2.0 * step
-        later_rows, later = rows @ double[:n, :n].T, tau + length
-        taus.append(later)
-        values.append(later_rows[:, force])
-        rows, tau = np.concatenate((rows, later_rows)), np.concatenate((tau, later))
+        taus.append(tau + length)
+        values.append(rows @ double[force, :n])
         length *= 2.0
+        if double is not flow.doubles[-2]:
+            rows = np.concatenate((rows, rows @ double[:n, :n].T))
+            tau = np.concatenate((tau, taus[-1]))
     taus.append(np.array([length]))
     values.append(np.array([end @ flow.doubles[-1][force, :n]]))
     return AdjointSamples(tau=np.concatenate(taus), force=np.concatenate(values))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log1p
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,39 +22,59 @@ DENSITY_NODES = np.linspace(0.0, 1.0, 49)
 ROUNDOFF = float(np.finfo(np.float64).eps)
 
 
-def graded_nodes(
-    problem: MomentProblem, horizon: float, *, radians: float, least: int = 4
-) -> Array:
-    """Return nodes on [0, horizon] between which cubics err equally, the faster a pole the finer.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Grading:
+    """How fine nodes must be for cubics to err equally between them, the faster a pole the finer.
 
     The cubic through values and slopes at the ends of a cell errs by e^{Re p τ} (|p| h)⁴ / 384, so
     h grows like e^{-Re p τ / 4} while the pole p is the fastest.
 
     Parameters
     ----------
+    tau
+        Ascending from 0, shape (k,) [s].
+    radians
+        Integral of the density |p| e^{Re p τ / 4} of the pole that is fastest there, shape (k,).
+    """
+
+    tau: Array
+    radians: Array
+
+    def nodes(self, horizon: float, *, radians: float, least: int = 4) -> Array:
+        """Return nodes on [0, horizon], which must not exceed the last τ; shape (n_nodes,) [s].
+
+        ``radians`` is |p| h at τ = 0 for the fastest pole, ``least`` the least number of cells.
+        """
+        total = float(np.interp(horizon, self.tau, self.radians))
+        count = max(least, int(total / radians) + 1)
+        nodes = np.interp(np.arange(count + 1) * (total / count), self.radians, self.tau)
+        nodes[-1] = horizon
+        return np.asarray(nodes)
+
+
+def grade(problem: MomentProblem, horizon: float) -> Grading:
+    """Return the grading up to a horizon.
+
+    Parameters
+    ----------
     problem
         The moment problem.
     horizon
-        Last node [s].
-    radians
-        |p| h at τ = 0 for the fastest pole [rad].
-    least
-        Least number of cells.
+        Last τ [s].
 
     Returns
     -------
-    ndarray, shape (n_nodes,)
+    Grading
     """
-    magnitude = problem.magnitudes
-    fastest = float(magnitude.max())
-    tau = np.expm1(DENSITY_NODES * np.log1p(horizon * fastest)) / fastest
-    density = (magnitude * np.exp(tau[:, np.newaxis] * (0.25 * problem.rates.real))).max(axis=1)
-    wanted = np.zeros(tau.size)
-    np.cumsum((density[1:] + density[:-1]) * (tau[1:] - tau[:-1]), out=wanted[1:])
-    count = max(least, int(0.5 * wanted[-1] / radians) + 1)
-    nodes = np.interp(np.arange(count + 1) * (wanted[-1] / count), wanted, tau)
-    nodes[-1] = horizon
-    return np.asarray(nodes)
+    magnitudes = problem.magnitudes
+    fastest = float(magnitudes.max())
+    tau = np.expm1(DENSITY_NODES * log1p(horizon * fastest)) / fastest
+    tau[-1] = horizon
+    decay = np.exp((0.25 * problem.rates.real)[:, np.newaxis] * tau)
+    density = (magnitudes[:, np.newaxis] * decay).max(axis=0)
+    radians = np.zeros(tau.size)
+    (0.5 * (density[1:] + density[:-1]) * (tau[1:] - tau[:-1])).cumsum(out=radians[1:])
+    return Grading(tau=tau, radians=radians)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -64,6 +85,8 @@ class Mesh:
     ----------
     problem
         The moment problem.
+    grading
+        Up to the horizon or beyond.
     nodes
         τ from 0 to the horizon, shape (n_cells + 1,) [s].
     lengths
@@ -77,6 +100,7 @@ class Mesh:
     """
 
     problem: MomentProblem
+    grading: Grading
     nodes: Array
     lengths: Array
     values: Array
@@ -104,17 +128,20 @@ def build_mesh(problem: MomentProblem, horizon: float) -> Mesh:
     -------
     Mesh
     """
-    nodes = graded_nodes(problem, horizon, radians=RADIANS_PER_CELL, least=LEAST_CELLS)
-    return tabulate(problem, nodes)
+    grading = grade(problem, horizon)
+    nodes = grading.nodes(horizon, radians=RADIANS_PER_CELL, least=LEAST_CELLS)
+    return tabulate(problem, grading, nodes)
 
 
-def tabulate(problem: MomentProblem, nodes: Array) -> Mesh:
+def tabulate(problem: MomentProblem, grading: Grading, nodes: Array) -> Mesh:
     """Return the tables on given nodes.
 
     Parameters
     ----------
     problem
         The moment problem.
+    grading
+        Up to the last node or beyond.
     nodes
         Ascending from 0, shape (n_cells + 1,) [s].
 
@@ -128,6 +155,7 @@ def tabulate(problem: MomentProblem, nodes: Array) -> Mesh:
     squared = (lengths[:, np.newaxis] * problem.magnitudes) ** 2
     return Mesh(
         problem=problem,
+        grading=grading,
         nodes=nodes,
         lengths=lengths,
         values=values,

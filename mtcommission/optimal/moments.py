@@ -234,10 +234,13 @@ def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
     for i, mode in enumerate(plant.modes):
         p = mode.pole
         rate = (1.0 + p * T) / mode.scale
-        for row, part in ((2 * i, np.real), (2 * i + 1, np.imag)):
-            rows[row, mode.deflection] = part(-(mode.natural_frequency**2) * rate / p)
-            rows[row, mode.rate] = part(rate)
-            rows[row, force] = part(T)
+        on_deflection = -(mode.natural_frequency**2) * rate / p
+        rows[2 * i, mode.deflection], rows[2 * i + 1, mode.deflection] = (
+            on_deflection.real,
+            on_deflection.imag,
+        )
+        rows[2 * i, mode.rate], rows[2 * i + 1, mode.rate] = rate.real, rate.imag
+        rows[2 * i, force] = T
     lag = 2 * len(plant.modes)
     rows[lag, force] = T
     rows[lag + 1, plant.velocity], rows[lag + 1, force] = m, T

@@ -139,7 +139,8 @@ def bracket_zeros(
     slope: √3 |σ⁗| h³/216, its second derivative: |σ⁗| h²/12); docs/optimal-control.md, section 3.
     """
     cells = _doubtful_cells(mesh, multipliers, horizon)
-    found, doubt = [np.empty((7, 0))], 0.0
+    found: list[Array] = []
+    doubt = 0.0
     for _ in range(MAX_DIVISIONS):
         is_settled, crossing = settled(cells), crosses_zero(cells)
         found.append(cells[:, is_settled & crossing])
@@ -157,7 +158,9 @@ def bracket_zeros(
     else:
         # An unsettled cell may hide anything.
         doubt = inf
-    return Brackets(cells=np.concatenate(found, axis=1), doubt=doubt)
+    return Brackets(
+        cells=found[0] if len(found) == 1 else np.concatenate(found, axis=1), doubt=doubt
+    )
 
 
 def may_vanish(cells: Array) -> Mask:

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, VelocityStep
 from mtcommission.optimal.bang_bang import bang_bang_motion, signal_peaks
+from mtcommission.optimal.bang_bang_search import Attempt, find_bang_bang
 from mtcommission.optimal.certificate import Claim, certify
 from mtcommission.optimal.dual_start import guess_horizon
 from mtcommission.optimal.flow import dyadic_flow, final_state
 from mtcommission.optimal.mesh import ROUNDOFF
 from mtcommission.optimal.moments import MomentProblem, independence, moment_problem
-from mtcommission.optimal.polish import Attempt, find_bang_bang
 from mtcommission.optimal.solution import Arc, TimeOptimum
 from mtcommission.plant import Plant
 
@@ -110,7 +110,7 @@ def _certified(
         arcs=_arcs(claim),
         touch_points=(),
         terminal_error=_terminal_error(plant, move, final),
-        peaks=signal_peaks(motion),
+        peaks=signal_peaks(motion, claim.point.mesh.grading),
         certificate=certify(claim, flow),
     )
     _check(plant, optimum)
@@ -157,7 +157,7 @@ def _terminal_error(plant: Plant, move: Move, final: Array) -> Array:
 
 def _check(plant: Plant, optimum: TimeOptimum) -> None:
     relative = np.abs(optimum.terminal_error) / optimum.peaks[: plant.order]
-    worst = int(np.argmax(relative))
+    worst = int(relative.argmax())
     gap = optimum.certificate.relative_gap
     if gap <= GAP_TOLERANCE and relative[worst] <= ERROR_TOLERANCE:
         return
