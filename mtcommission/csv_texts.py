@@ -21,7 +21,20 @@ MOTION_SAMPLES = 2000
 
 
 def setpoint_csv(setpoint: Setpoint, *, step: float) -> str:
-    """Return a setpoint at the position cycle as CSV: t, x_ref, v_ref, a_ref, j_ref (SI)."""
+    """Return a setpoint at the position cycle as CSV: t, x_ref, v_ref, a_ref, j_ref (SI).
+
+    Parameters
+    ----------
+    setpoint
+        What the control sends.
+    step
+        Position cycle [s].
+
+    Returns
+    -------
+    str
+        The last row is the first one at or after the end.
+    """
     times = np.arange(int(np.ceil(setpoint.duration / step - 1e-9)) + 1, dtype=np.float64) * step
     return _csv(
         ("t", "x_ref", "v_ref", "a_ref", "j_ref"),
@@ -30,7 +43,19 @@ def setpoint_csv(setpoint: Setpoint, *, step: float) -> str:
 
 
 def motion_csv(plant: Plant, solution: TimeOptimum | DampingOptimum) -> str:
-    """Return the motion under an optimal control as CSV: t, F_set, every state (SI)."""
+    """Return the motion under an optimal control as CSV: t, F_set, every state (SI).
+
+    Parameters
+    ----------
+    plant
+        Nominal.
+    solution
+        Of ``optimal``.
+
+    Returns
+    -------
+    str
+    """
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / MOTION_SAMPLES)
     return _csv(
         ("t", "F_set", *plant.states), np.column_stack([motion.t, motion.force, motion.states])
@@ -38,7 +63,19 @@ def motion_csv(plant: Plant, solution: TimeOptimum | DampingOptimum) -> str:
 
 
 def response_csv(plant: Plant, result: MoveResult) -> str:
-    """Return the nominal response as CSV: t, deviation, F_set, every state (SI)."""
+    """Return the nominal response as CSV: t, deviation, F_set, every state (SI).
+
+    Parameters
+    ----------
+    plant
+        Nominal.
+    result
+        One move, run in every corner.
+
+    Returns
+    -------
+    str
+    """
     nominal = result.responses[0]
     columns = np.column_stack([nominal.t, nominal.deviation, nominal.force, nominal.states])
     return _csv(("t", "deviation", "F_set", *plant.states), columns)

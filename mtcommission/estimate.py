@@ -267,7 +267,19 @@ def vibrations(axis: AxisEstimate, jerk_time: float, *, largest: float) -> list[
 
 
 def duration(move: Move, limits: MotionLimits) -> float:
-    """Return the end t_e of a setpoint [s]."""
+    """Return the end t_e of a setpoint [s].
+
+    Parameters
+    ----------
+    move
+        Velocity step or positioning.
+    limits
+        Acceleration and jerk.
+
+    Returns
+    -------
+    float
+    """
     steps = jerk_steps(
         move, acceleration=np.array([limits.acceleration]), jerk=np.array([limits.jerk])
     )

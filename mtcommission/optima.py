@@ -119,17 +119,36 @@ def find_time_optimum(
 
     Where the exact search under max_velocity does not end, the composed control of
     ``compose_cruise`` stands in: its method says so, and its gap is that of its proof.
+
+    Parameters
+    ----------
+    plant
+        Nominal.
+    move
+        Velocity step or positioning.
+    force_limit
+        Force left for motion [N or N m].
+    bounds
+        On states and outputs, besides the move's own max_velocity.
+
+    Returns
+    -------
+    TimeOptimum
+
+    Raises
+    ------
+    ComputationError
+        The solve ended with a named outcome.
     """
-    if isinstance(move, Positioning) and isfinite(move.max_velocity) and not bounds:
-        try:
-            return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=())
-        except ComputationError as error:
-            if error.outcome is not Outcome.NO_CONVERGENCE:
-                raise
-            return compose_cruise(plant, move, force_limit=force_limit)
-    if bounds or (isinstance(move, Positioning) and isfinite(move.max_velocity)):
+    cruise = move if isinstance(move, Positioning) and isfinite(move.max_velocity) else None
+    if not bounds and cruise is None:
+        return solve_time_optimal(plant, move, force_limit=force_limit)
+    try:
         return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
-    return solve_time_optimal(plant, move, force_limit=force_limit)
+    except ComputationError as error:
+        if bounds or cruise is None or error.outcome is not Outcome.NO_CONVERGENCE:
+            raise
+        return compose_cruise(plant, cruise, force_limit=force_limit)
 
 
 def find_damping_optimum(

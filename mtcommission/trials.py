@@ -115,7 +115,21 @@ def judge(
     source: str,
     limits: MotionLimits,
 ) -> Trial:
-    """Return what some limits do in the same loop, corners and judgement as all others."""
+    """Return what some limits do in the same loop, corners and judgement as all others.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    name, source
+        Of the limits.
+    limits
+        Acceleration and jerk.
+
+    Returns
+    -------
+    Trial
+    """
     return judge_moves(machine, plant, tuned, name, source, run_moves(machine, tuned, limits))
 
 

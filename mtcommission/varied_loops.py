@@ -123,7 +123,22 @@ def own_size(loop: SampledLoop) -> int:
 
 
 def hand_down(loop: SampledLoop, setpoint: Setpoint, cycles: int) -> Array:
-    """Return what the setpoint alone hands down at each position cycle, shape (cycles, 3)."""
+    """Return what the setpoint alone hands down at each position cycle, shape (cycles, 3).
+
+    Parameters
+    ----------
+    loop
+        In one corner.
+    setpoint
+        What the control sends; before t = 0 it rests.
+    cycles
+        How many position cycles.
+
+    Returns
+    -------
+    ndarray
+        Shape (cycles, 3), in the units of ``loop.handed_down``.
+    """
     rows = loop.handed_down[:, own_size(loop) :]
     kept = (rows.shape[1] - 4) // 4
     T_p = loop.controller.position_cycle

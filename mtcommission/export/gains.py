@@ -39,6 +39,18 @@ def round_gains(subject: Subject, units: GainUnits) -> Gains:
 
     Less gain and a slower integrator keep more phase margin; gains that are not exported stay
     as they are.
+
+    Parameters
+    ----------
+    subject
+        The axis.
+    units
+        Of the control; 0 where it does not take a gain.
+
+    Returns
+    -------
+    Gains
+        Kv [1/s], Kp [N s/m or N m s/rad], Tn [s].
     """
     loop = subject.record["loop"]
     kv, kp, tn = loop["Kv"], loop["Kp"], loop["Tn"]

@@ -170,7 +170,19 @@ def build_subject(record: Record) -> Subject:
 
 
 def with_gains(subject: Subject, gains: Gains) -> Subject:
-    """Return the subject with other gains in its loop."""
+    """Return the subject with other gains in its loop, which is built anew in every corner.
+
+    Parameters
+    ----------
+    subject
+        The axis.
+    gains
+        In SI.
+
+    Returns
+    -------
+    Subject
+    """
     control = replace(
         subject.machine.control,
         position_gain=gains.position,
@@ -182,7 +194,24 @@ def with_gains(subject: Subject, gains: Gains) -> Subject:
 
 
 def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
-    """Return the subject with the limits and the band of one machining mode."""
+    """Return the subject with the limits and the band of one machining mode.
+
+    Parameters
+    ----------
+    subject
+        The axis.
+    mode
+        Of its record.
+
+    Returns
+    -------
+    Subject
+
+    Raises
+    ------
+    InputError
+        If the mode has no limits.
+    """
     acceleration, jerk = mode["acceleration"], mode["jerk"]
     if acceleration is None or jerk is None:
         message = f"no limits meet the requirements of machining mode {mode['name']}"

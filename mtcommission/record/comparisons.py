@@ -23,7 +23,19 @@ from mtcommission.trials import MoveResult
 def comparison_entry(
     machine: Machine, plant: Plant, comparison: MoveComparison, result: MoveResult
 ) -> ComparisonEntry:
-    """Return the loop beside the optima of one move, done with the recommended limits, too."""
+    """Return the loop beside the optima of one move, done with the recommended limits, too.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    comparison, result
+        Of the same move.
+
+    Returns
+    -------
+    ComparisonEntry
+    """
     return ComparisonEntry(
         controls=[
             ComparedEntry(

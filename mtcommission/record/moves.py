@@ -33,7 +33,20 @@ PLOT_TAIL = 0.15
 
 
 def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
-    """Return one move with its limits, as ``simulate --json`` prints it."""
+    """Return one move with its limits, as ``simulate --json`` prints it.
+
+    Parameters
+    ----------
+    plant, tuned
+        Nominal plant and the loop in every corner.
+    result
+        The move, run in every corner.
+
+    Returns
+    -------
+    MoveEntry
+        Series thinned out to ``PLOT_STEP``, for plots.
+    """
     setpoint, nominal = result.setpoint, result.responses[0]
     filtered = setpoint.duration - float(np.sum(setpoint.segment_durations))
     every = max(1, round(PLOT_STEP / tuned.controller.velocity_cycle))
@@ -95,7 +108,19 @@ def _response_entry(plant: Plant, corner: Corner, response: LoopResponse) -> Res
 def simulation_part(
     machine: Machine, plant: Plant, tuned: TunedLoop, results: Sequence[MoveResult]
 ) -> SimulationPart:
-    """Return what ``simulate --json`` prints, judged like a recommendation."""
+    """Return what ``simulate --json`` prints, judged like a recommendation.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant, and the loop that the moves went through.
+    results
+        One for each move.
+
+    Returns
+    -------
+    SimulationPart
+    """
     entries = [move_entry(plant, tuned, result) for result in results]
     verdict = assess(machine, plant, tuned.corners, [result.responses for result in results])
     return SimulationPart(

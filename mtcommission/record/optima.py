@@ -97,7 +97,22 @@ def _law(plant: Plant, solution: DampingOptimum) -> CertificateEntry:
 
 
 def series_entry(plant: Plant, t: Array, states: Array, extra: dict[str, Array]) -> Series:
-    """Signals rounded to seven digits: for plots only, and a third of the bytes."""
+    """Return signals rounded to seven digits: for plots only, and a third of the bytes.
+
+    Parameters
+    ----------
+    plant
+        Nominal.
+    t, states
+        Shapes (n_samples,) [s] and (n_samples, n_states) [SI].
+    extra
+        Further signals by name, each of shape (n_samples,) [SI].
+
+    Returns
+    -------
+    Series
+        The extra signals, the states and the outputs.
+    """
     columns = dict(zip(plant.states, states.T, strict=True))
     columns |= dict(zip(plant.outputs, (states @ plant.C.T).T, strict=True))
     return Series(

@@ -91,7 +91,21 @@ def ask(
     *,
     is_optional: bool = False,
 ) -> Question:
-    """Return a question for a quantity that has no default; low and high in SI."""
+    """Return a question for a quantity that has no default.
+
+    Parameters
+    ----------
+    key, text, where, dimension, example
+        As in ``Question``.
+    low, high
+        Least and largest common value [SI]; outside it the wizard asks back.
+    is_optional
+        Whether it may be left empty.
+
+    Returns
+    -------
+    Question
+    """
     return Question(
         key=key,
         text=text,
