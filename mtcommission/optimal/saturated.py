@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PPoly
+from scipy.interpolate import PPoly
 from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
@@ -40,11 +40,16 @@ LAW_GOAL = 1e-10
 DIVERGED = 1e3
 """Violation from which the iteration does not come back, in units of F_max [-] (empirical)."""
 
-ITERATIONS = 40
+NEAR_ENOUGH = 1e-2
+"""Violation at which a limit on the way to F_max has done its work, to start the next one, in
+units of the limit [-] (empirical: with 0.1 some moves get stuck, with less all take longer)."""
+
+ITERATIONS = 100
 """Arc iterations for one limit before the step is halved (empirical)."""
 
-STEPS = 60
-"""Limits tried on the way to F_max (empirical; a move at 1.0001 t_f,min takes about fifteen)."""
+STEPS = 120
+"""Limits tried on the way to F_max (empirical; a move at 1.0001 t_f,min takes about fifteen, one
+of 30 000 radians with five modes some seventy)."""
 
 FORCE_MARGIN = 1e-6
 """Relative shortage of force that proves a final time too short; covers the quadrature error
@@ -109,8 +114,7 @@ def crossings(problem: SaturatedProblem, flow: PiecewiseFlow) -> ArcSequence:
 
 def _crossing_times(cubics: Array, t: Array, *, level: float) -> Array:
     """Return where the interpolated control takes a value, shape (k,) [s]."""
-    c3, c2, c1, c0 = cubics
-    hull = np.stack([c0, c0 + c1 / 3, c0 + (2 * c1 + c2) / 3, c0 + c1 + c2 + c3]) - level
+    hull = _hull(cubics) - level
     cells = np.flatnonzero((hull.min(axis=0) <= 0.0) & (hull.max(axis=0) >= 0.0))
     if not cells.size:
         return np.zeros(0)
@@ -169,12 +173,12 @@ def _judge(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) -> Ite
     return Iterate(arcs=arcs, flow=flow, violation=violation)
 
 
-def _settle(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float) -> Iterate:
-    """Return the best iterate of the arc iteration; its violation tells whether it settled."""
+def _settle(problem: SaturatedProblem, arcs: ArcSequence, *, bound: float, goal: float) -> Iterate:
+    """Return the first iterate of the arc iteration within the goal, else the best one."""
     best = _judge(problem, arcs, bound=bound)
     now = best
     for _ in range(ITERATIONS):
-        if best.violation <= LAW_GOAL * bound or now.violation > DIVERGED:
+        if best.violation <= goal * bound or now.violation > DIVERGED:
             break
         try:
             now = _judge(problem, crossings(problem, now.flow), bound=bound)
@@ -220,11 +224,33 @@ def least_bound(problem: SaturatedProblem, flow: PiecewiseFlow) -> float:
         p[done : done + more] = p[:more] @ power.T
         done, power = done + more, power @ power
     gain = problem.generators[2, :n, -1]
-    moment = CubicHermiteSpline(step * np.arange(count + 1), p @ gain, -p @ adjoint.T @ gain)
-    roots = moment.roots(extrapolate=False)
-    edges = np.concatenate([[0.0], np.sort(roots[np.isfinite(roots)]), [problem.t_f]])
-    reach = float(np.abs(np.diff(moment.antiderivative()(edges))).sum())
+    moment, rate = p @ gain, -p @ adjoint.T @ gain
+    cubics = unit_cubics(
+        np.full(count, step), moment[:-1], moment[1:], start_rate=rate[:-1], end_rate=rate[1:]
+    )
+    reach = step * _absolute_integral(cubics)
     return abs(float(end @ problem.target)) / reach if reach > 0.0 else 0.0
+
+
+def _absolute_integral(cubics: Array) -> float:
+    """Return ∫ |y| over cells of unit length; roots are looked for only where there may be some."""
+    hull = _hull(cubics)
+    mixed = (hull.min(axis=0) < 0.0) & (hull.max(axis=0) > 0.0)
+    c3, c2, c1, c0 = cubics[:, ~mixed]
+    total = float(np.abs(c3 / 4 + c2 / 3 + c1 / 2 + c0).sum())
+    if mixed.any():
+        ends = np.arange(np.count_nonzero(mixed) + 1.0)
+        side_by_side = PPoly(cubics[:, mixed], ends)
+        roots = side_by_side.roots(discontinuity=False, extrapolate=False)
+        edges = np.sort(np.concatenate([ends, roots[np.isfinite(roots)]]))
+        total += float(np.abs(np.diff(side_by_side.antiderivative()(edges))).sum())
+    return total
+
+
+def _hull(cubics: Array) -> Array:
+    """Return the Bernstein coefficients of cubics on the unit interval: they enclose the values."""
+    c3, c2, c1, c0 = cubics
+    return np.stack([c0, c0 + c1 / 3, c0 + (2 * c1 + c2) / 3, c0 + c1 + c2 + c3])
 
 
 def solve_saturated(problem: SaturatedProblem) -> Iterate:
@@ -250,9 +276,11 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
     limit = 1.0 + reached.violation
     trial, fraction, floor = 1.0, 1.0, 0.0
     for _ in range(STEPS):
-        now = _settle(problem, reached.arcs, bound=trial)
-        settled = now.violation <= LAW_TOLERANCE * trial
-        if settled and trial == 1.0:
+        is_last = trial == 1.0
+        goal = LAW_GOAL if is_last else NEAR_ENOUGH
+        now = _settle(problem, reached.arcs, bound=trial, goal=goal)
+        settled = now.violation <= (LAW_TOLERANCE if is_last else NEAR_ENOUGH) * trial
+        if settled and is_last:
             return now
         floor = max(floor, least_bound(problem, now.flow))
         if floor > 1.0 + FORCE_MARGIN:
@@ -261,6 +289,8 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
             limit, reached, fraction = trial, now, min(0.9, 1.5 * fraction)
         else:
             fraction /= 2.0
+            # a better start of the next step, before steps get small
+            reached = _settle(problem, reached.arcs, bound=limit, goal=LAW_GOAL)
         trial = max(1.0, limit - fraction * (limit - floor))
     F = problem.force_limit
     if floor > 1.0 + FORCE_MARGIN:
