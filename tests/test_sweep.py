@@ -159,7 +159,10 @@ def test_profile_of_a_case_differs_in_its_keys_alone() -> None:
     assert machine.mechanics.slider_mass == 800.0  # type: ignore[union-attr]
     assert machine.moves[0].velocity_step == 0.2  # type: ignore[union-attr]
     with pytest.raises(InputError, match="there is no such key"):
-        vary_profile(TEXT, (("moves.3.dwell", "1 s"),), where="p")
+        vary_profile(TEXT, (("schema.dwell", "1 s"),), where="p")
+    for key in ("moves.3.dwell", "requirements.payload[2]"):
+        with pytest.raises(InputError, match="has no such element"):
+            vary_profile(TEXT, ((key, "1"),), where="p")
 
 
 @pytest.mark.parametrize(
@@ -424,12 +427,16 @@ def test_store_of_another_sweep_is_refused(tmp_path: Path) -> None:
 
 def test_files_carry_units(tmp_path: Path) -> None:
     """A table without units is read in millimetres sooner or later."""
-    plan = plan_of(Axis(keys=("drive.max_force",), rows=(("2 kN",), ("2500",))))
+    forces = Axis(keys=("drive.max_force",), rows=(("2 kN",), ("2500",)))
+    plan = replace(plan_of(forces), bounds=(Bound(name="v_phi", value=0.02),))
     table = read_table(plan, run_sweep(plan, folder=tmp_path))
     write_table(table, tmp_path)
     frame = pl.read_parquet(tmp_path / "rows.parquet")
     assert frame.equals(table.frame)
     assert frame["drive.max_force"].to_list() == [2000.0, 2500.0]
+    kept = pl.read_parquet_metadata(tmp_path / "rows.parquet")["asked"]
+    assert kept == table.asked == "Quantity: optimal, move 1 of 1, |v_phi| at most 0.02 rad/s."
+    assert kept in html.unescape(print_sweep(plan, table, created=""))
     units = json.loads(pl.read_parquet_metadata(tmp_path / "rows.parquet")["units"])
     assert units["t_f"] == "s"
     assert units["drive.max_force"] == "N"

@@ -369,7 +369,13 @@ def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> 
     for number, key in enumerate(keys):
         try:
             _place(document, plain_key(key).split("."), f"{mark}{number}")
-        except (TypeError, ValueError, IndexError) as error:
+        except LookupError as error:
+            message = (
+                "the profile has no such element; they count from 1 in brackets, e.g. "
+                f"{EXAMPLE_KEY}; write a missing one there first"
+            )
+            raise InputError([Fault(where=where, key=key, message=message)]) from error
+        except (TypeError, ValueError) as error:
             message = f"there is no such key; elements of arrays go by number, e.g. {EXAMPLE_KEY}"
             raise InputError([Fault(where=where, key=key, message=message)]) from error
     return document.as_string()
@@ -398,11 +404,12 @@ def plain_key(key: str) -> str:
 
 def _place(node: Any, path: Sequence[str], value: str) -> None:
     *parents, last = path
-    for part in parents:
+    for part, following in zip(parents, path[1:], strict=True):
         if isinstance(node, list):
             node = node[int(part)]
         elif isinstance(node, dict):
-            node = node.setdefault(part, tomlkit.table())
+            # A missing table is made, a missing array is not: its other elements are unknown.
+            node = node[part] if following.isdigit() else node.setdefault(part, tomlkit.table())
         else:
             raise TypeError
     if isinstance(node, list):

@@ -1,7 +1,10 @@
-"""What each column of a sweep's table holds, in words: for the metadata and the page."""
+"""What a sweep computed and what its columns hold, in words: for the metadata and the page."""
 
 from __future__ import annotations
 
+from mtcommission.plant import build_plant
+from mtcommission.profile import parse_profile
+from mtcommission.sweep.cases import Plan, Quantity
 from mtcommission.sweep.rows import PEAK, Column
 
 MEANINGS = {
@@ -49,3 +52,37 @@ def meaning_of(column: Column) -> str:
         signal = column.name.removeprefix(PEAK)
         return f"Greatest magnitude of {signal} during the move and after it."
     return "Varied key of the profile."
+
+
+def describe_request(plan: Plan) -> str:
+    """Return what was computed for every case, as a sentence.
+
+    Parameters
+    ----------
+    plan
+        Its profile can be read as it is.
+
+    Returns
+    -------
+    str
+        Quantity; for ``optimal`` the move and the bounds that are the same in all cases.
+
+    Examples
+    --------
+    >>> from mtcommission.optimal.solution import Bound
+    >>> from mtcommission.shipped import read_shipped
+    >>> text = read_shipped("milling-manipulator").text
+    >>> bounds = (Bound(name="v_phi", value=0.005),)
+    >>> describe_request(Plan(profile_text=text, where="p.toml", axes=(), bounds=bounds))
+    'Quantity: optimal, move 1 of 1, |v_phi| at most 0.005 rad/s.'
+    """
+    parts = [f"Quantity: {plan.quantity.value}"]
+    if plan.quantity is Quantity.OPTIMAL:
+        machine = parse_profile(plan.profile_text, where=plan.where)
+        plant = build_plant(machine)
+        units = dict(zip(plant.signals, plant.signal_units, strict=True))
+        parts.append(f"move {plan.move} of {len(machine.moves)}")
+        parts += [
+            f"|{item.name}| at most {item.value:g} {units[item.name]}" for item in plan.bounds
+        ]
+    return ", ".join(parts) + "."

@@ -60,7 +60,7 @@ def print_sweep(plan: Plan, table: SweepTable, *, created: str) -> str:
         style=Markup(style),
         script=Markup(script),
         summary=summarise_table(table).text.splitlines(),
-        quantity=plan.quantity.value,
+        asked=table.asked,
         created=created,
         good=_good(plan),
         data=_json_for_script(_page_data(plan, table)),

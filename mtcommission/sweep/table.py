@@ -14,7 +14,7 @@ import polars as pl
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.sweep.cases import Plan
-from mtcommission.sweep.meanings import meaning_of
+from mtcommission.sweep.meanings import describe_request, meaning_of
 from mtcommission.sweep.pieces import piece_size
 from mtcommission.sweep.rows import DONE, Column, columns
 from mtcommission.sweep.store import Opened, read_finished
@@ -32,10 +32,13 @@ class SweepTable:
         Names, units and kinds.
     frame
         The values; null where a case gave none.
+    asked
+        What was computed for every case, as a sentence.
     """
 
     columns: tuple[Column, ...]
     frame: pl.DataFrame
+    asked: str
 
 
 def read_table(plan: Plan, store: Opened) -> SweepTable:
@@ -74,11 +77,11 @@ def read_table(plan: Plan, store: Opened) -> SweepTable:
         frames[finished.piece * size] = pl.DataFrame(finished.rows, schema=schema, orient="row")
     parts = [frames[first] for first in sorted(frames)]
     frame = pl.concat(parts) if parts else pl.DataFrame(schema=schema)
-    return SweepTable(columns=named, frame=frame)
+    return SweepTable(columns=named, frame=frame, asked=describe_request(plan))
 
 
 def write_table(table: SweepTable, folder: Path) -> None:
-    """Write ``rows.parquet`` (units, meanings in its metadata), ``rows.csv`` (units in its head).
+    """Write ``rows.parquet`` (units, meanings, bounds as metadata), ``rows.csv`` (units on top).
 
     Parameters
     ----------
@@ -98,7 +101,11 @@ def write_table(table: SweepTable, folder: Path) -> None:
     ]
     titled = table.frame.rename(dict(zip(table.frame.columns, heads, strict=True)))
     meanings = {column.name: meaning_of(column) for column in table.columns}
-    metadata = {"units": json.dumps(units), "meanings": json.dumps(meanings)}
+    metadata = {
+        "asked": table.asked,
+        "units": json.dumps(units),
+        "meanings": json.dumps(meanings),
+    }
     write_safely(
         folder / "rows.parquet", lambda file: table.frame.write_parquet(file, metadata=metadata)
     )
