@@ -20,7 +20,7 @@ from mtcommission.optimal.curve_proof import prove_bounds
 from mtcommission.optimal.dual import sign_jumps
 from mtcommission.optimal.mesh import grade
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.polish import CONVERGED, TO_BOUNDARY
+from mtcommission.optimal.polish import CONVERGED, TINY, TO_BOUNDARY
 
 Array = NDArray[np.float64]
 
@@ -286,8 +286,9 @@ def _step(
     matrix[:, k:, : k + 1] = (functions / scale[:, np.newaxis]).transpose(0, 2, 1)
     right = -np.concatenate([sigma, defect], axis=1)
     step = np.linalg.solve(matrix, right[:, :, np.newaxis])[:, :, 0]
-    lengths = np.diff(ends, axis=1, prepend=0.0)
+    # An arc may have closed altogether.
+    lengths = np.maximum(np.diff(ends, axis=1, prepend=0.0), TINY)
     closing = -np.diff(step[:, : k + 1], axis=1, prepend=0.0)
-    most = np.maximum((closing / lengths).max(axis=1), 1e-300)
+    most = np.maximum((closing / lengths).max(axis=1), TINY)
     share = np.minimum(1.0, TO_BOUNDARY / most)[:, np.newaxis]
     return ends + share * step[:, : k + 1], c + share * step[:, k + 1 :] / scale[:, :-1]

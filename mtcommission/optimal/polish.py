@@ -24,6 +24,9 @@ NEWTON_STEPS = 12
 FINISHING_STEPS = 24
 """Five are usual; the second limit is for feasible controls, whose last digits may take their
 time where hundreds of pairs of zeros nearly meet."""
+HOPEFUL_STEPS = 5
+HOPELESS = 0.5
+"""Share of the first residual: what is above it after these steps never converged (empirical)."""
 CONVERGED = 1e-14
 """Moments against ∫|φ| that count as zero (empirical: reaches 1e-16)."""
 ON_ZERO = 1e-12
@@ -103,42 +106,42 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
 
     Source: docs/optimal-control.md, section 3.
     """
-    system, k = _system(mesh, start, span), start.zeros.size
-    norms, ends, c = system.scale[:-1], np.append(start.zeros, start.horizon), start.multipliers
-    best, best_ends, best_c, least = None, ends, c, inf
+    system = _system(mesh, start, span)
+    ends, c = np.append(start.zeros, start.horizon), start.multipliers
+    best, first = None, 0.0
     for steps in range(FINISHING_STEPS):
-        if steps >= NEWTON_STEPS and least > FEASIBLE:
+        if not _largest(c * system.scale[:-1]) < LARGEST_MULTIPLIER * span:
             break
-        if not _largest(c * norms) < LARGEST_MULTIPLIER * span:
+        here = _point(system, ends, c)
+        if not isfinite(here.residual):
             break
-        here = _defects(system, ends, c)
-        residual = _largest(here.values[k:])
-        if not isfinite(residual):
+        if best is None or here.residual < best.residual:
+            best = here
+        first = first or here.residual
+        if here.is_solved or _is_lost(steps, first, best.residual):
             break
-        if residual < least:
-            best, best_ends, best_c, least = here, ends, c, residual
-        if residual <= CONVERGED and _largest(here.values[:k]) <= ON_ZERO * float(here.psi[-1]):
-            break
-        step = _solve(_jacobian(system, here, c), here.values)
-        moved = -step[: k + 1]
-        share = _share(ends.tolist(), moved.tolist())
-        ends = ends + share * moved
-        c = c + (share * system.inverse[:-1]) * step[k + 1 :]
-    control = BangBang(
-        zeros=best_ends[:-1],
-        horizon=float(best_ends[-1]),
-        first_sign=start.first_sign,
-        multipliers=best_c,
-    )
+        ends, c = _step(system, here)
     if best is None:
-        return Polished(control=control, residual=inf, end_value=nan, excess=nan)
-    defects = best.values[k:] * system.scale
+        return Polished(control=start, residual=inf, end_value=nan, excess=nan)
+    defects = best.defects[start.zeros.size :] * system.scale
     return Polished(
-        control=control,
-        residual=least,
-        end_value=float(best.psi[-1] - best.phi[-1] @ best_c),
-        excess=float(defects[-1] - defects[:-1] @ best_c),
+        control=BangBang(
+            zeros=best.ends[:-1],
+            horizon=float(best.ends[-1]),
+            first_sign=start.first_sign,
+            multipliers=best.multipliers,
+        ),
+        residual=best.residual,
+        end_value=float(best.psi[-1] - best.phi[-1] @ best.multipliers),
+        excess=float(defects[-1] - defects[:-1] @ best.multipliers),
     )
+
+
+def _is_lost(steps: int, first: float, least: float) -> bool:
+    """Return whether Newton leads nowhere, given the first residual and the least so far."""
+    if steps >= NEWTON_STEPS:
+        return least > FEASIBLE
+    return steps >= HOPEFUL_STEPS and least > HOPELESS * first
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -169,43 +172,74 @@ def _system(mesh: Mesh, start: BangBang, span: float) -> _System:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Defects:
-    """What a Newton step is to remove.
+class _Point:
+    """Unknowns of Newton's method and what they leave over.
 
     Parameters
     ----------
+    ends
+        Switches and final time, shape (k + 1,) [s].
+    multipliers
+        c, shape (size,).
     phi, psi
-        At the switches and the final time, shapes (k + 1, size), (k + 1,).
-    values
-        σ at the k switches, moments and missing target against their scales; shape
-        (k + size + 1,).
+        At the ends, shapes (k + 1, size), (k + 1,).
+    defects
+        What must vanish: σ at the k switches, moments and missing target against their scales;
+        shape (k + size + 1,).
+    residual
+        Largest magnitude of the moments and the target among them; nan if one is.
     """
 
+    ends: Array
+    multipliers: Array
     phi: Array
     psi: Array
-    values: Array
+    defects: Array
+    residual: float
+
+    @property
+    def is_solved(self) -> bool:
+        """Whether only rounding is left."""
+        at_switches = self.defects[: self.ends.size - 1]
+        return self.residual <= CONVERGED and _largest(at_switches) <= ON_ZERO * float(self.psi[-1])
 
 
-def _defects(system: _System, ends: Array, multipliers: Array) -> _Defects:
+def _point(system: _System, ends: Array, multipliers: Array) -> _Point:
     problem, jumps, k = system.problem, system.jumps, ends.size - 1
     less_one: Complex = np.expm1(ends[:, np.newaxis] * problem.rates)
     phi, psi = problem.columns(less_one + 1.0, 1.0), problem.target_values(ends)
     integrals = problem.columns(less_one / problem.rates, ends)
-    values = np.empty(k + system.scale.size)
-    np.subtract(psi[:k], phi[:k] @ multipliers, out=values[:k])
-    np.matmul(jumps, integrals, out=values[k:-1])
-    values[-1] = jumps @ problem.target_integrals(ends) - system.scale[-1]
-    values[k:] *= system.inverse
-    return _Defects(phi=phi, psi=psi, values=values)
+    defects = np.empty(k + system.scale.size)
+    np.subtract(psi[:k], phi[:k] @ multipliers, out=defects[:k])
+    np.matmul(jumps, integrals, out=defects[k:-1])
+    defects[-1] = jumps @ problem.target_integrals(ends) - system.scale[-1]
+    defects[k:] *= system.inverse
+    return _Point(
+        ends=ends,
+        multipliers=multipliers,
+        phi=phi,
+        psi=psi,
+        defects=defects,
+        residual=_largest(defects[k:]),
+    )
 
 
-def _jacobian(system: _System, here: _Defects, multipliers: Array) -> Array:
-    """Return the derivatives by switches, final time and minus the scaled multipliers."""
-    problem, jumps, k = system.problem, system.jumps, here.psi.size - 1
-    order = here.values.size
+def _step(system: _System, here: _Point) -> tuple[Array, Array]:
+    """Return ends and multipliers after a Newton step that closes no arc."""
+    step = _solve(_jacobian(system, here), here.defects)
+    moved = -step[: here.ends.size]
+    share = _share(here.ends.tolist(), moved.tolist())
+    change = (share * system.inverse[:-1]) * step[here.ends.size :]
+    return here.ends + share * moved, here.multipliers + change
+
+
+def _jacobian(system: _System, here: _Point) -> Array:
+    """Return the derivatives of the defects by ends and minus the scaled multipliers."""
+    problem, jumps, k = system.problem, system.jumps, here.ends.size - 1
+    order = here.defects.size
     matrix = np.zeros((order, order), order="F")
     diagonal = matrix.reshape(-1, order="F")[: k * (order + 1) : order + 1]
-    slopes = here.phi[:k] @ problem.slope_multipliers(multipliers)
+    slopes = here.phi[:k] @ problem.slope_multipliers(here.multipliers)
     np.subtract(problem.degree, slopes, out=diagonal)
     relative = here.phi * system.inverse[:-1]
     matrix[:k, k + 1 :] = relative[:k]
