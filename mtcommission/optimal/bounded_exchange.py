@@ -24,17 +24,22 @@ LEAST_SLOPE = 0.3
 """Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
 LARGEST_CHANGE = 0.02
 """Largest relative change of t_f on one mesh."""
+LONG_WAY = 1e-3
+"""Least such change that tells the slope better: points put in between lower the reach, too."""
 
 
 def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
     """Return the solution on the mesh with t_f such that the reach is 1."""
-    found: MeshOptimum | None = None
+    found, before = None, None
     # While the mesh is coarse, more exactness at the bounds would be wasted.
     tolerance = max(BROKEN, 0.3 * float(np.diff(layout.mesh).min()) / layout.t_f)
     for _ in range(EXCHANGES):
         found = solve_mesh(problem, layout, relaxed=False)
         if found is None:
             return None
+        if before is not None:
+            found = steepened(before, found)
+        before = found
         worse = broken(problem, found, tolerance=tolerance)
         in_time = abs(found.reach - 1.0) < 1e-4
         if not worse and in_time:
@@ -43,6 +48,15 @@ def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
         if not in_time:
             layout = layout.stretched(later(layout, found))
     return found
+
+
+def steepened(before: MeshOptimum, found: MeshOptimum) -> MeshOptimum:
+    """Return a solution with the slope of the way gone: the marginal knows one cell only."""
+    gone = found.layout.t_f - before.layout.t_f
+    if abs(gone) < LONG_WAY * found.layout.t_f:
+        return found
+    secant = (found.reach - before.reach) / gone
+    return replace(found, slope=secant) if secant > 0.0 else found
 
 
 def later(layout: Layout, found: MeshOptimum) -> float:
