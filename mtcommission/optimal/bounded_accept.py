@@ -27,6 +27,8 @@ TERMINAL = 1e-9
 """Largest terminal error of a state against its peak."""
 FINE = 1e-8
 """Relative excess over a bound between the points that calls for another point at the end."""
+SMALL_EXCESS = 2e-7
+"""Relative excess that is left to the margin: it costs less than a tenth of the allowed gap."""
 POINT_STEPS, FINISHING_STEPS = 4, 12
 """Programs that put in points, and programs at most, until a control on a mesh is finished."""
 LATENESS = 1e-8
@@ -112,10 +114,13 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
             touches = tuple(at for at in found.contacts if at.weight > 0.0)
             return _proved(problem, motion, relaxed.measure, touches, exact=False)
         found = replace(found, slope=slope)
-        t_f = later(layout, found) + 2e-10 / max(slope, LEAST_SLOPE / layout.t_f)
         # Another point costs less time than a margin kept everywhere; the last bit is the margin's.
-        worse = broken(problem, found, tolerance=FINE) if attempt < POINT_STEPS else []
-        margin = layout.margin + (1.1 * excess if excess > 0.0 and not worse else 0.0)
+        by_points = attempt < POINT_STEPS and excess > SMALL_EXCESS
+        worse = broken(problem, found, tolerance=FINE) if by_points else []
+        more = 1.1 * excess if excess > 0.0 and not worse else 0.0
+        margin = layout.margin + more
+        expected = replace(found, reach=found.reach - more * found.held)
+        t_f = later(layout, expected) + 2e-10 / max(slope, LEAST_SLOPE / layout.t_f)
         contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
         layout = replace(layout, contacts=contacts, margin=margin).stretched(t_f)
         following = solve_mesh(problem, layout, relaxed=False)

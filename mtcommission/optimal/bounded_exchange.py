@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 
 EXCHANGES = 6
 """Solutions of the program on one mesh, each with the points where the last broke a bound."""
+STEADY = 2e-6
+"""Change of the reach by new points below which others are left to the next mesh."""
 BROKEN = 1e-6
 """Relative excess over a bound that calls for another point of the program; what is left is
 covered by a margin."""
@@ -24,25 +26,20 @@ LEAST_SLOPE = 0.3
 """Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
 LARGEST_CHANGE = 0.02
 """Largest relative change of t_f on one mesh."""
-LONG_WAY = 1e-3
-"""Least such change that tells the slope better: points put in between lower the reach, too."""
 
 
 def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
     """Return the solution on the mesh with t_f such that the reach is 1."""
-    found, before = None, None
+    found: MeshOptimum | None = None
     # While the mesh is coarse, more exactness at the bounds would be wasted.
     tolerance = max(BROKEN, 0.3 * float(np.diff(layout.mesh).min()) / layout.t_f)
     for _ in range(EXCHANGES):
-        found = solve_mesh(problem, layout, relaxed=False)
+        before, found = found, solve_mesh(problem, layout, relaxed=False)
         if found is None:
             return None
-        if before is not None:
-            found = steepened(before, found)
-        before = found
         worse = broken(problem, found, tolerance=tolerance)
         in_time = abs(found.reach - 1.0) < 1e-4
-        if not worse and in_time:
+        if in_time and (not worse or _steady(before, found)):
             break
         layout = replace(layout, contacts=tuple(dict.fromkeys([*layout.contacts, *worse])))
         if not in_time:
@@ -50,13 +47,11 @@ def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
     return found
 
 
-def steepened(before: MeshOptimum, found: MeshOptimum) -> MeshOptimum:
-    """Return a solution with the slope of the way gone: the marginal knows one cell only."""
-    gone = found.layout.t_f - before.layout.t_f
-    if abs(gone) < LONG_WAY * found.layout.t_f:
-        return found
-    secant = (found.reach - before.reach) / gone
-    return replace(found, slope=secant) if secant > 0.0 else found
+def _steady(before: MeshOptimum | None, after: MeshOptimum) -> bool:
+    """Return whether the last points have hardly changed the reach."""
+    if before is None or before.layout.t_f != after.layout.t_f:
+        return False
+    return before.reach - after.reach < STEADY
 
 
 def later(layout: Layout, found: MeshOptimum) -> float:

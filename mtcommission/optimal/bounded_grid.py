@@ -25,7 +25,7 @@ FEWEST_CELLS, MOST_CELLS = 200, 600
 """Cells of the grid: enough to see every feature that the refinement needs, and few enough for
 a fraction of a second (empirical)."""
 RADIANS_PER_CELL = 0.6
-"""Between the two, cells that resolve the fastest rate of the plant, for the last look."""
+"""Between the two, cells that resolve the fastest mode of the plant, for the last look."""
 COARSE_RADIANS = 1.8
 """The same while t_f is searched: a program of a third of the cells costs a tenth."""
 
@@ -191,7 +191,8 @@ def _named(problem: BoundedProblem) -> str:
 
 def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:
     fewest = FEWEST_CELLS if radians == RADIANS_PER_CELL else FEWEST_CELLS // 2
-    return int(np.clip(t_f * problem.rate / radians, fewest, MOST_CELLS))
+    rate = max((mode.natural_frequency for mode in problem.plant.modes), default=problem.rate)
+    return int(np.clip(t_f * rate / radians, fewest, MOST_CELLS))
 
 
 def _solve(problem: BoundedProblem, t_f: float, *, radians: float) -> GridOptimum:

@@ -55,6 +55,8 @@ class Sight:
         Remaining times of the switches off the arcs [s].
     room
         Factor on the distance between a core and the ends of its arc.
+    least_core
+        Share of t_f that an arc takes at least if it gets a core.
     """
 
     t_f: float
@@ -62,6 +64,7 @@ class Sight:
     reading: Reading
     switches: Array
     room: float = 1.0
+    least_core: float = 0.0
 
     def stretched(self, t_f: float) -> Sight:
         """Return the same sight over another t_f [s], every place at the same share of it."""
@@ -179,7 +182,8 @@ def _cores(problem: BoundedProblem, sight: Sight) -> tuple[Core, ...]:
     cores = []
     for arc in sight.reading.arcs:
         early, late = _rooms(problem, arc, sight)
-        if arc.start - arc.end > early + late + 0.8 * local_cell(sight.mesh, arc.start):
+        needed = early + late + 0.8 * local_cell(sight.mesh, arc.start)
+        if arc.start - arc.end > max(needed, sight.least_core * sight.t_f):
             cores.append(replace(arc, start=arc.start - early, end=arc.end + late))
     return tuple(cores)
 

@@ -17,6 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import null_space
 
 from mtcommission.optimal.bounded_dual import Atom, Core, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
@@ -29,6 +30,12 @@ LOOSE = 1e-6
 
 FEASIBILITY = 1e-10
 """Tolerance of the simplex method: its smallest."""
+
+ACTIVE = 1e-7
+"""Room at a point below which its bound acts."""
+
+SOFT = 1e-6
+"""Disturbance of a bound that weighs as much as the change of a force by all of its room."""
 
 MOST_ITERATIONS = 3000
 """Steps of the simplex method after which a program is given up: several times what those that
@@ -80,6 +87,12 @@ class Layout:
     cores: tuple[Core, ...]
     contacts: tuple[Contact, ...]
     margin: float
+
+    @property
+    def effort(self) -> float:
+        """What its program costs the simplex method, rows times columns times both together."""
+        cells, points = float(self.mesh.size), float(len(self.contacts))
+        return cells * points * (cells + points)
 
     def stretched(self, t_f: float) -> Layout:
         """Return the same layout over another t_f [s], every place at the same share of it."""
@@ -141,6 +154,8 @@ class MeshOptimum:
         The multipliers.
     contacts
         Contacts with their multipliers.
+    held
+        Share of the reach that the bounds carry, what it loses where all of them are smaller.
     """
 
     layout: Layout
@@ -150,6 +165,7 @@ class MeshOptimum:
     slope: float
     measure: Measure
     contacts: tuple[Contact, ...]
+    held: float
 
     def state(self, ends: Array) -> Array:
         """Return a state from its affine map of shape (n, n_unknowns + 2)."""
@@ -229,14 +245,16 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         for at in contacts
         if at.weight > 0.0
     )
+    marginals = result.lower.marginals + result.upper.marginals
     return MeshOptimum(
         layout=layout,
         segments=segments,
         unknowns=result.x[:-1],
         reach=float(result.x[-1]),
-        slope=_slope(segments, result.lower.marginals + result.upper.marginals),
+        slope=_slope(segments, marginals),
         measure=Measure(t_f=layout.t_f, terminal=terminal, atoms=atoms, cores=layout.cores),
         contacts=contacts,
+        held=float(result.x[-1] - np.abs(marginals[:cells]).sum()),
     )
 
 
@@ -392,17 +410,29 @@ def settled(problem: BoundedProblem, found: MeshOptimum, *, miss: Array) -> Mesh
     Returns
     -------
     MeshOptimum
-        The forces of the cells within the force limit are changed by the least-norm correction.
+        Only the forces of cells within the force limit are changed, so that the points where a
+        bound acts stay where they are as far as possible.
     """
     equal, right = _terminal_rows(problem, found.segments)
     held, levels = _entry_rows(problem, found.layout, found.segments)
     taken = right - _terminal_scale(problem, found.segments) * miss * found.reach
     rows, rest = np.vstack([equal, held]), np.append(taken, levels)
-    unknowns = found.unknowns.copy()
-    free = np.abs(unknowns) < 1.0 - LOOSE
+    bounded, rooms = _bound_rows(problem, found.layout, found.segments)
+    unknowns = np.append(found.unknowns, found.reach)
+    acts = rooms - bounded @ unknowns < ACTIVE
+    room = 1.0 - np.abs(found.unknowns)
+    free = np.nonzero(room > LOOSE)[0]
+    # Of all corrections that disturb the points where a bound acts by little, the smallest.
+    soft = np.vstack([bounded[acts][:, free], np.diag(SOFT / room[free])])
     for _ in range(2):
-        error = rest - rows @ np.append(unknowns, found.reach)
-        sizes = np.linalg.norm(rows[:, :-1][:, free], axis=1) + 1e-300
-        scaled = rows[:, :-1][:, free] / sizes[:, np.newaxis]
-        unknowns[free] += np.linalg.lstsq(scaled, error / sizes, rcond=1e-13)[0]
-    return replace(found, unknowns=unknowns)
+        error = rest - rows @ unknowns
+        sizes = np.linalg.norm(rows[:, free], axis=1) + 1e-300
+        unknowns[free] += _least_disturbing(rows[:, free] / sizes[:, None], error / sizes, soft)
+    return replace(found, unknowns=unknowns[:-1])
+
+
+def _least_disturbing(rows: Array, error: Array, soft: Array) -> Array:
+    """Return x with rows x = error and the least norm of soft x, by the null space of the rows."""
+    first = np.linalg.lstsq(rows, error, rcond=1e-13)[0]
+    null = null_space(rows, rcond=1e-13)
+    return np.asarray(first - null @ np.linalg.lstsq(soft @ null, soft @ first, rcond=None)[0])

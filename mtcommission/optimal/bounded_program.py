@@ -10,8 +10,10 @@ from scipy.optimize import OptimizeResult, linprog
 
 Array = NDArray[np.float64]
 
-DOUBTFUL = 4
-"""Status of ``linprog``: numerical difficulties."""
+INFEASIBLE, DOUBTFUL = 2, 4
+"""Statuses of ``linprog``: no point keeps all constraints; numerical difficulties."""
+FORGIVING = 1e-8
+"""Tolerance of the second attempt, if the first one had a smaller one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,8 +43,9 @@ class Program:
 def solve_program(program: Program, *, steps: int, tolerance: float = 1e-7) -> OptimizeResult:
     """Return the solution of a linear program; where presolving fails, without it.
 
-    HiGHS' presolve ends without an answer in some programs with coefficients many decades apart;
-    the simplex method on the program as it stands then mostly finds one.
+    HiGHS' presolve ends without an answer in some programs with coefficients many decades apart,
+    or calls them infeasible where they are not; the simplex method on the program as it stands
+    then mostly finds one, within a larger tolerance.
 
     Parameters
     ----------
@@ -66,7 +69,7 @@ def solve_program(program: Program, *, steps: int, tolerance: float = 1e-7) -> O
     >>> float(solve_program(program, steps=10).x[0])
     2.0
     """
-    for presolve in (True, False):
+    for presolve, allowed in ((True, tolerance), (False, max(tolerance, FORGIVING))):
         result = linprog(
             program.cost,
             A_ub=program.rows,
@@ -78,10 +81,11 @@ def solve_program(program: Program, *, steps: int, tolerance: float = 1e-7) -> O
             options={
                 "presolve": presolve,
                 "maxiter": steps,
-                "primal_feasibility_tolerance": tolerance,
-                "dual_feasibility_tolerance": tolerance,
+                "primal_feasibility_tolerance": allowed,
+                "dual_feasibility_tolerance": allowed,
             },
         )
-        if result.status != DOUBTFUL:
+        said_by_presolve = result.status == INFEASIBLE and result.nit == 0
+        if result.status != DOUBTFUL and not said_by_presolve:
             break
     return result

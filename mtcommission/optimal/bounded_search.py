@@ -32,13 +32,20 @@ from mtcommission.optimal.bounded_reading import Reading, local_cell, read_conta
 
 Array = NDArray[np.float64]
 
-ROUNDS = 8
+ROUNDS = 5
 """Meshes tried; each is five times as fine at the features as the one before."""
-MOST_CELLS = 1000
-"""Cells of a mesh after which no finer one is tried: it would take many seconds and, within the
-rounding of the simplex method, seldom end."""
-ROOMS = (1.0, 2.0, 4.0, 8.0)
-"""Factors tried on the distance between a core and the ends of its arc."""
+EFFORT = 3e10
+"""Sum of the efforts of all programs of a search: some 20 s of computing time."""
+PROGRAMS, FINISHING = 3, 4
+"""Programs of a round, and programs that finish its control."""
+CORES = ((1.0, 0.0), (2.0, 0.0), (4.0, 0.0), (8.0, 0.0), (1.0, 0.06))
+"""Factors tried on the distance between a core and the ends of its arc, with the least share of
+t_f of an arc that gets a core."""
+FEWER_CORES = ((1.0, 0.02), (1.0, 0.06), (8.0, 0.06))
+"""The same on finer meshes where an order above 2 is among the bounds: what looks like a short
+arc may be touch points that crowd."""
+SETBACK = 1e-3
+"""Reach below 1 on a finer mesh that betrays a core where the bound is not held."""
 MOST_FILLED = 2000
 """Most points with which a core is read."""
 EDITS = 30
@@ -47,7 +54,7 @@ VISITS = 2
 """How often the same sequence is solved in one round: from durations of its own each time."""
 SLIVER = 1e-6
 """Share of t_f of a piece that is taken out if the sequence can be solved without it."""
-FINISHED = 3
+FINISHED = 2
 """Mesh controls that are finished at most; one with long cores may not reach full precision."""
 ENOUGH = 0.7
 """Share of the gap at which a mesh is fine enough: finishing it costs a little."""
@@ -78,10 +85,12 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         With a gap of at most ``GAP``, or ``LOOSE_GAP`` where only the mesh could be solved.
     """
     seen: list[_Enclosure] = []
+    left = EFFORT
     for _ in range(ROUNDS):
-        kept = _kept(problem, sight)
+        kept = _kept(problem, sight, most=left / (PROGRAMS + FINISHING), first=not seen)
         if kept is None:
             break
+        left -= PROGRAMS * kept.layout.effort
         relaxed = solve_mesh(problem, replace(kept.layout, margin=0.0), relaxed=True)
         if relaxed is None:
             break
@@ -95,8 +104,6 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
-        if kept.layout.mesh.size > MOST_CELLS:
-            break
     return _best_on_mesh(problem, seen)
 
 
@@ -112,12 +119,12 @@ def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptim
 
 
 def _best_on_mesh(problem: BoundedProblem, seen: list[_Enclosure]) -> Found | None:
-    """Return the best mesh control that can be finished; the best multipliers prove them all."""
+    """Return the fastest mesh control that can be finished; the best multipliers prove them all."""
     best: Found | None = None
     if not seen:
         return None
-    relaxed = min(seen, key=lambda one: abs(one.gap)).relaxed
-    for one in sorted(seen, key=lambda one: abs(one.gap))[:FINISHED]:
+    relaxed = min(seen, key=lambda one: one.gap).relaxed
+    for one in sorted(seen, key=lambda one: later(one.kept.layout, one.kept))[:FINISHED]:
         found = on_mesh(problem, one.kept, relaxed)
         if found is not None and (best is None or found.gap < best.gap):
             best = found
@@ -126,11 +133,18 @@ def _best_on_mesh(problem: BoundedProblem, seen: list[_Enclosure]) -> Found | No
     return best
 
 
-def _kept(problem: BoundedProblem, sight: Sight) -> MeshOptimum | None:
-    """Return the restriction; where the cores reach beyond the arcs, with more room for them."""
-    for room in ROOMS:
-        kept = exchange(problem, lay_out(problem, replace(sight, room=room)))
-        if kept is not None:
+def _kept(problem: BoundedProblem, sight: Sight, *, most: float, first: bool) -> MeshOptimum | None:
+    """Return the restriction on the first mesh on which there is one, at most of a given effort.
+
+    Where the cores reach beyond the arcs, they get more room; or there are fewer of them.
+    """
+    high = max(limit.order for limit in problem.limits) > 2
+    for room, share in CORES if first or not high else FEWER_CORES:
+        layout = lay_out(problem, replace(sight, room=room, least_core=share))
+        if layout.effort > most and not first:
+            continue
+        kept = exchange(problem, layout)
+        if kept is not None and (first or kept.reach > 1.0 - SETBACK):
             return kept
     return None
 
