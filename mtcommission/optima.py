@@ -177,7 +177,7 @@ def find_damping_optimum(
         FINAL_TIME_TOO_SHORT if t_f < least, with t_f,min in the message.
     """
     if t_f < least:
-        detail = f"t_f = {1e3 * t_f:.6g} ms, but t_f,min = {1e3 * least:.6g} ms"
+        detail = f"t_f = {1e3 * t_f:.9g} ms, but t_f,min = {1e3 * least:.9g} ms"
         raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
     force = machine.drive.motion_force
     weights = machine.damping_optimal.weights

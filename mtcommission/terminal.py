@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
+from math import isnan
 
 from rich.console import Console, Group, RenderableType
 from rich.markup import escape
@@ -130,7 +131,9 @@ def describe_optimum(
     if isinstance(solution, TimeOptimum):
         proof = solution.certificate
         lines.append(
-            f"No control is faster than {1e3 * proof.t_f_lower_bound:.6f} ms "
+            "A grid proves no lower bound of t_f; --method exact does."
+            if isnan(proof.relative_gap)
+            else f"No control is faster than {1e3 * proof.t_f_lower_bound:.6f} ms "
             f"(relative gap {proof.relative_gap:.1e})."
         )
         holds = "holds" if proof.switching_law_holds else "DOES NOT HOLD"

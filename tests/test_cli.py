@@ -126,6 +126,19 @@ def test_too_short_final_time_is_refused_with_the_least_one(run: Run) -> None:
     code, _, err = run("optimal", PAPER, "--kind", "damping", "--t-f", "40ms")
     assert code == 3
     assert "t_f,min = 43.52" in err
+    # a time that is too short by a nanosecond must not look the same as the least one
+    code, _, err = run("optimal", PAPER, "--kind", "damping", "--t-f", "43.520364ms")
+    assert code == 3
+    assert "t_f = 43.520364 ms, but t_f,min = 43.5203643 ms" in err
+
+
+def test_a_grid_does_not_pretend_to_a_proof(run: Run) -> None:
+    code, out, _ = run(
+        "optimal", PAPER, "--kind", "time", "--method", "transcription", "--intervals", "50"
+    )
+    assert code == 0
+    assert "A grid proves no lower bound of t_f" in out
+    assert "nan" not in out
 
 
 def test_options_report_all_faults_at_once(run: Run) -> None:
