@@ -26,6 +26,8 @@ LEAST_SLOPE = 0.3
 """Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
 LARGEST_CHANGE = 0.02
 """Largest relative change of t_f on one mesh."""
+LONG_WAY = 1e-3
+"""Least such change that tells the slope better: points put in between lower the reach, too."""
 
 
 def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
@@ -37,6 +39,8 @@ def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
         before, found = found, solve_mesh(problem, layout, relaxed=False)
         if found is None:
             return None
+        if before is not None:
+            found = steepened(before, found)
         worse = broken(problem, found, tolerance=tolerance)
         in_time = abs(found.reach - 1.0) < 1e-4
         if in_time and (not worse or _steady(before, found)):
@@ -52,6 +56,15 @@ def _steady(before: MeshOptimum | None, after: MeshOptimum) -> bool:
     if before is None or before.layout.t_f != after.layout.t_f:
         return False
     return before.reach - after.reach < STEADY
+
+
+def steepened(before: MeshOptimum, found: MeshOptimum) -> MeshOptimum:
+    """Return a solution with the slope of the way gone: the marginal knows one cell only."""
+    gone = found.layout.t_f - before.layout.t_f
+    if abs(gone) < LONG_WAY * found.layout.t_f:
+        return found
+    secant = (found.reach - before.reach) / gone
+    return replace(found, slope=secant) if secant > 0.0 else found
 
 
 def later(layout: Layout, found: MeshOptimum) -> float:

@@ -32,7 +32,7 @@ from mtcommission.optimal.bounded_reading import Reading, local_cell, read_conta
 
 Array = NDArray[np.float64]
 
-ROUNDS = 5
+ROUNDS = 8
 """Meshes tried; each is five times as fine at the features as the one before."""
 EFFORT = 3e10
 """Sum of the efforts of all programs of a search: some 20 s of computing time."""
@@ -119,12 +119,12 @@ def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptim
 
 
 def _best_on_mesh(problem: BoundedProblem, seen: list[_Enclosure]) -> Found | None:
-    """Return the fastest mesh control that can be finished; the best multipliers prove them all."""
+    """Return the best mesh control that can be finished; the best multipliers prove them all."""
     best: Found | None = None
     if not seen:
         return None
-    relaxed = min(seen, key=lambda one: one.gap).relaxed
-    for one in sorted(seen, key=lambda one: later(one.kept.layout, one.kept))[:FINISHED]:
+    relaxed = min(seen, key=lambda one: abs(one.gap)).relaxed
+    for one in sorted(seen, key=lambda one: abs(one.gap))[:FINISHED]:
         found = on_mesh(problem, one.kept, relaxed)
         if found is not None and (best is None or found.gap < best.gap):
             best = found
