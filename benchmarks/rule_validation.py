@@ -25,11 +25,12 @@ from typing import Any
 import numpy as np
 
 from mtcommission.choose import SearchSettings, choose_limits
+from mtcommission.corners import corners
 from mtcommission.errors import ComputationError
 from mtcommission.estimate import estimate_axis, ramp_vibration, servo_parts, vibrations
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import Machine, Positioning, corners, moving_mass
+from mtcommission.machine import Machine, Positioning, moving_mass
 from mtcommission.plant import Plant, build_plant
 from mtcommission.population import random_machine
 from mtcommission.rule import apply_commissioning_rule

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
 
+from mtcommission.corners import NOMINAL, Corner
 from mtcommission.loop.response import LoopResponse
-from mtcommission.machine import NOMINAL, Corner, Machine, Motion
+from mtcommission.machine import Machine, Motion
 from mtcommission.plant import Plant
 
 

@@ -7,9 +7,10 @@ same way on every computer.
 
 from __future__ import annotations
 
+from mtcommission.corners import corners
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits import MotionLimits
-from mtcommission.machine import Machine, Motion, Move, Positioning, corners, moving_mass
+from mtcommission.machine import Machine, Motion, Move, Positioning, moving_mass
 from mtcommission.rules import peak_velocity
 
 MOST_CYCLES = 100_000

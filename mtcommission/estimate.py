@@ -17,9 +17,10 @@ from math import exp, floor, pi, sin, sqrt
 
 import numpy as np
 
+from mtcommission.corners import corners, vary
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.controller import Controller, filter_delay
-from mtcommission.machine import Machine, Move, VelocityStep, corners, moving_mass, vary
+from mtcommission.machine import Machine, Move, VelocityStep, moving_mass
 from mtcommission.plant import Plant, PlantMode
 from mtcommission.setpoint import jerk_steps
 

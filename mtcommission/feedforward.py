@@ -14,10 +14,11 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.corners import NOMINAL, Corner, corners, vary
 from mtcommission.loop.response import simulate
 from mtcommission.loop.sampled import SampledLoop, build_loop, lift_loop
 from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import NOMINAL, Corner, Machine, corners, vary
+from mtcommission.machine import Machine
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_evenly
 from mtcommission.plant import Plant, build_plant
 from mtcommission.setpoint import Setpoint

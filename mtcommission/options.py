@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
+from mtcommission.corners import corners
 from mtcommission.effort import least_motion_time
 from mtcommission.errors import ComputationError, Fault, InputError, Outcome
 from mtcommission.limits import MotionLimits
-from mtcommission.machine import Machine, Motion, Move, Positioning, VelocityStep, corners
+from mtcommission.machine import Machine, Motion, Move, Positioning, VelocityStep
 from mtcommission.optima import (
     DAMPING_TIME_FACTOR,
     find_damping_optimum,

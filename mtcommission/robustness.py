@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.corners import corners
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import Machine, corners
+from mtcommission.machine import Machine
 from mtcommission.plant import Plant
 from mtcommission.setpoint import jerk_steps
 from mtcommission.variations import (

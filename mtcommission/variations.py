@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine import Corner, Machine
+from mtcommission.corners import Corner
+from mtcommission.machine import Machine
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from mtcommission.assess import Assessment, Check, assess, describe_place
+from mtcommission.corners import NOMINAL, Corner
 from mtcommission.loop.response import LoopResponse
-from mtcommission.machine import NOMINAL, Corner, Machine, Motion, Peak
+from mtcommission.machine import Machine, Motion, Peak
 from mtcommission.plant import build_plant
 from tests.machines import paper_machine
 

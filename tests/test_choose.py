@@ -10,6 +10,7 @@ import pytest
 
 from mtcommission.assess import Assessment, assess
 from mtcommission.choose import Choice, SearchSettings, choose_limits
+from mtcommission.corners import vary
 from mtcommission.loop.extremes import find_extremes
 from mtcommission.loop.response import LoopResponse, simulate
 from mtcommission.loop.settling import settle
@@ -23,7 +24,6 @@ from mtcommission.machine import (
     Requirements,
     VelocityStep,
     moving_mass,
-    vary,
 )
 from mtcommission.plant import Plant, build_plant
 from mtcommission.population import random_machine

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from mtcommission.comparison import ComparedControl
+from mtcommission.corners import NOMINAL
 from mtcommission.feedforward import FedForward
-from mtcommission.machine import NOMINAL, Machine
+from mtcommission.machine import Machine
 from mtcommission.profile import read_profile
 from mtcommission.record.claims import explain_why_not, state_claims
 from tests.machines import paper_machine

@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mtcommission.corners import corners
 from mtcommission.feedforward import follow_setpoint
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.disturbance import push
 from mtcommission.loop.tuning import TunedLoop, tune_loop
 from mtcommission.loop_choice import LoopChoice
 from mtcommission.loop_study import study_loop
-from mtcommission.machine import Machine, Requirements, StateFeedback, corners
+from mtcommission.machine import Machine, Requirements, StateFeedback
 from mtcommission.plant import build_plant
 from mtcommission.trials import judge, run_moves
 from tests.independent_loop import Profile, quiet_copy, run

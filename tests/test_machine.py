@@ -10,17 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtcommission.machine import (
-    NOMINAL,
-    Corner,
-    Drive,
-    Manipulator,
-    Modal,
-    corners,
-    mid_payload,
-    moving_mass,
-    vary,
-)
+from mtcommission.corners import NOMINAL, Corner, corners, vary
+from mtcommission.machine import Drive, Manipulator, Modal, mid_payload, moving_mass
 from mtcommission.mechanics import flexible_modes, frequency_hz
 from mtcommission.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine

@@ -7,20 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mtcommission.corners import Corner, corners, vary
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.response import simulate
 from mtcommission.loop.sampled import build_loop, lift_loop
 from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import (
-    Control,
-    Corner,
-    Machine,
-    Peak,
-    Positioning,
-    StateFeedback,
-    corners,
-    vary,
-)
+from mtcommission.machine import Control, Machine, Peak, Positioning, StateFeedback
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
 from mtcommission.record.robustness import robustness_part, warn_of_narrow_range

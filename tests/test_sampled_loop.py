@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from mtcommission.corners import vary
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.discrete import discretise
 from mtcommission.loop.interpolation import delay_weights
@@ -27,7 +28,6 @@ from mtcommission.machine import (
     TcpSensor,
     VelocityStep,
     moving_mass,
-    vary,
 )
 from mtcommission.plant import build_plant
 from mtcommission.setpoint import plan_setpoint, sample_setpoint

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from mtcommission.choose import choose_limits
+from mtcommission.corners import vary
 from mtcommission.loop_choice import Settings, settle_on_loop
-from mtcommission.machine import Machine, vary
+from mtcommission.machine import Machine
 from mtcommission.plant import build_plant
 from mtcommission.population import random_machine
 from mtcommission.profile import read_profile

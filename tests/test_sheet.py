@@ -27,13 +27,12 @@ from typer.testing import CliRunner
 
 from mtcommission.assess import describe_place
 from mtcommission.cli import app
+from mtcommission.corners import NOMINAL, Corner
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.loop.continuous import ContinuousResponse
 from mtcommission.loop.tuning import tune_loop
 from mtcommission.machine import (
-    NOMINAL,
     Control,
-    Corner,
     Drive,
     FlexibleMode,
     Machine,

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from mtcommission.corners import vary
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop import state_feedback
 from mtcommission.loop.controller import filter_polynomials
@@ -29,7 +30,6 @@ from mtcommission.machine import (
     TcpSensor,
     VelocityStep,
     moving_mass,
-    vary,
 )
 from mtcommission.plant import Plant, build_plant
 from mtcommission.profile import read_profile

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import floor, log10
 
+from mtcommission.corners import NOMINAL
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.cascade import gain_unit
 from mtcommission.loop.controller import Controller
@@ -18,7 +19,7 @@ from mtcommission.loop.tuned import (
     describe_margins,
     has_margins,
 )
-from mtcommission.machine import NOMINAL, Machine
+from mtcommission.machine import Machine
 
 LOWERED = 0.9
 """Factor from one try of a given gain to the next."""

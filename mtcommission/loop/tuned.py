@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mtcommission.corners import Corner, corners, vary
 from mtcommission.loop.analysis import LoopAnalysis, analyse_loop
 from mtcommission.loop.answers import Answers, answer_on_grid
 from mtcommission.loop.controller import Controller
@@ -18,7 +19,7 @@ from mtcommission.loop.frequency import (
     refine,
 )
 from mtcommission.loop.sampled import LiftedLoop, SampledLoop, build_loop, lift_loop
-from mtcommission.machine import Corner, Machine, corners, vary
+from mtcommission.machine import Machine
 from mtcommission.plant import Plant, build_plant
 
 

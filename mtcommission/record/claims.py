@@ -8,8 +8,9 @@ from math import isfinite, pi
 import numpy as np
 
 from mtcommission.comparison import ComparedControl
+from mtcommission.corners import NOMINAL
 from mtcommission.feedforward import FedForward
-from mtcommission.machine import NOMINAL, Machine, Motion
+from mtcommission.machine import Machine, Motion
 
 
 def state_claims(controls: Sequence[ComparedControl]) -> list[str]:

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from mtcommission.assess import Assessment, assess
+from mtcommission.corners import Corner
 from mtcommission.loop.response import LoopResponse
 from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import Corner, Machine
+from mtcommission.machine import Machine
 from mtcommission.plant import Plant
 from mtcommission.record.data import describe_move
 from mtcommission.record.optima import finite_or_none, series_entry
