@@ -7,11 +7,13 @@ same way on every computer.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mtcommission.corners import corners
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits import MotionLimits
-from mtcommission.machine import Machine, Motion, Move, Positioning, moving_mass
-from mtcommission.rules import peak_velocity
+from mtcommission.machine import Machine, moving_mass
+from mtcommission.rigid_body import least_motion_time
 
 MOST_CYCLES = 100_000
 """Velocity cycles followed at most, all moves and corners together (empirical: a minute for a
@@ -19,32 +21,6 @@ whole run; the shipped profiles take up to 16 000)."""
 
 MOST_SLOW_CYCLES = 300_000
 """The same with the slowest limits that are judged, those of the commissioning rule."""
-
-
-def least_motion_time(move: Move, acceleration: float) -> float:
-    """Return how long a rigid axis needs for a move at this acceleration, without jerk limit [s].
-
-    Parameters
-    ----------
-    move
-        Velocity step or positioning.
-    acceleration
-        [m/s²], > 0.
-
-    Returns
-    -------
-    float
-        v/a, and for positioning L/v on top, with the largest velocity v that is reached.
-
-    Examples
-    --------
-    >>> from mtcommission.machine import VelocityStep
-    >>> least_motion_time(VelocityStep(velocity_step=0.1), 2.0)
-    0.05
-    """
-    velocity = peak_velocity(move, acceleration)
-    cruise = move.distance / velocity if isinstance(move, Positioning) else 0.0
-    return velocity / acceleration + cruise
 
 
 def count_cycles(machine: Machine) -> float:
@@ -60,8 +36,12 @@ def count_cycles(machine: Machine) -> float:
     float
     """
     a = machine.drive.motion_force / moving_mass(machine)
-    time = sum(least_motion_time(move, a) for move in machine.moves)
-    return time / machine.control.velocity_cycle * len(corners(machine))
+    return _cycles(machine, [least_motion_time(move, a) for move in machine.moves])
+
+
+def _cycles(machine: Machine, times: Sequence[float]) -> float:
+    """Return the velocity cycles of moves of these durations [s], in all corners."""
+    return sum(times) / machine.control.velocity_cycle * len(corners(machine))
 
 
 def require_affordable(machine: Machine) -> None:
@@ -78,7 +58,7 @@ def require_affordable(machine: Machine) -> None:
     a = machine.drive.motion_force / moving_mass(machine)
     times = [least_motion_time(move, a) for move in machine.moves]
     slowest = max(range(len(times)), key=lambda i: times[i])
-    force, mass = ("N", "kg") if machine.motion is Motion.LINEAR else ("N m", "kg m^2")
+    force, mass = machine.measures.force.si, machine.measures.mass.si
     count = f"{cycles:.0f}" if cycles < 1e9 else f"{cycles:.3g}"
     raise ComputationError(
         Outcome.MOVE_TOO_LONG,
@@ -101,19 +81,47 @@ def require_affordable_limits(machine: Machine, limits: MotionLimits) -> None:
     limits
         The slowest that will be judged: what the commissioning rule asks for.
     """
+    band = f"{machine.requirements.tcp_deviation:.3g} {machine.measures.length.si}"
+    require_few_cycles(
+        machine,
+        limits,
+        most=MOST_SLOW_CYCLES,
+        reason=f"to keep a band of {band} the commissioning rule asks for",
+        remedy="check the unit of tcp_deviation",
+    )
+
+
+def require_few_cycles(
+    machine: Machine, limits: MotionLimits, *, most: int, reason: str, remedy: str
+) -> None:
+    """Raise MOVE_TOO_LONG if all moves with these limits take more velocity cycles than allowed.
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+    limits
+        Acceleration and jerk.
+    most
+        Velocity cycles that are followed, all moves and corners together.
+    reason, remedy
+        Who asks for these limits, and what to check, for the message.
+
+    Raises
+    ------
+    ComputationError
+        With the count, before anything is computed.
+    """
     times = [
         least_motion_time(move, limits.acceleration) + limits.jerk_time for move in machine.moves
     ]
-    count = len(corners(machine))
-    cycles = sum(times) / machine.control.velocity_cycle * count
-    if cycles <= MOST_SLOW_CYCLES:
+    cycles = _cycles(machine, times)
+    if cycles <= most:
         return
-    length = "m" if machine.motion is Motion.LINEAR else "rad"
     raise ComputationError(
         Outcome.MOVE_TOO_LONG,
-        f"to keep a band of {machine.requirements.tcp_deviation:.3g} {length} the commissioning "
-        f"rule asks for {limits.acceleration:.3g} {length}/s^2 and a ramp of "
-        f"{limits.jerk_time:.3g} s, with which a move takes {max(times):.3g} s; in {count} "
-        f"corner(s) all moves together are {cycles:.3g} velocity cycles, followed are "
-        f"{MOST_SLOW_CYCLES} at most; check the unit of tcp_deviation",
+        f"{reason} {limits.acceleration:.4g} {machine.measures.acceleration.si} and a ramp of "
+        f"{limits.jerk_time:.4g} s, with which a move takes {max(times):.4g} s; in "
+        f"{len(corners(machine))} corner(s) all moves together are {cycles:.3g} velocity cycles of "
+        f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {most} at most; {remedy}",
     )

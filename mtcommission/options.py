@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
-from mtcommission.corners import corners
-from mtcommission.effort import least_motion_time
-from mtcommission.errors import ComputationError, Fault, InputError, Outcome
+from mtcommission.effort import require_few_cycles
+from mtcommission.errors import Fault, InputError
 from mtcommission.limits import MotionLimits
-from mtcommission.machine import Machine, Motion, Move, Positioning, VelocityStep
+from mtcommission.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.optima import (
     DAMPING_TIME_FACTOR,
     find_damping_optimum,
@@ -26,17 +25,7 @@ from mtcommission.optimal.transcription import (
 from mtcommission.option_texts import read_bound, read_positive
 from mtcommission.plant import Plant
 from mtcommission.units import (
-    ACCELERATION,
-    ANGLE,
-    ANGULAR_ACCELERATION,
-    ANGULAR_JERK,
-    ANGULAR_VELOCITY,
-    FORCE,
-    JERK,
-    LENGTH,
     TIME,
-    TORQUE,
-    VELOCITY,
 )
 
 MOST_INTERVALS = 20_000
@@ -94,7 +83,7 @@ def with_force(machine: Machine, text: str) -> Machine:
     InputError
         If the text is no positive force, or leaves nothing beside the static load.
     """
-    dimension = FORCE if machine.motion is Motion.LINEAR else TORQUE
+    dimension = machine.measures.force
     faults: list[Fault] = []
     force = read_positive("--f-max", text, dimension, faults)
     _raise(faults)
@@ -115,12 +104,9 @@ def read_limits(machine: Machine, *, acceleration: str, jerk: str) -> MotionLimi
     InputError
         With a fault for each text that is no positive quantity.
     """
-    linear = machine.motion is Motion.LINEAR
     faults: list[Fault] = []
-    a = read_positive(
-        "--acceleration", acceleration, ACCELERATION if linear else ANGULAR_ACCELERATION, faults
-    )
-    j = read_positive("--jerk", jerk, JERK if linear else ANGULAR_JERK, faults)
+    a = read_positive("--acceleration", acceleration, machine.measures.acceleration, faults)
+    j = read_positive("--jerk", jerk, machine.measures.jerk, faults)
     _raise(faults)
     return MotionLimits(acceleration=a, jerk=j)
 
@@ -140,20 +126,12 @@ def require_short_moves(machine: Machine, limits: MotionLimits) -> None:
     ComputationError
         With the count, before anything is computed.
     """
-    cycle, count = machine.control.velocity_cycle, len(corners(machine))
-    times = [
-        least_motion_time(move, limits.acceleration) + limits.jerk_time for move in machine.moves
-    ]
-    cycles = sum(times) / cycle * count
-    if cycles <= MOST_SIMULATED_CYCLES:
-        return
-    linear = machine.motion is Motion.LINEAR
-    raise ComputationError(
-        Outcome.MOVE_TOO_LONG,
-        f"with {limits.acceleration:.4g} {'m' if linear else 'rad'}/s^2 and a ramp of "
-        f"{limits.jerk_time:.4g} s a move takes {max(times):.4g} s; in {count} corner(s) all moves "
-        f"together are {cycles:.3g} velocity cycles of {1e6 * cycle:.4g} us, simulate follows "
-        f"{MOST_SIMULATED_CYCLES} at most; check the units of --acceleration and --jerk",
+    require_few_cycles(
+        machine,
+        limits,
+        most=MOST_SIMULATED_CYCLES,
+        reason="asked for are",
+        remedy="check the units of --acceleration and --jerk",
     )
 
 
@@ -269,19 +247,16 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
 def _move(
     machine: Machine, *, velocity_step: str, distance: str, number: int, faults: list[Fault]
 ) -> Move:
-    linear = machine.motion is Motion.LINEAR
+    axis = machine.measures
     if velocity_step and distance:
         message = "cannot go with --velocity-step; give one of them"
         faults.append(Fault(where="--distance", message=message))
     if velocity_step:
-        dimension = VELOCITY if linear else ANGULAR_VELOCITY
         return VelocityStep(
-            velocity_step=read_positive("--velocity-step", velocity_step, dimension, faults)
+            velocity_step=read_positive("--velocity-step", velocity_step, axis.velocity, faults)
         )
     if distance:
-        return Positioning(
-            distance=read_positive("--distance", distance, LENGTH if linear else ANGLE, faults)
-        )
+        return Positioning(distance=read_positive("--distance", distance, axis.length, faults))
     if not 1 <= number <= len(machine.moves):
         message = f"got {number}, the profile has moves 1 to {len(machine.moves)}"
         faults.append(Fault(where="--move", message=message))

@@ -7,18 +7,18 @@ literature, widened generously.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, isfinite, log, sqrt
+from math import inf, isfinite, log
 
 from mtcommission.machine import (
     FlexibleMode,
     Machine,
     Manipulator,
     Motion,
-    Move,
     VelocityStep,
     moving_mass,
 )
 from mtcommission.mechanics import flexible_modes, frequency_hz
+from mtcommission.rigid_body import least_motion_time
 from mtcommission.units import convert_to
 
 DAMPING_RATIOS = (0.002, 0.3)
@@ -228,7 +228,7 @@ def _check_moves(machine: Machine) -> list[Remark]:
     remarks = []
     a, unit = machine.drive.motion_force / moving_mass(machine), machine.measures.velocity.si
     for i, move in enumerate(machine.moves):
-        time = _rigid_body_time(move, acceleration=a)
+        time = least_motion_time(move, a)
         if time > LONGEST_MOVE:
             message = (
                 f"a rigid axis would need {time:.3g} s for this move; "
@@ -300,11 +300,3 @@ def _check_control(machine: Machine) -> list[Remark]:
         )
         remarks.append(Remark(key="control.minimum_bandwidth", message=message))
     return remarks
-
-
-def _rigid_body_time(move: Move, *, acceleration: float) -> float:
-    """Return the least time of a rigid mass without force lag [s]."""
-    if isinstance(move, VelocityStep):
-        return move.velocity_step / acceleration
-    v = min(move.max_velocity, sqrt(move.distance * acceleration))
-    return move.distance / v + v / acceleration

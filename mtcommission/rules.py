@@ -7,11 +7,12 @@ through the same simulation, and is judged by the same requirements.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, isfinite, pi, sqrt
+from math import inf, isfinite, pi
 
 from mtcommission.limits import MotionLimits
-from mtcommission.machine import Machine, Move, VelocityStep, moving_mass
+from mtcommission.machine import Machine, moving_mass
 from mtcommission.plant import Plant, PlantMode
+from mtcommission.rigid_body import peak_velocity
 
 NO_JERK_LIMIT = 1e-6
 """Jerk time that stands for "no jerk limit" ahead of a setpoint filter [s]: far below every
@@ -159,13 +160,6 @@ def without_jerk_limit(machine: Machine, acceleration: float) -> MotionLimits:
     MotionLimits
     """
     return _with_jerk_time(acceleration, machine.control.position_cycle)
-
-
-def peak_velocity(move: Move, acceleration: float) -> float:
-    """Return the largest velocity of a move under an acceleration limit alone [m/s]."""
-    if isinstance(move, VelocityStep):
-        return move.velocity_step
-    return min(move.max_velocity, sqrt(acceleration * move.distance))
 
 
 def longest_period(plant: Plant) -> float:

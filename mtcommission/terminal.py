@@ -14,7 +14,6 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from mtcommission.effort import least_motion_time
 from mtcommission.machine import Machine
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum
 from mtcommission.plant import Plant, kalman_rank
@@ -28,6 +27,7 @@ from mtcommission.record.schema import (
     RuleResult,
     SimulationPart,
 )
+from mtcommission.rigid_body import least_motion_time
 from mtcommission.sheet.format import Formatter, formatter_of
 from mtcommission.sheet.labels_en import ENGLISH
 from mtcommission.sheet.limits_part import name_obstacle

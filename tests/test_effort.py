@@ -10,13 +10,14 @@ import pytest
 
 from mtcommission.choose import choose_limits
 from mtcommission.commission import commission
-from mtcommission.effort import MOST_CYCLES, count_cycles, least_motion_time, require_affordable
+from mtcommission.effort import MOST_CYCLES, count_cycles, require_affordable
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits import MotionLimits
 from mtcommission.loop.tuning import tune_loop
 from mtcommission.machine import Machine, Positioning, VelocityStep
 from mtcommission.plant import build_plant
 from mtcommission.profile import read_profile
+from mtcommission.rigid_body import least_motion_time
 from mtcommission.setpoint import plan_setpoint
 from tests.machines import paper_machine
 

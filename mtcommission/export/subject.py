@@ -21,7 +21,8 @@ from mtcommission.machine import Machine, Motion, StateFeedback, StateGain
 from mtcommission.plant import Plant, PlantMode, build_plant
 from mtcommission.profile import parse_profile, profile_text_hash
 from mtcommission.record.schema import ModeLimitsEntry, Record
-from mtcommission.rules import dominant_mode, peak_velocity
+from mtcommission.rigid_body import peak_velocity
+from mtcommission.rules import dominant_mode
 from mtcommission.setpoint import Setpoint, plan_setpoint
 from mtcommission.trials import run_setpoints
 
