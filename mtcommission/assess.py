@@ -8,7 +8,7 @@ from math import isfinite
 
 from mtcommission.corners import NOMINAL, Corner
 from mtcommission.loop.response import LoopResponse
-from mtcommission.machine import Machine, Motion
+from mtcommission.machine import Machine
 from mtcommission.plant import Plant
 
 
@@ -88,7 +88,7 @@ def assess(
     Assessment
     """
     needs, drive = machine.requirements, machine.drive
-    length, force = ("m", "N") if machine.motion is Motion.LINEAR else ("rad", "N m")
+    length, force = machine.measures.length.si, machine.measures.force.si
     found = [
         (response, describe_place(number, corner, len(machine.moves)))
         for number, row in enumerate(responses, start=1)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from mtcommission.loop.controller import Controller, feedforward_delay, filter_delay, no_observer
-from mtcommission.machine import Machine, Motion, TcpSensor, mid_payload, moving_mass
+from mtcommission.machine import Machine, TcpSensor, mid_payload, moving_mass
 from mtcommission.plant import Plant
 
 
@@ -82,11 +82,6 @@ def symmetrical_optimum(machine: Machine) -> float:
     delay = machine.drive.force_lag + 1.5 * given.velocity_cycle
     delay += sum(filter_delay(item) for item in given.force_filters)
     return (moving_mass(machine) + mid_payload(machine)) / (2.0 * delay)
-
-
-def gain_unit(machine: Machine) -> str:
-    """Return the unit of Kp."""
-    return "N s/m" if machine.motion is Motion.LINEAR else "N m s/rad"
 
 
 def explain_cascade(machine: Machine, controller: Controller) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.cascade import build_cascade, explain_cascade, gain_unit
+from mtcommission.loop.cascade import build_cascade, explain_cascade
 from mtcommission.loop.controller import Controller
 from mtcommission.loop.judgement import (
     has_given_gains,
@@ -203,7 +203,7 @@ def _close_by_rule(machine: Machine, bench: CornerPlants, settings: TuningSettin
             return found
     softest = close_loop(bench, controller)
     detail = (
-        f"at Kp = {controller.velocity_gain:.4g} {gain_unit(machine)}, {LEAST_FRACTION:.0%} of the "
-        f"symmetrical optimum, they are {describe_margins(softest.analyses)}"
+        f"at Kp = {controller.velocity_gain:.4g} {machine.measures.damping.si}, "
+        f"{LEAST_FRACTION:.0%} of the symmetrical optimum, they are {describe_margins(softest.analyses)}"
     )
     raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)

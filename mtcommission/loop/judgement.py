@@ -8,7 +8,6 @@ from math import floor, log10
 
 from mtcommission.corners import NOMINAL
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.cascade import gain_unit
 from mtcommission.loop.controller import Controller
 from mtcommission.loop.tuned import (
     CornerPlants,
@@ -144,7 +143,7 @@ def _require_stable(machine: Machine, tuned: TunedLoop, cure: str) -> None:
             where = "the nominal machine" if corner == NOMINAL else str(corner)
             detail = (
                 f"with Kv = {gains.position_gain:.4g} 1/s, "
-                f"Kp = {gains.velocity_gain:.4g} {gain_unit(machine)}, "
+                f"Kp = {gains.velocity_gain:.4g} {machine.measures.damping.si}, "
                 f"Tn = {gains.integral_time:.4g} s on {where}. {cure}"
             )
             raise ComputationError(Outcome.UNSTABLE_LOOP, detail.rstrip("."))
@@ -174,7 +173,7 @@ def _name_cure(
         cures += [f"Kv up to {Kv:.4g} 1/s"] if Kv else []
     if given.velocity_gain is not None:
         Kp = _largest(given.velocity_gain, lambda value: keeps(velocity_gain=value))
-        cures += [f"Kp up to {Kp:.4g} {gain_unit(machine)}"] if Kp else []
+        cures += [f"Kp up to {Kp:.4g} {machine.measures.damping.si}"] if Kp else []
     if given.integral_time is not None:
         rate = _largest(1.0 / given.integral_time, lambda value: keeps(integral_time=1.0 / value))
         cures += [f"Tn from {1e3 / rate:.4g} ms on"] if rate else []

@@ -220,7 +220,7 @@ def look_over(bench: Bench, guess: Guess, grid: Grid, *, seeds: int, urgency: fl
     chosen = np.arange(len(a)) % EVERY == 0
     first = look(bench, a[chosen], t[chosen], usage=usage[chosen], urgency=urgency)
     ranked = np.sort(score(bench, first, urgency=urgency))
-    ceiling = float(ranked[min(seeds, len(ranked)) - 1]) if len(ranked) else np.inf
+    ceiling = float(ranked[min(seeds, len(ranked)) - 1])
     left = ~chosen
     rest = look(bench, a[left], t[left], usage=usage[left], urgency=urgency, ceiling=ceiling)
     return join([first, rest])
