@@ -204,6 +204,7 @@ def _close_by_rule(machine: Machine, bench: CornerPlants, settings: TuningSettin
     softest = close_loop(bench, controller)
     detail = (
         f"at Kp = {controller.velocity_gain:.4g} {machine.measures.damping.si}, "
-        f"{LEAST_FRACTION:.0%} of the symmetrical optimum, they are {describe_margins(softest.analyses)}"
+        f"{LEAST_FRACTION:.0%} of the symmetrical optimum, they are "
+        f"{describe_margins(softest.analyses)}"
     )
     raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)
