@@ -102,7 +102,12 @@ def optimal(
         int, typer.Option("--move", metavar="N", help="Which of the profile's moves.")
     ] = 1,
     method: Annotated[
-        str, typer.Option("--method", metavar="exact|transcription", help="Way of solving.")
+        str,
+        typer.Option(
+            "--method",
+            metavar="exact|transcription",
+            help="Exact with proof, or on a grid without (needed for damping with --limit).",
+        ),
     ] = "exact",
     scheme: Annotated[
         str,
