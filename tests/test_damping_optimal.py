@@ -15,8 +15,14 @@ from scipy.optimize import linprog
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, Positioning, VelocityStep, Weight
 from mtcommission.optimal.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.hamiltonian import terminal_target
+from mtcommission.optimal.hamiltonian import (
+    ArcSequence,
+    scale_problem,
+    solve_arcs,
+    terminal_target,
+)
 from mtcommission.optimal.peaks import hermite_peaks
+from mtcommission.optimal.saturated import least_bound
 from mtcommission.optimal.solution import (
     DampingOptimum,
     TimeOptimum,
@@ -400,6 +406,27 @@ def test_arc_told_from_both_ends_is_the_matrix_exponential(length: float) -> Non
     )
     for before, after in pairwise(nodes):
         assert flow[:-1] @ np.append(before, 1.0) == pytest.approx(after, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("t_f", [0.04352, 0.0522, 0.2])
+def test_least_force_is_the_dual_bound_by_dense_sampling(t_f: float) -> None:
+    # It proves that a final time is too short; with an integral too small it would refuse moves
+    # that can be made.
+    plant = build_plant(paper_machine())
+    problem = scale_problem(plant, STEP, force_limit=2e3, t_f=t_f, weights=PAPER_WEIGHTS)
+    free = ArcSequence(edges=np.array([0.0, t_f]), labels=np.zeros(1, dtype=np.int64))
+    flow = solve_arcs(problem, free, bound=1.0)
+    n, steps = plant.order, 20_000
+    physical = flow.end[n : 2 * n] * problem.adjoint_scale
+    physical[plant.position] = 0.0
+    transition, moment = expm(plant.A * (t_f / steps)), np.empty(steps + 1)
+    column = plant.B
+    for i in range(steps + 1):
+        moment[i] = physical @ column
+        column = transition @ column
+    reach = float(np.trapezoid(np.abs(moment), dx=t_f / steps))
+    expected = abs(physical[plant.velocity] * 0.1) / reach / 2e3
+    assert least_bound(problem, flow) == pytest.approx(expected, rel=1e-6)
 
 
 def test_long_slow_move_is_as_exact_as_a_short_one() -> None:
