@@ -14,6 +14,7 @@ from mtcommission.optimal.bounded_mesh import Contact, MeshOptimum, settled, sol
 from mtcommission.optimal.bounded_motion import Motion, follow, mesh_arcs, sequence_arcs
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal
 from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.solution import propagate
 
 Array = NDArray[np.float64]
 
@@ -137,12 +138,10 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
 
 def _followed(problem: BoundedProblem, found: MeshOptimum) -> Motion:
     """Return the motion of a mesh control whose terminal error is taken back once."""
-    miss = np.zeros(problem.fixed.size)
-    for _ in range(2):
-        exact = settled(problem, found, miss=miss)
-        motion = follow(problem.plant, mesh_arcs(problem, exact), rate=problem.rate)
-        miss += (motion.final - problem.target)[problem.fixed]
-    return motion
+    first = settled(problem, found, miss=np.zeros(problem.fixed.size))
+    final = propagate(problem.plant, mesh_arcs(problem, first))
+    exact = settled(problem, found, miss=(final - problem.target)[problem.fixed])
+    return follow(problem.plant, mesh_arcs(problem, exact), rate=problem.rate)
 
 
 def _levels(problem: BoundedProblem, motion: Motion) -> list[float]:

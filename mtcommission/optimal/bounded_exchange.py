@@ -22,6 +22,8 @@ BROKEN = 1e-6
 covered by a margin."""
 RADIANS_PER_SAMPLE = 0.2
 """Samples of a core among which excesses over other bounds are looked for."""
+SAMPLES = 13
+"""Samples of a cell among which its largest excess is looked for."""
 LEAST_SLOPE = 0.3
 """Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
 LARGEST_CHANGE = 0.02
@@ -80,17 +82,16 @@ def broken(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> 
     starts = np.array([found.state(cell.first) for cell in cells])
     force = found.unknowns[[cell.column for cell in cells]] * problem.force_limit
     lengths = np.array([cell.start - cell.end for cell in cells])
-    shares = np.linspace(0.0, 1.0, 9)
+    shares = np.linspace(0.0, 1.0, SAMPLES)
     tau = lengths[:, np.newaxis] * shares
     states = np.einsum("ctij,cj->cti", transition(plant, tau), starts)
     states += step_response(plant, tau) * force[:, np.newaxis, np.newaxis]
     levels = states @ rows.T
-    worst = np.abs(levels).argmax(axis=1)
+    places, peaks = _peaks(np.abs(levels))
     over = []
-    for cell, k in zip(*np.nonzero(np.abs(levels).max(axis=1) > 1.0 + tolerance), strict=True):
-        at = worst[cell, k]
-        t = _peak_time(levels[cell, :, k], int(at)) * lengths[cell] / (shares.size - 1)
-        side = int(np.sign(levels[cell, at, k]))
+    for cell, k in zip(*np.nonzero(peaks > 1.0 + tolerance), strict=True):
+        t = places[cell, k] * lengths[cell] / (SAMPLES - 1)
+        side = int(np.sign(levels[cell, round(places[cell, k]), k]))
         remaining = max(float(cells[cell].start - t), cells[cell].end)
         over.append(Contact(remaining=remaining, limit=int(k), side=side))
     return [
@@ -111,16 +112,23 @@ def _broken_in_cores(
         levels = piece_states(problem, piece, found.state(core.first), tau) @ problem.rows.T
         levels[:, core.limit] = 0.0
         for at, k in peaks_above(levels, 1.0 + tolerance):
-            t = _peak_time(np.abs(levels[at - 1 : at + 2, k]), 1) - 1.0
-            remaining = float(core.start - tau[at] - t * tau[1])
+            place = float(_peaks(np.abs(levels[np.newaxis, at - 1 : at + 2, k : k + 1]))[0][0, 0])
+            remaining = float(core.start - tau[at - 1] - place * tau[1])
             over.append(Contact(remaining=remaining, limit=k, side=int(np.sign(levels[at, k]))))
     return over
 
 
-def _peak_time(levels: Array, at: int) -> float:
-    """Return the vertex of the parabola through the largest sample and its neighbours."""
-    if at in (0, levels.size - 1):
-        return float(at)
-    before, here, after = levels[at - 1 : at + 2]
+def _peaks(levels: Array) -> tuple[Array, Array]:
+    """Return places, in samples, and heights of the vertices beside the largest samples.
+
+    The vertex of a parabola: a peak between two samples may exceed what both of them keep.
+    """
+    at = np.clip(levels.argmax(axis=1), 1, levels.shape[1] - 2)
+    before, here, after = (
+        np.take_along_axis(levels, (at + k)[:, np.newaxis], axis=1)[:, 0] for k in (-1, 0, 1)
+    )
     bend = before - 2.0 * here + after
-    return float(at + 0.5 * (before - after) / bend) if bend else float(at)
+    edge = np.sign(after - before)
+    vertex = np.divide(0.5 * (before - after), bend, out=edge.copy(), where=bend < 0.0)
+    offset = np.clip(vertex, -1.0, 1.0)
+    return at + offset, here + 0.5 * offset * (after - before) + 0.5 * offset**2 * bend

@@ -31,8 +31,8 @@ LOOSE = 1e-6
 FEASIBILITY = 1e-10
 """Tolerance of the simplex method: its smallest."""
 
-ACTIVE = 1e-7
-"""Room at a point below which its bound acts."""
+ACTIVE = 1e-4
+"""Room at a point below which it is kept where it is."""
 
 SOFT = 1e-6
 """Disturbance of a bound that weighs as much as the change of a force by all of its room."""
