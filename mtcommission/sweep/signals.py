@@ -1,12 +1,13 @@
 """A polite end of the process counts as Ctrl-C: workers end, and what is done is said.
 
-Without that ``kill``, a closed terminal or a shutdown would end the parent alone, and Python would
-complain of "leaked semaphores", which the pool of workers never came to give back. Against
-kill -9 nothing helps; the workers notice it by themselves, and no row is lost.
+Without that ``kill``, a closed terminal or a shutdown would end the parent alone. Against kill -9
+nothing helps; the workers notice it by themselves, Python's tracker gives back the semaphores of
+the pool, and no row is lost.
 """
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Iterator
@@ -44,14 +45,25 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def shield_tracker() -> None:
-    """Start the process that gives semaphores back so that a closed terminal does not end it.
+    """Start the process that gives semaphores back: quiet, and safe from a closed terminal.
 
-    A terminal hangs up on all of its processes. This one knows to ignore Ctrl-C and kill only.
+    A terminal hangs up on all of its processes; this one knows to ignore Ctrl-C and kill only. Of
+    "leaked semaphores" it need not tell: it gives them back, and nobody can do anything about it.
     """
     if not hasattr(signal, "SIGHUP") or threading.current_thread() is not threading.main_thread():
         return
+    filters = os.environ.get("PYTHONWARNINGS")
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    os.environ["PYTHONWARNINGS"] = f"{filters},{QUIET}" if filters else QUIET
     try:
         resource_tracker.ensure_running()
     finally:
         signal.signal(signal.SIGHUP, before)
+        if filters is None:
+            del os.environ["PYTHONWARNINGS"]
+        else:
+            os.environ["PYTHONWARNINGS"] = filters
+
+
+QUIET = "ignore:resource_tracker"
+"""How its warnings begin."""
