@@ -100,3 +100,13 @@ def test_zeros_of_many_are_those_of_each() -> None:
         total += alone.size
         np.testing.assert_allclose(found.tau[found.owner == i], alone, rtol=1e-9, atol=1e-12)
     assert total > 100, "the sample must have zeros to miss"
+
+
+def test_an_arc_that_closes_on_the_way_does_no_harm() -> None:
+    # Newton may close an arc to the last digit; dividing by its length would end the sweep.
+    machine = random_modal_machine(6, n_modes=5)
+    problem = moment_problem(build_plant(machine), Positioning(distance=1e-3))
+    forces = machine.drive.max_force * np.geomspace(0.02, 0.5, 25)
+    points = solve_curve(problem, problem.target / forces)
+    assert all(point.is_proved for point in points)
+    assert np.all(np.diff([point.t_f for point in points]) < 0.0)
