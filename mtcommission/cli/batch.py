@@ -54,7 +54,8 @@ def sweep(
 ) -> None:
     """Compute many cases; write a table and a page.
 
-    DIR gets rows.parquet, rows.csv and sweep.html.
+    A RANGE is START:STOP:COUNT, log:START:STOP:COUNT, random:LOW:HIGH:COUNT:SEED or a comma list.
+    Several ranges make a grid. DIR gets rows.parquet, rows.csv and sweep.html.
     """
     from mtcommission.files import require_folder
     from mtcommission.sweep.engine import Engine, run_sweep
