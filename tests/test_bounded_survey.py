@@ -1,0 +1,154 @@
+"""Random axes under bounds: what the search edits, and what it must not overlook."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from benchmarks.constrained_survey import cases, judge
+from mtcommission.optimal.bounded_arcs import Piece, Sequence
+from mtcommission.optimal.bounded_dual import Measure, stretches
+from mtcommission.optimal.bounded_edit import with_switches, with_touch
+from mtcommission.optimal.bounded_exchange import _peaks
+from mtcommission.optimal.bounded_mesh import Contact, _least_disturbing
+from mtcommission.optimal.bounded_newton import Extremal, solve_sequence
+from mtcommission.optimal.bounded_problem import (
+    BoundedProblem,
+    bounded_problem,
+    impulse_response,
+    step_response,
+)
+from mtcommission.optimal.bounded_reading import place_touches
+from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.time_optimal import solve_time_optimal
+from mtcommission.plant import build_plant
+from tests.machines import paper_machine
+
+
+@pytest.mark.parametrize(
+    ("seed", "what"),
+    [
+        (7, "force bound, three modes: a dip at a place where one was taken out before"),
+        (8, "deflection and force: the deflection rings through its bound on arcs of F"),
+        (14, "velocity, three modes: a touch point that is a short arc"),
+    ],
+)
+def test_axes_that_need_an_edit_of_the_sequence_are_solved_exactly(seed: int, what: str) -> None:
+    # Otherwise: no answer, or one 2e-5 above the optimum.
+    (case,) = cases(1, first=seed)
+    judged = judge(case)
+    assert judged.outcome == "certified", what
+    assert judged.gap < 1e-10, what
+    assert judged.excess < 1e-9, what
+
+
+def paper_problem(*bounds: tuple[str, float]) -> BoundedProblem:
+    machine = paper_machine()
+    return bounded_problem(
+        build_plant(machine),
+        machine.moves[0],
+        force_limit=2e3,
+        bounds=tuple(Bound(name=name, value=value) for name, value in bounds),
+        horizon=0.0435,
+    )
+
+
+def free_sequence() -> Sequence:
+    """Return the bang arcs of the free optimum of the paper."""
+    machine = paper_machine()
+    arcs = solve_time_optimal(build_plant(machine), machine.moves[0], force_limit=2e3).arcs
+    return Sequence(
+        pieces=tuple(
+            Piece(
+                limit=-1,
+                side=1 if arc.control == "+F_max" else -1,
+                duration=arc.t_end - arc.t_start,
+            )
+            for arc in arcs
+        ),
+        touches=(),
+    )
+
+
+def test_force_is_turned_wherever_sigma_has_the_other_sign() -> None:
+    # Otherwise a sequence that misses two switches is returned though it is not the fastest.
+    problem = paper_problem(("v_phi", 1.0))
+    whole = free_sequence()
+    extremal = solve_sequence(problem, whole)
+    assert with_switches(problem, extremal) is None
+    joined = Sequence(
+        pieces=(Piece(limit=-1, side=whole.pieces[0].side, duration=whole.t_f),),
+        touches=(),
+    )
+    edited = with_switches(
+        problem, Extremal(sequence=joined, measure=extremal.measure, residual=0.0)
+    )
+    assert edited is not None
+    assert [piece.side for piece in edited.pieces] == [piece.side for piece in whole.pieces]
+    found = [piece.duration for piece in edited.pieces]
+    assert_allclose(found, [piece.duration for piece in extremal.sequence.pieces], rtol=1e-6)
+
+
+def test_switches_lie_where_a_dense_sampling_of_sigma_changes_sign() -> None:
+    # Another way to the same places: Λ g(τ) of the free optimum on 200 000 points.
+    problem = paper_problem(("v_phi", 1.0))
+    extremal = solve_sequence(problem, free_sequence())
+    measure: Measure = extremal.measure
+    (part,) = stretches(problem, measure)
+    tau = np.linspace(0.0, measure.t_f, 200_001)
+    sigma = impulse_response(problem.plant, tau) @ part.adjoint
+    changes = tau[1:][np.diff(np.sign(sigma)) != 0.0]
+    ends = measure.t_f - np.cumsum([p.duration for p in extremal.sequence.pieces])[:-1]
+    assert_allclose(changes[::-1], ends, atol=2.0 * tau[1])
+
+
+def test_touch_point_is_put_where_a_bound_is_exceeded_most() -> None:
+    # Otherwise every ripple becomes a touch point, and their equations have no solution.
+    problem = paper_problem(("v_phi", 0.01))
+    extremal = solve_sequence(problem, free_sequence())
+    edited = with_touch(problem, extremal)
+    assert edited is not None
+    (touch,) = edited.touches
+    # The motion as a sum of step responses, one at each switch.
+    place = sum(piece.duration for piece in edited.pieces[: touch.piece]) + touch.offset
+    sides = np.array([piece.side for piece in edited.pieces], dtype=np.float64)
+    switches = np.cumsum([0.0, *(piece.duration for piece in edited.pieces)])[:-1]
+    times = np.append(np.linspace(0.0, edited.t_f, 20_001), place)
+    states = step_response(problem.plant, times[:, np.newaxis] - switches)
+    levels = np.diff(sides, prepend=0.0) @ states * 2e3 @ problem.plant.row("v_phi")
+    assert abs(levels[-1]) == pytest.approx(np.abs(levels).max(), rel=1e-3)
+
+
+def test_touch_of_order_one_is_no_touch_point() -> None:
+    # An atom of the force bound would turn the force: Newton's method has no solution with it.
+    problem = paper_problem(("F", 1500.0), ("phi", 5e-5))
+    pieces = (Piece(limit=-1, side=1, duration=0.01), Piece(limit=0, side=1, duration=0.02))
+    contacts = tuple(
+        Contact(remaining=remaining, limit=limit, side=1)
+        for remaining in (0.025, 0.01)
+        for limit in (0, 1)
+    )
+    placed = place_touches(problem, pieces, contacts)
+    assert [(touch.piece, touch.limit) for touch in placed] == [(0, 1), (1, 1)]
+
+
+@pytest.mark.parametrize("top", [0.3, 1.0, 3.62, 7.95])
+def test_peak_between_samples_that_keep_the_bound_is_seen(top: float) -> None:
+    # Otherwise a mesh control breaks its bound between two samples until the very last check.
+    samples = np.asarray(1.0 + 1e-5 - 1e-3 * (np.arange(9.0) - top) ** 2, dtype=np.float64)
+    places, heights = _peaks(samples[np.newaxis, :, np.newaxis])
+    assert places[0, 0] == pytest.approx(top, abs=1e-6)
+    assert heights[0, 0] == pytest.approx(1.0 + 1e-5, abs=1e-12)
+
+
+def test_correction_disturbs_the_active_points_least() -> None:
+    # Against the optimality conditions of the same problem, solved as one linear system.
+    generator = np.random.default_rng(3)
+    rows, soft = generator.standard_normal((3, 9)), generator.standard_normal((14, 9))
+    error = generator.standard_normal(3)
+    found = _least_disturbing(rows, error, soft)
+    system = np.block([[soft.T @ soft, rows.T], [rows, np.zeros((3, 3))]])
+    expected = np.linalg.solve(system, np.append(np.zeros(9), error))[:9]
+    assert_allclose(found, expected, atol=1e-10)
+    assert_allclose(rows @ found, error, atol=1e-12)
