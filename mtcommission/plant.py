@@ -287,8 +287,8 @@ def _check_modes(modes: tuple[PlantMode, ...]) -> None:
 def kalman_rank(plant: Plant) -> int:
     """Return the rank of the controllability matrix (B, AB, ..., A^(n-1) B).
 
-    The states are scaled by the fastest pole first; unscaled, the columns of the paper's
-    plant span 30 decades and every numerical rank is meaningless.
+    The states are scaled by the fastest pole first; unscaled, the entries of the paper's
+    plant span 18 decades and every numerical rank is meaningless.
 
     Parameters
     ----------
