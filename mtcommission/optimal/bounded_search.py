@@ -18,6 +18,7 @@ from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_dual import (
     DensityZone,
+    Measure,
     dual_value,
     negative_zones,
     stretches,
@@ -52,6 +53,8 @@ EDITS = 30
 """Changes of a sequence in one round: pieces taken out, dips and touch points put in."""
 VISITS = 2
 """How often the same sequence is solved in one round: from durations of its own each time."""
+SPLINTER = 2e-4
+"""Share of t_f of a piece that may be the ripple of a mesh: left out where it leads nowhere."""
 SLIVER = 1e-6
 """Share of t_f of a piece that is taken out if the sequence can be solved without it."""
 FINISHED = 2
@@ -95,7 +98,7 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         if relaxed is None:
             break
         sight, guess = _look(problem, kept, relaxed)
-        exact = solve_exactly(problem, guess)
+        exact = _exactly(problem, guess, relaxed.measure)
         if exact is not None:
             return exact
         gap = _enclosed_gap(problem, kept, relaxed)
@@ -105,6 +108,16 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
             if found is not None and found.gap <= GAP:
                 return found
     return _best_on_mesh(problem, seen)
+
+
+def _exactly(problem: BoundedProblem, guess: Sequence, measure: Measure) -> Found | None:
+    """Return the extremal of what was read, or of the same without what a mesh makes up."""
+    exact = solve_exactly(problem, guess)
+    if exact is not None:
+        return exact
+    read = Extremal(sequence=guess, measure=measure, residual=inf)
+    plainer = pruned(problem, read, least=SPLINTER)
+    return None if plainer is None else solve_exactly(problem, plainer)
 
 
 def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> float:
