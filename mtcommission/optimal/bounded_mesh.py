@@ -17,7 +17,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import null_space
 
 from mtcommission.optimal.bounded_dual import Atom, Core, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
@@ -30,12 +29,6 @@ LOOSE = 1e-6
 
 FEASIBILITY = 1e-10
 """Tolerance of the simplex method: its smallest."""
-
-ACTIVE = 1e-4
-"""Room at a point below which it is kept where it is."""
-
-SOFT = 1e-6
-"""Disturbance of a bound that weighs as much as the change of a force by all of its room."""
 
 MOST_ITERATIONS = 3000
 """Steps of the simplex method after which a program is given up: several times what those that
@@ -212,13 +205,13 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         layout = replace(layout, contacts=off_cores(problem, layout.contacts, layout.cores))
     segments = _segments(problem, layout, relaxed=relaxed)
     size = segments[-1].last.shape[1] - 2
-    rows, rooms = _bound_rows(problem, layout, segments)
+    rows, rooms = bound_rows(problem, layout, segments)
     if not relaxed:
         feedback_rows, feedback_rooms = _feedback_rows(problem, segments)
         rows, rooms = np.vstack([rows, feedback_rows]), np.append(rooms, feedback_rooms)
-    equal, right = _terminal_rows(problem, segments)
+    equal, right = terminal_rows(problem, segments)
     if not relaxed:
-        held, levels = _entry_rows(problem, layout, segments)
+        held, levels = entry_rows(problem, layout, segments)
         equal, right = np.vstack([equal, held]), np.append(right, levels)
     cells = sum(segment.limit < 0 for segment in segments)
     program = Program(
@@ -234,7 +227,7 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         return None
     weights = -result.ineqlin.marginals[: len(layout.contacts)]
     terminal = np.zeros(problem.plant.order)
-    scale = _terminal_scale(problem, segments)
+    scale = terminal_scale(problem, segments)
     terminal[problem.fixed] = result.eqlin.marginals[: scale.size] * scale
     contacts = tuple(
         Contact(remaining=at.remaining, limit=at.limit, side=at.side, weight=float(max(w, 0.0)))
@@ -331,9 +324,24 @@ def _projected(problem: BoundedProblem, layout: Layout, core: Core, state: Array
     return np.asarray(moved + np.outer(push[:, 0], level))
 
 
-def _bound_rows(
+def bound_rows(
     problem: BoundedProblem, layout: Layout, segments: tuple[Segment, ...]
 ) -> tuple[Array, Array]:
+    """Return rows and rooms of the bounds at the contacts, rows x <= rooms.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    layout
+        Cells, cores and contacts.
+    segments
+        With their affine maps.
+
+    Returns
+    -------
+    tuple of ndarray, shapes (n_contacts, n_unknowns + 1) and (n_contacts,)
+    """
     starts = -np.array([segment.start for segment in segments])
     rows = np.zeros((len(layout.contacts), segments[-1].last.shape[1]))
     for i, contact in enumerate(layout.contacts):
@@ -369,21 +377,62 @@ def _feedback_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tu
     return stacked[:, :-1], 1.0 - stacked[:, -1]
 
 
-def _terminal_scale(problem: BoundedProblem, segments: tuple[Segment, ...]) -> Array:
+def terminal_scale(problem: BoundedProblem, segments: tuple[Segment, ...]) -> Array:
+    """Return the scale of the terminal equations.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    segments
+        With their affine maps.
+
+    Returns
+    -------
+    ndarray, shape (n_fixed,)
+    """
     sizes = np.abs(segments[-1].last[problem.fixed]).sum(axis=1)
     return np.asarray(1.0 / np.maximum(sizes, np.abs(problem.target[problem.fixed])))
 
 
-def _terminal_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:
-    final, scale = segments[-1].last[problem.fixed], _terminal_scale(problem, segments)
+def terminal_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:
+    """Return the scaled equations by which the motion ends at the reached multiple of the target.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    segments
+        With their affine maps.
+
+    Returns
+    -------
+    tuple of ndarray, shapes (n_fixed, n_unknowns + 1) and (n_fixed,)
+    """
+    final, scale = segments[-1].last[problem.fixed], terminal_scale(problem, segments)
     rows = final[:, :-1].copy()
     rows[:, -1] -= problem.target[problem.fixed]
     return rows * scale[:, np.newaxis], -final[:, -1] * scale
 
 
-def _entry_rows(
+def entry_rows(
     problem: BoundedProblem, layout: Layout, segments: tuple[Segment, ...]
 ) -> tuple[Array, Array]:
+    """Return the equations by which the motion arrives on the bounds of the cores.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    layout
+        Cells, cores and contacts.
+    segments
+        With their affine maps.
+
+    Returns
+    -------
+    tuple of ndarray, shapes (n_equations, n_unknowns + 1) and (n_equations,)
+    """
     rows = [np.empty((0, segments[-1].last.shape[1]))]
     for segment in segments:
         if segment.limit >= 0:
@@ -393,46 +442,3 @@ def _entry_rows(
             rows.append(held)
     stacked = np.vstack(rows)
     return stacked[:, :-1], -stacked[:, -1]
-
-
-def settled(problem: BoundedProblem, found: MeshOptimum, *, miss: Array) -> MeshOptimum:
-    """Return the solution with its equations fulfilled to rounding, not to a solver's tolerance.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    found
-        Solution of the kept form.
-    miss
-        Terminal error of its motion as it was followed, to be taken back, shape (n_fixed,).
-
-    Returns
-    -------
-    MeshOptimum
-        Only the forces of cells within the force limit are changed, so that the points where a
-        bound acts stay where they are as far as possible.
-    """
-    equal, right = _terminal_rows(problem, found.segments)
-    held, levels = _entry_rows(problem, found.layout, found.segments)
-    taken = right - _terminal_scale(problem, found.segments) * miss * found.reach
-    rows, rest = np.vstack([equal, held]), np.append(taken, levels)
-    bounded, rooms = _bound_rows(problem, found.layout, found.segments)
-    unknowns = np.append(found.unknowns, found.reach)
-    acts = rooms - bounded @ unknowns < ACTIVE
-    room = 1.0 - np.abs(found.unknowns)
-    free = np.nonzero(room > LOOSE)[0]
-    # Of all corrections that disturb the points where a bound acts by little, the smallest.
-    soft = np.vstack([bounded[acts][:, free], np.diag(SOFT / room[free])])
-    for _ in range(2):
-        error = rest - rows @ unknowns
-        sizes = np.linalg.norm(rows[:, free], axis=1) + 1e-300
-        unknowns[free] += _least_disturbing(rows[:, free] / sizes[:, None], error / sizes, soft)
-    return replace(found, unknowns=unknowns[:-1])
-
-
-def _least_disturbing(rows: Array, error: Array, soft: Array) -> Array:
-    """Return x with rows x = error and the least norm of soft x, by the null space of the rows."""
-    first = np.linalg.lstsq(rows, error, rcond=1e-13)[0]
-    null = null_space(rows, rcond=1e-13)
-    return np.asarray(first - null @ np.linalg.lstsq(soft @ null, soft @ first, rcond=None)[0])
