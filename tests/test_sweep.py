@@ -33,13 +33,13 @@ from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import build_plant
 from mtcommission.profile import parse_profile
 from mtcommission.sweep import forces
+from mtcommission.sweep.case_table import read_cases
 from mtcommission.sweep.cases import (
     Axis,
     Plan,
     Quantity,
     check_plan,
     read_axis,
-    read_cases,
     read_range,
     vary_profile,
 )
@@ -186,6 +186,62 @@ def test_cases_from_a_table() -> None:
     assert axis.rows == (("2 kN", "700"), ("3 kN", "800"))
     with pytest.raises(InputError, match=r"c.csv:3: needs 2 values, got 1"):
         read_cases("a,b\n1,2\n3\n", where="c.csv")
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+def test_a_table_saved_by_a_spreadsheet_is_read(tmp_path: Path, mark: str) -> None:
+    """Semicolons, tabs, a byte order mark, empty lines at the end, units in the header."""
+    lines = [["f_max [kN]", "plant.slider_mass [t]"], ["2", "0.7"], ["", ""], ["3", "0.8"], [""]]
+    table = tmp_path / "cases.csv"
+    table.write_text("\r\n".join(mark.join(line) for line in lines), encoding="utf-8-sig")
+    (axis,) = read_plan(PAPER, **request_of(cases=table)).axes
+    assert axis.keys == ("drive.max_force", "plant.slider_mass")
+    assert axis.rows == (("2 kN", "0.7 t"), ("3 kN", "0.8 t"))
+    assert axis.lines == (2, 4)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("f_max [kN]\n2\n500 N\n", 'c.csv:3: f_max: got "500 N" below a heading in kN'),
+        ("f_max,drive.force_lag\n2 kN,1 ms\n3 kN,\n", "c.csv:3: drive.force_lag: has no value"),
+        ("f_max [kg]\n2\n", 'c.csv:2: drive.max_force: got "2 kg", which is a mass'),
+        ("f_max\n2 kN\n\n-3 kN\n", "c.csv:4: drive.max_force: got -3 kN, must be > 0 N"),
+        ("f_max [kN];drive.force_lag\n2,5;1 ms\n", 'f_max: got "2,5" below a heading in kN'),
+        ("f_max\n", "c.csv:1: needs a header of keys and at least one case"),
+        ('f_max\n"' + "2" * 200_000 + '"\n', "c.csv:2: is no CSV"),
+        (b"f_max\n2 \xb5N\n", "c.csv: is not UTF-8 text"),
+    ],
+)
+def test_a_wrong_table_names_its_line(tmp_path: Path, text: str | bytes, message: str) -> None:
+    """Nobody searches thousands of lines for the one that is refused, nor gets 500 kN for 500 N."""
+    table = tmp_path / "c.csv"
+    table.write_bytes(text.encode() if isinstance(text, str) else text)
+    with pytest.raises(InputError) as refused:
+        read_plan(PAPER, **request_of(cases=table))
+    assert message in str(refused.value)
+
+
+def test_rows_written_by_a_sweep_are_cases_of_the_next(tmp_path: Path) -> None:
+    """Whoever cuts the interesting lines out of rows.csv gets the same machines again."""
+    keys = ("plant.rotary_inertia", "plant.base_damping", "requirements.peaks.v_phi")
+    plan = plan_of(Axis(keys=keys, rows=(("38 kg m^2", "8.1 kN s/m", "20 mrad/s"),)))
+    table = read_table(plan, run_sweep(plan, folder=tmp_path))
+    write_table(table, tmp_path)
+    lines = (tmp_path / "rows.csv").read_text(encoding="utf-8").splitlines()
+    cut = "\n".join(",".join(line.split(",")[2:5]) for line in lines)
+    again = plan_of(read_cases(cut, where="cut"))
+    assert again.keys == keys
+    frame = read_table(again, run_sweep(again, folder=tmp_path / "again")).frame
+    assert frame.drop("inputs").equals(table.frame.drop("inputs"))
+
+
+def test_a_table_may_be_larger_than_a_profile(tmp_path: Path) -> None:
+    table = tmp_path / "cases.csv"
+    lines = [f"{1000 + 0.01 * place:.2f} N,{700 + 0.001 * place:.4f} kg" for place in range(60_000)]
+    table.write_text("\n".join(["f_max,plant.slider_mass", *lines]), encoding="utf-8")
+    assert table.stat().st_size > 1_000_000
+    assert read_plan(PAPER, **request_of(cases=table)).count == 60_000
 
 
 def test_units_of_keys_come_from_the_schema() -> None:
@@ -540,7 +596,7 @@ def test_a_wrong_line_among_many_is_found(tmp_path: Path) -> None:
     """Of numbers with one unit the ends are tried; the odd unit between them, too."""
     table = tmp_path / "cases.csv"
     table.write_text("plant.slider_mass\n700 kg\n0.7 t\n710 g/m\n720 kg\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"cases.csv: plant.slider_mass: got \"710 g/m\""):
+    with pytest.raises(InputError, match=r"cases.csv:4: plant.slider_mass: got \"710 g/m\""):
         read_plan(PAPER, **request_of(cases=table))
 
 

@@ -1,9 +1,7 @@
-"""What varies: ranges and tables of cases -> the settings of each case, and its profile."""
+"""What varies: ranges -> the settings of each case, and its profile."""
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 from collections.abc import Sequence
@@ -53,10 +51,13 @@ class Axis:
         from 1) or ``moves.0.distance`` (from 0).
     rows
         Texts as the profile's reader gets them, one for each key.
+    lines
+        Line of each row in the table that it came from; none for a range.
     """
 
     keys: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    lines: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -249,46 +250,6 @@ def _split(text: str) -> tuple[float, str]:
     if match is None:
         raise ValueError(f"{text!r} does not begin with a number")
     return float(match[0]), text[match.end() :].strip()
-
-
-def read_cases(text: str, *, where: str) -> Axis:
-    r"""Return the cases of a CSV table: a header of keys, then one case a line.
-
-    Parameters
-    ----------
-    text
-        CSV with commas; ``f_max`` stands for ``drive.max_force``.
-    where
-        File name, for messages.
-
-    Returns
-    -------
-    Axis
-
-    Raises
-    ------
-    InputError
-        With every incomplete line.
-
-    Examples
-    --------
-    >>> read_cases("f_max,plant.slider_mass\n2 kN,700 kg\n", where="cases.csv").keys
-    ('drive.max_force', 'plant.slider_mass')
-    """
-    lines = [[cell.strip() for cell in line] for line in csv.reader(io.StringIO(text))]
-    if len(lines) < 2 or not all(lines[0]):
-        message = "needs a header of keys and at least one case below it"
-        raise InputError([Fault(where=where, line=1, message=message)])
-    head, *rows = lines
-    faults = [
-        Fault(where=where, line=number, message=f"needs {len(head)} values, got {len(row)}")
-        for number, row in enumerate(rows, start=2)
-        if row and (len(row) != len(head) or not all(row))
-    ]
-    if faults:
-        raise InputError(faults)
-    keys = tuple(FORCE_KEY if key == "f_max" else key for key in head)
-    return Axis(keys=keys, rows=tuple(tuple(row) for row in rows if row))
 
 
 @lru_cache(maxsize=4096)  # each case asks several times, all cases share most of their texts

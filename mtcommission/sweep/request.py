@@ -11,6 +11,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.option_texts import read_bound
 from mtcommission.plant import build_plant
 from mtcommission.profile import parse_profile, read_profile_text
+from mtcommission.sweep.case_table import load_cases
 from mtcommission.sweep.cases import (
     FORCE_KEY,
     PEAKS_KEY,
@@ -21,7 +22,6 @@ from mtcommission.sweep.cases import (
     check_plan,
     plain_key,
     read_axis,
-    read_cases,
     read_range,
     unit_of,
     vary_profile,
@@ -105,8 +105,7 @@ def _read_axes(
     """What varies, each with the option or file that it came from."""
     readers: list[tuple[Callable[[], Axis], str]] = []
     if cases is not None:
-        where = str(cases)
-        readers.append((lambda: read_cases(read_profile_text(cases), where=where), where))
+        readers.append((partial(load_cases, cases), str(cases)))
     keyed = [(text, "--vary") for text in vary]
     keyed += [(PEAKS_KEY + text, "--limit") for text in limits]
     readers += [(partial(read_axis, text, where=where), where) for text, where in keyed]
@@ -176,10 +175,23 @@ def check_values(plan: Plan, places: Sequence[str]) -> None:
     for axis, where in zip(plan.axes, places, strict=True):
         for column, key in enumerate(axis.keys):
             for rows in _representatives([row[column] for row in axis.rows]):
-                refused = next(filter(None, (_refusals(plan, axis, row, key) for row in rows)), [])
-                faults += [Fault(where=where, key=key, message=item.message) for item in refused]
+                faults += _first_refused(plan, axis, rows, key, where)
     if faults:
         raise InputError(faults)
+
+
+def _first_refused(
+    plan: Plan, axis: Axis, rows: Sequence[int], key: str, where: str
+) -> list[Fault]:
+    """The faults of the first of some rows that is refused, with the line that it came from."""
+    for row in rows:
+        line = axis.lines[row] if axis.lines else 0
+        refused = _refusals(plan, axis, row, key)
+        if refused:
+            return [
+                Fault(where=where, line=line, key=key, message=item.message) for item in refused
+            ]
+    return []
 
 
 def _representatives(texts: Sequence[str]) -> list[tuple[int, ...]]:

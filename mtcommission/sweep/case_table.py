@@ -1,0 +1,136 @@
+"""A CSV table of cases -> what varies; as spreadsheets save it, headed like ``rows.csv``."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from pathlib import Path
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.sweep.cases import FORCE_KEY, MOST_VALUES, Axis
+from mtcommission.units import NUMBER
+
+LARGEST_TABLE = 200_000_000
+"""Bytes; as many cases as a sweep takes, with two hundred characters each."""
+HEAD = re.compile(r"(.*\S)\s+\[([^\]]*)\]")
+"""A key, and its unit behind a blank; ``moves[1].distance`` has none."""
+
+
+def load_cases(path: Path) -> Axis:
+    """Return the cases of a CSV file.
+
+    Parameters
+    ----------
+    path
+        UTF-8, with or without byte order mark.
+
+    Returns
+    -------
+    Axis
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, and with every fault found in it.
+    """
+    where = str(path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST_TABLE + 1)
+        text = data.decode("utf-8-sig")
+    except FileNotFoundError as error:
+        raise _fault(where, "there is no such file; check the name") from error
+    except OSError as error:
+        raise _fault(where, f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise _fault(where, "is not UTF-8 text; save it as CSV in UTF-8") from error
+    if len(data) > LARGEST_TABLE:
+        raise _fault(where, f"is larger than {LARGEST_TABLE} bytes; split it into several sweeps")
+    return read_cases(text, where=where)
+
+
+def read_cases(text: str, *, where: str) -> Axis:
+    r"""Return the cases of a CSV table: a header of keys, then one case a line.
+
+    Parameters
+    ----------
+    text
+        Columns parted by commas, semicolons or tabs, as the header shows; ``f_max`` stands for
+        ``drive.max_force``. A unit stands behind each value, or once in the header.
+    where
+        File name, for messages.
+
+    Returns
+    -------
+    Axis
+        With the line of each case.
+
+    Raises
+    ------
+    InputError
+        With every faulty line.
+
+    Examples
+    --------
+    >>> read_cases("f_max,plant.slider_mass [kg]\n2 kN,700\n", where="cases.csv").rows
+    (('2 kN', '700 kg'),)
+    """
+    table = _cells(text, where)
+    if len(table) < 2 or not all(table[0][1]):
+        raise _fault(where, "needs a header of keys and at least one case below it", line=1)
+    if len(table) - 1 > MOST_VALUES:
+        raise _fault(where, f"has {len(table) - 1} cases, must be at most {MOST_VALUES}")
+    heads = [_split_head(head) for head in table[0][1]]
+    faults = [
+        Fault(where=where, line=line, message=message)
+        for line, cells in table[1:]
+        if (message := _wrong_with(cells, heads))
+    ]
+    if faults:
+        raise InputError(faults)
+    units = [unit for _, unit in heads]
+    return Axis(
+        keys=tuple(FORCE_KEY if key == "f_max" else key for key, _ in heads),
+        rows=tuple(tuple(map(_join_unit, cells, units)) for _, cells in table[1:]),
+        lines=tuple(line for line, _ in table[1:]),
+    )
+
+
+def _cells(text: str, where: str) -> list[tuple[int, list[str]]]:
+    """Number and cells of each line that has any."""
+    head = text.lstrip().partition("\n")[0]
+    # No key holds one of these, so the header tells what parts the columns.
+    separator = next((mark for mark in ";\t" if mark in head), ",")
+    reader = csv.reader(io.StringIO(text), delimiter=separator)
+    try:
+        lines = [(reader.line_num, [cell.strip() for cell in line]) for line in reader]
+    except csv.Error as error:
+        raise _fault(where, f"is no CSV: {error}", line=reader.line_num) from error
+    return [(number, cells) for number, cells in lines if any(cells)]
+
+
+def _split_head(head: str) -> tuple[str, str]:
+    """Key and unit of a heading."""
+    match = HEAD.fullmatch(head)
+    return (match[1], match[2].strip()) if match else (head, "")
+
+
+def _wrong_with(cells: list[str], heads: list[tuple[str, str]]) -> str:
+    """What is wrong with a line; "" if nothing is."""
+    if len(cells) != len(heads):
+        return f"needs {len(heads)} values, got {len(cells)}"
+    for cell, (key, unit) in zip(cells, heads, strict=True):
+        if not cell:
+            return f"{key}: has no value"
+        if unit and NUMBER.match(cell) and not NUMBER.fullmatch(cell):
+            return f'{key}: got "{cell}" below a heading in {unit}, must be a plain number'
+    return ""
+
+
+def _join_unit(cell: str, unit: str) -> str:
+    return f"{cell} {unit}" if unit and NUMBER.fullmatch(cell) else cell
+
+
+def _fault(where: str, message: str, *, line: int = 0) -> InputError:
+    return InputError([Fault(where=where, line=line, message=message)])
