@@ -44,6 +44,7 @@ from mtcommission.sweep.cases import (
     vary_profile,
 )
 from mtcommission.sweep.engine import Engine, Lane, open_lane, run_sweep
+from mtcommission.sweep.library import sweep
 from mtcommission.sweep.lock import hold_folder
 from mtcommission.sweep.meanings import meaning_of
 from mtcommission.sweep.page import print_sweep
@@ -798,6 +799,31 @@ def test_lines_of_the_readme_do_what_they_say(
     axis = read_axis(names["forces"], where="--vary")
     command_rows = read_table(plan_of(axis), run_sweep(plan_of(axis), folder=tmp_path / "b")).frame
     assert frame.drop("inputs").equals(command_rows.drop("inputs"))
+
+
+def test_the_library_takes_what_the_command_takes(tmp_path: Path) -> None:
+    """Limits, a table of cases and a later move are there from Python, too, with the same rows."""
+    profile = PAPER.parent / "printer-belt.toml"
+    table = tmp_path / "cases.csv"
+    table.write_text("drive.force_lag\n1 ms\n2 ms\n", encoding="utf-8")
+    options = ["--cases", str(table), "--limit", "F=25", "--move", "2", "--vary"]
+    varied = "plant.modes[1].damping_ratio=0.04,0.06"
+    folder = tmp_path / "command"
+    with pytest.raises(SystemExit) as ended:
+        run_command(["sweep", str(profile), *options, varied, "--paired", "-o", str(folder)])
+    assert ended.value.code == 0
+    found = sweep(
+        profile,
+        folder=tmp_path / "library",
+        vary=[varied],
+        cases=table,
+        is_paired=True,
+        limits=["F=25"],
+        move=2,
+    )
+    assert found.frame.height == 2
+    assert (found.frame["peak_F"] <= 25.0 * (1 + 1e-9)).all()
+    assert found.frame.equals(pl.read_parquet(folder / "rows.parquet"))
 
 
 CLICKS = """<script>

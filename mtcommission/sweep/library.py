@@ -13,10 +13,14 @@ from mtcommission.sweep.table import SweepTable, read_table
 def sweep(
     profile: str | Path,
     *,
-    vary: Sequence[str],
     folder: str | Path,
-    quantity: str = "optimal",
+    vary: Sequence[str] = (),
+    cases: str | Path | None = None,
     is_paired: bool = False,
+    quantity: str = "optimal",
+    limits: Sequence[str] = (),
+    move: int = 1,
+    created: str = "",
     engine: Engine | None = None,
 ) -> SweepTable:
     """Return the rows of a sweep as columns; what is in the folder already is not computed again.
@@ -25,14 +29,22 @@ def sweep(
     ----------
     profile
         File of the machine as it is.
-    vary
-        ``KEY=RANGE`` as on the command line.
     folder
         Where the rows are kept.
-    quantity
-        ``"optimal"``, ``"limits"`` or ``"run"``.
+    vary
+        ``KEY=RANGE`` as on the command line.
+    cases
+        CSV file of cases; goes with the ranges like one more of them.
     is_paired
         Whether the ranges go together instead of each with each.
+    quantity
+        ``"optimal"``, ``"limits"`` or ``"run"``.
+    limits
+        ``NAME=VALUE`` or ``NAME=RANGE`` of states and outputs, for ``"optimal"``.
+    move
+        Which of the profile's moves ``"optimal"`` solves, counted from 1.
+    created
+        Date that the records of ``"run"`` and their sheets bear, ISO 8601; "" for none.
     engine
         None: this process.
 
@@ -60,11 +72,11 @@ def sweep(
         Path(profile),
         f_max="",
         vary=vary,
-        limits=[],
-        cases=None,
+        limits=limits,
+        cases=None if cases is None else Path(cases),
         is_paired=is_paired,
         quantity=quantity,
-        move=1,
-        created="",
+        move=move,
+        created=created,
     )
     return read_table(plan, run_sweep(plan, folder=Path(folder), engine=engine, resume=True))
