@@ -779,6 +779,20 @@ def test_page_shows_the_rows_and_the_profile_of_each_case(tmp_path: Path) -> Non
     assert parse_profile(profile, where="p") == parse_profile(expected, where="p")
 
 
+def test_ranges_of_the_readme_are_read(tmp_path: Path) -> None:
+    """Whoever copies them from the README must not be refused."""
+    readme = (PAPER.parent.parent / "README.md").read_text(encoding="utf-8")
+    part = readme[readme.index("A sweep varies F_max") : readme.index("## The profile")]
+    quoted = re.findall(r"`([^`]+)`", part.replace("\n", " "))
+    ranges = [text for text in quoted if re.fullmatch(r"(log:|random:)?\d[\w.]*[:,]\S+", text)]
+    counts = {text: len(read_range(text, where="README")) for text in ranges}
+    assert list(counts.values()) == [7, 50, 100, 2]
+    head = next(text for text in quoted if text.startswith("f_max"))
+    table = tmp_path / "cases.csv"
+    table.write_text(f"{head}\n2;700\n", encoding="utf-8")
+    assert read_plan(PAPER, **request_of(cases=table)).settings(0)[0] == ("drive.max_force", "2 kN")
+
+
 def test_lines_of_the_readme_do_what_they_say(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -881,6 +895,34 @@ def test_page_in_a_browser(tmp_path: Path, scheme: int, paper: str, is_bright: b
     brightest = re.search(r'data-brightest="(\d+)"', seen)
     assert brightest is not None
     assert (int(brightest[1]) > 140) == is_bright
+
+
+FRONT = """<script>
+setTimeout(() => {
+  const caption = document.querySelector("#trade figcaption").textContent;
+  document.documentElement.dataset.caption = caption;
+}, 500);
+</script></body>"""
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs chromium")
+@pytest.mark.parametrize(
+    ("varied", "is_named"),
+    [
+        (["drive.max_force=log:300:20e3:300"], True),
+        (["drive.force_lag=2ms,3ms", "drive.max_force=1kN:4kN:101"], False),
+    ],
+)
+def test_a_long_curve_names_its_force_along_the_front(
+    tmp_path: Path, varied: list[str], is_named: bool
+) -> None:
+    """Without the numbers nobody sees which force buys which vibration."""
+    plan = plan_of(*(read_axis(text, where="") for text in varied))
+    table = read_table(plan, run_sweep(plan, folder=tmp_path))
+    seen = opened(print_sweep(plan, table, created=""), FRONT, tmp_path)
+    caption = html.unescape(re.findall(r'data-caption="([^"]*)"', seen)[0])
+    assert caption.startswith("peak_tcp_vibration [µm] over t_f [ms]")
+    assert ("numbers: drive.max_force [kN]" in caption) == is_named
 
 
 CHOICES = """<script>

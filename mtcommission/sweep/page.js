@@ -36,7 +36,8 @@ const bounds = keys.filter((column) => column.name.startsWith("requirements.peak
 const variety = new Map(keys.map((column) => [column, keys.length > 1 ? new Set(column.values).size : count]));
 const main = keys.reduce((best, column) => (best && variety.get(best) >= variety.get(column) ? best : column), undefined);
 const parameter = bounds[0] || main;
-const labelled = parameter && count <= 200, isCrowded = count > 2000;
+// A cloud of many cases would hide the numbers; a single curve has room for them at any length.
+const labelled = parameter && (count <= 200 || data.keys.length === 1), isCrowded = count > 2000;
 const flag = by.get(data.flag);
 // Colours come from the style sheet, which knows light and dark.
 const tint = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
