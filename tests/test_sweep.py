@@ -649,6 +649,25 @@ def test_a_second_sweep_into_the_same_folder_is_refused(tmp_path: Path) -> None:
     assert read_table(plan, run_sweep(plan, folder=tmp_path)).frame.height == 24
 
 
+def test_a_sweep_that_never_began_is_begun_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who corrects the scheduler's address or the ranges is not told of rows that are not there."""
+
+    def fail(work: Work) -> tuple[Answer, ...]:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("mtcommission.sweep.engine.solve_piece", fail)
+        with pytest.raises(ComputationError):
+            run_sweep(masses_plan(), folder=tmp_path)
+    assert lines_in(tmp_path) == 1
+    plan = plan_of(read_axis("drive.max_force=1kN,2kN", where=""))
+    assert read_table(plan, run_sweep(plan, folder=tmp_path)).frame.height == 2
+    with pytest.raises(InputError, match="holds a sweep already"):
+        run_sweep(plan, folder=tmp_path)
+
+
 def test_a_killed_sweep_leaves_no_lock(tmp_path: Path) -> None:
     """After kill -9 nobody can clean up, and --resume must work all the same."""
     script = (
@@ -898,9 +917,19 @@ def test_page_in_a_browser(tmp_path: Path, scheme: int, paper: str, is_bright: b
 
 
 FRONT = """<script>
+const boxes = [], write = CanvasRenderingContext2D.prototype.fillText;
+CanvasRenderingContext2D.prototype.fillText = function (word, x, y) {
+  if (this.canvas.closest("#trade") && this.textAlign === "left")
+    boxes.push([x, y - 10, x + this.measureText(word).width, y]);
+  write.call(this, word, x, y);
+};
 setTimeout(() => {
   const caption = document.querySelector("#trade figcaption").textContent;
+  const meet = (a, b) => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
+  const clashes = boxes.filter((a, i) => boxes.slice(i + 1).some((b) => meet(a, b)));
   document.documentElement.dataset.caption = caption;
+  document.documentElement.dataset.numbers = boxes.length;
+  document.documentElement.dataset.clashes = clashes.length;
 }, 500);
 </script></body>"""
 
@@ -916,13 +945,16 @@ setTimeout(() => {
 def test_a_long_curve_names_its_force_along_the_front(
     tmp_path: Path, varied: list[str], is_named: bool
 ) -> None:
-    """Without the numbers nobody sees which force buys which vibration."""
+    """Without legible numbers nobody sees which force buys which vibration."""
     plan = plan_of(*(read_axis(text, where="") for text in varied))
     table = read_table(plan, run_sweep(plan, folder=tmp_path))
     seen = opened(print_sweep(plan, table, created=""), FRONT, tmp_path)
     caption = html.unescape(re.findall(r'data-caption="([^"]*)"', seen)[0])
     assert caption.startswith("peak_tcp_vibration [µm] over t_f [ms]")
     assert ("numbers: drive.max_force [kN]" in caption) == is_named
+    numbers = int(re.findall(r'data-numbers="([0-9]+)"', seen)[0])
+    assert numbers >= 10 if is_named else numbers == 0
+    assert 'data-clashes="0"' in seen, "numbers lie on each other"
 
 
 CHOICES = """<script>

@@ -208,10 +208,13 @@ function ring(pen, width, front, x, y, xColumn, yColumn) {
     if (ringed && Math.hypot(px - ringed[0], py - ringed[1]) < 8) continue;
     ringed = [px, py];
     pen.beginPath(); pen.arc(px, py, 5, 0, 7); pen.stroke();
-    if (!labelled || (last && Math.hypot(px - last[0], py - last[1]) < 40)) continue;
-    last = [px, py];
-    pen.textAlign = px > width - 90 ? "right" : "left";
-    pen.fillText(short(parameter.values[row] / parameter.size), px + (px > width - 90 ? -8 : 8), Math.max(py - 6, 20));
+    if (!labelled) continue;
+    const word = short(parameter.values[row] / parameter.size), long = pen.measureText(word).width;
+    const left = px > width - 90 ? px - 8 - long : px + 8, base = Math.max(py - 6, 20);
+    // The front falls to the right: only the number before can be in the way.
+    if (last && left < last.right + 8 && left + long > last.left - 8 && Math.abs(base - last.base) < 24) continue;
+    last = { left, right: left + long, base };
+    pen.textAlign = "left"; pen.fillText(word, left, base);
   }
 }
 

@@ -84,7 +84,7 @@ def open_store(folder: Path, *, digest: str, created: str, resume: bool) -> Open
     path = folder / NAME
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        if path.exists() and _head(path) is not None:
+        if path.exists() and _head(path) is not None and (resume or _holds_rows(path)):
             return _continue(path, digest, resume=resume)
         path.unlink(missing_ok=True)
         append_line(path, {"plan": digest, "created": created})
@@ -97,6 +97,13 @@ def open_store(folder: Path, *, digest: str, created: str, resume: bool) -> Open
 def _head(path: Path) -> dict[str, Any] | None:
     with path.open("rb") as file:
         return _decode(file.readline())
+
+
+def _holds_rows(path: Path) -> bool:
+    """Whether any piece was finished; a sweep that failed before it may be begun anew."""
+    with path.open("rb") as file:
+        file.readline()
+        return _decode(file.readline()) is not None
 
 
 def _continue(path: Path, digest: str, *, resume: bool) -> Opened:
