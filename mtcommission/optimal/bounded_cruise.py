@@ -27,12 +27,31 @@ from mtcommission.optimal.time_optimal import solve_time_optimal
 PERIODS = (3.0, 4.3)
 """Periods of the slowest mode in the cruise of the first move; the second where the first leads
 to a length at which the sequence changes in a way that no edit knows."""
-LONG = 2.5
-"""Cruise, in cruises of the first move, from which on it is worth while to begin with that."""
+LONG = 2.5 * PERIODS[0]
+"""Periods of a cruise from which on it can be followed from a shorter one."""
 GROWTH = 1.4
 """Largest factor on the time at max_velocity in one step."""
 SMALLEST_GROWTH = 1.1
 """Factor below which the distance is not brought closer any more."""
+
+
+def cruise_periods(problem: BoundedProblem) -> float:
+    """Return how many periods of the slowest mode a rigid axis would cruise; 0 if it does not.
+
+    Parameters
+    ----------
+    problem
+        Any bounded problem.
+
+    Returns
+    -------
+    float
+    """
+    index = _velocity_limit(problem)
+    if index < 0:
+        return 0.0
+    cruise = float(problem.target[problem.plant.position]) - _rise(problem, index)
+    return max(cruise / (problem.limits[index].bound.value * _period(problem)), 0.0)
 
 
 def lengthened_cruise(problem: BoundedProblem) -> Found | None:
@@ -48,27 +67,44 @@ def lengthened_cruise(problem: BoundedProblem) -> Found | None:
     Found or None
         None if there is no such cruise, or if a step could not be followed.
     """
-    index = _velocity_limit(problem)
-    if index < 0:
+    if cruise_periods(problem) < LONG:
         return None
+    index = _velocity_limit(problem)
     for periods in PERIODS:
-        found = _from_short(problem, index, periods=periods)
+        velocity = problem.limits[index].bound.value
+        cruise = velocity * (problem.plant.force_lag + periods * _period(problem))
+        short = _over(problem, _rise(problem, index) + cruise)
+        first = _directly(short)
+        if first is not None and not first.exact:
+            # Arcs that no finite sequence explains do not get one by a longer cruise.
+            return None
+        found = None if first is None else _followed(problem, index, first, short)
         if found is not None:
             return found
     return None
 
 
-def _from_short(problem: BoundedProblem, index: int, *, periods: float) -> Found | None:
-    """Return the optimum, followed from a cruise of a few periods, or None."""
+def _rise(problem: BoundedProblem, index: int) -> float:
+    """Return the distance in which a rigid axis speeds up and stops again [m or rad]."""
+    velocity = problem.limits[index].bound.value
+    return velocity**2 * problem.plant.moving_mass / problem.force_limit
+
+
+def _period(problem: BoundedProblem) -> float:
+    """Return the period of the slowest mode [s]."""
+    modes = problem.plant.modes
+    slowest = min((mode.natural_frequency for mode in modes), default=problem.rate)
+    return 2.0 * pi / slowest
+
+
+def _followed(
+    problem: BoundedProblem, index: int, first: Found, short: BoundedProblem
+) -> Found | None:
+    """Return the optimum, followed from that of a shorter move, or None."""
     plant, velocity = problem.plant, problem.limits[index].bound.value
-    distance = float(problem.target[plant.position])
-    slowest = min((mode.natural_frequency for mode in plant.modes), default=problem.rate)
-    rise = velocity**2 * plant.moving_mass / problem.force_limit
-    now = rise + velocity * (plant.force_lag + periods * 2.0 * pi / slowest)
-    if distance - rise < LONG * (now - rise):
-        return None
-    found, growth = _directly(_over(problem, now)), GROWTH
-    while found is not None and now < distance and growth > SMALLEST_GROWTH:
+    distance, now = float(problem.target[plant.position]), float(short.target[plant.position])
+    rise, found, growth = _rise(problem, index), first, GROWTH
+    while now < distance and growth > SMALLEST_GROWTH:
         further = min(distance, now + (growth - 1.0) * (now - rise))
         longer = _over(problem, further)
         guess = _stretched(longer, index, found, (further - now) / velocity)
@@ -97,14 +133,13 @@ def _over(problem: BoundedProblem, distance: float) -> BoundedProblem:
 
 
 def _directly(problem: BoundedProblem) -> Found | None:
-    """Return the optimum of a move with a short cruise, if its arcs can be solved exactly."""
+    """Return the optimum of a move with a short cruise, or None."""
     move = Positioning(distance=float(problem.target[problem.plant.position]))
     free = solve_time_optimal(problem.plant, move, force_limit=problem.force_limit)
     try:
-        found = search(problem, first_sight(problem, solve_grid_time(problem, t_free=free.t_f)))
+        return search(problem, first_sight(problem, solve_grid_time(problem, t_free=free.t_f)))
     except ComputationError:
         return None
-    return found if found is not None and found.exact else None
 
 
 def _stretched(problem: BoundedProblem, index: int, found: Found, longer: float) -> Sequence:

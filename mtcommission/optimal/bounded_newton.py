@@ -34,8 +34,11 @@ RESIDUAL = 1e-10
 """Scaled residual below which a sequence counts as solved; rounding leaves 1e-15 ... 1e-12."""
 
 LARGEST_STEP = 0.2
-"""Largest change of a duration in one step, as a share of t_f: beyond it the responses of
-negative durations grow without bound."""
+"""Largest change of a duration in one step, as a share of t_f."""
+
+FURTHEST_BACK = 100.0
+"""Longest negative duration that is tried, in radians of the fastest rate: the responses run
+backwards grow with its exponential."""
 
 GROWTH = 1e4
 """Growth of the residual at which full Newton steps are given up for damped ones."""
@@ -157,11 +160,10 @@ def _undamped(system: _System, point: _Point) -> _Point:
     """Return where full Newton steps lead; a residual may grow on the way to a solution."""
     limit = GROWTH * point.norm
     for _ in range(NEWTON_STEPS):
-        step = _step(point, 0.0)
-        if float(np.abs(step[: len(system.legs)]).max()) > LARGEST_STEP:
+        following = _tried(system, point, _step(point, 0.0))
+        if following is None or not following.norm < limit:
             break
-        following = _point(system, point.unknowns - step)
-        if not following.norm < limit or (point.norm < RESIDUAL and following.norm >= point.norm):
+        if point.norm < RESIDUAL and following.norm >= point.norm:
             break
         done = point.norm < RESIDUAL and following.norm > 0.1 * point.norm
         point = following
@@ -183,6 +185,16 @@ def _damped(system: _System, point: _Point) -> _Point:
         if done:
             break
     return point
+
+
+def _tried(system: _System, point: _Point, step: Array) -> _Point | None:
+    """Return the point after a step; None where its durations lead too far."""
+    legs = len(system.legs)
+    unknowns = point.unknowns - step
+    back = -float(unknowns[:legs].min()) * system.scale * system.problem.rate
+    if float(np.abs(step[:legs]).max()) > LARGEST_STEP or back > FURTHEST_BACK:
+        return None
+    return _point(system, unknowns)
 
 
 def _step(point: _Point, damping: float) -> Array:
@@ -252,11 +264,9 @@ def _newton_step(system: _System, point: _Point, damping: float) -> tuple[_Point
     """Return the damped Newton iterate (Levenberg-Marquardt) and the next damping."""
     # Where rounding is all that is left, damping cannot help.
     for _ in range(DAMPINGS if point.norm > RESIDUAL else 1):
-        step = _step(point, damping)
-        if float(np.abs(step[: len(system.legs)]).max()) < LARGEST_STEP:
-            trial = _point(system, point.unknowns - step)
-            if trial.norm < point.norm:
-                return trial, damping * 1e-3
+        trial = _tried(system, point, _step(point, damping))
+        if trial is not None and trial.norm < point.norm:
+            return trial, damping * 1e-3
         damping = max(damping, 1e-12) * 30.0
     return point, damping
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, VelocityStep
-from mtcommission.optimal.bounded_accept import Found
-from mtcommission.optimal.bounded_cruise import lengthened_cruise
+from mtcommission.optimal.bounded_accept import GAP, Found
+from mtcommission.optimal.bounded_cruise import cruise_periods, lengthened_cruise
 from mtcommission.optimal.bounded_dual import adjoint_before, dual_value, stretches
 from mtcommission.optimal.bounded_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.bounded_grid import solve_grid_time
@@ -31,6 +31,10 @@ from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
+
+MANY_PERIODS = 120.0
+"""Periods of a cruise from which on a shorter one is solved first: before, a mesh over the whole
+move costs less (measured on the paper's machine)."""
 
 SAME_TIME = 1e-7
 """Relative distance at which a zero of σ and a switching time count as the same."""
@@ -91,15 +95,40 @@ def solve_bounded_time_optimal(
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
     found = _under_force_bound(problem, move)
     if found is None:
-        found = lengthened_cruise(problem)
-    if found is None:
-        found = search(problem, first_sight(problem, solve_grid_time(problem, t_free=free.t_f)))
+        found = _best(problem, t_free=free.t_f)
     if found is None:
         names = ", ".join(f"|{bound.name}| <= {bound.value:.6g}" for bound in every)
         raise ComputationError(
             Outcome.NO_CONVERGENCE, f"time-optimal control under {names} and {force_limit:.6g} N"
         )
     return _optimum(problem, move, every, found)
+
+
+def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
+    """Return the optimum from a mesh over the whole move, or from a shorter cruise."""
+
+    def over_all() -> Found | None:
+        try:
+            return search(problem, first_sight(problem, solve_grid_time(problem, t_free=t_free)))
+        except ComputationError as error:
+            if error.outcome is not Outcome.NO_CONVERGENCE:
+                raise
+            return None
+
+    def from_shorter() -> Found | None:
+        return lengthened_cruise(problem)
+
+    ways = (over_all, from_shorter)
+    if cruise_periods(problem) > MANY_PERIODS:
+        ways = (from_shorter, over_all)
+    seen: list[Found] = []
+    for way in ways:
+        found = way()
+        if found is not None:
+            seen.append(found)
+            if found.gap <= GAP:
+                break
+    return min(seen, key=lambda one: one.gap, default=None)
 
 
 def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
