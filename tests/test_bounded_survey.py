@@ -11,7 +11,6 @@ from mtcommission.optimal.bounded_arcs import Piece, Sequence
 from mtcommission.optimal.bounded_dual import Measure, stretches
 from mtcommission.optimal.bounded_edit import with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import _peaks
-from mtcommission.optimal.bounded_mesh import Contact
 from mtcommission.optimal.bounded_newton import Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
@@ -20,6 +19,7 @@ from mtcommission.optimal.bounded_problem import (
     step_response,
 )
 from mtcommission.optimal.bounded_reading import place_touches
+from mtcommission.optimal.bounded_rows import Contact
 from mtcommission.optimal.bounded_settled import _least_disturbing
 from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.time_optimal import solve_time_optimal

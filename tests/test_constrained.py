@@ -24,7 +24,6 @@ from mtcommission.optimal.bounded_dual import (
     negative_zones,
     stretches,
 )
-from mtcommission.optimal.bounded_mesh import Contact
 from mtcommission.optimal.bounded_newton import solve_sequence
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
@@ -34,6 +33,7 @@ from mtcommission.optimal.bounded_problem import (
     transition,
 )
 from mtcommission.optimal.bounded_reading import place_touches
+from mtcommission.optimal.bounded_rows import Contact
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory

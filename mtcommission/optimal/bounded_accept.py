@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded_dual import Measure, lower_bound
 from mtcommission.optimal.bounded_edit import touch_contacts
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, broken, later
-from mtcommission.optimal.bounded_mesh import Contact, MeshOptimum, solve_mesh
+from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_motion import Motion, follow, mesh_arcs, sequence_arcs
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal
 from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_rows import Contact
 from mtcommission.optimal.bounded_settled import settled
 from mtcommission.optimal.solution import propagate
 

@@ -39,10 +39,10 @@ from mtcommission.optimal.bounded_dual import (
     sigma_sign,
     stretches,
 )
-from mtcommission.optimal.bounded_mesh import Contact
 from mtcommission.optimal.bounded_newton import Extremal
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import place_touches
+from mtcommission.optimal.bounded_rows import Contact
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Piece, peaks_above, piece_states
-from mtcommission.optimal.bounded_mesh import Contact, Layout, MeshOptimum, off_cores, solve_mesh
+from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.bounded_rows import Contact, Layout, off_cores
 
 Array = NDArray[np.float64]
 

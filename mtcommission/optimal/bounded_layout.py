@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_dual import Core
 from mtcommission.optimal.bounded_grid import SATURATED, GridOptimum
-from mtcommission.optimal.bounded_mesh import Contact, Layout, off_cores
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts
+from mtcommission.optimal.bounded_rows import Contact, Layout, off_cores
 
 Array = NDArray[np.float64]
 

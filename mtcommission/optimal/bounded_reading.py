@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
 from mtcommission.optimal.bounded_dual import Core, Stretch, sigma_sign
-from mtcommission.optimal.bounded_mesh import Contact
 from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_rows import Contact
 
 Array = NDArray[np.float64]
 

@@ -26,10 +26,11 @@ from mtcommission.optimal.bounded_dual import (
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
 from mtcommission.optimal.bounded_layout import SHRINK, Sight, lay_out, off_arcs
-from mtcommission.optimal.bounded_mesh import Contact, Layout, MeshOptimum, solve_mesh
+from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts, read_sequence
+from mtcommission.optimal.bounded_rows import Contact, Layout
 
 Array = NDArray[np.float64]
 

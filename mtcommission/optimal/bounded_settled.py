@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
-from mtcommission.optimal.bounded_mesh import (
+from mtcommission.optimal.bounded_mesh import MeshOptimum
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_rows import (
     LOOSE,
-    MeshOptimum,
     bound_rows,
     entry_rows,
     terminal_rows,
     terminal_scale,
 )
-from mtcommission.optimal.bounded_problem import BoundedProblem
 
 Array = NDArray[np.float64]
 
