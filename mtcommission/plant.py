@@ -119,6 +119,25 @@ class Plant:
         """Names that a bound may refer to: states, then outputs."""
         return self.states + self.outputs
 
+    @property
+    def force_unit(self) -> str:
+        """N, or N·m on a rotary axis."""
+        return self.unit(self.states[self.force])
+
+    def unit(self, signal: str) -> str:
+        """Return the SI unit of a signal.
+
+        Parameters
+        ----------
+        signal
+            A name from ``signals``.
+
+        Returns
+        -------
+        str
+        """
+        return self.signal_units[self.signals.index(signal)]
+
     def row(self, signal: str) -> Array:
         """Return the row c with signal = c x.
 

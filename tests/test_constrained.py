@@ -371,7 +371,7 @@ def test_least_travel_that_allows_a_velocity_step_is_named() -> None:
     with pytest.raises(ComputationError, match="smallest possible is about") as caught:
         paper_optimum(bound("x_s", 9e-4))
     assert caught.value.outcome is Outcome.BOUND_CANNOT_HOLD
-    named = re.search(r"about (\S+) \(SI", str(caught.value))
+    named = re.search(r"about (\S+) m:", str(caught.value))
     assert named is not None
     least, rigid = float(named.group(1)), paper_plant().moving_mass * 0.1**2 / (4.0 * 2e3)
     assert 1.0 < least / rigid < 1.1

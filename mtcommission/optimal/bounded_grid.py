@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.optimal.bounded_cells import STEPS_PER_CELL, cell_grid
 from mtcommission.optimal.bounded_least import LEAST_TOLERANCE, smallest_factor
-from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_problem import BoundedProblem, bounds_text
 from mtcommission.optimal.bounded_program import Program, solve_program
 
 Array = NDArray[np.float64]
@@ -172,8 +172,10 @@ def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) 
             detail = f"{names}: only some {100.0 * (1.0 / least - 1.0):.1g} % above the least"
             return ComputationError(Outcome.BEYOND_HORIZON, detail)
         least *= 1.0 + LEAST_TOLERANCE
-        bounds = ", ".join(f"{least * k.bound.value:.4g}" for k in problem.limits)
-        detail = f"{names}: the smallest possible is about {bounds} (SI units)"
+        units = [problem.plant.unit(k.bound.name) for k in problem.limits]
+        values = [f"{least * k.bound.value:.4g}" for k in problem.limits]
+        bounds = ", ".join(f"{value} {unit}" for value, unit in zip(values, units, strict=True))
+        detail = f"{names}: the smallest possible is about {bounds}"
         return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
     return _beyond(problem, longest)
 
@@ -186,7 +188,7 @@ def _beyond(problem: BoundedProblem, longest: GridOptimum) -> ComputationError:
 
 
 def _named(problem: BoundedProblem) -> str:
-    return ", ".join(f"|{k.bound.name}| <= {k.bound.value:.6g}" for k in problem.limits)
+    return bounds_text(problem.plant, tuple(limit.bound for limit in problem.limits))
 
 
 def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:

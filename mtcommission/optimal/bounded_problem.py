@@ -142,6 +142,38 @@ def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bou
     return tuple(Bound(name=name, value=value) for name, value in values.items())
 
 
+def bounds_text(
+    plant: Plant, bounds: tuple[Bound, ...], *, factor: float = 1.0, digits: int = 6
+) -> str:
+    """Return bounds for a message, each times a factor, with their units.
+
+    Parameters
+    ----------
+    plant
+        Knows the units.
+    bounds
+        By state or output.
+    factor
+        On every value.
+    digits
+        Significant ones.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant import build_plant
+    >>> bounds_text(build_plant(paper_machine()), (Bound(name="v_phi", value=5e-3),))
+    '|v_phi| <= 0.005 rad/s'
+    """
+    return ", ".join(
+        f"|{k.name}| <= {factor * k.value:.{digits}g} {plant.unit(k.name)}" for k in bounds
+    )
+
+
 def bounded_problem(
     plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...], horizon: float
 ) -> BoundedProblem:

@@ -8,7 +8,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_least import smallest_factor_by
-from mtcommission.optimal.bounded_problem import all_bounds, bounded_problem
+from mtcommission.optimal.bounded_problem import all_bounds, bounded_problem, bounds_text
 from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import Plant
@@ -53,16 +53,11 @@ def explain_short_time(
         if error.outcome is Outcome.BOUND_CANNOT_HOLD:
             return error
         needed = "take longer"
-    wanted = ", ".join(_stated(plant, bound, 1.0) for bound in every)
-    possible = ", ".join(_stated(plant, bound, least) for bound in every)
+    wanted = bounds_text(plant, every)
+    possible = bounds_text(plant, every, factor=least, digits=4)
     together = " (all widened alike)" if len(every) > 1 else ""
     return ComputationError(
         Outcome.FINAL_TIME_TOO_SHORT,
         f"t_f = {1e3 * t_f:.6g} ms, but bounds of {wanted} {needed}; "
         f"the smallest possible by that t_f: about {possible}{together}",
     )
-
-
-def _stated(plant: Plant, bound: Bound, factor: float) -> str:
-    unit = plant.signal_units[plant.signals.index(bound.name)]
-    return f"|{bound.name}| <= {factor * bound.value:.4g} {unit}"

@@ -23,6 +23,7 @@ from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
     all_bounds,
     bounded_problem,
+    bounds_text,
     impulse_response,
 )
 from mtcommission.optimal.bounded_search import search, solve_exactly
@@ -97,10 +98,8 @@ def solve_bounded_time_optimal(
     if found is None:
         found = _best(problem, t_free=free.t_f)
     if found is None:
-        names = ", ".join(f"|{bound.name}| <= {bound.value:.6g}" for bound in every)
-        raise ComputationError(
-            Outcome.NO_CONVERGENCE, f"time-optimal control under {names} and {force_limit:.6g} N"
-        )
+        detail = f"{bounds_text(plant, every)} and {force_limit:.6g} {plant.force_unit}"
+        raise ComputationError(Outcome.NO_CONVERGENCE, f"time-optimal control under {detail}")
     return _optimum(problem, move, every, found)
 
 
@@ -159,8 +158,9 @@ def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> N
         free = isinstance(move, VelocityStep) and row[plant.position] != 0.0
         least = 0.0 if free else abs(float(row @ target))
         if not bound.value > 0.0 or bound.value < least:
-            needs = f"at least {least:.6g}" if least > 0.0 else "more than 0"
-            detail = f"|{bound.name}| <= {bound.value:.6g} (SI units), the move needs {needs}"
+            unit = plant.unit(bound.name)
+            needs = f"at least {least:.6g} {unit}" if least > 0.0 else "more than 0"
+            detail = f"{bounds_text(plant, (bound,))}, the move needs {needs}"
             raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
 
 

@@ -75,7 +75,8 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     )
     cruise = L / V - rise.t_f
     if cruise <= 0.0:
-        detail = f"the distance of {L:.6g} (SI) is too short to cruise at {V:.6g}"
+        unit = plant.unit(plant.states[plant.position])
+        detail = f"the distance of {L:.6g} {unit} is too short to cruise at {V:.6g} {unit}/s"
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     begin = rise.t_f + cruise
     label = f"boundary:{name}:+"

@@ -72,6 +72,8 @@ class SaturatedProblem:
         Physical = scale * scaled, shape (n,).
     force_limit
         F_max, the unit of the scaled force [N].
+    force_unit
+        N, or N·m on a rotary axis; for messages.
     t_f
         [s].
     rate, plant_rate
@@ -87,6 +89,7 @@ class SaturatedProblem:
     state_scale: Array
     adjoint_scale: Array
     force_limit: float
+    force_unit: str
     t_f: float
     rate: float
     plant_rate: float
@@ -258,6 +261,7 @@ def scale_problem(
         state_scale=scales,
         adjoint_scale=force_limit**2 * T / scales,
         force_limit=force_limit,
+        force_unit=plant.force_unit,
         t_f=t_f,
         rate=rate,
         plant_rate=float(rates[1]),

@@ -292,14 +292,15 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
             # a better start of the next step, before steps get small
             reached = _settle(problem, reached.arcs, bound=limit, goal=LAW_GOAL)
         trial = max(1.0, limit - fraction * (limit - floor))
-    F = problem.force_limit
+    F, unit = problem.force_limit, problem.force_unit
     if floor > 1.0 + FORCE_MARGIN:
         raise ComputationError(
             Outcome.FINAL_TIME_TOO_SHORT,
-            f"t_f = {problem.t_f:.6g} s takes more than {floor * F:.9g} N, there are {F:.6g} N",
+            f"t_f = {problem.t_f:.6g} s takes more than {floor * F:.9g} {unit}, there are "
+            f"{F:.6g} {unit}",
         )
     raise ComputationError(
         Outcome.NO_CONVERGENCE,
-        f"damping-optimal control for t_f = {problem.t_f:.6g} s and {F:.6g} N: "
-        f"solved down to a limit of {limit * F:.6g} N only",
+        f"damping-optimal control for t_f = {problem.t_f:.6g} s and {F:.6g} {unit}: "
+        f"solved down to a limit of {limit * F:.6g} {unit} only",
     )

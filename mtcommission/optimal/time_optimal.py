@@ -74,7 +74,8 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     True
     """
     if not force_limit > 0.0:
-        raise ComputationError(Outcome.NO_FORCE_LEFT, f"force left for motion {force_limit:.6g} N")
+        detail = f"force left for motion {force_limit:.6g} {plant.force_unit}"
+        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
     problem = moment_problem(plant, move)
     try:
         return _certified(plant, move, problem, force_limit=force_limit)
@@ -85,8 +86,9 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
             raise
         slowest = float(problem.magnitudes[:-1].min(initial=inf)) * horizon
         detail = (
-            f"{force_limit:.6g} N end the move after some {horizon:.3g} s, {slowest:.2g} rad of "
-            f"the slowest mode; rounding then leaves {accuracy:.1g} of t_f in doubt"
+            f"{force_limit:.6g} {plant.force_unit} end the move after some {horizon:.3g} s, "
+            f"{slowest:.2g} rad of the slowest mode; rounding then leaves {accuracy:.1g} of t_f in "
+            "doubt"
         )
         raise ComputationError(Outcome.MODES_NOT_TOLD_APART, detail) from error
 
