@@ -8,9 +8,10 @@ from numpy.testing import assert_allclose
 
 from benchmarks.constrained_survey import cases, judge
 from mtcommission.optimal.bounded_arcs import Piece, Sequence
-from mtcommission.optimal.bounded_dual import Measure, stretches
+from mtcommission.optimal.bounded_dual import Core, Measure, stretches
 from mtcommission.optimal.bounded_edit import with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import _peaks
+from mtcommission.optimal.bounded_layout import Sight, lay_out
 from mtcommission.optimal.bounded_newton import Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
@@ -18,12 +19,14 @@ from mtcommission.optimal.bounded_problem import (
     impulse_response,
     step_response,
 )
-from mtcommission.optimal.bounded_reading import place_touches
+from mtcommission.optimal.bounded_reading import Reading, place_touches
 from mtcommission.optimal.bounded_rows import Contact
+from mtcommission.optimal.bounded_search import solve_exactly
 from mtcommission.optimal.bounded_settled import _least_disturbing
 from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import build_plant
+from mtcommission.profile import parse_profile
 from tests.machines import paper_machine
 
 
@@ -153,3 +156,40 @@ def test_correction_disturbs_the_active_points_least() -> None:
     expected = np.linalg.solve(system, np.append(np.zeros(9), error))[:9]
     assert_allclose(found, expected, atol=1e-10)
     assert_allclose(rows @ found, error, atol=1e-12)
+
+
+def test_a_signal_that_cannot_be_held_for_long_is_no_internal_error() -> None:
+    """Opposite gains at the tool: zeros in the right half-plane, and the held motion explodes."""
+    text = """schema = 1
+machine = {name = "opposite gains", axis = "X", source = "made up"}
+drive = {force_lag = "0.92 ms", max_force = "73 N"}
+moves = [{velocity_step = "0.03 m/s"}]
+requirements = {tcp_deviation = "5 um"}
+[plant]
+kind = "modal"
+moving_mass = "94 kg"
+modes = [
+  {name = "m1", frequency = "27.6 Hz", damping_ratio = 0.0043, tcp_gain = -0.002215},
+  {name = "m2", frequency = "271 Hz", damping_ratio = 0.0099, tcp_gain = 0.002242},
+]
+"""
+    machine = parse_profile(text, where="a test")
+    plant, limit = build_plant(machine), (Bound(name="tcp_vibration", value=1.5e-6),)
+    problem = bounded_problem(plant, machine.moves[0], force_limit=73.0, bounds=limit, horizon=0.05)
+    # q1 + q2 = (g1 / (s² + 2 z1 w1 s + w1²) + g2 / (s² + 2 z2 w2 s + w2²)) F: its numerator
+    w1, w2 = 2.0 * np.pi * 27.6, 2.0 * np.pi * 271.0
+    first = np.array([1.0, 2.0 * 0.0043 * w1, w1**2])
+    second = np.array([1.0, 2.0 * 0.0099 * w2, w2**2])
+    zeros = np.roots(-0.002215 * second + 0.002242 * first)
+    assert problem.limits[0].growth == pytest.approx(zeros.real.max(), rel=1e-6)
+    pieces = (Piece(limit=-1, side=1, duration=1e-3), Piece(limit=0, side=1, duration=0.05))
+    held = Sequence(pieces=(*pieces, Piece(limit=-1, side=-1, duration=1e-3)), touches=())
+    assert solve_exactly(problem, held) is None
+    arc = Core(start=0.06, end=0.01, limit=0, side=1)
+    sight = Sight(
+        t_f=0.07,
+        mesh=np.linspace(0.0, 0.07, 200),
+        reading=Reading(arcs=(arc,), touches=()),
+        switches=np.empty(0),
+    )
+    assert lay_out(problem, sight).cores == ()

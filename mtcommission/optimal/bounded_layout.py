@@ -34,6 +34,8 @@ MARGIN = 1e-9
 """Relative distance from the bounds kept on a mesh."""
 THINNING = 0.4
 """Share of its cell that a point keeps from its neighbour."""
+MOST_GROWTH = 10.0
+"""Growth of the motion over a core, as exponent of e: twenty thousand times."""
 SHORT_ARC_POINTS = 60
 """Most points on an arc too short for a core."""
 
@@ -183,7 +185,9 @@ def _cores(problem: BoundedProblem, sight: Sight) -> tuple[Core, ...]:
     for arc in sight.reading.arcs:
         early, late = _rooms(problem, arc, sight)
         needed = early + late + 0.8 * local_cell(sight.mesh, arc.start)
-        if arc.start - arc.end > max(needed, sight.least_core * sight.t_f):
+        # Motion that grows on the arc leaves a core no digits: points must do there.
+        steady = problem.limits[arc.limit].growth * (arc.start - arc.end) < MOST_GROWTH
+        if steady and arc.start - arc.end > max(needed, sight.least_core * sight.t_f):
             cores.append(replace(arc, start=arc.start - early, end=arc.end + late))
     return tuple(cores)
 

@@ -56,6 +56,9 @@ class Limit:
         A - A^r B c / (c A^(r-1) B), transposed: the adjoint on a boundary arc.
     density_column
         A^r B / (c A^(r-1) B): λ times it is the density of the multiplier, shape (n,).
+    growth
+        Largest real part of the zeros from force to signal, at least 0 [1/s]: with zeros in the
+        right half-plane the motion on a boundary arc grows like exp(growth t).
     """
 
     bound: Bound
@@ -68,6 +71,7 @@ class Limit:
     boundary_flow: HeldFlow
     adjoint_flow: HeldFlow
     density_column: Array
+    growth: float
 
     @property
     def order(self) -> int:
@@ -241,6 +245,8 @@ def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array)
     feedback = -rate * (outputs[-1] @ A) / gain
     density_column = rate * (A @ forces[-1]) / gain
     output_chain, force_chain = np.array(outputs), np.column_stack(forces)
+    boundary_flow = held_flow(plant.A + np.outer(B, feedback), output_chain, rate=rate, scale=scale)
+    zeros = np.linalg.eigvals(boundary_flow.generator[len(outputs) :, len(outputs) :])
     return Limit(
         bound=bound,
         row=row,
@@ -249,13 +255,12 @@ def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array)
         output_chain=output_chain,
         force_chain=force_chain,
         feedback=feedback,
-        boundary_flow=held_flow(
-            plant.A + np.outer(B, feedback), output_chain, rate=rate, scale=scale
-        ),
+        boundary_flow=boundary_flow,
         adjoint_flow=held_flow(
             (plant.A - np.outer(density_column, row)).T, force_chain.T, rate=rate, scale=1.0 / scale
         ),
         density_column=density_column,
+        growth=float(zeros.real.max(initial=0.0)),
     )
 
 

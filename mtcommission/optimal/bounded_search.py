@@ -25,7 +25,7 @@ from mtcommission.optimal.bounded_dual import (
 )
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
-from mtcommission.optimal.bounded_layout import SHRINK, Sight, lay_out, off_arcs
+from mtcommission.optimal.bounded_layout import MOST_GROWTH, SHRINK, Sight, lay_out, off_arcs
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem
@@ -167,6 +167,12 @@ def _has_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
     return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess.pieces)
 
 
+def _grows(problem: BoundedProblem, guess: Sequence) -> bool:
+    """Return whether the motion on a boundary arc grows until no digits are left."""
+    arcs = [piece for piece in guess.pieces if piece.limit >= 0]
+    return any(problem.limits[p.limit].growth * p.duration > MOST_GROWTH for p in arcs)
+
+
 def _look(
     problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum
 ) -> tuple[Sight, Sequence]:
@@ -237,6 +243,8 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
         if seen[_shape(guess)] > VISITS:
             return None
         if _has_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
+            return None
+        if _grows(problem, guess):
             return None
         extremal = solve_sequence(problem, guess)
         found = accepted(problem, extremal)
