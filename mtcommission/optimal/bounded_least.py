@@ -14,7 +14,8 @@ LEAST_TIMES = (1.6, 2.2, 3.0, 4.2, 6.0, 10.0)
 """Where the smallest possible bound is looked for, in multiples of the free optimum: it falls with
 t_f until more time does not help any more."""
 LEAST_CELLS = (400, 800, 1600)
-"""Grids for the smallest bound: the first for the search of its time, the others to refine it."""
+"""Grids for the smallest bound: the first for the search of its time, the others to refine it;
+the last only for a single bound, since the program's work grows with cells times rows."""
 LEAST_TOLERANCE = 2e-4
 """Relative change of the smallest bound, over time and over the grid, that counts as none."""
 
@@ -81,6 +82,8 @@ def smallest_factor_by(problem: BoundedProblem, t_f: float) -> float:
 def _refined(problem: BoundedProblem, t_f: float, least: float) -> float:
     """Return the factor on finer and finer grids, as far as the programs end."""
     for cells in LEAST_CELLS[1:]:
+        if cells * len(problem.limits) > LEAST_CELLS[-1]:
+            break
         before, now = least, _least_factor(problem, t_f, cells=cells)
         if not isfinite(now):
             break
