@@ -120,6 +120,11 @@ class Plant:
         return self.states + self.outputs
 
     @property
+    def fastest_rate(self) -> float:
+        """Largest of 1 / force lag and the natural frequencies [1/s]."""
+        return max(1.0 / self.force_lag, *(mode.natural_frequency for mode in self.modes))
+
+    @property
     def force_unit(self) -> str:
         """N, or N·m on a rotary axis."""
         return self.unit(self.states[self.force])
@@ -321,8 +326,7 @@ def kalman_rank(plant: Plant) -> int:
 
     Source: Kalman's criterion; Christiansen, Maurer & Zirn, eq. (10).
     """
-    rate = max(1.0 / plant.force_lag, *(mode.natural_frequency for mode in plant.modes))
-    A, column = plant.A / rate, plant.B.copy()
+    A, column = plant.A / plant.fastest_rate, plant.B.copy()
     columns = []
     for _ in range(plant.order):
         columns.append(column)

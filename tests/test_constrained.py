@@ -17,6 +17,7 @@ from benchmarks.constrained_survey import largest_excess
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Positioning, VelocityStep
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
+from mtcommission.optimal.bounded_cruise import LONG, cruise_periods, lengthened_cruise
 from mtcommission.optimal.bounded_dual import (
     Atom,
     dual_value,
@@ -34,7 +35,7 @@ from mtcommission.optimal.bounded_problem import (
 )
 from mtcommission.optimal.bounded_reading import place_touches
 from mtcommission.optimal.bounded_rows import Contact
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.constrained import MANY_PERIODS, solve_bounded_time_optimal
 from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
 from mtcommission.optimal.time_optimal import solve_time_optimal
@@ -389,11 +390,19 @@ def test_bound_just_above_the_least_possible_is_named_as_such() -> None:
 
 
 def test_long_cruise_is_reached_by_lengthening_a_short_one() -> None:
-    """An even grid over 57 periods of the base is too coarse: without this there is no answer."""
+    """Both ways, from a short cruise and on a mesh over the whole, must end at the same optimum."""
     move = Positioning(distance=0.1, max_velocity=0.1)
     optimum = solve_bounded_time_optimal(paper_plant(), move, force_limit=600.0, bounds=())
     assert optimum.certificate.relative_gap < 1e-9
     check_motion(paper_plant(), optimum)
+    problem = bounded_problem(
+        paper_plant(), move, force_limit=600.0, bounds=optimum.bounds, horizon=optimum.t_f
+    )
+    assert LONG < cruise_periods(problem) < MANY_PERIODS
+    followed = lengthened_cruise(problem)
+    assert followed is not None
+    assert followed.exact
+    assert followed.t_f == pytest.approx(optimum.t_f, rel=1e-10)
     composed = compose_cruise(paper_plant(), move, force_limit=600.0)
     assert optimum.t_f < composed.t_f
 

@@ -212,7 +212,7 @@ def bounded_problem(
     >>> [limit.order for limit in problem.limits]
     [2, 3]
     """
-    rate = max(1.0 / plant.force_lag, *(mode.natural_frequency for mode in plant.modes))
+    rate = plant.fastest_rate
     target = np.zeros(plant.order)
     fixed = np.arange(plant.order)
     if isinstance(move, VelocityStep):

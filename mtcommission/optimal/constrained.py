@@ -105,29 +105,23 @@ def solve_bounded_time_optimal(
 
 def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
     """Return the optimum from a mesh over the whole move, or from a shorter cruise."""
+    long = cruise_periods(problem) > MANY_PERIODS
+    first = lengthened_cruise(problem) if long else _over_all(problem, t_free=t_free)
+    if first is not None and first.gap <= GAP:
+        return first
+    second = _over_all(problem, t_free=t_free) if long else lengthened_cruise(problem)
+    found = [one for one in (first, second) if one is not None]
+    return min(found, key=lambda one: one.gap, default=None)
 
-    def over_all() -> Found | None:
-        try:
-            return search(problem, first_sight(problem, solve_grid_time(problem, t_free=t_free)))
-        except ComputationError as error:
-            if error.outcome is not Outcome.NO_CONVERGENCE:
-                raise
-            return None
 
-    def from_shorter() -> Found | None:
-        return lengthened_cruise(problem)
-
-    ways = (over_all, from_shorter)
-    if cruise_periods(problem) > MANY_PERIODS:
-        ways = (from_shorter, over_all)
-    seen: list[Found] = []
-    for way in ways:
-        found = way()
-        if found is not None:
-            seen.append(found)
-            if found.gap <= GAP:
-                break
-    return min(seen, key=lambda one: one.gap, default=None)
+def _over_all(problem: BoundedProblem, *, t_free: float) -> Found | None:
+    """Return the optimum from a mesh over the whole move, or None where that does not converge."""
+    try:
+        return search(problem, first_sight(problem, solve_grid_time(problem, t_free=t_free)))
+    except ComputationError as error:
+        if error.outcome is not Outcome.NO_CONVERGENCE:
+            raise
+        return None
 
 
 def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:

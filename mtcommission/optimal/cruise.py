@@ -82,8 +82,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     label = f"boundary:{name}:+"
     hold = constant_arc(rise.t_f, begin, control=label, force=0.0)
     arcs = (*rise.arcs, hold, *(_mirrored(arc, begin) for arc in rise.arcs))
-    rate = max(1.0 / plant.force_lag, *(mode.natural_frequency for mode in plant.modes))
-    motion = follow(plant, arcs, rate=rate)
+    motion = follow(plant, arcs, rate=plant.fastest_rate)
     error = motion.final.copy()
     error[plant.position] -= L
     t_f = begin + rise.t_f
