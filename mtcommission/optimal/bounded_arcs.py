@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.solution import Arc
 
 Array = NDArray[np.float64]
 
@@ -72,6 +73,29 @@ class Sequence:
     def t_f(self) -> float:
         """Sum of the durations [s]."""
         return sum(piece.duration for piece in self.pieces)
+
+
+def arc_piece(problem: BoundedProblem, arc: Arc) -> Piece:
+    """Return an arc of a control as a piece of a sequence, by its label.
+
+    Parameters
+    ----------
+    problem
+        Holds the bound that the label names.
+    arc
+        Bang or boundary arc.
+
+    Returns
+    -------
+    Piece
+    """
+    kind, _, rest = arc.control.partition(":")
+    names = [limit.bound.name for limit in problem.limits]
+    return Piece(
+        limit=names.index(rest.partition(":")[0]) if kind == "boundary" else -1,
+        side=-1 if arc.control.endswith("-") or arc.control.startswith("-") else 1,
+        duration=arc.t_end - arc.t_start,
+    )
 
 
 def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array) -> Array:

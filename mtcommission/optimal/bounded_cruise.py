@@ -16,7 +16,7 @@ import numpy as np
 from mtcommission.errors import ComputationError
 from mtcommission.machine import Positioning
 from mtcommission.optimal.bounded_accept import Found
-from mtcommission.optimal.bounded_arcs import Piece, Sequence
+from mtcommission.optimal.bounded_arcs import Sequence, arc_piece
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight
 from mtcommission.optimal.bounded_problem import BoundedProblem
@@ -144,13 +144,7 @@ def _directly(problem: BoundedProblem) -> Found | None:
 
 def _stretched(problem: BoundedProblem, index: int, found: Found, longer: float) -> Sequence:
     """Return the sequence of a solution with its longest arc at max_velocity lengthened [s]."""
-    names = [limit.bound.name for limit in problem.limits]
-    pieces = []
-    for arc in found.motion.arcs:
-        kind, _, rest = arc.control.partition(":")
-        held = names.index(rest.partition(":")[0]) if kind == "boundary" else -1
-        side = -1 if arc.control.endswith("-") or arc.control.startswith("-") else 1
-        pieces.append(Piece(limit=held, side=side, duration=arc.t_end - arc.t_start))
+    pieces = [arc_piece(problem, arc) for arc in found.motion.arcs]
     cruise = [piece.duration if piece.limit == index else 0.0 for piece in pieces]
     longest = int(np.argmax(cruise))
     pieces[longest] = replace(pieces[longest], duration=pieces[longest].duration + longer)

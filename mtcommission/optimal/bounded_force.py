@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import log
 
-from mtcommission.optimal.bounded_arcs import Piece, Sequence
+from mtcommission.optimal.bounded_arcs import Piece, Sequence, arc_piece
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.solution import Arc
 from mtcommission.plant import Plant
@@ -81,21 +81,18 @@ def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -
     """
     f = problem.limits[index].bound.value
     short = PASSING * 0.5 * _ramp(problem, -f, f)
-    names = [limit.bound.name for limit in problem.limits]
     level, pieces = 0.0, list[Piece]()
     for arc, following in zip(arcs, (*arcs[1:], None), strict=True):
-        length = arc.t_end - arc.t_start
-        kind, _, rest = arc.control.partition(":")
-        is_bang = kind != "boundary"
+        piece = arc_piece(problem, arc)
+        is_bang = piece.limit < 0
         to_rest = following is None or following.control.startswith("boundary")
-        if is_bang and to_rest and length < short:
+        if is_bang and to_rest and piece.duration < short:
             continue
-        side = -1 if arc.control.endswith("-") or arc.control.startswith("-") else 1
-        target = side * f if is_bang else 0.0
+        target = piece.side * f if is_bang else 0.0
         ramp = _swing(problem, level, target)
-        hold = index if is_bang else names.index(rest.partition(":")[0])
-        span = sum(piece.duration for piece in ramp)
-        pieces += [*ramp, Piece(limit=hold, side=side, duration=length - span)]
+        hold = index if is_bang else piece.limit
+        span = sum(swing.duration for swing in ramp)
+        pieces += [*ramp, replace(piece, limit=hold, duration=piece.duration - span)]
         level = target
     return Sequence(pieces=(*pieces, *_swing(problem, level, 0.0)), touches=())
 
