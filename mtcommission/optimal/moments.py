@@ -13,7 +13,7 @@ overflows, however long the move.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import cos, expm1, sin
 
 import numpy as np
@@ -43,21 +43,36 @@ class MomentProblem:
         ψ = τ^degree: 0 for a velocity step, 1 for positioning.
     target
         ∫ ψ F_set dτ: m Δv [N s] or m L [N s²].
+
+    Attributes
+    ----------
+    magnitudes
+        |p| of each rate, shape (n_modes + 1,) [1/s].
+    differentiation
+        D with dφ/dτ = φ D as rows, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
     """
 
     rates: Complex
     degree: int
     target: float
+    magnitudes: Array = field(init=False)
+    differentiation: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Derive what is needed time and again."""
+        object.__setattr__(self, "magnitudes", np.abs(self.rates))
+        D = np.zeros((self.size, self.size))
+        *modes, lag = self.rates.tolist()
+        for i, p in enumerate(modes):
+            pair = slice(2 * i, 2 * i + 2)
+            D[pair, pair] = (p.real, p.imag), (-p.imag, p.real)
+        D[2 * len(modes), 2 * len(modes)] = lag.real
+        object.__setattr__(self, "differentiation", D)
 
     @property
     def size(self) -> int:
         """Number of moments that must vanish."""
         return 2 * self.rates.size - 1 + self.degree
-
-    @property
-    def magnitudes(self) -> Array:
-        """|p| of each rate, shape (n_modes + 1,) [1/s]."""
-        return np.asarray(np.abs(self.rates))
 
     def amplitudes(self, multipliers: Array) -> Array:
         """Return the magnitude of the multiplier of each rate, shape (n_modes + 1,)."""
@@ -71,26 +86,31 @@ class MomentProblem:
         """Return the multiplier of φ = 1; 0 for a velocity step."""
         return float(multipliers[-1]) if self.degree else 0.0
 
-    def slope_multipliers(self, multipliers: Array) -> Array:
-        """Return c' with Σ c_i dφ_i/dτ = Σ c'_i φ_i, shape (size,)."""
-        pairs = np.zeros(self.rates.size, dtype=np.complex128)
-        flat = pairs.view(np.float64)
-        flat[: 2 * self.rates.size - 1] = multipliers[: 2 * self.rates.size - 1]
-        # Re C e^{pτ} with C = c_1 - i c_2 has the slope Re C p e^{pτ}.
-        pairs *= self.rates.conj()
-        return flat[: self.size]
-
     def values(self, tau: Array) -> Array:
         """Return φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
         return self.columns(np.exp(tau[:, np.newaxis] * self.rates), 1.0)
 
     def values_and_slopes(self, tau: Array) -> tuple[Array, Array]:
         """Return φ and dφ/dτ at remaining times τ [s] of shape (k,), each of shape (k, size)."""
-        exponentials = np.exp(tau[:, np.newaxis] * self.rates)
-        return (
-            self.columns(exponentials, 1.0),
-            self.columns(exponentials * self.rates, 0.0),
-        )
+        values = self.values(tau)
+        return values, values @ self.differentiation
+
+    def joint_values(self, less_one: Complex, tau: Array) -> Array:
+        """Return φ and, last, ψ at τ given e^{pτ} - 1, as shape (k, size + 1)."""
+        return self._joint(less_one + 1.0, tau if self.degree else 1.0, 1.0)
+
+    def joint_integrals(self, less_one: Complex, tau: Array) -> Array:
+        """Return ∫_0^τ φ and, last, ∫_0^τ ψ given e^{pτ} - 1, as shape (k, size + 1)."""
+        return self._joint(less_one / self.rates, 0.5 * tau * tau if self.degree else tau, tau)
+
+    def _joint(self, modal: Complex, target: Array | float, constant: Array | float) -> Array:
+        columns = modal.view(np.float64)
+        if self.degree:
+            joint = np.empty((modal.shape[0], self.size + 1))
+            joint[:, :-2], joint[:, -2] = columns[:, :-1], constant
+            columns = joint
+        columns[:, -1] = target
+        return columns
 
     def integrals(self, tau: Array) -> Array:
         """Return ∫_0^τ φ at remaining times τ [s] of shape (k,), as shape (k, size)."""

@@ -132,7 +132,7 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
             multipliers=best.multipliers,
         ),
         residual=best.residual,
-        end_value=float(best.psi[-1] - best.phi[-1] @ best.multipliers),
+        end_value=float(best.functions[-1, -1] - best.functions[-1, :-1] @ best.multipliers),
         excess=float(defects[-1] - defects[:-1] @ best.multipliers),
     )
 
@@ -181,8 +181,8 @@ class _Point:
         Switches and final time, shape (k + 1,) [s].
     multipliers
         c, shape (size,).
-    phi, psi
-        At the ends, shapes (k + 1, size), (k + 1,).
+    functions
+        φ and ψ at the ends, shape (k + 1, size + 1).
     defects
         What must vanish: σ at the k switches, moments and missing target against their scales;
         shape (k + size + 1,).
@@ -192,8 +192,7 @@ class _Point:
 
     ends: Array
     multipliers: Array
-    phi: Array
-    psi: Array
+    functions: Array
     defects: Array
     residual: float
 
@@ -201,24 +200,24 @@ class _Point:
     def is_solved(self) -> bool:
         """Whether only rounding is left."""
         at_switches = self.defects[: self.ends.size - 1]
-        return self.residual <= CONVERGED and _largest(at_switches) <= ON_ZERO * float(self.psi[-1])
+        return self.residual <= CONVERGED and _largest(at_switches) <= ON_ZERO * float(
+            self.functions[-1, -1]
+        )
 
 
 def _point(system: _System, ends: Array, multipliers: Array) -> _Point:
-    problem, jumps, k = system.problem, system.jumps, ends.size - 1
+    problem, k = system.problem, ends.size - 1
     less_one: Complex = np.expm1(ends[:, np.newaxis] * problem.rates)
-    phi, psi = problem.columns(less_one + 1.0, 1.0), problem.target_values(ends)
-    integrals = problem.columns(less_one / problem.rates, ends)
+    functions = problem.joint_values(less_one, ends)
     defects = np.empty(k + system.scale.size)
-    np.subtract(psi[:k], phi[:k] @ multipliers, out=defects[:k])
-    np.matmul(jumps, integrals, out=defects[k:-1])
-    defects[-1] = jumps @ problem.target_integrals(ends) - system.scale[-1]
+    np.subtract(functions[:k, -1], functions[:k, :-1] @ multipliers, out=defects[:k])
+    np.matmul(system.jumps, problem.joint_integrals(less_one, ends), out=defects[k:])
+    defects[-1] -= system.scale[-1]
     defects[k:] *= system.inverse
     return _Point(
         ends=ends,
         multipliers=multipliers,
-        phi=phi,
-        psi=psi,
+        functions=functions,
         defects=defects,
         residual=_largest(defects[k:]),
     )
@@ -235,16 +234,14 @@ def _step(system: _System, here: _Point) -> tuple[Array, Array]:
 
 def _jacobian(system: _System, here: _Point) -> Array:
     """Return the derivatives of the defects by ends and minus the scaled multipliers."""
-    problem, jumps, k = system.problem, system.jumps, here.ends.size - 1
-    order = here.defects.size
+    problem, k, order = system.problem, here.ends.size - 1, here.defects.size
     matrix = np.zeros((order, order), order="F")
     diagonal = matrix.reshape(-1, order="F")[: k * (order + 1) : order + 1]
-    slopes = here.phi[:k] @ problem.slope_multipliers(here.multipliers)
+    slopes = here.functions[:k, :-1] @ (problem.differentiation @ here.multipliers)
     np.subtract(problem.degree, slopes, out=diagonal)
-    relative = here.phi * system.inverse[:-1]
-    matrix[:k, k + 1 :] = relative[:k]
-    matrix[k:-1, : k + 1] = relative.T * jumps
-    matrix[-1, : k + 1] = (system.inverse[-1] * here.psi) * jumps
+    relative = here.functions * system.inverse
+    matrix[:k, k + 1 :] = relative[:k, :-1]
+    np.multiply(relative.T, system.jumps, out=matrix[k:, : k + 1])
     return matrix
 
 

@@ -44,7 +44,7 @@ def values_and_slopes(
     """Return σ, dσ/dτ and φ at remaining times τ; shapes (k,), (k,), (k, size)."""
     phi = problem.values(tau)
     sigma = problem.target_values(tau) - phi @ multipliers
-    return sigma, problem.degree - phi @ problem.slope_multipliers(multipliers), phi
+    return sigma, problem.degree - phi @ (problem.differentiation @ multipliers), phi
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -255,7 +255,7 @@ def _doubtful_cells(mesh: Mesh, multipliers: Array, horizon: float) -> Array:
     problem, last = mesh.problem, int(mesh.nodes[:-1].searchsorted(horizon))
     nodes, length, values = mesh.nodes[: last + 1], mesh.lengths[:last], mesh.values[: last + 1]
     sigma = problem.target_values(nodes) - values @ multipliers
-    slope = problem.degree - values @ problem.slope_multipliers(multipliers)
+    slope = problem.degree - values @ (problem.differentiation @ multipliers)
     cells = np.empty((7, last))
     cells[0], cells[1], cells[2], cells[3] = nodes[:-1], length, sigma[:-1], sigma[1:]
     np.multiply(slope[:-1], length, out=cells[4])
