@@ -212,6 +212,7 @@ def _law_holds(
     last = (1.0 if claim.first_force > 0.0 else -1.0) * (-1.0) ** len(edges)
     signs = np.array([last, -last] * len(counts))[: len(counts)].repeat(counts)
     composed = sum(problem.amplitudes(claim.point.multipliers).tolist()) + claim.t_f**problem.degree
-    zero = SIGN_TOLERANCE * float(np.abs(samples.force).max()) + SIGN_ROUNDING * unit * composed
-    against = max(float((signs * samples.force).max()), float(at_switches.max(initial=0.0)))
-    return bool(against <= zero)
+    signed = signs * samples.force
+    against, largest = float(signed.max()), -float(signed.min())
+    zero = SIGN_TOLERANCE * max(against, largest) + SIGN_ROUNDING * unit * composed
+    return bool(max(against, float(at_switches.max(initial=0.0))) <= zero)

@@ -24,13 +24,13 @@ UNIT = 1.6
 TERMS = np.arange(22)
 """1.6^22 / 22! = 3e-17."""
 FACTORIALS = np.cumprod(np.maximum(TERMS, 1.0))[:, np.newaxis, np.newaxis]
-PIECES = np.arange(8) / 8
+PIECES = 8
+PIECES_POWERS = (np.arange(PIECES) / PIECES) ** TERMS[:, np.newaxis]
 SHORT = 0.2
 """Parts of a unit at which the sign is checked: steps of at most ``SHORT`` of the fastest pole."""
 DECAY = 41.0
 """e^-41 is below the unit roundoff: a mode is gone after DECAY times its time constant."""
-LEAST = 8
-"""Samples that are kept when all modes are gone."""
+TINY = 1e-300
 PLANTS = 32
 """Plants whose power series are kept."""
 
@@ -46,9 +46,7 @@ class DyadicFlow:
     unit
         Step [s]; the last double is the final time.
     series
-        Terms of the power series of the flow in τ / ``scale``, shape (TERMS, n + 1, n + 1).
-    scale
-        [s].
+        Terms of the power series of the flow in τ / unit, shape (TERMS, n + 1, n + 1).
     doubles
         Transposed flows over unit, 2 unit, 4 unit ..., each of shape (n + 1, n + 1).
     """
@@ -56,7 +54,6 @@ class DyadicFlow:
     plant: Plant
     unit: float
     series: Array
-    scale: float
     doubles: tuple[Array, ...]
 
 
@@ -79,16 +76,13 @@ def dyadic_flow(plant: Plant, problem: MomentProblem, *, t_f: float) -> DyadicFl
     Source: power series over the shortest step, then squaring; (x, F_set)' = [A B; 0 0] (x, F_set).
     """
     scale = 1.0 / float(problem.magnitudes.max())
-    series = _series(plant, scale)
     bits = max(0, ceil(log2(t_f / (scale * UNIT))))
     unit = t_f / 2.0**bits
-    powers = (unit / scale) ** TERMS
-    flow = (powers @ series.reshape(TERMS.size, -1)).reshape(series.shape[1:]).T
-    doubles = [flow]
+    series = _series(plant, scale) * ((unit / scale) ** TERMS)[:, np.newaxis, np.newaxis]
+    doubles = [series.sum(axis=0).T]
     for _ in range(bits):
-        flow = flow @ flow
-        doubles.append(flow)
-    return DyadicFlow(plant=plant, unit=unit, series=series, scale=scale, doubles=tuple(doubles))
+        doubles.append(doubles[-1] @ doubles[-1])
+    return DyadicFlow(plant=plant, unit=unit, series=series, doubles=tuple(doubles))
 
 
 @lru_cache(maxsize=PLANTS)
@@ -139,9 +133,9 @@ def final_state(flow: DyadicFlow, switching_times: Array, *, first_force: float)
     """
     n, bits = flow.plant.order, len(flow.doubles) - 1
     t_f = flow.unit * 2.0**bits
-    ends = np.append(t_f - switching_times[::-1], t_f)
-    whole = np.floor(ends / flow.unit).astype(np.int64)
-    rest = (ends - whole * flow.unit) / flow.scale
+    ends = np.concatenate((t_f - switching_times[::-1], (t_f,))) / flow.unit
+    whole = ends.astype(np.int64)
+    rest = ends - whole
     response = (rest[:, np.newaxis] ** TERMS) @ flow.series[:, :, n]
     is_in = (whole[:, np.newaxis] >> np.arange(bits + 1) & 1).astype(bool)
     for bit, double in enumerate(flow.doubles):
@@ -183,24 +177,61 @@ def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> Adj
     -------
     AdjointSamples
 
-    Source: λ(τ) = λ(t_f) e^{Aτ}, integrated from t_f on, the stable direction. Each doubling takes
-    all samples so far over as long again, and drops every second one once fast poles are gone.
+    Source: λ(τ) = λ(t_f) e^{Aτ}, integrated from t_f on, the stable direction. With τ = a + b,
+    λ_F is λ(t_f) e^{Aa} times the last column of e^{Ab}: rows for some long steps a and columns
+    for some short ones b make all samples. Once fast poles are gone, columns are left out.
     """
-    n, force = flow.plant.order, flow.plant.force
-    poles, unit = problem.rates.tolist(), flow.unit
-    tau, step, length = PIECES * unit, unit / PIECES.size, unit
-    rows = (tau / flow.scale)[:, np.newaxis] ** TERMS @ (end @ flow.series[:, :n, :n])
-    taus, values = [tau], [rows[:, force]]
-    for double in flow.doubles[:-1]:
-        fastest = max((abs(p) for p in poles if -p.real * length < DECAY), default=0.0)
-        while 2.0 * step * fastest <= SHORT and tau.size > LEAST:
-            rows, tau, step = rows[::2], tau[::2], 2.0 * step
-        taus.append(tau + length)
-        values.append(rows @ double[force, :n])
-        length *= 2.0
-        if double is not flow.doubles[-2]:
-            rows = np.concatenate((rows, rows @ double[:n, :n].T))
-            tau = np.concatenate((tau, taus[-1]))
-    taus.append(np.array([length]))
+    halves = (len(flow.doubles) - 1) // 2
+    columns = _force_columns(flow, halves)
+    rows = _adjoint_rows(flow, end, halves)
+    length = flow.unit * 2.0**halves
+    count, n, force = columns.shape[1], flow.plant.order, flow.plant.force
+    taus, values = [], []
+    for start, stop, stride in _strides(problem, len(rows), length, count):
+        taus.append(np.arange(start * count, stop * count, stride) * (length / count))
+        values.append((rows[start:stop] @ columns[:, ::stride]).ravel())
+    taus.append(np.array([length * len(rows)]))
     values.append(np.array([end @ flow.doubles[-1][force, :n]]))
     return AdjointSamples(tau=np.concatenate(taus), force=np.concatenate(values))
+
+
+def _force_columns(flow: DyadicFlow, doublings: int) -> Array:
+    """Return the last column of e^{Ab} for all b below the unit times 2^doublings."""
+    n, force, count = flow.plant.order, flow.plant.force, PIECES
+    columns = np.empty((n, count << doublings))
+    np.matmul(flow.series[:, :n, force].T, PIECES_POWERS, out=columns[:, :count])
+    for double in flow.doubles[:doublings]:
+        np.matmul(double[:n, :n].T, columns[:, :count], out=columns[:, count : 2 * count])
+        count *= 2
+    return columns
+
+
+def _adjoint_rows(flow: DyadicFlow, end: Array, skipped: int) -> Array:
+    """Return λ(t_f) e^{Aa} for all a below t_f that are multiples of the unit times 2^skipped."""
+    n, count = flow.plant.order, 1
+    doubles = flow.doubles[skipped:-1]
+    rows = np.empty((1 << len(doubles), n))
+    rows[0] = end
+    for double in doubles:
+        np.matmul(rows[:count], double[:n, :n].T, out=rows[count : 2 * count])
+        count *= 2
+    return rows
+
+
+def _strides(
+    problem: MomentProblem, n_rows: int, length: float, n_columns: int
+) -> list[tuple[int, int, int]]:
+    """Return (first row, end, stride over the columns), coarser once a fast pole has decayed."""
+    parts: list[tuple[int, int, int]] = []
+    start = 0
+    for pole in sorted(problem.rates.tolist(), key=abs, reverse=True):
+        # Until the pole is gone it sets the step; a slower one that is gone before sets none.
+        gone = min(n_rows, ceil(min(DECAY / max(-pole.real * length, TINY), n_rows)))
+        if gone > start:
+            allowed = max(1.0, SHORT * n_columns / (abs(pole) * length))
+            stride = min(n_columns, 1 << int(log2(allowed)))
+            parts.append((start, gone, stride))
+            start = gone
+    if start < n_rows:
+        parts.append((start, n_rows, n_columns))
+    return parts
