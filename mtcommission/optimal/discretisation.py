@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from math import nan
 from typing import Any
 
 import casadi as ca
@@ -28,11 +29,16 @@ from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
 
-REFINED_BARRIER = 1e-6
-"""First barrier parameter, and distance from the bounds, on a refined grid (empirical)."""
-
 LONGEST = 100.0
 """Longest final time that is searched, in units of its first guess."""
+
+
+class Aim(Enum):
+    """What is optimised: of these the second and third are convex."""
+
+    TIME = "least final time"
+    FUNCTIONAL = "least functional by a given time"
+    REACH = "largest multiple of the target by a given time"
 
 
 class Scheme(Enum):
@@ -54,8 +60,8 @@ class TranscriptionSettings:
     intervals
         N, at least 2.
     tolerance
-        IPOPT's tolerance on the scaled optimality conditions; a looser one blurs the switches
-        over several intervals.
+        IPOPT's tolerance on the optimality conditions, for an objective of about 1; a looser
+        one blurs the switches over several intervals.
     max_iterations
         IPOPT's limit.
     """
@@ -80,16 +86,14 @@ class GridProblem:
         Which states are prescribed at t_f, shape (n,).
     t_guess
         Unit of time [s]: the final time itself where it is given.
-    free_time
-        Whether t_f is to be minimised.
+    aim
+        What is optimised.
     weights
-        Scaled weights of the squared states, shape (n,); not used where t_f is minimised.
+        Scaled weights of the squared states, shape (n,); for the functional.
     rows
         Bounded signals, |rows x| <= 1 at the grid points, shape (k, n).
     start_states, start_control
-        Where IPOPT starts, on an even grid of its own: shapes (k + 1, n), (k,).
-    refined
-        Whether the start is the solution on a coarser grid.
+        Where IPOPT starts: shapes (N + 1, n), (N,).
     """
 
     A: Array
@@ -97,12 +101,11 @@ class GridProblem:
     target: Array
     fixed: NDArray[np.bool_]
     t_guess: float
-    free_time: bool
+    aim: Aim
     weights: Array
     rows: Array
     start_states: Array
     start_control: Array
-    refined: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -118,9 +121,12 @@ class GridSolution:
     control
         u of each interval, shape (N,).
     adjoint
-        λ of each interval, shape (N, n) [s per scaled state].
+        λ of each interval, shape (N, n), for ∫ 1 dt or the functional [s per scaled state].
     adjoint_initial
         λ(0), shape (n,), to the order of the grid.
+    reach, reach_rate
+        Multiple of the target that is reached, and its increase per time [-, 1/s]; 1 and nan
+        where the target itself is.
     """
 
     t_f: float
@@ -128,6 +134,8 @@ class GridSolution:
     control: Array
     adjoint: Array
     adjoint_initial: Array
+    reach: float
+    reach_rate: float
 
 
 def bounded_rows(plant: Plant, bounds: tuple[Bound, ...], *, state_scale: Array) -> Array:
@@ -171,40 +179,78 @@ def solve_grid(problem: GridProblem, settings: TranscriptionSettings) -> GridSol
         BOUND_CANNOT_HOLD if one with free t_f, NO_CONVERGENCE for its other failures.
     """
     n, N = problem.target.size, settings.intervals
-    x, u, time = ca.MX.sym("x", n, N + 1), ca.MX.sym("u", 1, N), ca.MX.sym("time")
-    step = time * problem.t_guess / N if problem.free_time else ca.DM(problem.t_guess / N)
-    defect = _defect(problem, settings.scheme).map(N)
-    defects = defect(x[:, :-1], x[:, 1:], u, ca.repmat(step, 1, N))
-    cost = time if problem.free_time else _cost(problem, settings.scheme, x, u)
-    variables = [ca.vec(x), ca.vec(u), *([time] if problem.free_time else [])]
-    bounded = ca.vec(ca.DM(problem.rows) @ x[:, 1:])
-    program = {
-        "x": ca.vertcat(*variables),
-        "f": cost,
-        "g": ca.vertcat(ca.vec(defects), bounded),
-    }
+    program = _program(problem, settings)
     solver = ca.nlpsol("transcription", "ipopt", program, _options(problem, settings, program))
     low, high = _box(problem, N)
+    equal = np.zeros(n * N + _end_rows(problem).size)
     limit = np.ones(problem.rows.shape[0] * N)
     answer = solver(
-        x0=_start(problem, N),
+        x0=_start(problem),
+        p=problem.t_guess,
         lbx=low,
         ubx=high,
-        lbg=np.concatenate([np.zeros(n * N), -limit]),
-        ubg=np.concatenate([np.zeros(n * N), limit]),
+        lbg=np.concatenate([equal, -limit]),
+        ubg=np.concatenate([equal, limit]),
     )
     _check(problem, settings, solver.stats())
     point = np.asarray(answer["x"]).ravel()
-    adjoint = -problem.t_guess * np.asarray(answer["lam_g"]).ravel()[: n * N].reshape(N, n)
-    t_f = problem.t_guess * (point[-1] if problem.free_time else 1.0)
+    last, reach_rate, unit = float(point[-1]), nan, 1.0 / _weight(problem, N)
+    t_f = problem.t_guess * (last if problem.aim is Aim.TIME else 1.0)
+    if problem.aim is Aim.REACH:
+        reach_rate = float(answer["lam_p"]) * unit
+        unit /= reach_rate * t_f
+    multipliers = np.asarray(answer["lam_g"]).ravel()[: n * N].reshape(N, n)
+    adjoint = -problem.t_guess * unit * multipliers
     _, E = _scheme_matrices(settings.scheme, t_f / N * problem.A)
     return GridSolution(
-        t_f=float(t_f),
+        t_f=t_f,
         states=point[: n * (N + 1)].reshape(N + 1, n),
         control=point[n * (N + 1) : n * (N + 1) + N],
         adjoint=adjoint,
         adjoint_initial=np.asarray(E.T @ adjoint[0]),
+        reach=last if problem.aim is Aim.REACH else 1.0,
+        reach_rate=reach_rate,
     )
+
+
+def _program(problem: GridProblem, settings: TranscriptionSettings) -> dict[str, Any]:
+    """Return the program over states, controls, and the final time or the multiple."""
+    n, N = problem.target.size, settings.intervals
+    x, u, last = ca.MX.sym("x", n, N + 1), ca.MX.sym("u", 1, N), ca.MX.sym("last")
+    unit = ca.MX.sym("unit")  # of time: a parameter, for the sensitivity to the final time
+    step = unit * (last if problem.aim is Aim.TIME else 1.0) / N
+    defect = _defect(problem, settings.scheme).map(N)
+    defects = defect(x[:, :-1], x[:, 1:], u, ca.repmat(step, 1, N))
+    ends = _end_rows(problem).tolist()
+    missed = x[ends, -1] - last * ca.DM(problem.target[ends])
+    if problem.aim is Aim.FUNCTIONAL:
+        cost, variables = _cost(problem, settings.scheme, x, u), [ca.vec(x), ca.vec(u)]
+    else:
+        sign = 1.0 if problem.aim is Aim.TIME else -1.0
+        cost, variables = sign * last, [ca.vec(x), ca.vec(u), last]
+    bounded = ca.vec(ca.DM(problem.rows) @ x[:, 1:])
+    return {
+        "x": ca.vertcat(*variables),
+        "p": unit,
+        "f": _weight(problem, N) * cost,
+        "g": ca.vertcat(ca.vec(defects), missed, bounded),
+    }
+
+
+def _weight(problem: GridProblem, N: int) -> float:
+    """Return the factor on the objective.
+
+    The multipliers of a force or a bound on one interval are about 1/N of the objective. N times
+    it makes them about 1, where IPOPT's barrier begins and ends; with multipliers of 1e-4
+    it loses the centre under bounds, and takes hundreds of steps of 1e-3 (N = 10 000). With an
+    unknown t_f the program is solved on coarse grids alone, and the factor gains nothing.
+    """
+    return 1.0 if problem.aim is Aim.TIME else float(N)
+
+
+def _end_rows(problem: GridProblem) -> NDArray[np.intp]:
+    """Return the states of which a multiple is to be reached."""
+    return np.flatnonzero(problem.fixed & (problem.aim is Aim.REACH))
 
 
 def _scheme_matrices(scheme: Scheme, Z: Any) -> tuple[Any, Any]:
@@ -248,19 +294,17 @@ def _options(
         "error_on_fail": False,
         "ipopt.print_level": 0,
         "ipopt.sb": "yes",
-        "ipopt.tol": settings.tolerance,
+        "ipopt.tol": settings.tolerance * _weight(problem, settings.intervals),
         "ipopt.max_iter": settings.max_iterations,
         "ipopt.acceptable_iter": 0,
         "ipopt.honor_original_bounds": "yes",
     }
-    if problem.free_time:
+    if problem.aim is Aim.TIME:
         options["hess_lag"] = _no_curvature(program)
     else:
         constant = ("jac_c_constant", "jac_d_constant", "hessian_constant")
         options |= {f"ipopt.{name}": "yes" for name in constant}
-    if problem.refined:
-        close = ("mu_init", "bound_push", "bound_frac")
-        options |= {f"ipopt.{name}": REFINED_BARRIER for name in close}
+        options["ipopt.nlp_scaling_method"] = "none"  # it would undo the factor
     return options
 
 
@@ -272,7 +316,7 @@ def _no_curvature(program: dict[str, Any]) -> Any:
     a linear program, so that Newton's method on these alone converges as fast.
     """
     size, rows = program["x"].shape[0], program["g"].shape[0]
-    arguments = [ca.MX.sym("x", size), ca.MX.sym("p", 0), ca.MX.sym("f"), ca.MX.sym("g", rows)]
+    arguments = [ca.MX.sym("x", size), ca.MX.sym("p"), ca.MX.sym("f"), ca.MX.sym("g", rows)]
     return ca.Function(
         "no_curvature",
         arguments,
@@ -286,21 +330,19 @@ def _box(problem: GridProblem, N: int) -> tuple[Array, Array]:
     n = problem.target.size
     low, high = np.full((N + 1, n), -np.inf), np.full((N + 1, n), np.inf)
     low[0] = high[0] = 0.0
-    low[-1, problem.fixed] = high[-1, problem.fixed] = problem.target[problem.fixed]
+    if problem.aim is not Aim.REACH:
+        low[-1, problem.fixed] = high[-1, problem.fixed] = problem.target[problem.fixed]
     parts_low, parts_high = [low.ravel(), -np.ones(N)], [high.ravel(), np.ones(N)]
-    if problem.free_time:
-        parts_low.append(np.array([1e-3]))
-        parts_high.append(np.array([LONGEST]))
+    if problem.aim is not Aim.FUNCTIONAL:
+        least, most = (1e-3, LONGEST) if problem.aim is Aim.TIME else (-np.inf, np.inf)
+        parts_low.append(np.array([least]))
+        parts_high.append(np.array([most]))
     return np.concatenate(parts_low), np.concatenate(parts_high)
 
 
-def _start(problem: GridProblem, N: int) -> Array:
-    given = np.linspace(0.0, 1.0, problem.start_states.shape[0])
-    wanted = np.linspace(0.0, 1.0, N + 1)
-    states = np.column_stack([np.interp(wanted, given, x) for x in problem.start_states.T])
-    control = problem.start_control[np.arange(N) * problem.start_control.size // N]
-    time = np.ones(int(problem.free_time))
-    return np.concatenate([states.ravel(), control, time])
+def _start(problem: GridProblem) -> Array:
+    last = np.ones(int(problem.aim is not Aim.FUNCTIONAL))
+    return np.concatenate([problem.start_states.ravel(), problem.start_control, last])
 
 
 def _check(problem: GridProblem, settings: TranscriptionSettings, stats: dict[str, Any]) -> None:
@@ -312,8 +354,9 @@ def _check(problem: GridProblem, settings: TranscriptionSettings, stats: dict[st
         f"{settings.scheme.value} scheme, {settings.intervals} intervals"
     )
     infeasible = status == "Infeasible_Problem_Detected"
-    if not infeasible or (problem.free_time and not problem.rows.size):
+    free_time = problem.aim is Aim.TIME
+    if problem.aim is Aim.REACH or not infeasible or (free_time and not problem.rows.size):
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
-    if problem.free_time:
+    if free_time:
         raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
     raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, f"t_f = {problem.t_guess:.6g} s: {detail}")

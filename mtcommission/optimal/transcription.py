@@ -21,6 +21,7 @@ from mtcommission.machine import Move, Positioning, Weight
 from mtcommission.optimal.bounded_refusal import explain_short_time
 from mtcommission.optimal.discretisation import (
     LONGEST,
+    Aim,
     GridProblem,
     GridSolution,
     TranscriptionSettings,
@@ -42,8 +43,15 @@ from mtcommission.plant import Plant
 Array = NDArray[np.float64]
 
 COARSEST = 500
-"""Intervals up to which a free-time problem is started from the rigid motion; a finer grid starts
-from the solution with a quarter of the intervals (empirical: cold, IPOPT crawls from 1600 on)."""
+"""Intervals up to which t_f is an unknown of the program (empirical: IPOPT crawls from 1600 on).
+On finer grids Newton's method finds t_f: one step on each four times finer grid, and on the
+last one until the target is reached."""
+
+MOST_TIMES = 12
+"""Final times that Newton's method may try (empirical: two to four are enough)."""
+
+REACHED = 1e-9
+"""Distance of the multiple that is reached from 1 at which t_f counts as found [-]."""
 
 SATURATED = 1e-5
 """Distance from the limit, in units of F_max, below which an interval counts as saturated:
@@ -92,7 +100,7 @@ def transcribe_time_optimal(
 
     Source: Christiansen, Maurer & Zirn, secs. 5 and 5.2.
     """
-    found, scales = _refine_grids(
+    found, scales = _shortest(
         plant, move, force_limit=force_limit, bounds=bounds, settings=settings
     )
     control = _snap(found.control) * force_limit
@@ -167,6 +175,7 @@ def transcribe_damping_optimal(
         scales=scales,
         t_f=t_f,
         force_limit=force_limit,
+        aim=Aim.FUNCTIONAL,
         weights=weights,
         intervals=settings.intervals,
     )
@@ -200,7 +209,7 @@ def transcribe_damping_optimal(
     )
 
 
-def _refine_grids(
+def _shortest(
     plant: Plant,
     move: Move,
     *,
@@ -208,43 +217,41 @@ def _refine_grids(
     bounds: tuple[Bound, ...],
     settings: TranscriptionSettings,
 ) -> tuple[GridSolution, Array]:
-    """Return the shortest move on the wanted grid, started from coarser ones, and its scales."""
+    """Return the shortest move on the wanted grid, and the scales of its states."""
     grids = [settings.intervals]
     while grids[-1] > COARSEST:
         grids.append(grids[-1] // 4)
     t_guess = _guess_time(plant, move, force_limit=force_limit)
-    scales = state_scales(plant, force_limit=force_limit, t_f=t_guess)
-    problem = _grid_problem(
-        plant,
-        move,
-        bounds=bounds,
-        scales=scales,
-        t_f=t_guess,
-        force_limit=force_limit,
-        weights=None,
-        intervals=grids[-1],
-    )
-    found = solve_grid(problem, replace(settings, intervals=grids[-1]))
-    if found.t_f > 0.999 * LONGEST * t_guess:
-        detail = f"IPOPT went to t_f = {found.t_f:.4g} s"
-        raise ComputationError(Outcome.BEYOND_HORIZON, detail)
-    for intervals in grids[-2::-1]:
-        coarse, old_scales = found, scales
-        scales = state_scales(plant, force_limit=force_limit, t_f=coarse.t_f)
+
+    def solve(t_f: float, aim: Aim, intervals: int) -> tuple[GridSolution, Array]:
+        scales = state_scales(plant, force_limit=force_limit, t_f=t_f)
         problem = _grid_problem(
             plant,
             move,
             bounds=bounds,
             scales=scales,
-            t_f=coarse.t_f,
+            t_f=t_f,
             force_limit=force_limit,
-            weights=None,
+            aim=aim,
+            weights=(),
             intervals=intervals,
         )
-        start = coarse.states * (old_scales / scales)
-        problem = replace(problem, start_states=start, start_control=coarse.control, refined=True)
-        found = solve_grid(problem, replace(settings, intervals=intervals))
-    return found, scales
+        return solve_grid(problem, replace(settings, intervals=intervals)), scales
+
+    found, scales = solve(t_guess, Aim.TIME, grids[-1])
+    if found.t_f > 0.999 * LONGEST * t_guess:
+        detail = f"IPOPT went to t_f = {found.t_f:.4g} s"
+        raise ComputationError(Outcome.BEYOND_HORIZON, detail)
+    if len(grids) == 1:
+        return found, scales
+    t_f = found.t_f
+    for intervals in (*grids[-2:0:-1], *([settings.intervals] * MOST_TIMES)):
+        found, scales = solve(t_f, Aim.REACH, intervals)
+        if intervals == settings.intervals and abs(found.reach - 1.0) < REACHED:
+            return found, scales
+        t_f += (1.0 - found.reach) / found.reach_rate
+    detail = f"{found.reach:.9g} of the target is reached at t_f = {found.t_f:.9g} s"
+    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
 
 
 def _guess_time(plant: Plant, move: Move, *, force_limit: float) -> float:
@@ -268,7 +275,8 @@ def _grid_problem(
     scales: Array,
     t_f: float,
     force_limit: float,
-    weights: tuple[Weight, ...] | None,
+    aim: Aim,
+    weights: tuple[Weight, ...],
     intervals: int,
 ) -> GridProblem:
     velocity_limit = move.max_velocity if isinstance(move, Positioning) else inf
@@ -276,7 +284,7 @@ def _grid_problem(
         velocity = plant.states[plant.velocity]
         bounds = (*bounds, Bound(name=velocity, value=velocity_limit))
     c = np.zeros(plant.order)
-    for weight in weights or ():
+    for weight in weights:
         c[plant.states.index(weight.state)] += weight.value
     target, fixed = terminal_target(plant, move)
     start = _rigid_motion(plant, move, target=target / scales, intervals=intervals)
@@ -286,12 +294,11 @@ def _grid_problem(
         target=target / scales,
         fixed=fixed,
         t_guess=t_f,
-        free_time=weights is None,
+        aim=aim,
         weights=c * (scales / force_limit) ** 2,
         rows=bounded_rows(plant, bounds, state_scale=scales),
         start_states=start,
         start_control=start[1:, plant.force],
-        refined=False,
     )
 
 
