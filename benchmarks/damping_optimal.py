@@ -1,17 +1,21 @@
-"""Time per damping-optimal solve, warm, beside the same problem by IPOPT: one core.
+"""CPU time per damping-optimal solve, warm, beside the same problem by IPOPT: one core.
 
 Then a survey of random problems, each integrated again by another method with an adjoint of its
 own (tests/independent_damping.py): the worst errors, and every problem that is not solved.
 
-OMP_NUM_THREADS=1 python -m benchmarks.damping_optimal
+OMP_NUM_THREADS=1 python -m benchmarks.damping_optimal [--peer-cells N ...] [--count N]
+
+IPOPT solves the package's own transcription: with t_f given it is a convex quadratic program.
 """
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable
+from functools import partial
 from math import pi
 from statistics import median
-from time import perf_counter, process_time
+from time import process_time
 
 import numpy as np
 
@@ -42,35 +46,48 @@ PAPER_WEIGHTS = tuple(  # Christiansen, Maurer & Zirn, eq. (17)
 def time_of(call: Callable[[], DampingOptimum], *, repeats: int) -> tuple[float, DampingOptimum]:
     result, times = call(), []
     for _ in range(repeats):
-        start = perf_counter()
+        start = process_time()
         result = call()
-        times.append(perf_counter() - start)
+        times.append(process_time() - start)
     return median(times), result
 
 
-def paper_cases(plant: Plant) -> None:
-    print("paper's machine, 2 kN: t_f [s], exact [ms], IPOPT N=1000 [ms], ratio, cost ratio - 1")
-    for t_f in (0.043525, 0.044, 0.0522, 0.07, 0.435):
+PAPER_TIME = 0.0522
+"""The paper's final time [s]; the others reach from just above t_f,min to ten times that."""
+
+
+def paper_cases(plant: Plant, cells: list[int]) -> None:
+    print("paper's machine, 2 kN: t_f [s], exact [ms], IPOPT's N, [ms], ratio, cost ratio - 1")
+    for t_f in (0.043525, 0.044, PAPER_TIME, 0.07, 0.435):
         ours, exact = time_of(
-            lambda t=t_f: solve_damping_optimal(
-                plant, STEP, force_limit=2e3, t_f=t, weights=PAPER_WEIGHTS
-            ),
-            repeats=15,
-        )
-        peer, grid = time_of(
-            lambda t=t_f: transcribe_damping_optimal(
+            partial(
+                solve_damping_optimal,
                 plant,
                 STEP,
                 force_limit=2e3,
-                t_f=t,
+                t_f=t_f,
+                weights=PAPER_WEIGHTS,
+            ),
+            repeats=15,
+        )
+        for N in cells if t_f == PAPER_TIME else cells[:1]:
+            start = process_time()
+            grid = transcribe_damping_optimal(
+                plant,
+                STEP,
+                force_limit=2e3,
+                t_f=t_f,
                 weights=PAPER_WEIGHTS,
                 bounds=(),
-                settings=TranscriptionSettings(intervals=1000),
-            ),
-            repeats=1,
-        )
-        error = grid.cost / exact.cost - 1.0
-        print(f"{t_f:9.6f} {1e3 * ours:7.1f} {1e3 * peer:8.0f} {peer / ours:6.0f} {error:10.1e}")
+                settings=TranscriptionSettings(intervals=N),
+            )
+            peer = process_time() - start
+            error = grid.cost / exact.cost - 1.0
+            print(
+                f"{t_f:9.6f} {1e3 * ours:7.1f} {N:6d} {1e3 * peer:8.0f} {peer / ours:6.0f}"
+                f" {error:10.1e}",
+                flush=True,
+            )
 
 
 def random_cases() -> None:
@@ -88,8 +105,13 @@ def random_cases() -> None:
             free = solve_damping_optimal(plant, move, force_limit=1e12, t_f=t_f, weights=weights)
             wanted = max(abs(float(arc.output @ arc.initial)) for arc in free.arcs)
             taken, _ = time_of(
-                lambda p=plant, m=move, F=0.93 * wanted, t=t_f, w=weights: solve_damping_optimal(
-                    p, m, force_limit=F, t_f=t, weights=w
+                partial(
+                    solve_damping_optimal,
+                    plant,
+                    move,
+                    force_limit=0.93 * wanted,
+                    t_f=t_f,
+                    weights=weights,
                 ),
                 repeats=3,
             )
@@ -137,7 +159,16 @@ def survey(count: int) -> None:
         print(f"  {name}: {max(values):.1e}, {median(values):.1e}")
 
 
-if __name__ == "__main__":
-    paper_cases(build_plant(paper_machine()))
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--peer-cells", type=int, nargs="*", default=[1000, 10000])
+    parser.add_argument("--count", type=int, default=200, help="random problems of the survey")
+    options = parser.parse_args()
+    paper_cases(build_plant(paper_machine()), options.peer_cells)
     random_cases()
-    survey(200)
+    if options.count:
+        survey(options.count)
+
+
+if __name__ == "__main__":
+    main()

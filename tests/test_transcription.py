@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.optimal import transcription
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.discretisation import Scheme, TranscriptionSettings
@@ -85,23 +87,64 @@ def exact() -> DampingOptimum:
     )
 
 
+SLOW_TOWER = (Bound(name="v_phi", value=0.005),)
+
+
+def bounded(intervals: int, scheme: Scheme) -> TimeOptimum:
+    return shortest(intervals, scheme, bounds=SLOW_TOWER)
+
+
+@pytest.mark.parametrize("solve", [shortest, bounded, smoothest])
 @pytest.mark.parametrize(
-    ("scheme", "order", "error"),
+    ("scheme", "order", "grids", "error"),
     [
-        (Scheme.EULER, 1.0, 0.12),  # of the state at t_f, see the module's docstring
-        (Scheme.TRAPEZOIDAL, 2.0, 1.1e-3),
-        (Scheme.GAUSS, 4.0, 2e-5),
+        (Scheme.EULER, 1.0, (400, 800), 0.1),  # of the state at t_f, see the module's docstring
+        (Scheme.TRAPEZOIDAL, 2.0, (200, 400), 2e-3),
+        (Scheme.GAUSS, 4.0, (50, 100), 2e-5),
     ],
 )
 def test_terminal_error_shrinks_with_the_order_of_the_scheme(
-    scheme: Scheme, order: float, error: float
+    solve: Callable[[int, Scheme], TimeOptimum | DampingOptimum],
+    scheme: Scheme,
+    order: float,
+    grids: tuple[int, int],
+    error: float,
 ) -> None:
     n = build_plant(paper_machine()).order
-    grids = (50, 100) if scheme is Scheme.GAUSS else (200, 400)
-    found = [smoothest(N, scheme) for N in grids]
+    found = [solve(N, scheme) for N in grids]
     coarse, fine = (float(np.abs(each.terminal_error / each.peaks[:n]).max()) for each in found)
     assert fine < error
     assert np.log2(coarse / fine) == pytest.approx(order, abs=0.2)
+
+
+@pytest.mark.parametrize("scheme", [Scheme.TRAPEZOIDAL, Scheme.GAUSS])
+@pytest.mark.parametrize("bounds", [(), SLOW_TOWER])
+def test_times_converge_to_the_exact_ones_at_second_order(
+    scheme: Scheme, bounds: tuple[Bound, ...]
+) -> None:
+    # over 50 ... 400 intervals: where a switch lies inside its interval is another on each grid
+    plant = build_plant(paper_machine())
+    exact = solve_bounded_time_optimal(plant, STEP, force_limit=2e3, bounds=bounds).t_f
+    grids = np.array([50, 100, 200, 400])
+    errors = [shortest(int(N), scheme, bounds=bounds).t_f / exact - 1.0 for N in grids]
+    slope, _ = np.polyfit(np.log(grids), np.log(errors), 1)
+    assert -slope == pytest.approx(2.0, abs=0.4)
+    assert abs(errors[-1]) < 1.2e-4
+
+
+@pytest.mark.parametrize("bounds", [(), SLOW_TOWER])
+def test_time_by_newton_is_that_of_the_program_with_unknown_time(
+    bounds: tuple[Bound, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A wrong sensitivity or scale of the multipliers would show on fine grids alone.
+    unknown = shortest(200, bounds=bounds)
+    monkeypatch.setattr(transcription, "COARSEST", 60)
+    newton = shortest(200, bounds=bounds)
+    assert newton.t_f == pytest.approx(unknown.t_f, rel=1e-8)
+    theirs, ours = (each.certificate.adjoint_initial for each in (unknown, newton))
+    fixed = [0, 2, 3, 4, 5, 6]
+    assert ours[fixed] == pytest.approx(theirs[fixed], rel=1e-4)
+    assert newton.certificate.switching_law_holds
 
 
 def test_cost_converges_to_the_exact_one_at_second_order(exact: DampingOptimum) -> None:

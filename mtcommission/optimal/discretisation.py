@@ -295,6 +295,8 @@ def _options(
         "ipopt.print_level": 0,
         "ipopt.sb": "yes",
         "ipopt.tol": settings.tolerance * _weight(problem, settings.intervals),
+        # not scaled with the objective: errors of all intervals add up at t_f
+        "ipopt.constr_viol_tol": settings.tolerance,
         "ipopt.max_iter": settings.max_iterations,
         "ipopt.acceptable_iter": 0,
         "ipopt.honor_original_bounds": "yes",
