@@ -8,11 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dgesv
 
-from mtcommission.machine import Positioning
 from mtcommission.optimal.mesh import Grading
-from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
-from mtcommission.optimal.peaks import signal_rows
+from mtcommission.optimal.moments import PLANTS, MomentProblem, all_moment_rows
 from mtcommission.optimal.switching import newton_quotient
 from mtcommission.plant import Plant
 
@@ -24,8 +23,6 @@ RADIANS_PER_CELL = 0.35
 """Mesh for peaks against the fastest pole (empirical): cubics through it err by 4e-5 of an
 oscillation and by 3e-4 of a radian in the place of its peak; the series of third order there then
 errs by the fourth power of that."""
-PLANTS = 32
-"""Plants whose rows are kept."""
 SELECTION_MARGIN = 1e-3
 """Relative reserve for the error of the cubics."""
 NEAR = 0.1
@@ -41,42 +38,45 @@ class SignalRows:
 
     Parameters
     ----------
-    problem
-        Moment functions with ψ = τ, so that every state follows from the moments.
+    rates
+        Of the moment functions, shape (n_rates,) [1/s].
     derivatives
-        Rows that take the moments to the signals and their first three derivatives, but for
-        the force's own part, shape (4, n_signals, n).
+        Rows that take the moments, those of 1 and τ last, to the signals and their first three
+        derivatives, but for the force's own part, shape (4, n_signals, n).
     of_force
         That part per newton of F_set, shape (4, n_signals); 0 for the signals themselves.
     """
 
-    problem: MomentProblem
+    rates: Complex
     derivatives: Array
     of_force: Array
 
 
 @lru_cache(maxsize=PLANTS)
-def signals_of_moments(plant: Plant) -> SignalRows:
+def signals_of_moments(plant: Plant, problem: MomentProblem) -> SignalRows:
     """Return how ``Plant.signals`` follow from moments.
 
     Parameters
     ----------
     plant
         Plant with n states.
+    problem
+        A moment problem of it.
 
     Returns
     -------
     SignalRows
     """
-    problem = moment_problem(plant, Positioning(distance=1.0))
-    rows = np.empty((4, len(plant.signals), plant.order))
-    rows[0] = signal_rows(plant)
+    n, moments = plant.order, all_moment_rows(plant)
+    rows = np.empty((4, len(plant.signals), n))
+    rows[0, :n] = dgesv(moments, np.eye(n))[2]
+    np.matmul(plant.C, rows[0, :n], out=rows[0, n:])
+    # Moments m of a force obey dm/dt = D^T m + (rows B) F_set.
     for before, after in pairwise(rows):
-        np.matmul(before, plant.A, out=after)
+        np.matmul(before, problem.joint_differentiation.T, out=after)
     of_force = np.zeros(rows.shape[:2])
-    np.matmul(rows[:-1], plant.B, out=of_force[1:])
-    states = np.linalg.inv(moment_rows(plant, problem))
-    return SignalRows(problem=problem, derivatives=rows @ states, of_force=of_force)
+    np.matmul(rows[:-1].reshape(-1, n), moments @ plant.B, out=of_force[1:].reshape(-1))
+    return SignalRows(rates=problem.rates, derivatives=rows, of_force=of_force)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,7 +110,12 @@ class BangBangMotion:
 
 
 def bang_bang_motion(
-    plant: Plant, switching_times: Array, *, t_f: float, first_force: float
+    plant: Plant,
+    problem: MomentProblem,
+    switching_times: Array,
+    *,
+    t_f: float,
+    first_force: float,
 ) -> BangBangMotion:
     """Return the motion under a force that changes sign at the given times.
 
@@ -118,6 +123,8 @@ def bang_bang_motion(
     ----------
     plant
         The plant, at rest at t = 0.
+    problem
+        A moment problem of it.
     switching_times
         Ascending, shape (n_switches,) [s].
     t_f
@@ -131,15 +138,15 @@ def bang_bang_motion(
 
     Source: variation of constants in modal coordinates.
     """
-    rows, count = signals_of_moments(plant), switching_times.size + 1
+    rows, count = signals_of_moments(plant, problem), switching_times.size + 1
     edges = np.concatenate(((0.0,), switching_times, (t_f,)))
     lengths = edges[1:] - edges[:-1]
     forces = np.full(count, first_force)
     forces[1::2] = -first_force
-    steady = forces[:, np.newaxis] / rows.problem.rates
-    less_one = np.expm1(lengths[:, np.newaxis] * rows.problem.rates)
+    steady = forces[:, np.newaxis] / rows.rates
+    less_one = np.expm1(lengths[:, np.newaxis] * rows.rates)
     growth, gain = less_one + 1.0, less_one * steady
-    known = [[0j] * rows.problem.rates.size]
+    known = [[0j] * rows.rates.size]
     for grown, gained in zip(growth[:-1].tolist(), gain[:-1].tolist(), strict=True):
         known.append([g * z + d for g, z, d in zip(grown, known[-1], gained, strict=True)])
     gathered = np.array(known)
@@ -202,24 +209,16 @@ def signal_peaks(motion: BangBangMotion, grading: Grading) -> Array:
     Source: cubic Hermite interpolation shows where a peak is possible; there Newton's method on
     the exact derivative.
     """
-    cells, rows = _cells(motion, grading), motion.rows
-    arc, step = cells.arc[:-1], cells.step
-    values, rates = rows.derivatives[:2] @ _moments_at_nodes(motion, cells).T
-    drive = rows.of_force[1, :, np.newaxis] * motion.forces.take(arc)
-    first, last = step * (rates[:, :-1] + drive), step * (rates[:, 1:] + drive)
-    size = np.abs(values)
-    largest = size.max(axis=1)
-    signal, cell = _may_peak(values, size, first, last, largest).nonzero()
-    if not cell.size:
-        return np.asarray(largest)
-    at = signal, cell
-    share = _peak_of_cubic(values[at], values[signal, cell + 1], first[at], last[at])
-    on, length = arc.take(cell), step.take(cell)
+    rows, cells = motion.rows, _cells(motion, grading)
+    cubics = _cubics(motion, cells)
+    largest = np.abs(cubics.values).max(axis=1)
+    signal, cell, share = _possible_peaks(cubics, largest)
+    on, length = cells.arc.take(cell), cells.step.take(cell)
     since = cells.since.take(cell) + share * length
-    less_one = np.expm1(since[:, np.newaxis] * rows.problem.rates)
+    less_one = np.expm1(since[:, np.newaxis] * rows.rates)
     there = moments_at(motion, since, on, less_one)
-    series = (rows.derivatives[:, signal] * there).sum(axis=2)
-    series += rows.of_force[:, signal] * motion.forces.take(on)
+    series = (rows.derivatives.take(signal, axis=1) * there).sum(axis=2)
+    series += rows.of_force.take(signal, axis=1) * motion.forces.take(on)
     value, slope, bend, jerk = series
     shift = -newton_quotient(slope, bend)
     # Where a fast pole has nearly decayed a cubic may see a peak that is none: stay in its place.
@@ -278,19 +277,57 @@ def _cells(motion: BangBangMotion, grading: Grading) -> _Cells:
     return _Cells(nodes=nodes, index=index, arc=arc, since=since, step=step)
 
 
-def _moments_at_nodes(motion: BangBangMotion, cells: _Cells) -> Array:
-    less_one = np.expm1(cells.nodes[:, np.newaxis] * motion.rows.problem.rates)
-    return moments_at(motion, cells.since, cells.arc, less_one.take(cells.index, axis=0))
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Cubics:
+    """Cubics through the signals and their rates at the ends of the cells.
+
+    Parameters
+    ----------
+    values
+        Shape (n_signals, n_cells + 1).
+    first, last
+        A third of the length times the rate at the start and end, shape (n_signals, n_cells).
+    """
+
+    values: Array
+    first: Array
+    last: Array
 
 
-def _may_peak(
-    values: Array, size: Array, first: Array, last: Array, largest: Array
-) -> NDArray[np.bool_]:
-    inner = np.maximum(np.abs(values[:, :-1] + first / 3.0), np.abs(values[:, 1:] - last / 3.0))
+def _cubics(motion: BangBangMotion, cells: _Cells) -> _Cubics:
+    rows = motion.rows
+    less_one = np.expm1(cells.nodes[:, np.newaxis] * rows.rates)
+    moments = moments_at(motion, cells.since, cells.arc, less_one.take(cells.index, axis=0))
+    n_signals, n = rows.derivatives.shape[1:]
+    both = rows.derivatives[:2].reshape(-1, n) @ moments.T
+    rates, third = both[n_signals:], cells.step / 3.0
+    first, last = third * rates[:, :-1], third * rates[:, 1:]
+    push = third * motion.forces.take(cells.arc[:-1])
+    # The set force acts on the rate of the drive's force alone, and there it jumps.
+    for i in rows.of_force[1].nonzero()[0].tolist():
+        by_force = rows.of_force[1, i] * push
+        first[i] += by_force
+        last[i] += by_force
+    return _Cubics(values=both[:n_signals], first=first, last=last)
+
+
+def _possible_peaks(cubics: _Cubics, largest: Array) -> tuple[Index, Index, Array]:
+    """Return signal, cell, and share of the cell where a magnitude may exceed the largest so far.
+
+    A cubic stays within its control points.
+    """
+    left, right = cubics.values[:, :-1], cubics.values[:, 1:]
+    inner = np.maximum(np.abs(left + cubics.first), np.abs(right - cubics.last))
+    at = (inner >= (largest / (1.0 + SELECTION_MARGIN))[:, np.newaxis]).ravel().nonzero()[0]
     # A plateau is nearly largest everywhere, but its control points do not rise above its ends.
-    limit = largest[:, np.newaxis]
-    rises = inner > np.maximum(size[:, :-1], size[:, 1:]) + ROUNDOFF_MARGIN * limit
-    return np.asarray(rises & (inner * (1.0 + SELECTION_MARGIN) >= limit))
+    signal = at // inner.shape[1]
+    start = cubics.values.take(at + signal)
+    end = cubics.values.take(at + signal + 1)
+    outer = np.maximum(np.abs(start), np.abs(end)) + ROUNDOFF_MARGIN * largest.take(signal)
+    rises = inner.take(at) > outer
+    at, signal, start, end = at[rises], signal[rises], start[rises], end[rises]
+    share = _peak_of_cubic(start, end, 3.0 * cubics.first.take(at), 3.0 * cubics.last.take(at))
+    return signal, at % inner.shape[1], share
 
 
 def _peak_of_cubic(left: Array, right: Array, first: Array, last: Array) -> Array:

@@ -66,7 +66,9 @@ def prove_bound(point: DualPoint, *, span: float) -> float:
     bound -= min(2.0 * doubt / max(point.end_value, 1e-300) + ROUNDOFF * bound, 0.5 * bound)
     for attempt in range(LOWERINGS):
         inside = point.zeros[point.zeros < bound]
-        integral = integrate_switching(problem, point.multipliers, np.append(inside, bound))
+        integral = integrate_switching(
+            problem, point.multipliers, np.concatenate((inside, (bound,)))
+        )
         excess = float(integral.value - span) + integral.allowance + doubt
         if excess <= 0.0:
             return bound * (1.0 - 4.0 * ROUNDOFF)

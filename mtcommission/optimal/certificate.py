@@ -107,11 +107,11 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     span = problem.target / abs(claim.first_force)
     bound = min(prove_bound(claim.point, span=span), claim.t_f)
     # In the order of time, so those at t = 0 come first.
-    remaining = claim.t_f - np.append(0.0, claim.switching_times)
+    remaining = claim.t_f - np.concatenate(((0.0,), claim.switching_times))
     sigma, slopes, phi = values_and_slopes(problem, multipliers, remaining)
     factor, rank, condition = 1.0 / abs(claim.first_force * float(sigma[0])), -1, nan
     unit, rows = factor * flow.plant.force_lag, factor * moment_rows(flow.plant, problem)
-    end = np.append(multipliers, -1.0) @ rows
+    end = multipliers @ rows[:-1] - rows[-1]
     if remaining.size == problem.size + 1:
         values = dgesdd(_scaled(phi, problem.target_values(remaining)), compute_uv=0)[1].tolist()
         rank = sum(value > RANK_TOLERANCE * values[0] for value in values)

@@ -10,6 +10,7 @@ T' is quasi-concave in c, its maximum is t_f, and there sign σ_c is the optimal
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,7 @@ class DualPoint:
         return np.asarray(sign_jumps(self.zeros.size, first_sign=self.first_sign) @ integrals)
 
 
+@lru_cache(maxsize=64)
 def sign_jumps(count: int, *, first_sign: float) -> Array:
     """Return the weights w with ∫ sign f = Σ w_k P(end_k), P the primitive of f from 0.
 
@@ -96,6 +98,7 @@ def sign_jumps(count: int, *, first_sign: float) -> Array:
     jumps = np.full(count + 1, 2.0 * first_sign)
     jumps[1::2] *= -1.0
     jumps[-1] *= 0.5
+    jumps.setflags(write=False)
     return jumps
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.dual import sign_jumps
-from mtcommission.optimal.moments import MomentProblem
+from mtcommission.optimal.moments import PLANTS, MomentProblem
 from mtcommission.plant import Plant
 
 Array = NDArray[np.float64]
@@ -31,30 +31,48 @@ SHORT = 0.2
 DECAY = 41.0
 """e^-41 is below the unit roundoff: a mode is gone after DECAY times its time constant."""
 TINY = 1e-300
-PLANTS = 32
-"""Plants whose power series are kept."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DyadicSteps:
+    """The flow of (x, F_set) of a plant with n states over a step and its doubles.
+
+    Parameters
+    ----------
+    series
+        Terms of the power series of the flow in τ / step, shape (TERMS, n + 1, n + 1).
+    doubles
+        Transposed flows over 1, 2, 4 ... steps, each of shape (n + 1, n + 1).
+    columns
+        Last column of e^{Aτ} at every ``PIECES``th part of a step, for 2^k steps with k half the
+        number of doublings, shape (n, PIECES 2^k).
+    """
+
+    series: Array
+    doubles: tuple[Array, ...]
+    columns: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DyadicFlow:
-    """The flow of (x, F_set) over a step and its doubles up to the final time.
+    """The plant's own motion up to a final time.
 
     Parameters
     ----------
     plant
         Plant with n states.
+    t_f
+        Final time [s].
     unit
-        Step [s]; the last double is the final time.
-    series
-        Terms of the power series of the flow in τ / unit, shape (TERMS, n + 1, n + 1).
-    doubles
-        Transposed flows over unit, 2 unit, 4 unit ..., each of shape (n + 1, n + 1).
+        Length of a step [s].
+    steps
+        Their flow; the last double reaches the final time.
     """
 
     plant: Plant
+    t_f: float
     unit: float
-    series: Array
-    doubles: tuple[Array, ...]
+    steps: DyadicSteps
 
 
 def dyadic_flow(plant: Plant, problem: MomentProblem, *, t_f: float) -> DyadicFlow:
@@ -75,17 +93,26 @@ def dyadic_flow(plant: Plant, problem: MomentProblem, *, t_f: float) -> DyadicFl
 
     Source: power series over the shortest step, then squaring; (x, F_set)' = [A B; 0 0] (x, F_set).
     """
-    scale = 1.0 / float(problem.magnitudes.max())
-    bits = max(0, ceil(log2(t_f / (scale * UNIT))))
-    unit = t_f / 2.0**bits
-    series = _series(plant, scale) * ((unit / scale) ** TERMS)[:, np.newaxis, np.newaxis]
-    doubles = [series.sum(axis=0).T]
-    for _ in range(bits):
-        doubles.append(doubles[-1] @ doubles[-1])
-    return DyadicFlow(plant=plant, unit=unit, series=series, doubles=tuple(doubles))
+    unit = UNIT / max(problem.magnitudes.tolist())
+    bits = max(0, ceil(log2(t_f / unit)))
+    return DyadicFlow(plant=plant, t_f=t_f, unit=unit, steps=_steps(plant, unit, bits))
 
 
 @lru_cache(maxsize=PLANTS)
+def _steps(plant: Plant, unit: float, bits: int) -> DyadicSteps:
+    series = _series(plant, unit)
+    doubles = [series.sum(axis=0).T]
+    for _ in range(bits):
+        doubles.append(doubles[-1] @ doubles[-1])
+    n, force, count, halves = plant.order, plant.force, PIECES, bits // 2
+    columns = np.empty((n, PIECES << halves))
+    np.matmul(series[:, :n, force].T, PIECES_POWERS, out=columns[:, :count])
+    for double in doubles[:halves]:
+        np.matmul(double[:n, :n].T, columns[:, :count], out=columns[:, count : 2 * count])
+        count *= 2
+    return DyadicSteps(series=series, doubles=tuple(doubles), columns=columns)
+
+
 def _series(plant: Plant, scale: float) -> Array:
     n = plant.order
     joint = np.zeros((n + 1, n + 1))
@@ -94,8 +121,8 @@ def _series(plant: Plant, scale: float) -> Array:
     powers[0], powers[1] = np.eye(n + 1), joint
     known = 1
     while known + 1 < TERMS.size:
-        more = powers[known + 1 : 2 * known + 1]
-        np.matmul(powers[1 : len(more) + 1], powers[known], out=more)
+        more = powers[known + 1 : 2 * known + 1].reshape(-1, n + 1)
+        np.matmul(powers[1:].reshape(-1, n + 1)[: len(more)], powers[known], out=more)
         known *= 2
     return np.asarray(powers / FACTORIALS)
 
@@ -131,14 +158,13 @@ def final_state(flow: DyadicFlow, switching_times: Array, *, first_force: float)
     >>> [round(float(x[i]), 6) for i in (plant.position, plant.velocity)]
     [0.999994, 0.0025]
     """
-    n, bits = flow.plant.order, len(flow.doubles) - 1
-    t_f = flow.unit * 2.0**bits
-    ends = np.concatenate((t_f - switching_times[::-1], (t_f,))) / flow.unit
+    n, doubles = flow.plant.order, flow.steps.doubles
+    ends = np.concatenate((flow.t_f - switching_times[::-1], (flow.t_f,))) / flow.unit
     whole = ends.astype(np.int64)
     rest = ends - whole
-    response = (rest[:, np.newaxis] ** TERMS) @ flow.series[:, :, n]
-    is_in = (whole[:, np.newaxis] >> np.arange(bits + 1) & 1).astype(bool)
-    for bit, double in enumerate(flow.doubles):
+    response = (rest[:, np.newaxis] ** TERMS) @ flow.steps.series[:, :, n]
+    is_in = (whole[:, np.newaxis] >> np.arange(len(doubles)) & 1).astype(bool)
+    for bit, double in enumerate(doubles):
         np.copyto(response, response @ double, where=is_in[:, bit, np.newaxis])
     last_sign = (-1.0) ** switching_times.size
     jumps = sign_jumps(switching_times.size, first_sign=last_sign)
@@ -181,41 +207,42 @@ def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> Adj
     λ_F is λ(t_f) e^{Aa} times the last column of e^{Ab}: rows for some long steps a and columns
     for some short ones b make all samples. Once fast poles are gone, columns are left out.
     """
-    halves = (len(flow.doubles) - 1) // 2
-    columns = _force_columns(flow, halves)
-    rows = _adjoint_rows(flow, end, halves)
-    length = flow.unit * 2.0**halves
-    count, n, force = columns.shape[1], flow.plant.order, flow.plant.force
+    columns = flow.steps.columns
+    count, short = columns.shape[1], flow.unit / PIECES
+    rows = _adjoint_rows(flow, end, every=count // PIECES)
     taus, values = [], []
-    for start, stop, stride in _strides(problem, len(rows), length, count):
-        taus.append(np.arange(start * count, stop * count, stride) * (length / count))
+    for start, stop, stride in _strides(problem, len(rows), count * short, count):
+        taus.append(np.arange(start * count, stop * count, stride) * short)
         values.append((rows[start:stop] @ columns[:, ::stride]).ravel())
-    taus.append(np.array([length * len(rows)]))
-    values.append(np.array([end @ flow.doubles[-1][force, :n]]))
+    inside = taus[-1].searchsorted(flow.t_f)
+    taus[-1], values[-1] = taus[-1][:inside], values[-1][:inside]
+    taus.append(np.array([flow.t_f]))
+    values.append(np.array([_adjoint_at_end(flow, rows[-1], (len(rows) - 1) * count * short)]))
     return AdjointSamples(tau=np.concatenate(taus), force=np.concatenate(values))
 
 
-def _force_columns(flow: DyadicFlow, doublings: int) -> Array:
-    """Return the last column of e^{Ab} for all b below the unit times 2^doublings."""
-    n, force, count = flow.plant.order, flow.plant.force, PIECES
-    columns = np.empty((n, count << doublings))
-    np.matmul(flow.series[:, :n, force].T, PIECES_POWERS, out=columns[:, :count])
-    for double in flow.doubles[:doublings]:
-        np.matmul(double[:n, :n].T, columns[:, :count], out=columns[:, count : 2 * count])
-        count *= 2
-    return columns
-
-
-def _adjoint_rows(flow: DyadicFlow, end: Array, skipped: int) -> Array:
-    """Return λ(t_f) e^{Aa} for all a below t_f that are multiples of the unit times 2^skipped."""
-    n, count = flow.plant.order, 1
-    doubles = flow.doubles[skipped:-1]
-    rows = np.empty((1 << len(doubles), n))
+def _adjoint_rows(flow: DyadicFlow, end: Array, *, every: int) -> Array:
+    """Return λ(t_f) e^{Aa} for all a before t_f, ``every`` steps apart, a power of 2."""
+    n, known = flow.plant.order, 1
+    rows = np.empty((ceil(flow.t_f / (flow.unit * every)), n))
     rows[0] = end
-    for double in doubles:
-        np.matmul(rows[:count], double[:n, :n].T, out=rows[count : 2 * count])
-        count *= 2
+    for double in flow.steps.doubles[every.bit_length() - 1 :]:
+        if known >= len(rows):
+            break
+        more = rows[known : 2 * known]
+        np.matmul(rows[: len(more)], double[:n, :n].T, out=more)
+        known *= 2
     return rows
+
+
+def _adjoint_at_end(flow: DyadicFlow, row: Array, start: float) -> float:
+    """Return λ_F at τ = t_f, given λ at the last row's τ."""
+    n, columns, series = flow.plant.order, flow.steps.columns, flow.steps.series
+    pieces = PIECES * (flow.t_f - start) / flow.unit
+    whole = min(int(pieces), columns.shape[1] - 1)
+    powers = ((pieces - whole) / PIECES) ** TERMS
+    rest = (powers @ series.reshape(TERMS.size, -1)).reshape(series.shape[1:])
+    return float(row @ rest[:n, :n] @ columns[:, whole])
 
 
 def _strides(

@@ -14,6 +14,7 @@ overflows, however long the move.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import cos, expm1, sin
 
 import numpy as np
@@ -29,6 +30,8 @@ SAMPLES = 400
 """Where moment functions are compared, enough for moves of some dozen radians; longer ones tell
 all modes apart."""
 TINY = 1e-300
+PLANTS = 128
+"""Plants whose moment problems are kept."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,26 +51,37 @@ class MomentProblem:
     ----------
     magnitudes
         |p| of each rate, shape (n_modes + 1,) [1/s].
+    at_zero
+        φ(0) and, last, ψ(0), shape (size + 1,).
+    joint_differentiation
+        D with dφ/dτ = φ D as rows, for the functions of all rates, 1 and τ, shape
+        (2 n_modes + 3, 2 n_modes + 3) [1/s].
     differentiation
-        D with dφ/dτ = φ D as rows, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
+        The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
     """
 
     rates: Complex
     degree: int
     target: float
     magnitudes: Array = field(init=False)
+    at_zero: Array = field(init=False)
+    joint_differentiation: Array = field(init=False)
     differentiation: Array = field(init=False)
 
     def __post_init__(self) -> None:
         """Derive what is needed time and again."""
         object.__setattr__(self, "magnitudes", np.abs(self.rates))
-        D = np.zeros((self.size, self.size))
         *modes, lag = self.rates.tolist()
+        D = np.zeros((2 * len(modes) + 3, 2 * len(modes) + 3))
         for i, p in enumerate(modes):
             pair = slice(2 * i, 2 * i + 2)
             D[pair, pair] = (p.real, p.imag), (-p.imag, p.real)
-        D[2 * len(modes), 2 * len(modes)] = lag.real
-        object.__setattr__(self, "differentiation", D)
+        D[-3, -3], D[-2, -1] = lag.real, 1.0
+        at_zero = np.zeros(self.size + 1)
+        at_zero[0 : 2 * len(modes) + 1 : 2] = at_zero[2 * len(modes) + 1] = 1.0
+        object.__setattr__(self, "at_zero", at_zero)
+        object.__setattr__(self, "joint_differentiation", D)
+        object.__setattr__(self, "differentiation", D[: self.size, : self.size])
 
     @property
     def size(self) -> int:
@@ -95,22 +109,30 @@ class MomentProblem:
         values = self.values(tau)
         return values, values @ self.differentiation
 
-    def joint_values(self, less_one: Complex, tau: Array) -> Array:
-        """Return φ and, last, ψ at τ given e^{pτ} - 1, as shape (k, size + 1)."""
-        return self._joint(less_one + 1.0, tau if self.degree else 1.0, 1.0)
+    def joint_changes(self, tau: Array) -> Array:
+        """Return φ(τ) - φ(0) and, last, ψ(τ) - ψ(0), shape (k, size + 1), a view.
 
-    def joint_integrals(self, less_one: Complex, tau: Array) -> Array:
-        """Return ∫_0^τ φ and, last, ∫_0^τ ψ given e^{pτ} - 1, as shape (k, size + 1)."""
-        return self._joint(less_one / self.rates, 0.5 * tau * tau if self.degree else tau, tau)
+        In front of each pair of columns is the real part of a complex one, e^{pτ} - 1; that of
+        the lag has room for φ or ψ = 1, and τ follows.
+        """
+        modal = np.empty((tau.size, self.rates.size + 1), dtype=np.complex128)
+        less_one = modal[:, :-1]
+        np.multiply(tau[:, np.newaxis], self.rates, out=less_one)
+        np.expm1(less_one, out=less_one)
+        modal[:, -1] = tau
+        return modal.view(np.float64)[:, : self.size + 1]
 
-    def _joint(self, modal: Complex, target: Array | float, constant: Array | float) -> Array:
-        columns = modal.view(np.float64)
+    def joint_integrals(self, weights: Array, tau: Array, changes: Array) -> Array:
+        """Return Σ w_k ∫_0^{τ_k} of φ and, last, of ψ, shape (size + 1,)."""
+        count = 2 * self.rates.size
+        weighted, linear = weights @ changes, float(weights @ tau)
+        modal = weighted[:count].view(np.complex128)
+        modal /= self.rates
         if self.degree:
-            joint = np.empty((modal.shape[0], self.size + 1))
-            joint[:, :-2], joint[:, -2] = columns[:, :-1], constant
-            columns = joint
-        columns[:, -1] = target
-        return columns
+            weighted[-2], weighted[-1] = linear, 0.5 * float(weights @ (tau * tau))
+        else:
+            weighted[-1] = linear
+        return weighted
 
     def integrals(self, tau: Array) -> Array:
         """Return ∫_0^τ φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
@@ -156,6 +178,7 @@ class MomentProblem:
         return columns
 
 
+@lru_cache(maxsize=PLANTS)
 def moment_problem(plant: Plant, move: Move) -> MomentProblem:
     """Return the moment conditions of a move.
 
@@ -249,8 +272,14 @@ def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
     >>> [round(float(b), 12) for b in rows @ plant.B]
     [1.0, 0.0, 1.0, 0.0, 1.0, 1.0]
     """
+    return all_moment_rows(plant)[: problem.size + 1]
+
+
+@lru_cache(maxsize=PLANTS)
+def all_moment_rows(plant: Plant) -> Array:
+    """Return ``moment_rows`` for the functions of all rates, 1 and τ, shape (n, n)."""
     T, m, force = plant.force_lag, plant.moving_mass, plant.force
-    rows = np.zeros((problem.size + 1, plant.order))
+    rows = np.zeros((plant.order, plant.order))
     for i, mode in enumerate(plant.modes):
         p = mode.pole
         rate = (1.0 + p * T) / mode.scale
@@ -264,6 +293,6 @@ def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
     lag = 2 * len(plant.modes)
     rows[lag, force] = T
     rows[lag + 1, plant.velocity], rows[lag + 1, force] = m, T
-    if problem.degree:
-        rows[lag + 2, plant.position], rows[lag + 2, plant.velocity] = m, m * T
+    rows[lag + 2, plant.position], rows[lag + 2, plant.velocity] = m, m * T
+    rows.setflags(write=False)
     return rows

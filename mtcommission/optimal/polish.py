@@ -18,7 +18,6 @@ from mtcommission.optimal.mesh import Mesh
 from mtcommission.optimal.moments import MomentProblem
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 NEWTON_STEPS = 12
 FINISHING_STEPS = 24
@@ -107,7 +106,7 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
     Source: docs/optimal-control.md, section 3.
     """
     system = _system(mesh, start, span)
-    ends, c = np.append(start.zeros, start.horizon), start.multipliers
+    ends, c = np.concatenate((start.zeros, (start.horizon,))), start.multipliers
     best, first = None, 0.0
     for steps in range(FINISHING_STEPS):
         if not _largest(c * system.scale[:-1]) < LARGEST_MULTIPLIER * span:
@@ -207,11 +206,11 @@ class _Point:
 
 def _point(system: _System, ends: Array, multipliers: Array) -> _Point:
     problem, k = system.problem, ends.size - 1
-    less_one: Complex = np.expm1(ends[:, np.newaxis] * problem.rates)
-    functions = problem.joint_values(less_one, ends)
+    changes = problem.joint_changes(ends)
+    functions = changes + problem.at_zero
     defects = np.empty(k + system.scale.size)
     np.subtract(functions[:k, -1], functions[:k, :-1] @ multipliers, out=defects[:k])
-    np.matmul(system.jumps, problem.joint_integrals(less_one, ends), out=defects[k:])
+    defects[k:] = problem.joint_integrals(system.jumps, ends, changes)
     defects[-1] -= system.scale[-1]
     defects[k:] *= system.inverse
     return _Point(

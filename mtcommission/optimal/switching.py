@@ -189,12 +189,15 @@ def is_monotone(cells: Array) -> Mask:
 
 def has_one_zero(cells: Array) -> Mask:
     """Return on which cells σ is monotone, or convex or concave with a sign change, for certain."""
+    monotone = is_monotone(cells)
+    if monotone.all():
+        return monotone
     _, _, left, right, left_slope, right_slope, remainder = cells
     # The second derivative of a cubic is linear: its ends tell all.
     chord, error = 3.0 * (right - left), 0.5 * BEND_ERROR * remainder
     start, end = chord - 2.0 * left_slope - right_slope, left_slope + 2.0 * right_slope - chord
     bends = (np.minimum(start, end) > error) | (np.maximum(start, end) < -error)
-    return np.asarray((bends & crosses_zero(cells)) | is_monotone(cells))
+    return np.asarray((bends & crosses_zero(cells)) | monotone)
 
 
 def is_noise(cells: Array, rounding: Array) -> Mask:

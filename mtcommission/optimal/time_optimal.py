@@ -99,7 +99,7 @@ def _certified(
     found = find_bang_bang(problem, span=problem.target / force_limit)
     claim = _claim(found, force_limit)
     motion = bang_bang_motion(
-        plant, claim.switching_times, t_f=claim.t_f, first_force=claim.first_force
+        plant, problem, claim.switching_times, t_f=claim.t_f, first_force=claim.first_force
     )
     flow = dyadic_flow(plant, problem, t_f=claim.t_f)
     final = final_state(flow, claim.switching_times, first_force=claim.first_force)
