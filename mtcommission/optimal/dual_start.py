@@ -12,8 +12,7 @@ from math import exp, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import dtrsm
-from scipy.linalg.lapack import dgeqrf, dgesv, dtrtrs
+from scipy.linalg.lapack import dgeqrf, dgesv
 
 from mtcommission.optimal.mesh import Mesh, build_mesh, tabulate
 from mtcommission.optimal.moments import MomentProblem
@@ -61,8 +60,8 @@ class CellForce:
         Means of ψ over the cells, shape (n_cells,).
     basis
         Means of combinations of φ that are orthonormal up to the guess, shape (n_cells, size).
-    triangle
-        φ = basis @ triangle, upper triangular (what is below is void), shape (size, size).
+    inverse
+        basis = φ @ inverse, upper triangular, shape (size, size).
     coefficients
         Of the basis in σ, shape (size,).
     force
@@ -74,7 +73,7 @@ class CellForce:
     mesh: Mesh
     psi: Array
     basis: Array
-    triangle: Array
+    inverse: Array
     coefficients: Array
     force: Array
     horizon: float
@@ -82,7 +81,7 @@ class CellForce:
     @property
     def multipliers(self) -> Array:
         """Return c, shape (size,)."""
-        return np.asarray(dtrtrs(self.triangle, self.coefficients)[0])
+        return np.asarray(self.inverse @ self.coefficients)
 
 
 def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> CellForce:
@@ -134,7 +133,7 @@ def refine_cells(coarse: CellForce) -> CellForce:
     starts = np.repeat(mesh.nodes[:-1], parts) + index * np.repeat(mesh.lengths / parts, parts)
     fine = tabulate(mesh.problem, mesh.grading, np.append(starts, mesh.nodes[-1]))
     phi, psi = _means(fine)
-    basis = dtrsm(1.0, coarse.triangle, phi, side=1)
+    basis = phi @ coarse.inverse
     force = _smooth_sign(fine, psi - basis @ coarse.coefficients, coarse.horizon)
     return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force)
 
@@ -193,13 +192,15 @@ def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
     np.multiply(phi, root[:, np.newaxis], out=columns[:, :-1])
     np.multiply(psi, root, out=columns[:, -1])
     reflectors = dgeqrf(columns, overwrite_a=1)[0]
-    triangle, coefficients = reflectors[:size, :size], reflectors[:size, size]
-    basis = dtrsm(1.0, triangle, phi, side=1)
+    coefficients = reflectors[:size, size]
+    # No triangular solver: BLAS would set up threads for it, which take longer than all the rest.
+    inverse = dgesv(np.triu(reflectors[:size, :size]), np.eye(size))[2]
+    basis = phi @ inverse
     return CellForce(
         mesh=mesh,
         psi=psi,
         basis=basis,
-        triangle=triangle,
+        inverse=inverse,
         coefficients=coefficients,
         force=_smooth_sign(mesh, psi - basis @ coefficients, horizon),
         horizon=horizon,
@@ -265,7 +266,15 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
         move = sign - stiffness * change - force
         room = np.copysign(1.0, move) - force
         force = force + min(1.0, BACK_OFF / max(float((move / room).max()), TINY)) * move
-    return replace(begun, coefficients=c, force=force, horizon=horizon)
+    return CellForce(
+        mesh=mesh,
+        psi=begun.psi,
+        basis=basis,
+        inverse=begun.inverse,
+        coefficients=c,
+        force=force,
+        horizon=horizon,
+    )
 
 
 def _crossing(nodes: Array, reached: Array, span: float) -> float:
