@@ -150,7 +150,14 @@ addEventListener("load", () => {
   const cut = [...document.querySelectorAll("h1, h2, .headline *")]
     .filter(part => right(part) > right(part.closest("section, header")))
     .map(part => part.textContent);
-  tell({cut, inner: innerWidth, needed: document.documentElement.scrollWidth});
+  const {plots} = JSON.parse(document.getElementById("plots").textContent);
+  const curves = [...document.querySelectorAll("[data-plot]")]
+    .filter(host => plots[host.dataset.plot].kind === "LinePlot");
+  const letters = Math.min(...curves.map(host => 12 * host.firstChild.getScreenCTM().a));
+  const over = Math.max(...curves.flatMap(host =>
+    [...host.querySelectorAll("text")].map(text => right(text) - right(host))));
+  const needed = document.documentElement.scrollWidth;
+  tell({cut, inner: innerWidth, needed, letters, over});
 });
 """
 )
@@ -167,6 +174,9 @@ def test_nothing_is_cut_on_phone_tablet_and_desk(width: int, tmp_path: Path) -> 
     assert found["inner"] <= width
     assert found["cut"] == []
     assert found["needed"] <= found["inner"]
+    # Curves drawn for a desk had letters of 4 px on a telephone.
+    assert found["letters"] > 11.0
+    assert found["over"] < 1.0
 
 
 def test_nothing_is_cut_on_paper(tmp_path: Path) -> None:

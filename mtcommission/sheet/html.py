@@ -26,7 +26,7 @@ FOLDER = Path(__file__).parent
 DIGITS = 5
 """Significant digits of plotted values; finer than a pixel, a third of the bytes."""
 
-FRAME = (824.0, 340.0)
+FRAME = (820.0, 340.0)
 """Width and height of the axes of a point plot, as page.js draws it [px]."""
 
 

@@ -1,9 +1,11 @@
 "use strict";
 // Draws the plots of the sheet: zoom by dragging, values under the cursor, linked axes.
 
-const WIDTH = 900, LEFT = 62, RIGHT = 14, PANEL = 110, SQUARE = 340, TITLE = 22, LEGEND = 26, FOOT = 42;
+const WIDEST = 900, NARROWEST = 340, LEFT = 62, RIGHT = 18, PANEL = 110, SQUARE = 340, TITLE = 22, LEGEND = 26, FOOT = 42;
 const data = JSON.parse(document.getElementById("plots").textContent);
 const linked = new Map();
+// Drawing units of the plot that is being drawn: pixels, so that letters stay as large as they are.
+let across = WIDEST;
 
 function add(parent, name, attributes, text) {
   const node = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -98,6 +100,18 @@ function path(line, x, y) {
   return d;
 }
 
+function namesIn(plot) {
+  const curves = plot.contours ?? plot.panels?.flatMap(panel => panel.lines) ?? plot.marks;
+  return [...curves.map(curve => curve.label), plot.chosen?.label ?? ""];
+}
+
+function fit(host, plot) {
+  // A name longer than a narrow page shrinks the plot rather than being cut.
+  const longest = Math.max(...namesIn(plot).map(name => name.length));
+  const least = Math.max(NARROWEST, LEFT + 62 + 7.2 * longest);
+  return Math.round(Math.min(WIDEST, Math.max(least, host.clientWidth)));
+}
+
 function namesOf(lines) {
   return [...new Map(lines.map(line => [line.label, line.style]))];
 }
@@ -107,7 +121,7 @@ function legendRows(named, extra) {
   let used = Infinity;
   for (const entry of [...named, ...extra]) {
     const width = 62 + 7.2 * entry[0].length;
-    if (used + width > WIDTH - LEFT) { rows.push([]); used = 0; }
+    if (used + width > across - LEFT) { rows.push([]); used = 0; }
     rows.at(-1).push([...entry, LEFT + used]);
     used += width;
   }
@@ -135,8 +149,8 @@ function wholeLines(plot) {
 
 function drawLines(svg, plot, view, key) {
   const head = drawLegend(svg, legendRows(namesOf(plot.panels.flatMap(panel => panel.lines)), []));
-  svg.setAttribute("viewBox", `0 0 ${WIDTH} ${head + plot.panels.length * (TITLE + PANEL) + FOOT}`);
-  const x = scale(...view.x, LEFT, WIDTH - RIGHT, plot.x_is_log), titles = [];
+  svg.setAttribute("viewBox", `0 0 ${across} ${head + plot.panels.length * (TITLE + PANEL) + FOOT}`);
+  const x = scale(...view.x, LEFT, across - RIGHT, plot.x_is_log), titles = [];
   let top = head;
   plot.panels.forEach((panel, i) => {
     let low = Infinity, high = -Infinity;
@@ -198,10 +212,11 @@ function drawMark(parent, mark, px, py) {
 }
 
 function drawPoints(svg, plot, view, key) {
-  const columns = plot.marks.some(mark => mark.label.length > 55) ? 1 : 2;
+  const longest = Math.max(...plot.marks.map(mark => mark.label.length));
+  const columns = 34 + 7.2 * longest > (across - LEFT) / 2 ? 1 : 2;
   const rows = Math.ceil(plot.marks.length / columns), bottom = TITLE + SQUARE;
-  svg.setAttribute("viewBox", `0 0 ${WIDTH} ${bottom + FOOT + 18 * rows + 8}`);
-  const x = scale(...view.x, LEFT, WIDTH - RIGHT, true), y = scale(...view.y, bottom, TITLE, true);
+  svg.setAttribute("viewBox", `0 0 ${across} ${bottom + FOOT + 18 * rows + 8}`);
+  const x = scale(...view.x, LEFT, across - RIGHT, true), y = scale(...view.y, bottom, TITLE, true);
   frame(svg, x, y, key);
   const title = add(svg, "text", {x: LEFT, y: TITLE - 6}, plot.y_label);
   add(svg, "path", {class: "border", d: `M${x.to - 24 - 7.2 * plot.border.label.length} ${TITLE - 10}h-34`});
@@ -213,7 +228,7 @@ function drawPoints(svg, plot, view, key) {
     const [dx, dy] = mark.beside, px = x.at(mark.x), py = y.at(mark.y);
     if (i && Math.hypot(dx, dy) > 20) add(inside, "path", {class: "grid", d: `M${px} ${py}L${px + dx} ${py + dy}`});
     if (i) add(inside, "text", {x: px + dx, y: py + dy + 4, "text-anchor": "middle"}, i);
-    const left = LEFT + (i % columns) * (WIDTH - LEFT) / 2, down = bottom + FOOT + 18 * Math.floor(i / columns) + 8;
+    const left = LEFT + (i % columns) * (across - LEFT) / 2, down = bottom + FOOT + 18 * Math.floor(i / columns) + 8;
     drawMark(svg, mark, left, down - 4);
     add(svg, "text", {x: left + 14, y: down}, i ? `${i} ${mark.label}` : mark.label);
   });
@@ -243,8 +258,8 @@ function wholeMap(plot) {
 
 function drawMap(svg, plot, view, key) {
   const head = drawLegend(svg, legendRows(namesOf(plot.contours), [[plot.chosen.label, null]]));
-  const top = TITLE + head, bottom = top + SQUARE, right = WIDTH - 110;
-  svg.setAttribute("viewBox", `0 0 ${WIDTH} ${bottom + FOOT}`);
+  const top = TITLE + head, bottom = top + SQUARE, right = across - 110;
+  svg.setAttribute("viewBox", `0 0 ${across} ${bottom + FOOT}`);
   const hatch = add(svg, "pattern", {id: "hatch", width: 6, height: 6, patternUnits: "userSpaceOnUse"});
   add(hatch, "path", {class: "hatch", d: "M0 6L6 0"});
   const x = scale(...view.x, LEFT, right, false), y = scale(...view.y, bottom, top, false);
@@ -271,7 +286,7 @@ function drawMap(svg, plot, view, key) {
     add(svg, "text", {x: right + 48, y: down + 18}, show(Number(value.toPrecision(3))));
   }
   const title = add(svg, "text", {x: LEFT, y: top - 6}, plot.y_label);
-  add(svg, "text", {x: WIDTH - RIGHT, y: top - 6, "text-anchor": "end"}, plot.value_label);
+  add(svg, "text", {x: across - RIGHT, y: top - 6, "text-anchor": "end"}, plot.value_label);
   labelX(svg, x, bottom, plot.x_label);
   const point = (place, height) => {
     title.textContent = plot.y_label;
@@ -298,11 +313,16 @@ function start(host) {
   linked.set(plot.link ?? key, group);
   const me = {full: whole(plot), drawn: null, place: null};
   me.view = me.full;
-  me.draw = () => { svg.replaceChildren(); me.drawn = draw(svg, plot, me.view, key); };
+  me.draw = () => {
+    across = me.width = fit(host, plot);
+    svg.replaceChildren();
+    me.drawn = draw(svg, plot, me.view, key);
+  };
   me.zoom = view => { me.view = view ?? me.full; me.draw(); };
   me.point = (place, height) => { me.place = place; me.drawn.point(place, height); };
   group.push(me);
   me.draw();
+  new ResizeObserver(() => { if (fit(host, plot) !== me.width) me.draw(); }).observe(host);
   listen(svg, me, group);
 }
 
