@@ -6,7 +6,7 @@
 Two peers. Beside each case, direct transcription as a linear program on an even grid for the t_f
 that we found: its reachable multiple of the target says by how much a grid misses the optimum.
 Beside one limit, CasADi/IPOPT finding t_f itself, by the package's own transcription: a program
-with t_f unknown, as it is written down first, does not end at N = 10 000 within ten minutes.
+with t_f unknown, as it is written down first, does not end at N = 10 000 within four minutes.
 """
 
 from __future__ import annotations
