@@ -13,7 +13,7 @@ from math import ceil, inf
 from time import process_time
 
 import numpy as np
-from scipy.linalg import expm
+from scipy.linalg import expm, matrix_balance
 
 from mtcommission.errors import ComputationError
 from mtcommission.machine import Machine, Move, Positioning, VelocityStep
@@ -147,11 +147,17 @@ def _followed(
     joint[n:, n:] = arc.generator
     length = arc.t_end - arc.t_start
     count = max(ceil(length * rate / RADIANS_PER_SAMPLE), 2)
-    flow = expm(joint * (length / count))
+    flow = _balanced_expm(joint * (length / count))
     together = [np.concatenate([state, arc.initial])]
     for _ in range(count):
         together.append(flow @ together[-1])
     return np.array(together), joint, length / count
+
+
+def _balanced_expm(matrix: np.ndarray) -> np.ndarray:
+    """Return the matrix exponential; unbalanced it loses six digits on arcs of many decades."""
+    balanced, T = matrix_balance(matrix)
+    return np.asarray(T @ expm(balanced) @ np.linalg.inv(T))
 
 
 def _peak(together: np.ndarray, joint: np.ndarray, row: np.ndarray, step: float) -> float:
@@ -166,7 +172,7 @@ def _peak(together: np.ndarray, joint: np.ndarray, row: np.ndarray, step: float)
             slope, bend = row @ joint @ here, row @ joint @ joint @ here
             if not abs(slope) < step * abs(bend):
                 break
-            here = expm(joint * (-slope / bend)) @ here
+            here = _balanced_expm(joint * (-slope / bend)) @ here
         worst = max(worst, abs(float(row @ here)))
     return worst
 

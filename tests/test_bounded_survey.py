@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.optimize import linprog
 
 from benchmarks.constrained_survey import cases, judge
 from mtcommission.optimal.bounded_arcs import Piece, Sequence
 from mtcommission.optimal.bounded_dual import Core, Measure, stretches
-from mtcommission.optimal.bounded_edit import with_switches, with_touch
+from mtcommission.optimal.bounded_edit import pruned, with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import _peaks
 from mtcommission.optimal.bounded_layout import Sight, lay_out
 from mtcommission.optimal.bounded_newton import Extremal, solve_sequence
@@ -19,10 +22,10 @@ from mtcommission.optimal.bounded_problem import (
     impulse_response,
     step_response,
 )
+from mtcommission.optimal.bounded_program import Program, solve_program
 from mtcommission.optimal.bounded_reading import Reading, place_touches
 from mtcommission.optimal.bounded_rows import Contact
 from mtcommission.optimal.bounded_search import solve_exactly
-from mtcommission.optimal.bounded_settled import _least_disturbing
 from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import build_plant
@@ -146,16 +149,57 @@ def test_peak_between_samples_that_keep_the_bound_is_seen(top: float) -> None:
     assert heights[0, 0] == pytest.approx(1.0 + 1e-5, abs=1e-12)
 
 
-def test_correction_disturbs_the_active_points_least() -> None:
-    # Against the optimality conditions of the same problem, solved as one linear system.
-    generator = np.random.default_rng(3)
-    rows, soft = generator.standard_normal((3, 9)), generator.standard_normal((14, 9))
-    error = generator.standard_normal(3)
-    found = _least_disturbing(rows, error, soft)
-    system = np.block([[soft.T @ soft, rows.T], [rows, np.zeros((3, 3))]])
-    expected = np.linalg.solve(system, np.append(np.zeros(9), error))[:9]
-    assert_allclose(found, expected, atol=1e-10)
-    assert_allclose(rows @ found, error, atol=1e-12)
+def small_program(*, fine: float) -> Program:
+    """Return a program whose second unknown counts little for the bound, and all for the cost."""
+    return Program(
+        cost=np.array([-1.0, -fine]),
+        rows=np.array([[1.0, 2.0 * fine]]),
+        rooms=np.array([0.5]),
+        equal=np.empty((0, 2)),
+        right=np.empty(0),
+        lower=-np.ones(2),
+        upper=np.ones(2),
+    )
+
+
+def test_small_coefficients_of_a_program_count() -> None:
+    # A cell of microseconds moves a bound far away by 1e-10: left out, eight digits are lost.
+    fine = 3e-10
+    answer = solve_program(small_program(fine=fine), steps=50, tolerance=1e-10)
+    assert answer is not None
+    # By hand: 1 of the second unknown costs 2 of the first one, so it goes to its lower bound.
+    assert answer.unknowns[1] == pytest.approx(-1.0)
+    assert answer.unknowns[0] - 0.5 == pytest.approx(2.0 * fine, rel=1e-3)
+    assert answer.bounds[1] == pytest.approx(fine, rel=1e-6)
+
+
+def test_program_from_a_known_basis_is_that_from_none() -> None:
+    # Otherwise an exchange of points would end somewhere else than a program with all of them.
+    generator = np.random.default_rng(11)
+    rows, cost = generator.standard_normal((30, 12)), generator.standard_normal(12)
+    few = Program(
+        cost=cost,
+        rows=rows[:20],
+        rooms=np.ones(20),
+        equal=np.ones((1, 12)),
+        right=np.zeros(1),
+        lower=-np.ones(12),
+        upper=np.ones(12),
+    )
+    every = replace(few, rows=rows, rooms=np.ones(30))
+    first = solve_program(few, steps=500)
+    assert first is not None
+    warm = solve_program(every, steps=500, start=first.basis)
+    cold = linprog(cost, rows, np.ones(30), np.ones((1, 12)), np.zeros(1), bounds=(-1.0, 1.0))
+    assert warm is not None
+    assert_allclose(warm.unknowns, cold.x, atol=1e-9)
+    assert_allclose(warm.rows, cold.ineqlin.marginals, atol=1e-9)
+    assert_allclose(warm.bounds, cold.lower.marginals + cold.upper.marginals, atol=1e-9)
+
+
+def test_program_without_a_solution_has_no_answer() -> None:
+    program = replace(small_program(fine=1.0), rooms=np.array([-4.0]))
+    assert solve_program(program, steps=50) is None
 
 
 def test_a_signal_that_cannot_be_held_for_long_is_no_internal_error() -> None:
@@ -193,3 +237,17 @@ modes = [
         switches=np.empty(0),
     )
     assert lay_out(problem, sight).cores == ()
+
+
+def test_two_arcs_driven_over_each_other_become_one() -> None:
+    # Entry of the first to exit of the second; otherwise the search starts from ten times as much.
+    bang, held = Piece(limit=-1, side=1, duration=1e-2), Piece(limit=0, side=1, duration=9.1e-4)
+    nothing, back = replace(bang, duration=-1e-8), replace(held, duration=-8.1e-4)
+    sequence = Sequence(pieces=(bang, held, nothing, back, bang), touches=())
+    measure = Measure(t_f=sequence.t_f, terminal=np.zeros(5), atoms=(), cores=())
+    extremal = Extremal(sequence=sequence, measure=measure, residual=1e-14)
+    edited = pruned(paper_problem(("v_phi", 5e-3)), extremal, least=1e-9)
+    assert edited is not None
+    assert [piece.limit for piece in edited.pieces] == [-1, 0, -1]
+    assert edited.pieces[1].duration == pytest.approx(9.1e-4 - 8.1e-4 - 1e-8, rel=1e-9)
+    assert edited.t_f == pytest.approx(sequence.t_f)

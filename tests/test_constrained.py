@@ -516,8 +516,7 @@ def test_dual_value_is_the_integral_of_the_switching_function() -> None:
     ("name", "value", "outcome"),
     [
         ("v_phi", 1e-6, Outcome.BEYOND_HORIZON),
-        # The forces left are a hundredth of the limit, the move takes fifty times the free one.
-        ("phi", 1e-6, Outcome.BEYOND_HORIZON),
+        ("phi", 5e-7, Outcome.BEYOND_HORIZON),
     ],
 )
 def test_very_tight_bounds_end_with_a_named_outcome(

@@ -9,14 +9,12 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_dual import Measure, lower_bound
 from mtcommission.optimal.bounded_edit import touch_contacts
-from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, broken, later
+from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, breaches, later
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_motion import Motion, follow, mesh_arcs, sequence_arcs
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal
 from mtcommission.optimal.bounded_problem import BoundedProblem
-from mtcommission.optimal.bounded_rows import Contact
-from mtcommission.optimal.bounded_settled import settled
-from mtcommission.optimal.solution import propagate
+from mtcommission.optimal.bounded_rows import Contact, off_cores
 
 Array = NDArray[np.float64]
 
@@ -109,24 +107,28 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
     """
     layout, found, slope = kept.layout, kept, kept.slope
     for attempt in range(FINISHING_STEPS):
-        motion = _followed(problem, found)
-        # A reach short of 1 has raised all levels by its inverse: that is lateness, not excess.
-        excess = max(_levels(problem, motion)[:-1]) * found.reach - 1.0
+        over = breaches(problem, found, tolerance=EXCESS)
+        excess = max((breach.excess for breach in over), default=0.0)
         late = 1.0 - found.reach
-        if excess < EXCESS and -LATENESS < late <= 0.0:
-            touches = tuple(at for at in found.contacts if at.weight > 0.0)
-            return _proved(problem, motion, relaxed.measure, touches, exact=False)
+        if not over and -LATENESS < late <= 0.0:
+            arcs = mesh_arcs(problem, found)
+            motion = follow(problem.plant, arcs, rate=problem.rate)
+            excess = max(_levels(problem, motion)) - 1.0
+            if excess < EXCESS:
+                touches = tuple(at for at in found.contacts if at.weight > 0.0)
+                return _proved(problem, motion, relaxed.measure, touches, exact=False)
         found = replace(found, slope=slope)
         # Another point costs less time than a margin kept everywhere; the last bit is the margin's.
         by_points = attempt < POINT_STEPS and excess > SMALL_EXCESS
-        worse = broken(problem, found, tolerance=FINE) if by_points else []
+        fine = tuple(breach.contact for breach in over if breach.excess > FINE)
+        worse = off_cores(problem, fine, layout.cores) if by_points else ()
         more = 1.1 * excess if excess > 0.0 and not worse else 0.0
         margin = layout.margin + more
         expected = replace(found, reach=found.reach - more * found.held)
         t_f = later(layout, expected) + 2e-10 / max(slope, LEAST_SLOPE / layout.t_f)
         contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
         layout = replace(layout, contacts=contacts, margin=margin).stretched(t_f)
-        following = solve_mesh(problem, layout, relaxed=False)
+        following = solve_mesh(problem, layout, relaxed=False, start=found.basis)
         if following is None:
             return None
         # The marginal knows one cell only; the secant knows the way gone.
@@ -136,14 +138,6 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         slope = secant if same and secant > 0.0 and attempt else following.slope
         found = following
     return None
-
-
-def _followed(problem: BoundedProblem, found: MeshOptimum) -> Motion:
-    """Return the motion of a mesh control whose terminal error is taken back once."""
-    first = settled(problem, found, miss=np.zeros(problem.fixed.size))
-    final = propagate(problem.plant, mesh_arcs(problem, first))
-    exact = settled(problem, found, miss=(final - problem.target)[problem.fixed])
-    return follow(problem.plant, mesh_arcs(problem, exact), rate=problem.rate)
 
 
 def _levels(problem: BoundedProblem, motion: Motion) -> list[float]:

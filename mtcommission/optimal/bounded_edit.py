@@ -83,8 +83,8 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     Sequence or None
     """
     sequence = extremal.sequence
-    left = [p for p in _shared(sequence.pieces) if p.duration > least * sequence.t_f]
-    pieces = _joined(left)
+    shared = _shared(_reunited(sequence.pieces))
+    pieces = _joined([p for p in shared if p.duration > least * sequence.t_f])
     contacts = touch_contacts(sequence)
     weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
     t_f = sum(piece.duration for piece in pieces)
@@ -100,7 +100,29 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
 
 
-def _shared(pieces: tuple[Piece, ...]) -> list[Piece]:
+def _reunited(pieces: tuple[Piece, ...]) -> list[Piece]:
+    """Return the pieces with two arcs as one, where nothing is left between them.
+
+    Of two arcs that Newton's method drives over each other the second has a negative duration:
+    together they are as long as from the entry of the first to the exit of the second.
+    """
+    left: list[Piece] = []
+    for piece in pieces:
+        apart = left[-1].duration if left else 1.0
+        if len(left) > 1 and apart <= 0.0 and _kind(left[-2]) == _kind(piece):
+            whole = left[-2].duration + apart + piece.duration
+            if min(left[-2].duration, piece.duration) < 0.0 < whole:
+                left[-2:] = [replace(piece, duration=whole)]
+                continue
+        left.append(piece)
+    return left
+
+
+def _kind(piece: Piece) -> tuple[int, int]:
+    return piece.limit, piece.side
+
+
+def _shared(pieces: list[Piece]) -> list[Piece]:
     """Return the pieces with half of each negative duration taken from the pieces beside it."""
     spans = [piece.duration for piece in pieces]
     for i in range(1, len(spans) - 1):
@@ -211,7 +233,7 @@ def _joined(pieces: list[Piece]) -> list[Piece]:
     """Return the pieces with neighbours of the same kind as one."""
     joined: list[Piece] = []
     for piece in pieces:
-        if joined and (joined[-1].limit, joined[-1].side) == (piece.limit, piece.side):
+        if joined and _kind(joined[-1]) == _kind(piece):
             joined[-1] = replace(joined[-1], duration=joined[-1].duration + piece.duration)
         else:
             joined.append(piece)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded_arcs import Piece, peaks_above, piece_states
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
-from mtcommission.optimal.bounded_rows import Contact, Layout, off_cores
+from mtcommission.optimal.bounded_rows import Contact, Layout, Segment, off_cores
 
 Array = NDArray[np.float64]
 
@@ -33,18 +33,36 @@ LONG_WAY = 1e-3
 """Least such change that tells the slope better: points put in between lower the reach, too."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Breach:
+    """A place where a motion exceeds a bound.
+
+    Parameters
+    ----------
+    contact
+        The place.
+    excess
+        Relative excess.
+    """
+
+    contact: Contact
+    excess: float
+
+
 def exchange(problem: BoundedProblem, layout: Layout) -> MeshOptimum | None:
     """Return the solution on the mesh with t_f such that the reach is 1."""
     found: MeshOptimum | None = None
     # While the mesh is coarse, more exactness at the bounds would be wasted.
     tolerance = max(BROKEN, 0.3 * float(np.diff(layout.mesh).min()) / layout.t_f)
     for _ in range(EXCHANGES):
-        before, found = found, solve_mesh(problem, layout, relaxed=False)
+        start = None if found is None else found.basis
+        before, found = found, solve_mesh(problem, layout, relaxed=False, start=start)
         if found is None:
             return None
         if before is not None:
             found = steepened(before, found)
-        worse = broken(problem, found, tolerance=tolerance)
+        over = [breach.contact for breach in breaches(problem, found, tolerance=tolerance)]
+        worse = off_cores(problem, tuple(over), found.layout.cores)
         in_time = abs(found.reach - 1.0) < 1e-4
         if in_time and (not worse or _steady(before, found)):
             break
@@ -76,7 +94,7 @@ def later(layout: Layout, found: MeshOptimum) -> float:
     return layout.t_f * (1.0 + float(np.clip(change, -LARGEST_CHANGE, LARGEST_CHANGE)))
 
 
-def broken(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> list[Contact]:
+def breaches(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> list[Breach]:
     """Return where the motion of a mesh solution exceeds a bound by a relative tolerance."""
     plant, rows = problem.plant, problem.rows
     cells = [segment for segment in found.segments if segment.limit < 0]
@@ -94,29 +112,61 @@ def broken(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> 
         t = places[cell, k] * lengths[cell] / (SAMPLES - 1)
         side = int(np.sign(levels[cell, round(places[cell, k]), k]))
         remaining = max(float(cells[cell].start - t), cells[cell].end)
-        over.append(Contact(remaining=remaining, limit=int(k), side=side))
-    return [
-        *off_cores(problem, tuple(over), found.layout.cores),
-        *_broken_in_cores(problem, found, tolerance),
-    ]
+        at = Contact(remaining=remaining, limit=int(k), side=side)
+        over.append(Breach(contact=at, excess=float(peaks[cell, k]) - 1.0))
+    return over + _breaches_in_cores(problem, found, tolerance)
 
 
-def _broken_in_cores(
+def _breaches_in_cores(
     problem: BoundedProblem, found: MeshOptimum, tolerance: float
-) -> list[Contact]:
+) -> list[Breach]:
     """Return where the motion in a core exceeds a bound other than the one held there."""
     over = []
     for core in (segment for segment in found.segments if segment.limit >= 0):
-        count = int(np.ceil((core.start - core.end) * problem.rate / RADIANS_PER_SAMPLE)) + 4
-        tau = np.linspace(0.0, core.start - core.end, count)
-        piece = Piece(limit=core.limit, side=0, duration=float(tau[-1]))
-        levels = piece_states(problem, piece, found.state(core.first), tau) @ problem.rows.T
+        tau, states = core_states(problem, found, core)
+        levels = states @ problem.rows.T
         levels[:, core.limit] = 0.0
         for at, k in peaks_above(levels, 1.0 + tolerance):
-            place = float(_peaks(np.abs(levels[np.newaxis, at - 1 : at + 2, k : k + 1]))[0][0, 0])
-            remaining = float(core.start - tau[at - 1] - place * tau[1])
-            over.append(Contact(remaining=remaining, limit=k, side=int(np.sign(levels[at, k]))))
+            places, peaks = _peaks(np.abs(levels[np.newaxis, at - 1 : at + 2, k : k + 1]))
+            remaining = float(core.start - tau[at - 1] - places[0, 0] * tau[1])
+            contact = Contact(remaining=remaining, limit=k, side=int(np.sign(levels[at, k])))
+            over.append(Breach(contact=contact, excess=float(peaks[0, 0]) - 1.0))
     return over
+
+
+def core_states(problem: BoundedProblem, found: MeshOptimum, core: Segment) -> tuple[Array, Array]:
+    """Return times since the start of a core [s] and the states there, shapes (k,) and (k, n)."""
+    count = int(np.ceil((core.start - core.end) * problem.rate / RADIANS_PER_SAMPLE)) + 4
+    tau = np.linspace(0.0, core.start - core.end, count)
+    piece = Piece(limit=core.limit, side=0, duration=float(tau[-1]))
+    return tau, piece_states(problem, piece, found.state(core.first), tau)
+
+
+def overforced(problem: BoundedProblem, found: MeshOptimum) -> list[tuple[float, float]]:
+    """Return where the boundary control in a core takes more than the force limit.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    found
+        Solution of the kept form.
+
+    Returns
+    -------
+    list of (float, float)
+        Remaining times, later end first [s].
+    """
+    zones = []
+    for core in (segment for segment in found.segments if segment.limit >= 0):
+        tau, states = core_states(problem, found, core)
+        force = states @ problem.limits[core.limit].feedback / problem.force_limit
+        too_much = np.concatenate([[False], np.abs(force) > 1.0 + BROKEN, [False]])
+        edges = np.nonzero(np.diff(too_much.astype(np.int8)))[0]
+        for first, stop in zip(edges[::2], edges[1::2], strict=True):
+            ends = tau[[max(first - 1, 0), min(stop, tau.size - 1)]]
+            zones.append((float(core.start - ends[1]), float(core.start - ends[0])))
+    return zones
 
 
 def _peaks(levels: Array) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ shows the structure, not yet the solution.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.optimal.bounded_cells import STEPS_PER_CELL, cell_grid
 from mtcommission.optimal.bounded_least import LEAST_TOLERANCE, smallest_factor
 from mtcommission.optimal.bounded_problem import BoundedProblem, bounds_text
-from mtcommission.optimal.bounded_program import Program, solve_program
+from mtcommission.optimal.bounded_program import Basis, Program, solve_program
 
 Array = NDArray[np.float64]
 
@@ -73,6 +74,8 @@ class GridOptimum:
         F_set / F in each cell, shape (n_cells,).
     levels
         c x at the ends of the cells, shape (n_limits, n_cells).
+    basis
+        Where the program for another t_f may start.
     """
 
     t_f: float
@@ -80,6 +83,7 @@ class GridOptimum:
     slope: float
     force: Array
     levels: Array
+    basis: Basis
 
 
 def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
@@ -136,7 +140,7 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
         else:
             t_f = _between(faster, slower)
         try:
-            found = _solve(problem, t_f, radians=COARSE_RADIANS)
+            found = _solve(problem, t_f, radians=COARSE_RADIANS, near=found)
         except ComputationError as error:
             if slower is not None or found.t_f < FAR * t_free:
                 raise
@@ -197,39 +201,48 @@ def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:
     return int(np.clip(t_f * rate / radians, fewest, MOST_CELLS))
 
 
-def _solve(problem: BoundedProblem, t_f: float, *, radians: float) -> GridOptimum:
+def _solve(
+    problem: BoundedProblem, t_f: float, *, radians: float, near: GridOptimum | None = None
+) -> GridOptimum:
     """Return the optimum of a grid; where the simplex method gives up, of a slightly finer one."""
-    cells, message = _cells(problem, t_f, radians), ""
+    cells = _cells(problem, t_f, radians)
     for extra in OTHER_GRIDS:
-        found, message = _attempt(problem, t_f, cells=cells + cells * extra // 100)
+        found = _attempt(problem, t_f, cells=cells + cells * extra // 100, near=near)
         if found is not None:
             return found
-    raise ComputationError(Outcome.NO_CONVERGENCE, f"grid of {cells} cells: {message}")
+    detail = f"the linear program of {cells} cells for {t_f:.6g} s did not end"
+    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
 
 
-def _attempt(problem: BoundedProblem, t_f: float, *, cells: int) -> tuple[GridOptimum | None, str]:
+def _attempt(
+    problem: BoundedProblem, t_f: float, *, cells: int, near: GridOptimum | None
+) -> GridOptimum | None:
     grid, n_limits = cell_grid(problem, t_f, cells=cells), len(problem.limits)
-    follows = np.repeat([limit.follows for limit in problem.limits], cells).astype(np.float64)
-    column = -follows[:, np.newaxis]
+    follows = np.repeat([limit.follows for limit in problem.limits], cells)
+    column = -follows[:, np.newaxis].astype(np.float64)
+    # A bound that follows the reach has two rows, the others one with a floor and a ceiling.
     program = Program(
         cost=np.append(np.zeros(cells), -1.0),
-        rows=np.block([[grid.response, column], [-grid.response, column]]),
-        rooms=np.tile(1.0 - follows, 2),
+        rows=np.block([[grid.response, column], [-grid.response[follows], column[follows]]]),
+        rooms=np.append(np.where(follows, 0.0, 1.0), np.zeros(follows.sum())),
+        floors=np.append(np.where(follows, -inf, -1.0), np.full(follows.sum(), -inf)),
         equal=np.column_stack([grid.moments, -grid.target]),
         right=np.zeros(grid.target.size),
-        bounds=[(-1.0, 1.0)] * cells + [(0.0, None)],
+        lower=np.append(-np.ones(cells), 0.0),
+        upper=np.append(np.ones(cells), inf),
     )
-    result = solve_program(program, steps=STEPS_PER_CELL * cells)
-    if result.status != 0 or result.x is None:
-        return None, str(result.message)
-    force = result.x[:-1]
-    first, second = np.abs(result.lower.marginals + result.upper.marginals)[:2]
-    found = GridOptimum(
+    start = near.basis if near is not None and near.force.size == cells else None
+    answer = solve_program(program, steps=STEPS_PER_CELL * cells, start=start)
+    if answer is None:
+        return None
+    force = answer.unknowns[:-1]
+    first, second = np.abs(answer.bounds[:2])
+    return GridOptimum(
         t_f=t_f,
-        reach=float(result.x[-1]),
+        reach=float(answer.unknowns[-1]),
         # F |σ| at the start, extrapolated from its means over the first two cells.
         slope=max(float(1.5 * first - 0.5 * second), 0.5 * float(first)) * cells / t_f,
         force=force,
         levels=(grid.response @ force).reshape(n_limits, cells),
+        basis=answer.basis,
     )
-    return found, ""

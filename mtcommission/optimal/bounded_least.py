@@ -103,7 +103,8 @@ def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:
         rooms=np.zeros(2 * grid.response.shape[0]),
         equal=np.column_stack([grid.moments, np.zeros(grid.target.size)]),
         right=grid.target,
-        bounds=[(-1.0, 1.0)] * cells + [(0.0, None)],
+        lower=np.append(-np.ones(cells), 0.0),
+        upper=np.append(np.ones(cells), inf),
     )
-    result = solve_program(program, steps=STEPS_PER_CELL * cells)
-    return inf if result.status != 0 or result.x is None else float(result.x[-1])
+    answer = solve_program(program, steps=STEPS_PER_CELL * cells)
+    return inf if answer is None else float(answer.unknowns[-1])

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_dual import Atom, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem
-from mtcommission.optimal.bounded_program import Program, solve_program
+from mtcommission.optimal.bounded_program import Basis, Program, solve_program
 from mtcommission.optimal.bounded_rows import (
     Contact,
     Layout,
@@ -65,6 +65,8 @@ class MeshOptimum:
         Contacts with their multipliers.
     held
         Share of the reach that the bounds carry, what it loses where all of them are smaller.
+    basis
+        Where the program with more contacts or another t_f may start.
     """
 
     layout: Layout
@@ -75,13 +77,16 @@ class MeshOptimum:
     measure: Measure
     contacts: tuple[Contact, ...]
     held: float
+    basis: Basis
 
     def state(self, ends: Array) -> Array:
         """Return a state from its affine map of shape (n, n_unknowns + 2)."""
         return np.asarray(ends @ np.concatenate([self.unknowns, [self.reach, 1.0]]))
 
 
-def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> MeshOptimum | None:
+def solve_mesh(
+    problem: BoundedProblem, layout: Layout, *, relaxed: bool, start: Basis | None = None
+) -> MeshOptimum | None:
     """Return the best control on a mesh, or None if the cores cannot be held.
 
     Parameters
@@ -92,6 +97,8 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         Mesh, cores and contacts.
     relaxed
         Which of the two forms.
+    start
+        Basis of the same form on the same cells, with fewer contacts or another t_f.
 
     Returns
     -------
@@ -105,7 +112,7 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
     rows, rooms = bound_rows(problem, layout, segments)
     if not relaxed:
         held_rows, held_rooms = feedback_rows(problem, segments)
-        rows, rooms = np.vstack([rows, held_rows]), np.append(rooms, held_rooms)
+        rows, rooms = np.vstack([held_rows, rows]), np.append(held_rooms, rooms)
     equal, right = terminal_rows(problem, segments)
     if not relaxed:
         held, levels = entry_rows(problem, layout, segments)
@@ -117,15 +124,16 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         rooms=rooms,
         equal=equal,
         right=right,
-        bounds=[(-1.0, 1.0)] * cells + [(None, None)] * (size - cells) + [(0.0, None)],
+        lower=np.concatenate([-np.ones(cells), np.full(size - cells, -np.inf), [0.0]]),
+        upper=np.append(np.ones(cells), np.full(size - cells + 1, np.inf)),
     )
-    result = solve_program(program, steps=MOST_ITERATIONS, tolerance=FEASIBILITY)
-    if result.status != 0 or result.x is None:
+    answer = solve_program(program, steps=MOST_ITERATIONS, tolerance=FEASIBILITY, start=start)
+    if answer is None:
         return None
-    weights = -result.ineqlin.marginals[: len(layout.contacts)]
+    weights = -answer.rows[rooms.size - len(layout.contacts) :]
     terminal = np.zeros(problem.plant.order)
     scale = terminal_scale(problem, segments)
-    terminal[problem.fixed] = result.eqlin.marginals[: scale.size] * scale
+    terminal[problem.fixed] = answer.equal[: scale.size] * scale
     contacts = tuple(
         Contact(remaining=at.remaining, limit=at.limit, side=at.side, weight=float(max(w, 0.0)))
         for at, w in zip(layout.contacts, weights, strict=True)
@@ -135,16 +143,16 @@ def solve_mesh(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> Mes
         for at in contacts
         if at.weight > 0.0
     )
-    marginals = result.lower.marginals + result.upper.marginals
     return MeshOptimum(
         layout=layout,
         segments=segments,
-        unknowns=result.x[:-1],
-        reach=float(result.x[-1]),
-        slope=_slope(segments, marginals),
+        unknowns=answer.unknowns[:-1],
+        reach=float(answer.unknowns[-1]),
+        slope=_slope(segments, answer.bounds),
         measure=Measure(t_f=layout.t_f, terminal=terminal, atoms=atoms, cores=layout.cores),
         contacts=contacts,
-        held=float(result.x[-1] - np.abs(marginals[:cells]).sum()),
+        held=float(answer.unknowns[-1] - np.abs(answer.bounds[:cells]).sum()),
+        basis=answer.basis,
     )
 
 

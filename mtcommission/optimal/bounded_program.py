@@ -1,35 +1,42 @@
-"""Linear programs by the simplex method, tried another way where it gives up."""
+"""Linear programs by the simplex method of HiGHS, from a known basis where there is one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import highspy
 import numpy as np
+from highspy import HighsBasisStatus, HighsModelStatus
 from numpy.typing import NDArray
-from scipy.optimize import OptimizeResult, linprog
+from scipy.sparse import csr_array
 
 Array = NDArray[np.float64]
 
-INFEASIBLE, DOUBTFUL = 2, 4
-"""Statuses of ``linprog``: no point keeps all constraints; numerical difficulties."""
+DUAL, PRIMAL = 1, 4
+"""HiGHS' numbers of the two simplex methods."""
+
 FORGIVING = 1e-8
-"""Tolerance of the second attempt, if the first one had a smaller one."""
+"""Tolerance of the last attempt, if the first one had a smaller one."""
+
+SMALLEST = 1e-12
+"""Coefficients left out: the least that HiGHS allows. Its default of 1e-9 drops what a short cell
+does to a bound far away, and with it eight digits of the bound."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Program:
-    """Minimise cost x under rows x <= rooms, equal x = right, and bounds on each unknown.
+    """Minimise cost x under floors <= rows x <= rooms, equal x = right, and bounds on each unknown.
 
     Parameters
     ----------
     cost
         Shape (n,).
-    rows, rooms
-        Shapes (k, n) and (k,).
+    rows, rooms, floors
+        Shapes (k, n), (k,) and (k,); no floors: minus infinity.
     equal, right
         Shapes (l, n) and (l,).
-    bounds
-        Lower and upper bound of each unknown; None where there is none.
+    lower, upper
+        Bounds of each unknown, shapes (n,); infinite where there is none.
     """
 
     cost: Array
@@ -37,15 +44,45 @@ class Program:
     rooms: Array
     equal: Array
     right: Array
-    bounds: list[tuple[float | None, float | None]]
+    lower: Array
+    upper: Array
+    floors: Array | None = None
 
 
-def solve_program(program: Program, *, steps: int, tolerance: float = 1e-7) -> OptimizeResult:
-    """Return the solution of a linear program; where presolving fails, without it.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Basis:
+    """Which unknowns and constraints, equations first, are at a bound: where a search starts."""
 
-    HiGHS' presolve ends without an answer in some programs with coefficients many decades apart,
-    or calls them infeasible where they are not; the simplex method on the program as it stands
-    then mostly finds one, within a larger tolerance.
+    unknowns: tuple[HighsBasisStatus, ...]
+    constraints: tuple[HighsBasisStatus, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Answer:
+    """The solution of a program and its multipliers.
+
+    Parameters
+    ----------
+    unknowns
+        Shape (n,).
+    rows, equal, bounds
+        Change of the cost with ``rooms`` or ``floors``, with ``right``, and with the bound at
+        which an unknown is, shapes (k,), (l,) and (n,).
+    basis
+        Where a program like it may start.
+    """
+
+    unknowns: Array
+    rows: Array
+    equal: Array
+    bounds: Array
+    basis: Basis
+
+
+def solve_program(
+    program: Program, *, steps: int, tolerance: float = 1e-7, start: Basis | None = None
+) -> Answer | None:
+    """Return the solution of a linear program, or None where the simplex method finds none.
 
     Parameters
     ----------
@@ -54,38 +91,95 @@ def solve_program(program: Program, *, steps: int, tolerance: float = 1e-7) -> O
     steps
         Of the simplex method, at most.
     tolerance
-        Of primal and dual feasibility; the default is that of HiGHS.
+        Of primal and dual feasibility; the default is that of HiGHS. Where it cannot be met the
+        program is tried once more, within ``FORGIVING``.
+    start
+        Basis of a program with the same unknowns whose rows were the first of this one's.
 
     Returns
     -------
-    OptimizeResult
-        ``x`` is None where there is none.
+    Answer or None
 
     Examples
     --------
     >>> one = np.ones((1, 1))
     >>> program = Program(cost=-one[0], rows=one, rooms=np.array([2.0]), equal=np.empty((0, 1)),
-    ...     right=np.empty(0), bounds=[(0.0, None)])
-    >>> float(solve_program(program, steps=10).x[0])
+    ...     right=np.empty(0), lower=np.zeros(1), upper=np.full(1, np.inf))
+    >>> float(solve_program(program, steps=10).unknowns[0])
     2.0
     """
-    for presolve, allowed in ((True, tolerance), (False, max(tolerance, FORGIVING))):
-        result = linprog(
-            program.cost,
-            A_ub=program.rows,
-            b_ub=program.rooms,
-            A_eq=program.equal,
-            b_eq=program.right,
-            bounds=program.bounds,
-            method="highs",
-            options={
-                "presolve": presolve,
-                "maxiter": steps,
-                "primal_feasibility_tolerance": allowed,
-                "dual_feasibility_tolerance": allowed,
-            },
-        )
-        said_by_presolve = result.status == INFEASIBLE and result.nit == 0
-        if result.status != DOUBTFUL and not said_by_presolve:
-            break
-    return result
+    model = _model(program)
+    # The primal method ends where bounds are so tight that the dual one loses its basis.
+    for method, allowed in ((DUAL, tolerance), (PRIMAL, tolerance), (PRIMAL, FORGIVING)):
+        solver = _solver(steps=steps, method=method, tolerance=max(allowed, tolerance))
+        solver.passModel(model)
+        if start is not None:
+            solver.setBasis(_highs_basis(start, rows=model.num_row_))
+        solver.run()
+        status = solver.getModelStatus()
+        if status == HighsModelStatus.kOptimal:
+            return _answer(solver, equations=program.right.size)
+        if status == HighsModelStatus.kInfeasible:
+            return None
+        start = None
+    return None
+
+
+def _model(program: Program) -> highspy.HighsLp:
+    matrix = csr_array(np.vstack([program.equal, program.rows]))
+    model = highspy.HighsLp()
+    model.num_col_, model.num_row_ = program.cost.size, matrix.shape[0]
+    model.col_cost_ = program.cost
+    model.col_lower_, model.col_upper_ = program.lower, program.upper
+    floors = np.full(program.rooms.size, -np.inf) if program.floors is None else program.floors
+    model.row_lower_ = np.concatenate([program.right, floors])
+    model.row_upper_ = np.concatenate([program.right, program.rooms])
+    model.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
+    model.a_matrix_.start_ = matrix.indptr
+    model.a_matrix_.index_ = matrix.indices
+    model.a_matrix_.value_ = matrix.data
+    return model
+
+
+def _solver(*, steps: int, method: int, tolerance: float) -> highspy.Highs:
+    solver = highspy.Highs()  # type: ignore[no-untyped-call]
+    options: dict[str, bool | int | float | str] = {
+        "output_flag": False,
+        "solver": "simplex",
+        "simplex_strategy": method,
+        "parallel": "off",
+        # Forces and bounds are relative here. Scaled by their largest coefficients, short cells
+        # weigh like long ones: bases become singular and the multipliers lose half their digits.
+        "simplex_scale_strategy": 0,
+        # Presolving costs more here than it saves, and calls some feasible programs infeasible.
+        "presolve": "off",
+        "small_matrix_value": SMALLEST,
+        "simplex_iteration_limit": steps,
+        "primal_feasibility_tolerance": tolerance,
+        "dual_feasibility_tolerance": tolerance,
+    }
+    for name, value in options.items():
+        solver.setOptionValue(name, value)
+    return solver
+
+
+def _answer(solver: highspy.Highs, *, equations: int) -> Answer:
+    solution, basis = solver.getSolution(), solver.getBasis()
+    prices = np.array(solution.row_dual)
+    return Answer(
+        unknowns=np.array(solution.col_value),
+        rows=prices[equations:],
+        equal=prices[:equations],
+        bounds=np.array(solution.col_dual),
+        basis=Basis(unknowns=tuple(basis.col_status), constraints=tuple(basis.row_status)),
+    )
+
+
+def _highs_basis(start: Basis, *, rows: int) -> highspy.HighsBasis:
+    """Return a basis in which constraints that are new do not act."""
+    new = [HighsBasisStatus.kBasic] * (rows - len(start.constraints))
+    basis = highspy.HighsBasis()
+    basis.col_status = list(start.unknowns)
+    basis.row_status = [*start.constraints, *new]
+    basis.valid = basis.alien = True
+    return basis

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_dual import (
-    DensityZone,
     Measure,
     dual_value,
     negative_zones,
     stretches,
 )
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_switches, with_touch
-from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
+from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later, overforced
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, SHRINK, Sight, lay_out, off_arcs
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
@@ -52,6 +51,8 @@ MOST_FILLED = 2000
 """Most points with which a core is read."""
 EDITS = 30
 """Changes of a sequence in one round: pieces taken out, dips and touch points put in."""
+SHARP = 1e-9
+"""Gap of an accepted sequence below which it is not edited any more."""
 VISITS = 2
 """How often the same sequence is solved in one round: from durations of its own each time."""
 SPLINTER = 2e-4
@@ -167,12 +168,6 @@ def _has_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
     return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess.pieces)
 
 
-def _grows(problem: BoundedProblem, guess: Sequence) -> bool:
-    """Return whether the motion on a boundary arc grows until no digits are left."""
-    arcs = [piece for piece in guess.pieces if piece.limit >= 0]
-    return any(problem.limits[p.limit].growth * p.duration > MOST_GROWTH for p in arcs)
-
-
 def _look(
     problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum
 ) -> tuple[Sight, Sequence]:
@@ -181,10 +176,11 @@ def _look(
     parts = stretches(problem, measure)
     zeros = dual_value(problem, parts, measure.atoms).zeros
     mesh = _filled(relaxed.layout)
-    reading = _read(relaxed, mesh, ())
+    reading = _read(relaxed, mesh, [])
     guess = read_sequence(problem, reading, parts, zeros, mesh)
-    # A core is opened where holding the bound costs time.
-    split = _read(relaxed, mesh, negative_zones(problem, measure))
+    # A core is opened where holding the bound costs time or more force than there is.
+    zones = [(zone.end, zone.start) for zone in negative_zones(problem, measure)]
+    split = _read(relaxed, mesh, [*zones, *overforced(problem, kept)])
     cells = np.array([local_cell(mesh, zero) for zero in zeros.tolist()])
     switches = off_arcs(zeros, split, room=1.5 * cells)
     apart = [
@@ -210,14 +206,14 @@ def _filled(layout: Layout) -> Array:
     return np.unique(np.concatenate(inner))
 
 
-def _read(relaxed: MeshOptimum, mesh: Array, zones: tuple[DensityZone, ...]) -> Reading:
-    """Return arcs and touch points, the zones of cores left out."""
+def _read(relaxed: MeshOptimum, mesh: Array, zones: list[tuple[float, float]]) -> Reading:
+    """Return arcs and touch points, zones of cores (remaining times of end and start) left out."""
     active = [contact for contact in relaxed.contacts if contact.weight > 0.0]
     for core in relaxed.layout.cores:
         active += [
             Contact(remaining=t, limit=core.limit, side=core.side, weight=1.0)
             for t in mesh[(mesh >= core.end) & (mesh <= core.start)].tolist()
-            if not any(zone.end <= t <= zone.start for zone in zones)
+            if not any(end <= t <= start for end, start in zones)
         ]
     return read_contacts(active, mesh)
 
@@ -237,24 +233,30 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
     Found or None
     """
     seen: Counter[tuple[tuple[int, ...], ...]] = Counter()
+    best: Found | None = None
     for _ in range(EDITS):
         # An edit may lead back to a sequence with better durations, but not in circles.
         seen[_shape(guess)] += 1
-        if seen[_shape(guess)] > VISITS:
-            return None
-        if _has_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
-            return None
-        if _grows(problem, guess):
-            return None
+        if seen[_shape(guess)] > VISITS or not _may_be_solved(problem, guess):
+            break
         extremal = solve_sequence(problem, guess)
         found = accepted(problem, extremal)
-        if found is not None:
-            return _simplest(problem, extremal, found)
-        edited = _edited(problem, extremal)
+        if found is not None and (best is None or found.gap < best.gap):
+            best = _simplest(problem, extremal, found)
+        # An accepted sequence with a gap left still breaks a condition, if by little.
+        edited = _edited(problem, extremal) if found is None or found.gap > SHARP else None
         if edited is None:
-            return None
+            break
         guess = edited
-    return None
+    return best
+
+
+def _may_be_solved(problem: BoundedProblem, guess: Sequence) -> bool:
+    """Return whether there are equations for all pieces, and digits enough to solve them."""
+    if _has_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
+        return False
+    arcs = [piece for piece in guess.pieces if piece.limit >= 0]
+    return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)
 
 
 def _shape(sequence: Sequence) -> tuple[tuple[int, ...], ...]:
