@@ -50,8 +50,9 @@ last one until the target is reached."""
 MOST_TIMES = 12
 """Final times that Newton's method may try (empirical: two to four are enough)."""
 
-REACHED = 1e-9
-"""Distance of the multiple that is reached from 1 at which t_f counts as found [-]."""
+REACHED = 0.5
+"""Distance from 1, in tolerances of all intervals added, at which the target counts as reached:
+IPOPT leaves each force a gap of up to its tolerance, and the multiple errs by their sum."""
 
 SATURATED = 1e-5
 """Distance from the limit, in units of F_max, below which an interval counts as saturated:
@@ -244,10 +245,10 @@ def _shortest(
         raise ComputationError(Outcome.BEYOND_HORIZON, detail)
     if len(grids) == 1:
         return found, scales
-    t_f = found.t_f
+    t_f, near = found.t_f, REACHED * settings.tolerance * settings.intervals
     for intervals in (*grids[-2:0:-1], *([settings.intervals] * MOST_TIMES)):
         found, scales = solve(t_f, Aim.REACH, intervals)
-        if intervals == settings.intervals and abs(found.reach - 1.0) < REACHED:
+        if intervals == settings.intervals and abs(found.reach - 1.0) < near:
             return found, scales
         t_f += (1.0 - found.reach) / found.reach_rate
     detail = f"{found.reach:.9g} of the target is reached at t_f = {found.t_f:.9g} s"
