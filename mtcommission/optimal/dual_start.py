@@ -134,7 +134,8 @@ def refine_cells(coarse: CellForce) -> CellForce:
     fine = tabulate(mesh.problem, mesh.grading, np.append(starts, mesh.nodes[-1]))
     phi, psi = _means(fine)
     basis = phi @ coarse.inverse
-    force = _smooth_sign(fine, psi - basis @ coarse.coefficients, coarse.horizon)
+    weight = _weights(fine, coarse.horizon)
+    force = _smooth_sign(psi - basis @ coarse.coefficients, weight, coarse.horizon)
     return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force)
 
 
@@ -187,14 +188,17 @@ def _means(mesh: Mesh) -> tuple[Array, Array]:
 def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
     """Return the force that follows σ of the fit in the mean square up to the horizon."""
     phi, psi = _means(mesh)
-    size, root = mesh.problem.size, np.sqrt(_weights(mesh, horizon))
+    size, weight = mesh.problem.size, _weights(mesh, horizon)
+    root = np.sqrt(weight)
     columns = np.empty((psi.size, size + 1), order="F")
     np.multiply(phi, root[:, np.newaxis], out=columns[:, :-1])
     np.multiply(psi, root, out=columns[:, -1])
     reflectors = dgeqrf(columns, overwrite_a=1)[0]
-    coefficients = reflectors[:size, size]
+    triangle, coefficients = reflectors[:size, :size], reflectors[:size, size]
+    for i in range(1, size):
+        triangle[i:, i - 1] = 0.0
     # No triangular solver: BLAS would set up threads for it, which take longer than all the rest.
-    inverse = dgesv(np.triu(reflectors[:size, :size]), np.eye(size))[2]
+    inverse = dgesv(triangle, np.eye(size))[2]
     basis = phi @ inverse
     return CellForce(
         mesh=mesh,
@@ -202,7 +206,7 @@ def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
         basis=basis,
         inverse=inverse,
         coefficients=coefficients,
-        force=_smooth_sign(mesh, psi - basis @ coefficients, horizon),
+        force=_smooth_sign(psi - basis @ coefficients, weight, horizon),
         horizon=horizon,
     )
 
@@ -212,8 +216,8 @@ def _weights(mesh: Mesh, horizon: float) -> Array:
     return np.minimum(np.maximum(horizon - mesh.nodes[:-1], 0.0), mesh.lengths)
 
 
-def _smooth_sign(mesh: Mesh, sigma: Array, horizon: float) -> Array:
-    width = FIRST_SMOOTHING * float(_weights(mesh, horizon) @ np.abs(sigma)) / horizon
+def _smooth_sign(sigma: Array, weight: Array, horizon: float) -> Array:
+    width = FIRST_SMOOTHING * float(weight @ np.abs(sigma)) / horizon
     return np.asarray(sigma / (np.hypot(sigma, width) + TINY))
 
 
