@@ -142,8 +142,11 @@ def core_states(problem: BoundedProblem, found: MeshOptimum, core: Segment) -> t
     return tau, piece_states(problem, piece, found.state(core.first), tau)
 
 
-def overforced(problem: BoundedProblem, found: MeshOptimum) -> list[tuple[float, float]]:
-    """Return where the boundary control in a core takes more than the force limit.
+def untenable(problem: BoundedProblem, found: MeshOptimum) -> list[tuple[float, float]]:
+    """Return where a core cannot hold its bound.
+
+    There the boundary control takes more than the force limit, or the motion exceeds another bound
+    on which no point may act (``bounded_rows.off_cores``).
 
     Parameters
     ----------
@@ -158,11 +161,15 @@ def overforced(problem: BoundedProblem, found: MeshOptimum) -> list[tuple[float,
         Remaining times, later end first [s].
     """
     zones = []
+    orders = np.array([limit.order for limit in problem.limits])
     for core in (segment for segment in found.segments if segment.limit >= 0):
         tau, states = core_states(problem, found, core)
-        force = states @ problem.limits[core.limit].feedback / problem.force_limit
-        too_much = np.concatenate([[False], np.abs(force) > 1.0 + BROKEN, [False]])
-        edges = np.nonzero(np.diff(too_much.astype(np.int8)))[0]
+        held = problem.limits[core.limit]
+        levels = np.abs(states @ problem.rows.T)
+        levels[:, (orders > held.order) | (np.arange(orders.size) == core.limit)] = 0.0
+        force = np.abs(states @ held.feedback) / problem.force_limit
+        over = np.maximum(levels.max(axis=1), force) > 1.0 + BROKEN
+        edges = np.nonzero(np.diff(np.concatenate([[0], over, [0]])))[0]
         for first, stop in zip(edges[::2], edges[1::2], strict=True):
             ends = tau[[max(first - 1, 0), min(stop, tau.size - 1)]]
             zones.append((float(core.start - ends[1]), float(core.start - ends[0])))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import highspy
@@ -12,11 +13,21 @@ from scipy.sparse import csr_array
 
 Array = NDArray[np.float64]
 
-DUAL, PRIMAL = 1, 4
-"""HiGHS' numbers of the two simplex methods."""
+WAYS: tuple[dict[str, str | int], ...] = (
+    # Forces and bounds are relative here. Scaled by their largest coefficients, short cells weigh
+    # like long ones: bases become singular and the multipliers lose half their digits.
+    {"solver": "simplex", "simplex_scale_strategy": 0},
+    {"solver": "simplex"},
+    {"solver": "ipm"},
+)
+"""Options of HiGHS for three ways to the same vertex: tried in this order, where one loses its
+basis for rounding. (Its primal simplex method may turn in circles for ever.)"""
 
 FORGIVING = 1e-8
 """Tolerance of the last attempt, if the first one had a smaller one."""
+
+LONGEST = 60.0
+"""End of an attempt that turns in circles without counting its steps [s]; no result hangs on it."""
 
 SMALLEST = 1e-12
 """Coefficients left out: the least that HiGHS allows. Its default of 1e-9 drops what a short cell
@@ -109,9 +120,9 @@ def solve_program(
     2.0
     """
     model = _model(program)
-    # The primal method ends where bounds are so tight that the dual one loses its basis.
-    for method, allowed in ((DUAL, tolerance), (PRIMAL, tolerance), (PRIMAL, FORGIVING)):
-        solver = _solver(steps=steps, method=method, tolerance=max(allowed, tolerance))
+    for way in WAYS:
+        allowed = max(tolerance, FORGIVING) if way is WAYS[-1] else tolerance
+        solver = _solver(way, steps=steps, tolerance=allowed)
         solver.passModel(model)
         if start is not None:
             solver.setBasis(_highs_basis(start, rows=model.num_row_))
@@ -141,22 +152,19 @@ def _model(program: Program) -> highspy.HighsLp:
     return model
 
 
-def _solver(*, steps: int, method: int, tolerance: float) -> highspy.Highs:
+def _solver(way: Mapping[str, str | int], *, steps: int, tolerance: float) -> highspy.Highs:
     solver = highspy.Highs()  # type: ignore[no-untyped-call]
     options: dict[str, bool | int | float | str] = {
         "output_flag": False,
-        "solver": "simplex",
-        "simplex_strategy": method,
         "parallel": "off",
-        # Forces and bounds are relative here. Scaled by their largest coefficients, short cells
-        # weigh like long ones: bases become singular and the multipliers lose half their digits.
-        "simplex_scale_strategy": 0,
         # Presolving costs more here than it saves, and calls some feasible programs infeasible.
         "presolve": "off",
         "small_matrix_value": SMALLEST,
         "simplex_iteration_limit": steps,
+        "time_limit": LONGEST,
         "primal_feasibility_tolerance": tolerance,
         "dual_feasibility_tolerance": tolerance,
+        **way,
     }
     for name, value in options.items():
         solver.setOptionValue(name, value)

@@ -23,7 +23,7 @@ from mtcommission.optimal.bounded_dual import (
     stretches,
 )
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_switches, with_touch
-from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later, overforced
+from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later, untenable
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, SHRINK, Sight, lay_out, off_arcs
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
@@ -178,9 +178,9 @@ def _look(
     mesh = _filled(relaxed.layout)
     reading = _read(relaxed, mesh, [])
     guess = read_sequence(problem, reading, parts, zeros, mesh)
-    # A core is opened where holding the bound costs time or more force than there is.
+    # A core is opened where holding the bound costs time, or cannot be done.
     zones = [(zone.end, zone.start) for zone in negative_zones(problem, measure)]
-    split = _read(relaxed, mesh, [*zones, *overforced(problem, kept)])
+    split = _read(relaxed, mesh, [*zones, *untenable(problem, kept)])
     cells = np.array([local_cell(mesh, zero) for zero in zeros.tolist()])
     switches = off_arcs(zeros, split, room=1.5 * cells)
     apart = [
