@@ -24,8 +24,8 @@ ROUNDING = 1e-9
 EXCHANGES = 4
 """Changes of structure in a row; one is usual next to the birth of an arc."""
 TOLERANCES = (5e-3, 1e-4, 1e-6)
-"""Gaps of the starts on the first cells: nine of ten attempts succeed from the first,
-the next one gives the structure where pairs of zeros are close (empirical)."""
+"""Gaps of the starts on the first cells: with two modes five of six attempts succeed from the
+first, the next one gives the structure where pairs of zeros are close (empirical)."""
 ASCENT_STEPS = 6
 """From each later start."""
 REFINEMENTS = 8
