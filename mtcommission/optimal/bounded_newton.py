@@ -313,7 +313,10 @@ def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, A
         elif held is not None:
             levels = held.output_chain @ state
             levels[0] -= leg.side
-            rows.add(levels, held.output_chain @ slope)
+            moves = held.output_chain @ slope
+            rows.add(levels, moves)
+            # What is missed here is counted once: carried on, it would grow over the whole arc.
+            state, slope = state - held.impulses @ levels, slope - held.impulses @ moves
         if held is None:
             state = flows[j] @ state + pushes[j] * leg.side
             slope = flows[j] @ slope
@@ -347,10 +350,9 @@ def _add_dual(
         generator = plant.A if held is None else held.adjoint_flow.matrix.T
         if held is not None and leg.ends:
             rows.add(np.array(adjoint @ to_sigma), to_sigma @ slope)
-            if held.order == 2:
-                direction = held.force_chain[:, 1] / held.gain
-                slope = slope - np.outer(held.row, direction @ slope)
-                adjoint = adjoint - held.row * float(direction @ adjoint)
+            # The atom of order 2 lets σ' = 0; here, too, a σ that is missed is not carried on.
+            slope = slope - held.output_chain.T @ (held.impulses.T @ slope)
+            adjoint = adjoint - (adjoint @ held.impulses) @ held.output_chain
         flow = flows[j] if held is None else held.adjoint_flow.over(float(durations[j])).T
         adjoint, slope = adjoint @ flow, flow.T @ slope
         slope[:, j] = adjoint @ generator * system.scale

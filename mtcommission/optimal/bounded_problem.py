@@ -48,6 +48,9 @@ class Limit:
         Rows c (A/rate)^j, j < r; shape (r, n).
     force_chain
         Columns (A/rate)^j B, j < r; shape (n, r).
+    impulses
+        Columns of the force chain combined so that each moves one row of the output chain by 1 and
+        the others not at all, shape (n, r).
     feedback
         K, shape (n,) [N per unit of state].
     boundary_flow
@@ -67,6 +70,7 @@ class Limit:
     gain: float
     output_chain: Array
     force_chain: Array
+    impulses: Array
     feedback: Array
     boundary_flow: HeldFlow
     adjoint_flow: HeldFlow
@@ -254,6 +258,7 @@ def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array)
         gain=gain,
         output_chain=output_chain,
         force_chain=force_chain,
+        impulses=force_chain @ np.linalg.inv(output_chain @ force_chain),
         feedback=feedback,
         boundary_flow=boundary_flow,
         adjoint_flow=held_flow(

@@ -200,10 +200,9 @@ def _level(problem: BoundedProblem, layout: Layout, limit: int, width: int) -> A
 def _projected(problem: BoundedProblem, layout: Layout, core: Core, state: Array) -> Array:
     """Return the state moved onto the bound by impulses of the force."""
     limit = problem.limits[core.limit]
-    push = limit.force_chain @ np.linalg.inv(limit.output_chain @ limit.force_chain)
-    moved = state - push @ (limit.output_chain @ state)
+    moved = state - limit.impulses @ (limit.output_chain @ state)
     level = core.side * _level(problem, layout, core.limit, state.shape[1])
-    return np.asarray(moved + np.outer(push[:, 0], level))
+    return np.asarray(moved + np.outer(limit.impulses[:, 0], level))
 
 
 def bound_rows(
