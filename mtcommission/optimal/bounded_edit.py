@@ -6,7 +6,8 @@
   that part holds a touch point, the touch point has grown into a boundary arc.
 - A boundary arc whose multiplier has a density of the wrong sign somewhere: there it pays to
   leave the bound for a while. A *dip* is put in: away from the bound, towards it, and (order 2)
-  away again.
+  away again. A dip that would go beyond the bound on the other side holds that one instead, over
+  the zone: there its multiplier has the right sign.
 
 How long a dip is follows from the multipliers alone. Inside it μ = 0, so σ^(r) is the density ν
 that the arc would have, ν ∝ s² - z² about the middle of the wrong zone of half-width z. For
@@ -58,6 +59,12 @@ DIP_LENGTH = {1: sqrt(12.0), 2: sqrt(19.2)}
 """Length of a dip over half the width of the zone of wrong density, by order."""
 DIP_PATTERN = {1: (-1, 1), 2: (-1, 1, -1)}
 """Directions of the force in a dip: +1 is towards the bound."""
+SWING_PATTERN = {1: (1,), 2: (1, -1)}
+"""Directions of the force from one side of a bound to the other: +1 is towards where it goes."""
+TOO_LONG = 5.0
+"""Longest bang arc of such a swing, in multiples of what the force alone would take for it."""
+SAMPLES = 9
+"""Samples of each bang arc of a dip."""
 DIP_STEPS = 8
 """Newton steps for the shares of a dip; it is left at once where they do not converge."""
 DIFFERENCE = 1e-6
@@ -274,10 +281,83 @@ def with_dip(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
         return None
     piece = extremal.sequence.pieces[place.index]
     state = _state_at(problem, extremal.sequence, place.middle - place.half)
-    lengths = _dip(problem, piece, state, 2.0 * place.half)
-    if lengths is None:
+    dip = _dip(problem, piece, state, 2.0 * place.half)
+    if dip is None or not _crosses(problem, piece, state, dip):
+        return None if dip is None else _inserted(extremal.sequence, place, dip)
+    return _with_excursion(problem, extremal.sequence, place, worst)
+
+
+def _crosses(problem: BoundedProblem, held: Piece, state: Array, dip: tuple[Piece, ...]) -> bool:
+    """Return whether a dip goes beyond the bound on the other side."""
+    row = problem.limits[held.limit].row * held.side
+    for piece in dip:
+        states = piece_states(problem, piece, state, np.linspace(0.0, piece.duration, SAMPLES))
+        if float((states @ row).min()) < -1.0:
+            return True
+        state = states[-1]
+    return False
+
+
+def _with_excursion(
+    problem: BoundedProblem, sequence: Sequence, place: _Place, zone: DensityZone
+) -> Sequence | None:
+    """Return the sequence with the bound on the other side held over a zone, or None."""
+    piece, t_f = sequence.pieces[place.index], sequence.t_f
+    other = replace(piece, side=-piece.side)
+    middle, width = t_f - 0.5 * (zone.start + zone.end), zone.start - zone.end
+    way = _swing(problem, other, _state_at(problem, sequence, middle - 0.5 * width))
+    if way is None:
         return None
-    return _inserted(problem, extremal.sequence, place, lengths)
+    taken = sum(span.duration for span in way)
+    start = middle - 0.5 * (width + taken)
+    if taken >= width or start < place.start:
+        return None
+    there = _swing(problem, other, _state_at(problem, sequence, start))
+    if there is None:
+        return None
+    hold = replace(other, duration=width - sum(span.duration for span in there))
+    state = _state_at(problem, sequence, start)
+    for part in (*there, hold):
+        state = piece_states(problem, part, state, np.array([0.0, part.duration]))[-1]
+    back = _swing(problem, piece, state)
+    if back is None:
+        return None
+    parts = (*there, hold, *back)
+    half = 0.5 * sum(part.duration for part in parts)
+    if start + 2.0 * half > place.start + piece.duration:
+        return None
+    moved = replace(place, middle=start + half, half=half)
+    return _inserted(sequence, moved, parts)
+
+
+def _swing(problem: BoundedProblem, goal: Piece, state: Array) -> tuple[Piece, ...] | None:
+    """Return the bang arcs from one side of a bound to the other, where it is to be held."""
+    limit = problem.limits[goal.limit]
+    sides = [goal.side * int(np.sign(limit.gain)) * way for way in SWING_PATTERN[limit.order]]
+    level = np.zeros(limit.order)
+    level[0] = goal.side
+
+    def miss(spans: Array) -> Array:
+        after = state
+        for side, span in zip(sides, spans.tolist(), strict=True):
+            after = flow_bang(problem, after, side, span)
+        return np.asarray(limit.output_chain @ after - level)
+
+    # Two of the bound by the force alone: once or twice integrated.
+    rate = abs(limit.gain) * problem.force_limit * problem.rate ** (limit.order - 1)
+    first = np.full(limit.order, (2.0 / rate) ** (1.0 / limit.order))
+    spans = _spans(miss, first, longest=TOO_LONG * float(first.sum()))
+    return None if spans is None else _bangs(sides, spans)
+
+
+def _bangs(sides: list[int], spans: Array) -> tuple[Piece, ...] | None:
+    """Return bang arcs; None unless all of them have a length."""
+    if not np.all(spans > 0.0):
+        return None
+    return tuple(
+        Piece(limit=-1, side=side, duration=span)
+        for side, span in zip(sides, spans.tolist(), strict=True)
+    )
 
 
 def _place(problem: BoundedProblem, sequence: Sequence, zone: DensityZone) -> _Place | None:
@@ -307,8 +387,10 @@ def _state_at(problem: BoundedProblem, sequence: Sequence, t: float) -> Array:
     return state
 
 
-def _dip(problem: BoundedProblem, piece: Piece, state: Array, length: float) -> Array | None:
-    """Return the durations of a dip of given length that ends on the bound, or None."""
+def _dip(
+    problem: BoundedProblem, piece: Piece, state: Array, length: float
+) -> tuple[Piece, ...] | None:
+    """Return the bang arcs of a dip of given length that ends on the bound, or None."""
     limit = problem.limits[piece.limit]
     sides = [piece.side * int(np.sign(limit.gain)) * way for way in DIP_PATTERN[limit.order]]
     level = np.zeros(limit.order)
@@ -322,35 +404,28 @@ def _dip(problem: BoundedProblem, piece: Piece, state: Array, length: float) -> 
 
     shares = np.full(len(sides), 0.5)
     shares[[0, -1]] = 0.5 / limit.order
-    return _solved_dip(miss, shares[:-1] * length, length)
+    spans = _spans(miss, shares[:-1] * length, longest=length)
+    return None if spans is None else _bangs(sides, np.append(spans, length - float(spans.sum())))
 
 
-def _solved_dip(miss: Callable[[Array], Array], first: Array, length: float) -> Array | None:
-    """Return all durations by Newton's method on all but the last, or None."""
-    step = DIFFERENCE * length
+def _spans(miss: Callable[[Array], Array], first: Array, *, longest: float) -> Array | None:
+    """Return the durations without a miss by Newton's method, or None where one is too long."""
+    step = DIFFERENCE * longest
     for _ in range(DIP_STEPS):
         value = miss(first)
         columns = [(miss(first + step * unit) - value) / step for unit in np.eye(first.size)]
         first = first - np.linalg.lstsq(np.column_stack(columns), value, rcond=None)[0]
-        if not np.abs(first).max() < length:
+        if not np.abs(first).max() < longest:
             return None
-    lengths = np.append(first, length - float(first.sum()))
-    return lengths if np.all(lengths > 0.0) else None
+    return first
 
 
-def _inserted(
-    problem: BoundedProblem, sequence: Sequence, place: _Place, lengths: Array
-) -> Sequence:
-    piece, added = sequence.pieces[place.index], 1 + lengths.size
-    limit = problem.limits[piece.limit]
-    sides = [piece.side * int(np.sign(limit.gain)) * way for way in DIP_PATTERN[limit.order]]
+def _inserted(sequence: Sequence, place: _Place, parts: tuple[Piece, ...]) -> Sequence:
+    """Return the sequence with pieces put into a boundary arc."""
+    piece, added = sequence.pieces[place.index], 1 + len(parts)
     before = place.middle - place.half - place.start
-    after = piece.duration - before - float(lengths.sum())
-    dip = [
-        Piece(limit=-1, side=side, duration=span)
-        for side, span in zip(sides, lengths.tolist(), strict=True)
-    ]
-    pieces = [replace(piece, duration=before), *dip, replace(piece, duration=after)]
+    after = piece.duration - before - sum(part.duration for part in parts)
+    pieces = [replace(piece, duration=before), *parts, replace(piece, duration=after)]
     return Sequence(
         pieces=(*sequence.pieces[: place.index], *pieces, *sequence.pieces[place.index + 1 :]),
         touches=tuple(
