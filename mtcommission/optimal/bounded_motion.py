@@ -75,8 +75,13 @@ def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...
             push = step_response(plant, since) * piece.side * F
             state = transition(plant, since) @ state + push
         else:
+            # As in Newton's method: what is missed at the entry would grow over the arc.
+            held = problem.limits[piece.limit]
+            levels = held.output_chain @ state
+            levels[0] -= piece.side
+            state = state - held.impulses @ levels
             arcs.append(boundary_arc(problem, piece.limit, start, end, state=state))
-            state = problem.limits[piece.limit].boundary_flow.over(piece.duration) @ state
+            state = held.boundary_flow.over(piece.duration) @ state
         start = end
     return tuple(arcs)
 
