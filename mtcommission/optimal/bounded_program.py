@@ -130,7 +130,7 @@ def solve_program(
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
             return _answer(solver, equations=program.right.size)
-        if status == HighsModelStatus.kInfeasible:
+        if status in (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit):
             return None
         start = None
     return None

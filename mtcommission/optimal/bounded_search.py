@@ -18,6 +18,7 @@ from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_dual import (
     Measure,
+    Stretch,
     dual_value,
     negative_zones,
     stretches,
@@ -27,7 +28,7 @@ from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later, 
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, SHRINK, Sight, lay_out, off_arcs
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
-from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_problem import BoundedProblem, impulse_response
 from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts, read_sequence
 from mtcommission.optimal.bounded_rows import Contact, Layout
 
@@ -55,6 +56,8 @@ SHARP = 1e-9
 """Gap of an accepted sequence below which it is not edited any more."""
 VISITS = 2
 """How often the same sequence is solved in one round: from durations of its own each time."""
+HIDDEN = 1e-8
+"""What one cell may hide of the time, relative to it: a hundredth of the gap allowed."""
 SPLINTER = 2e-4
 """Share of t_f of a piece that may be the ripple of a mesh: left out where it leads nowhere."""
 SLIVER = 1e-6
@@ -182,7 +185,9 @@ def _look(
     zones = [(zone.end, zone.start) for zone in negative_zones(problem, measure)]
     split = _read(relaxed, mesh, [*zones, *untenable(problem, kept)])
     cells = np.array([local_cell(mesh, zero) for zero in zeros.tolist()])
-    switches = off_arcs(zeros, split, room=1.5 * cells)
+    # Near the end of an arc a zero is its ripple, unless much of σ hides in its cell.
+    seen = np.isin(zeros, off_arcs(zeros, split, room=1.5 * cells))
+    switches = zeros[seen | (_hidden(problem, measure, parts, zeros, mesh) > HIDDEN)]
     apart = [
         t
         for i, t in enumerate(switches.tolist())
@@ -191,6 +196,29 @@ def _look(
     t_f = kept.layout.t_f
     sight = Sight(t_f=t_f, mesh=mesh, reading=split, switches=np.array(apart))
     return sight.stretched(later(kept.layout, kept)), guess
+
+
+def _hidden(
+    problem: BoundedProblem,
+    measure: Measure,
+    parts: tuple[Stretch, ...],
+    zeros: Array,
+    mesh: Array,
+) -> Array:
+    """Return what the program misses of the time for each zero of σ: it sees |∫ σ| of a cell only.
+
+    In relative terms, from the slope of σ at the zero: the smaller part of its cell counts twice.
+    """
+    starts = np.array([part.start for part in parts])[::-1]
+    missed = []
+    for zero in zeros.tolist():
+        part = parts[len(parts) - 1 - min(int(np.searchsorted(starts, zero)), len(parts) - 1)]
+        motion = impulse_response(problem.plant, np.array(zero - part.end))
+        slope = abs(float(part.adjoint @ problem.plant.A @ motion))
+        after = min(max(int(np.searchsorted(mesh, zero)), 1), mesh.size - 1)
+        missed.append(slope * min(zero - mesh[after - 1], mesh[after] - zero) ** 2)
+    along = abs(float(measure.terminal @ problem.target))
+    return np.array(missed) * problem.force_limit / along
 
 
 def _filled(layout: Layout) -> Array:
