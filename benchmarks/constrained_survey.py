@@ -156,8 +156,8 @@ def _followed(
 
 def _balanced_expm(matrix: np.ndarray) -> np.ndarray:
     """Return the matrix exponential; unbalanced it loses six digits on arcs of many decades."""
-    balanced, T = matrix_balance(matrix)
-    return np.asarray(T @ expm(balanced) @ np.linalg.inv(T))
+    balanced, (scale, _) = matrix_balance(matrix, permute=False, separate=True)
+    return np.asarray(expm(balanced) * scale[:, np.newaxis] / scale)
 
 
 def _peak(together: np.ndarray, joint: np.ndarray, row: np.ndarray, step: float) -> float:
