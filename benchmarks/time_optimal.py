@@ -14,13 +14,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-import casadi
 import numpy as np
-from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError
 from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.discretisation import TranscriptionSettings
 from mtcommission.optimal.time_optimal import solve_time_optimal
+from mtcommission.optimal.transcription import transcribe_time_optimal
 from mtcommission.plant import Plant, build_plant
 from tests.machines import paper_machine, random_modal_machine
 
@@ -101,47 +101,6 @@ def measure_once(case: str, problems: list[Problem]) -> Row:
     )
 
 
-def transcribed(plant: Plant, move: VelocityStep, *, force_limit: float, cells: int) -> float:
-    """t_f from IPOPT: the final time for which the largest velocity reached is the one wanted.
-
-    With t_f free the problem is bilinear and takes IPOPT minutes at 10 000 cells; for a given t_f
-    it is a linear program, and the velocity that it reaches is concave enough in t_f for a secant.
-    """
-    least = plant.moving_mass * move.velocity_step / force_limit
-    times = [1.1 * least, 1.2 * least]
-    missing = [
-        move.velocity_step - reached(plant, force_limit=force_limit, t_f=t_f, cells=cells)
-        for t_f in times
-    ]
-    while abs(times[-1] - times[-2]) > 1e-8 * least and len(times) < 12:
-        slope = (missing[-1] - missing[-2]) / (times[-1] - times[-2])
-        times.append(times[-1] - missing[-1] / slope)
-        velocity = reached(plant, force_limit=force_limit, t_f=times[-1], cells=cells)
-        missing.append(move.velocity_step - velocity)
-    return times[-1]
-
-
-def reached(plant: Plant, *, force_limit: float, t_f: float, cells: int) -> float:
-    """Largest velocity with all modes at rest after t_f: trapezoidal rule, states scaled [m/s]."""
-    scale = np.abs(expm(plant.A * 0.01) @ plant.B * force_limit * plant.force_lag) + 1e-9
-    opti = casadi.Opti()
-    x, u = opti.variable(plant.order, cells + 1), opti.variable(1, cells + 1)
-    A = casadi.sparsify(casadi.DM(plant.A * scale / scale[:, np.newaxis]))
-    B = casadi.sparsify(casadi.DM(plant.B * force_limit / scale))
-    rate = casadi.mtimes(A, x) + casadi.mtimes(B, u)
-    opti.subject_to(x[:, 1:] - x[:, :-1] == t_f / (2 * cells) * (rate[:, 1:] + rate[:, :-1]))
-    opti.subject_to(opti.bounded(-1, u, 1))
-    opti.subject_to(x[:, 0] == 0)
-    for i in range(plant.order):
-        if i not in (plant.position, plant.velocity):
-            opti.subject_to(x[i, -1] == 0)
-    opti.minimize(-x[plant.velocity, -1])
-    options = {"print_level": 0, "sb": "yes", "mehrotra_algorithm": "yes"}
-    options |= dict.fromkeys(("jac_c_constant", "jac_d_constant", "hessian_constant"), "yes")
-    opti.solver("ipopt", {"print_time": False}, options)
-    return float(opti.solve().value(x[plant.velocity, -1])) * float(scale[plant.velocity])
-
-
 def print_row(row: Row) -> None:
     times = 1e3 * np.array(row.times)
     print(
@@ -154,14 +113,15 @@ def print_row(row: Row) -> None:
 
 def print_peer(cells: int, ours: float) -> None:
     plant, move = build_plant(paper_machine()), VelocityStep(velocity_step=0.1)
+    settings = TranscriptionSettings(intervals=cells)
     start = time.process_time()
-    t_f = transcribed(plant, move, force_limit=2e3, cells=cells)
+    grid = transcribe_time_optimal(plant, move, force_limit=2e3, bounds=(), settings=settings)
     peer = time.process_time() - start
     exact = solve_time_optimal(plant, move, force_limit=2e3).t_f
     print(
-        f"IPOPT, trapezoidal, N = {cells}, t_f by secant: {peer:.1f} s CPU, "
-        f"off by {abs(t_f - exact):.1e} s; "
-        f"{peer / ours:.0f} x the time"
+        f"IPOPT, {settings.scheme.value}, N = {cells}: {peer:.1f} s CPU, "
+        f"off by {abs(grid.t_f - exact):.1e} s; {peer / ours:.0f} x the time",
+        flush=True,
     )
 
 
