@@ -35,6 +35,7 @@ from mtcommission.optimal.bounded_problem import (
 )
 from mtcommission.optimal.bounded_reading import place_touches
 from mtcommission.optimal.bounded_rows import Contact
+from mtcommission.optimal.bounded_search import _hidden
 from mtcommission.optimal.constrained import MANY_PERIODS, solve_bounded_time_optimal
 from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
@@ -527,3 +528,19 @@ def test_very_tight_bounds_end_with_a_named_outcome(
         paper_optimum(bound(name, value))
     assert caught.value.outcome is outcome
     assert "HiGHS" not in str(caught.value)
+
+
+def test_what_a_cell_hides_is_the_difference_of_two_integrals() -> None:
+    # F (∫ |σ| - |∫ σ|) over the cell of a zero, by summation; otherwise a gap would never close.
+    problem, guess = touching_extremal()
+    measure = replace(solve_sequence(problem, guess).measure, cores=())
+    parts = stretches(problem, measure)
+    zero = float(dual_value(problem, parts, measure.atoms).zeros[0])
+    mesh = np.array([0.0, zero - 2e-7, zero + 1e-7, measure.t_f])
+    found = _hidden(problem, measure, parts, np.array([zero]), mesh)
+    tau = np.linspace(mesh[1], mesh[2], 3001)
+    part = next(part for part in parts if part.end <= zero < part.start)
+    sigma = impulse_response(problem.plant, tau - part.end) @ part.adjoint
+    hidden = np.trapezoid(np.abs(sigma), tau) - abs(np.trapezoid(sigma, tau))
+    expected = problem.force_limit * float(hidden) / abs(float(measure.terminal @ problem.target))
+    assert found[0] == pytest.approx(expected, rel=1e-3)

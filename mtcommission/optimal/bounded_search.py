@@ -58,6 +58,8 @@ VISITS = 2
 """How often the same sequence is solved in one round: from durations of its own each time."""
 HIDDEN = 1e-8
 """What one cell may hide of the time, relative to it: a hundredth of the gap allowed."""
+AGREED = 1e-6
+"""Distance of the reaches of both forms from which on what is hidden is the rest of the gap."""
 SPLINTER = 2e-4
 """Share of t_f of a piece that may be the ripple of a mesh: left out where it leads nowhere."""
 SLIVER = 1e-6
@@ -185,9 +187,11 @@ def _look(
     zones = [(zone.end, zone.start) for zone in negative_zones(problem, measure)]
     split = _read(relaxed, mesh, [*zones, *untenable(problem, kept)])
     cells = np.array([local_cell(mesh, zero) for zero in zeros.tolist()])
-    # Near the end of an arc a zero is its ripple, unless much of σ hides in its cell.
-    seen = np.isin(zeros, off_arcs(zeros, split, room=1.5 * cells))
-    switches = zeros[seen | (_hidden(problem, measure, parts, zeros, mesh) > HIDDEN)]
+    switches = off_arcs(zeros, split, room=1.5 * cells)
+    if relaxed.reach - kept.reach < AGREED:
+        # Near the end of an arc a zero is its ripple, unless much of σ hides in its cell.
+        much = _hidden(problem, measure, parts, zeros, mesh) > HIDDEN
+        switches = zeros[np.isin(zeros, switches) | much]
     apart = [
         t
         for i, t in enumerate(switches.tolist())
