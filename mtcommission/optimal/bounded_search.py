@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
 from mtcommission.optimal.bounded_arcs import Sequence
+from mtcommission.optimal.bounded_dip import with_dip
 from mtcommission.optimal.bounded_dual import (
     Measure,
     Stretch,
@@ -23,7 +24,7 @@ from mtcommission.optimal.bounded_dual import (
     negative_zones,
     stretches,
 )
-from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_dip, with_switches, with_touch
+from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later, untenable
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, SHRINK, Sight, lay_out, off_arcs
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
