@@ -133,14 +133,12 @@ def _swing(problem: BoundedProblem, goal: Piece, state: Array) -> tuple[Piece, .
     """Return the bang arcs from one side of a bound to the other, where it is to be held."""
     limit = problem.limits[goal.limit]
     sides = [goal.side * int(np.sign(limit.gain)) * way for way in SWING_PATTERN[limit.order]]
-    level = np.zeros(limit.order)
-    level[0] = goal.side
 
     def miss(spans: Array) -> Array:
         after = state
         for side, span in zip(sides, spans.tolist(), strict=True):
             after = flow_bang(problem, after, side, span)
-        return np.asarray(limit.output_chain @ after - level)
+        return limit.missed(after, goal.side)
 
     # Two of the bound by the force alone: once or twice integrated.
     rate = abs(limit.gain) * problem.force_limit * problem.rate ** (limit.order - 1)
@@ -192,14 +190,12 @@ def _dip(
     """Return the bang arcs of a dip of given length that ends on the bound, or None."""
     limit = problem.limits[piece.limit]
     sides = [piece.side * int(np.sign(limit.gain)) * way for way in DIP_PATTERN[limit.order]]
-    level = np.zeros(limit.order)
-    level[0] = piece.side
 
     def miss(first: Array) -> Array:
         after = state
         for side, span in zip(sides, [*first.tolist(), length - float(first.sum())], strict=True):
             after = flow_bang(problem, after, side, span)
-        return np.asarray(limit.output_chain @ after - level)
+        return limit.missed(after, piece.side)
 
     shares = np.full(len(sides), 0.5)
     shares[[0, -1]] = 0.5 / limit.order

@@ -77,9 +77,7 @@ def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...
         else:
             # As in Newton's method: what is missed at the entry would grow over the arc.
             held = problem.limits[piece.limit]
-            levels = held.output_chain @ state
-            levels[0] -= piece.side
-            state = state - held.impulses @ levels
+            state = state - held.impulses @ held.missed(state, piece.side)
             arcs.append(boundary_arc(problem, piece.limit, start, end, state=state))
             state = held.boundary_flow.over(piece.duration) @ state
         start = end

@@ -311,8 +311,7 @@ def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, A
             value = [row @ state - leg.touch.side, rate @ state + row @ push / problem.rate]
             rows.add(np.array(value), np.array([row @ slope, rate @ slope]))
         elif held is not None:
-            levels = held.output_chain @ state
-            levels[0] -= leg.side
+            levels = held.missed(state, leg.side)
             moves = held.output_chain @ slope
             rows.add(levels, moves)
             # What is missed here is counted once: carried on, it would grow over the whole arc.

@@ -82,6 +82,12 @@ class Limit:
         """Number of differentiations after which the force appears."""
         return len(self.output_chain)
 
+    def missed(self, state: Array, side: int) -> Array:
+        """Return c x ∓ 1 and the scaled derivatives of c x, shape (r,): all 0 where it is held."""
+        levels = self.output_chain @ state
+        levels[0] -= side
+        return np.asarray(levels)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BoundedProblem:
