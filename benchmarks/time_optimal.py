@@ -3,14 +3,15 @@
 Run as ``python -m benchmarks.time_optimal [--count N] [--modes N ...] [--passes N]
 [--peer-cells N ...]`` with OMP_NUM_THREADS=1. The cases are the survey of the documentation: 60 for
 each number of modes. With several passes each case counts with its best, which is what it takes on
-a quiet core; every pass builds its plants anew, so that nothing about them is known.
+a quiet core; every pass builds its plants anew, so that nothing about them is known. The certified
+control does not need the exact peaks of the signals; what reading them adds is printed, too.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -27,10 +28,14 @@ from tests.machines import paper_machine, random_modal_machine
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """Times of certified solves [s, CPU], the worst gap and terminal error against each peak."""
+    """Times of certified solves [s, CPU], the worst gap and terminal error against each peak.
+
+    ``with_peaks`` are the times until the peaks are read, too.
+    """
 
     case: str
     times: tuple[float, ...]
+    with_peaks: tuple[float, ...]
     gap: float
     error: float
     outcomes: tuple[str, ...]
@@ -70,15 +75,21 @@ def measure(case: str, build: Callable[[], list[Problem]], *, passes: int) -> Ro
     last = rows[-1]
     return Row(
         case=case,
-        times=tuple(min(times) for times in zip(*(row.times for row in rows), strict=True)),
+        times=best(row.times for row in rows),
+        with_peaks=best(row.with_peaks for row in rows),
         gap=last.gap,
         error=last.error,
         outcomes=last.outcomes,
     )
 
 
+def best(passes: Iterable[tuple[float, ...]]) -> tuple[float, ...]:
+    """Each case counts with its best pass."""
+    return tuple(min(times) for times in zip(*passes, strict=True))
+
+
 def measure_once(case: str, problems: list[Problem]) -> Row:
-    times, gaps, errors, outcomes = [], [0.0], [0.0], []
+    times, with_peaks, gaps, errors, outcomes = [], [], [0.0], [0.0], []
     for one in problems:
         start = time.process_time()
         try:
@@ -87,14 +98,16 @@ def measure_once(case: str, problems: list[Problem]) -> Row:
             outcomes.append(str(error))
             continue
         times.append(time.process_time() - start)
-        gaps.append(optimum.certificate.relative_gap)
         peaks = optimum.peaks[: one.plant.order]
+        with_peaks.append(time.process_time() - start)
+        gaps.append(optimum.certificate.relative_gap)
         errors.append(float(np.max(np.abs(optimum.terminal_error) / peaks)))
         if not optimum.certificate.switching_law_holds:
             outcomes.append("switching law not confirmed")
     return Row(
         case=case,
         times=tuple(times),
+        with_peaks=tuple(with_peaks),
         gap=max(gaps),
         error=max(errors),
         outcomes=tuple(outcomes),
@@ -105,7 +118,8 @@ def print_row(row: Row) -> None:
     times = 1e3 * np.array(row.times)
     print(
         f"{row.case:18s} {times.size:5d} {np.median(times):8.2f} {np.quantile(times, 0.9):8.2f} "
-        f"{times.max():8.2f} {row.gap:10.1e} {row.error:10.1e}"
+        f"{times.max():8.2f} {1e3 * np.median(row.with_peaks):11.2f} {row.gap:10.1e} "
+        f"{row.error:10.1e}"
     )
     for outcome in row.outcomes:
         print(f"    {outcome}")
@@ -134,7 +148,7 @@ def main() -> None:
     arguments = parser.parse_args()
     print("CPU time [ms]; gap against t_f; terminal error against each state's peak")
     print(f"{'case':18s} {'cases':>5s} {'median':>8s} {'90 %':>8s} {'most':>8s}", end="")
-    print(f" {'gap':>10s} {'error':>10s}")
+    print(f" {'with peaks':>11s} {'gap':>10s} {'error':>10s}")
     measure_once("", paper_problems(3))
     passes = arguments.passes
     paper = measure("2 modes (paper)", partial(paper_problems, arguments.count), passes=passes)

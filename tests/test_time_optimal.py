@@ -24,7 +24,7 @@ from mtcommission.machine import (
 )
 from mtcommission.optimal.bang_bang_search import find_bang_bang
 from mtcommission.optimal.dual_start import start_force
-from mtcommission.optimal.flow import dyadic_flow, final_state
+from mtcommission.optimal.flow import dyadic_flow, states_at
 from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
 from mtcommission.optimal.solution import (
     TimeOptimum,
@@ -336,7 +336,7 @@ def test_final_state_is_that_of_arc_by_arc_integration(move: Move, force_lag: fl
         for i, (start, end) in enumerate(pairwise(edges))
     )
     flow = dyadic_flow(plant, moment_problem(plant, move), t_f=edges[-1])
-    found = final_state(flow, times, first_force=900.0)
+    (found,) = states_at(flow, np.array(edges[-1:]), switching_times=times, first_force=900.0)
     expected = propagate(plant, arcs)
     assert np.all(np.abs(found - expected) < 1e-11 * optimum.peaks[: plant.order])
 

@@ -81,7 +81,40 @@ def signals_of_moments(plant: Plant, problem: MomentProblem) -> SignalRows:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BangBangMotion:
-    """A bang-bang force from rest, with the moments gathered up to each switch.
+    """The motion from rest under a force that changes sign at given times.
+
+    Parameters
+    ----------
+    plant
+        The plant.
+    problem
+        A moment problem of it.
+    grading
+        Of its moment functions, up to t_f or beyond.
+    switching_times
+        Ascending, shape (n_switches,) [s].
+    t_f
+        End [s].
+    first_force
+        F_set on the first arc [N].
+    """
+
+    plant: Plant
+    problem: MomentProblem
+    grading: Grading
+    switching_times: Array
+    t_f: float
+    first_force: float
+
+    @property
+    def peaks(self) -> Array:
+        """Largest magnitude of each of ``Plant.signals`` on [0, t_f]."""
+        return signal_peaks(gather_moments(self), self.grading)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GatheredMoments:
+    """A bang-bang motion by its arcs, with the moments gathered up to each switch.
 
     Parameters
     ----------
@@ -109,40 +142,25 @@ class BangBangMotion:
     double: Array
 
 
-def bang_bang_motion(
-    plant: Plant,
-    problem: MomentProblem,
-    switching_times: Array,
-    *,
-    t_f: float,
-    first_force: float,
-) -> BangBangMotion:
-    """Return the motion under a force that changes sign at the given times.
+def gather_moments(motion: BangBangMotion) -> GatheredMoments:
+    """Return the arcs of a motion with the moments at their starts.
 
     Parameters
     ----------
-    plant
-        The plant, at rest at t = 0.
-    problem
-        A moment problem of it.
-    switching_times
-        Ascending, shape (n_switches,) [s].
-    t_f
-        End [s].
-    first_force
-        F_set on the first arc [N].
+    motion
+        The motion.
 
     Returns
     -------
-    BangBangMotion
+    GatheredMoments
 
     Source: variation of constants in modal coordinates.
     """
-    rows, count = signals_of_moments(plant, problem), switching_times.size + 1
-    edges = np.concatenate(((0.0,), switching_times, (t_f,)))
+    rows = signals_of_moments(motion.plant, motion.problem)
+    edges = np.concatenate(((0.0,), motion.switching_times, (motion.t_f,)))
     lengths = edges[1:] - edges[:-1]
-    forces = np.full(count, first_force)
-    forces[1::2] = -first_force
+    forces = np.full(lengths.size, motion.first_force)
+    forces[1::2] = -motion.first_force
     steady = forces[:, np.newaxis] / rows.rates
     less_one = np.expm1(lengths[:, np.newaxis] * rows.rates)
     growth, gain = less_one + 1.0, less_one * steady
@@ -153,7 +171,7 @@ def bang_bang_motion(
     pushes = lengths * forces
     impulse = pushes.cumsum() - pushes
     doubled = lengths * (impulse + 0.5 * pushes)
-    return BangBangMotion(
+    return GatheredMoments(
         rows=rows,
         lengths=lengths,
         forces=forces,
@@ -164,7 +182,7 @@ def bang_bang_motion(
     )
 
 
-def moments_at(motion: BangBangMotion, since: Array, arc: Index, less_one: Complex) -> Array:
+def moments_at(motion: GatheredMoments, since: Array, arc: Index, less_one: Complex) -> Array:
     """Return the moments of the force up to some instants.
 
     Parameters
@@ -192,7 +210,7 @@ def moments_at(motion: BangBangMotion, since: Array, arc: Index, less_one: Compl
     return moments
 
 
-def signal_peaks(motion: BangBangMotion, grading: Grading) -> Array:
+def signal_peaks(motion: GatheredMoments, grading: Grading) -> Array:
     """Return the largest magnitude of each of ``Plant.signals`` on [0, t_f].
 
     Parameters
@@ -255,7 +273,7 @@ class _Cells:
     step: Array
 
 
-def _cells(motion: BangBangMotion, grading: Grading) -> _Cells:
+def _cells(motion: GatheredMoments, grading: Grading) -> _Cells:
     """Return the mesh: a fast pole matters only for a while after each switch, for all arcs alike.
 
     So all arcs share one graded mesh.
@@ -294,7 +312,7 @@ class _Cubics:
     last: Array
 
 
-def _cubics(motion: BangBangMotion, cells: _Cells) -> _Cubics:
+def _cubics(motion: GatheredMoments, cells: _Cells) -> _Cubics:
     rows = motion.rows
     less_one = np.expm1(cells.nodes[:, np.newaxis] * rows.rates)
     moments = moments_at(motion, cells.since, cells.arc, less_one.take(cells.index, axis=0))

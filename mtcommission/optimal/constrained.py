@@ -88,9 +88,8 @@ def solve_bounded_time_optimal(
     every = all_bounds(plant, move, bounds)
     _refuse_impossible(plant, move, every)
     free = solve_time_optimal(plant, move, force_limit=force_limit)
-    active = tuple(
-        bound for bound in every if free.peaks[plant.signals.index(bound.name)] > bound.value
-    )
+    peaks = dict(zip(plant.signals, free.peaks.tolist(), strict=True))
+    active = tuple(bound for bound in every if peaks[bound.name] > bound.value)
     if not active:
         return _with_bounds(free, every)
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
@@ -169,7 +168,7 @@ def _with_bounds(free: TimeOptimum, bounds: tuple[Bound, ...]) -> TimeOptimum:
         arcs=free.arcs,
         touch_points=(),
         terminal_error=free.terminal_error,
-        peaks=free.peaks,
+        motion=free.motion,
         certificate=free.certificate,
     )
 
@@ -195,7 +194,7 @@ def _optimum(
         arcs=found.motion.arcs,
         touch_points=tuple(sorted(touches, key=lambda touch: touch.t)),
         terminal_error=error,
-        peaks=found.motion.peaks,
+        motion=found.motion,
         certificate=_certificate(problem, found),
     )
 

@@ -97,7 +97,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
         arcs=arcs,
         touch_points=(),
         terminal_error=error,
-        peaks=motion.peaks,
+        motion=motion,
         certificate=Certificate(
             t_f_lower_bound=least,
             relative_gap=(t_f - least) / t_f,

@@ -13,7 +13,6 @@ from math import ceil, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.dual import sign_jumps
 from mtcommission.optimal.moments import PLANTS, MomentProblem
 from mtcommission.plant import Plant
 
@@ -127,13 +126,17 @@ def _series(plant: Plant, scale: float) -> Array:
     return np.asarray(powers / FACTORIALS)
 
 
-def final_state(flow: DyadicFlow, switching_times: Array, *, first_force: float) -> Array:
-    """Return the state at t_f under a force that changes sign at the given times.
+def states_at(
+    flow: DyadicFlow, instants: Array, *, switching_times: Array, first_force: float
+) -> Array:
+    """Return the states at some instants under a force that changes sign at the given times.
 
     Parameters
     ----------
     flow
         Of a plant with n states, up to t_f; at rest at t = 0.
+    instants
+        From 0 to t_f, shape (k,) [s].
     switching_times
         Ascending, shape (n_switches,) [s].
     first_force
@@ -141,7 +144,7 @@ def final_state(flow: DyadicFlow, switching_times: Array, *, first_force: float)
 
     Returns
     -------
-    ndarray, shape (n,)
+    ndarray, shape (k, n)
 
     Source: superposition of step responses Γ(τ) = ∫_0^τ e^{As} B ds, the last column of the flow.
 
@@ -154,21 +157,24 @@ def final_state(flow: DyadicFlow, switching_times: Array, *, first_force: float)
     >>> plant = build_plant(paper_machine())
     >>> problem = moment_problem(plant, Positioning(distance=1.0))
     >>> flow = dyadic_flow(plant, problem, t_f=2.0)
-    >>> x = final_state(flow, np.array([1.0]), first_force=750.0)
+    >>> t_f, half = np.array([2.0]), np.array([1.0])
+    >>> (x,) = states_at(flow, t_f, switching_times=half, first_force=750.0)
     >>> [round(float(x[i]), 6) for i in (plant.position, plant.velocity)]
     [0.999994, 0.0025]
     """
     n, doubles = flow.plant.order, flow.steps.doubles
-    ends = np.concatenate((flow.t_f - switching_times[::-1], (flow.t_f,))) / flow.unit
-    whole = ends.astype(np.int64)
-    rest = ends - whole
+    starts = np.concatenate(((0.0,), switching_times))
+    # A step that is still to come has age 0, and no response.
+    ages = np.maximum(instants[:, np.newaxis] - starts, 0.0).ravel() / flow.unit
+    whole = ages.astype(np.int64)
+    rest = ages - whole
     response = (rest[:, np.newaxis] ** TERMS) @ flow.steps.series[:, :, n]
     is_in = (whole[:, np.newaxis] >> np.arange(len(doubles)) & 1).astype(bool)
     for bit, double in enumerate(doubles):
         np.copyto(response, response @ double, where=is_in[:, bit, np.newaxis])
-    last_sign = (-1.0) ** switching_times.size
-    jumps = sign_jumps(switching_times.size, first_sign=last_sign)
-    return np.asarray(first_force * (jumps @ response[:, :n]))
+    steps = np.full(starts.size, -2.0 * first_force)
+    steps[0], steps[2::2] = first_force, 2.0 * first_force
+    return np.asarray(steps @ response[:, :n].reshape(instants.size, starts.size, n))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -11,6 +11,7 @@ interior arcs of the linear-quadratic problem (Hamiltonian system) alike.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -238,6 +239,14 @@ class Certificate:
     terminal_jacobian_condition: float
 
 
+class Motion(Protocol):
+    """What a control does to a plant."""
+
+    @property
+    def peaks(self) -> Array:
+        """Largest magnitude of each of ``Plant.signals`` on [0, t_f]."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TimeOptimum:
     """A time-optimal control, free or under bounds.
@@ -260,8 +269,8 @@ class TimeOptimum:
         Where a bound is touched without a boundary arc.
     terminal_error
         State at t_f minus target, shape (n,); 0 for a free state.
-    peaks
-        Largest magnitude of each of ``Plant.signals`` on [0, t_f].
+    motion
+        Tells the peaks of all signals.
     certificate
         The proof.
     """
@@ -274,8 +283,16 @@ class TimeOptimum:
     arcs: tuple[Arc, ...]
     touch_points: tuple[TouchPoint, ...]
     terminal_error: Array
-    peaks: Array
+    motion: Motion
     certificate: Certificate
+
+    @property
+    def peaks(self) -> Array:
+        """Largest magnitude of each of ``Plant.signals`` on [0, t_f].
+
+        Searched for whenever it is read, where ``motion`` does not hold it.
+        """
+        return self.motion.peaks
 
     @property
     def switching_times(self) -> tuple[float, ...]:
@@ -309,8 +326,10 @@ class DampingOptimum:
         λ(0), shape (n,).
     law_residual
         Largest |F_set - Proj(-λ_F / 2T)| / F_max over [0, t_f], eq. (16).
-    terminal_error, peaks
+    terminal_error
         As in ``TimeOptimum``.
+    peaks
+        Largest magnitude of each of ``Plant.signals`` on [0, t_f].
     """
 
     move: Move

@@ -8,7 +8,7 @@ under the control that was found, so the discretisation shows as a terminal erro
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf, isfinite, nan, sqrt
 
@@ -116,7 +116,7 @@ def transcribe_time_optimal(
         arcs=_arcs(control, t_f=found.t_f, force_limit=force_limit),
         touch_points=(),
         terminal_error=np.where(fixed, states[-1] - target, 0.0),
-        peaks=_peaks(plant, control, states, t_f=found.t_f),
+        motion=GridMotion(plant=plant, control=control, states=states, t_f=found.t_f),
         certificate=_certificate(plant, found, adjoint_scale=1.0 / scales),
     )
 
@@ -206,7 +206,7 @@ def transcribe_damping_optimal(
         adjoint_initial=found.adjoint_initial * adjoint_scale,
         law_residual=float(law.max()),
         terminal_error=np.where(fixed, states[-1] - target, 0.0),
-        peaks=_peaks(plant, control, states, t_f=t_f),
+        peaks=GridMotion(plant=plant, control=control, states=states, t_f=t_f).peaks,
     )
 
 
@@ -362,17 +362,41 @@ def _simulate(plant: Plant, control: Array, *, t_f: float) -> Array:
     return states
 
 
-def _peaks(plant: Plant, control: Array, states: Array, *, t_f: float) -> Array:
-    rows = signal_rows(plant)
-    drift, push = states @ plant.A.T @ rows.T, np.outer(control, rows @ plant.B)
-    values = states @ rows.T
-    return hermite_peaks(
-        np.full(control.size, t_f / control.size),
-        values[:-1],
-        values[1:],
-        start_rate=drift[:-1] + push,
-        end_rate=drift[1:] + push,
-    )
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GridMotion:
+    """The motion under a force that is constant between grid points.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    control
+        F_set on each interval, shape (N,) [N].
+    states
+        At the grid points, shape (N + 1, n).
+    t_f
+        End [s].
+    """
+
+    plant: Plant
+    control: Array
+    states: Array
+    t_f: float
+
+    @property
+    def peaks(self) -> Array:
+        """Largest magnitude of each of ``Plant.signals``, by cubics between grid points."""
+        plant, control, states = self.plant, self.control, self.states
+        rows = signal_rows(plant)
+        drift, push = states @ plant.A.T @ rows.T, np.outer(control, rows @ plant.B)
+        values = states @ rows.T
+        return hermite_peaks(
+            np.full(control.size, self.t_f / control.size),
+            values[:-1],
+            values[1:],
+            start_rate=drift[:-1] + push,
+            end_rate=drift[1:] + push,
+        )
 
 
 def _cost_terms(
