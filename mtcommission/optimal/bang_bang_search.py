@@ -149,13 +149,13 @@ def _proved_control(point: DualPoint) -> BangBang:
 def _seen_control(cells: CellForce) -> BangBang:
     """Return the sign changes of σ between nodes; pairs inside a cell are left out."""
     mesh, c = cells.mesh, cells.multipliers
-    problem, last = mesh.problem, int(mesh.nodes.searchsorted(cells.horizon))
-    nodes = mesh.nodes[: last + 1]
-    sigma = problem.target_values(nodes) - mesh.values[: last + 1] @ c
+    last = int(mesh.nodes.searchsorted(cells.horizon))
+    values = mesh.values[:, : last + 1]
+    sigma = values[-1] - c.dot(values[:-1])
     positive = sigma > 0.0
     at = (positive[1:] != positive[:-1]).nonzero()[0]
     left = sigma[at]
-    zeros = nodes[at] + mesh.lengths[at] * (left / (left - sigma[at + 1]))
+    zeros = mesh.nodes[at] + mesh.lengths[at] * (left / (left - sigma[at + 1]))
     inside = zeros < cells.horizon
     return BangBang(
         zeros=zeros[inside],

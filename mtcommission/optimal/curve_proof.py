@@ -140,11 +140,12 @@ def _amplitudes(problem: MomentProblem, multipliers: Array) -> Array:
 def _first_cells(mesh: Mesh, multipliers: Array, times: Array) -> tuple[Array, Index]:
     """Return the cells of all cases, rows as in ``switching``, and whose they are."""
     problem, nodes = mesh.problem, mesh.nodes[:, np.newaxis]
-    sigma = problem.target_values(nodes) - mesh.values @ multipliers.T
-    slope = problem.degree - mesh.slopes @ multipliers.T
+    phi = mesh.values[:-1].T
+    sigma = problem.target_values(nodes) - phi @ multipliers.T
+    slope = problem.degree - phi @ (problem.differentiation @ multipliers.T)
     length = np.diff(nodes, axis=0)
     amplitudes = _amplitudes(problem, multipliers).T
-    remainder = mesh.remainder @ amplitudes
+    remainder = mesh.remainder.T @ amplitudes
     starts = np.broadcast_to(nodes[:-1], remainder.shape)
     cells = np.array(
         [

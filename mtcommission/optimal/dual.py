@@ -105,7 +105,7 @@ def sign_jumps(count: int, *, first_sign: float) -> Array:
 def moment_norms(mesh: Mesh, horizon: float) -> Array:
     """Return ∫_0^horizon |φ| as a sum, to scale moments by, shape (size,)."""
     inside = int(mesh.nodes[:-1].searchsorted(horizon))
-    return np.asarray(mesh.lengths[:inside] @ np.abs(mesh.values[:inside]))
+    return np.asarray(np.abs(mesh.values[:-1, :inside]).dot(mesh.lengths[:inside]))
 
 
 def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float, near: float) -> DualPoint:

@@ -59,9 +59,9 @@ class CellForce:
     psi
         Means of ψ over the cells, shape (n_cells,).
     basis
-        Means of combinations of φ that are orthonormal up to the guess, shape (n_cells, size).
+        Means of combinations of φ that are orthonormal up to the guess, shape (size, n_cells).
     inverse
-        basis = φ @ inverse, upper triangular, shape (size, size).
+        basis = inverse^T @ φ, upper triangular, shape (size, size).
     coefficients
         Of the basis in σ, shape (size,).
     force
@@ -124,18 +124,18 @@ def refine_cells(coarse: CellForce) -> CellForce:
         Not improved yet.
     """
     mesh, c = coarse.mesh, coarse.multipliers
-    sigma = mesh.problem.target_values(mesh.nodes) - mesh.values @ c
-    bend = mesh.envelope * (mesh.problem.magnitudes * mesh.lengths[:, np.newaxis]) ** 2
+    sigma = mesh.values[-1] - c @ mesh.values[:-1]
+    bend = mesh.envelope * np.multiply.outer(mesh.problem.magnitudes, mesh.lengths) ** 2
     low = np.minimum(np.abs(sigma[:-1]), np.abs(sigma[1:]))
-    divided = (low <= bend @ mesh.problem.amplitudes(c)) | (sigma[:-1] * sigma[1:] <= 0.0)
+    divided = (low <= mesh.problem.amplitudes(c) @ bend) | (sigma[:-1] * sigma[1:] <= 0.0)
     parts = np.where(divided, PARTS, 1)
     index = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
     starts = np.repeat(mesh.nodes[:-1], parts) + index * np.repeat(mesh.lengths / parts, parts)
     fine = tabulate(mesh.problem, mesh.grading, np.append(starts, mesh.nodes[-1]))
-    phi, psi = _means(fine)
-    basis = phi @ coarse.inverse
+    means = _means(fine)
+    psi, basis = means[-1], coarse.inverse.T @ means[:-1]
     weight = _weights(fine, coarse.horizon)
-    force = _smooth_sign(psi - basis @ coarse.coefficients, weight, coarse.horizon)
+    force = _smooth_sign(psi - coarse.coefficients @ basis, weight, coarse.horizon)
     return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force)
 
 
@@ -157,14 +157,10 @@ def guess_horizon(problem: MomentProblem, *, span: float) -> float:
     least = 2.0 * sqrt(span) if problem.degree else span
     longest = least + 3.0 * pi * sum((1.0 / problem.magnitudes).tolist())
     low, high = log(least), log(longest)
-    columns = np.empty((GUESS_NODES.size, problem.size + 1), order="F")
     guess, known = log(least + FIRST_GUESS * (longest - least)), [False, False]
     error = [0.0, 0.0]
     for _ in range(GUESS_STEPS):
-        tau = exp(guess) * GUESS_NODES
-        columns[:, :-1] = problem.values(tau)
-        columns[:, -1] = problem.target_values(tau)
-        triangle = dgeqrf(columns)[0]
+        triangle = dgeqrf(problem.joint_values(exp(guess) * GUESS_NODES).T, overwrite_a=1)[0]
         distance = abs(float(triangle[problem.size, -1])) * exp(guess) / sqrt(GUESS_NODES.size)
         now = log(max(MEAN_TO_SQUARE * distance, TINY) / span)
         side = now > 0.0
@@ -177,43 +173,47 @@ def guess_horizon(problem: MomentProblem, *, span: float) -> float:
     return exp(guess)
 
 
-def _means(mesh: Mesh) -> tuple[Array, Array]:
-    """Return the means of φ and ψ over the cells; those of φ by Hermite's rule."""
-    values, slopes, nodes = mesh.values, mesh.slopes, mesh.nodes
-    bent = (slopes[:-1] - slopes[1:]) * (mesh.lengths / 12.0)[:, np.newaxis]
-    phi = 0.5 * (values[:-1] + values[1:]) + bent
-    return phi, mesh.problem.target_values(0.5 * (nodes[:-1] + nodes[1:]))
+def _means(mesh: Mesh) -> Array:
+    """Return the means of φ and, last, ψ over the cells by Hermite's rule, (size + 1, n_cells)."""
+    values, count = mesh.values, len(mesh.values)
+    slopes = mesh.problem.joint_differentiation[:count, :count].T.dot(values)
+    bent = slopes[:, :-1] - slopes[:, 1:]
+    bent *= mesh.lengths / 12.0
+    means = values[:, :-1] + values[:, 1:]
+    means *= 0.5
+    means += bent
+    return np.asarray(means)
 
 
 def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
     """Return the force that follows σ of the fit in the mean square up to the horizon."""
-    phi, psi = _means(mesh)
+    means = _means(mesh)
     size, weight = mesh.problem.size, _weights(mesh, horizon)
-    root = np.sqrt(weight)
-    columns = np.empty((psi.size, size + 1), order="F")
-    np.multiply(phi, root[:, np.newaxis], out=columns[:, :-1])
-    np.multiply(psi, root, out=columns[:, -1])
-    reflectors = dgeqrf(columns, overwrite_a=1)[0]
+    reflectors = dgeqrf((means * np.sqrt(weight)).T, overwrite_a=1)[0]
     triangle, coefficients = reflectors[:size, :size], reflectors[:size, size]
     for i in range(1, size):
         triangle[i:, i - 1] = 0.0
     # No triangular solver: BLAS would set up threads for it, which take longer than all the rest.
     inverse = dgesv(triangle, np.eye(size))[2]
-    basis = phi @ inverse
+    psi, basis = means[-1], inverse.T.dot(means[:-1])
     return CellForce(
         mesh=mesh,
         psi=psi,
         basis=basis,
         inverse=inverse,
         coefficients=coefficients,
-        force=_smooth_sign(psi - basis @ coefficients, weight, horizon),
+        force=_smooth_sign(psi - coefficients.dot(basis), weight, horizon),
         horizon=horizon,
     )
 
 
 def _weights(mesh: Mesh, horizon: float) -> Array:
     """Return the lengths of the cells as far as they are before the horizon."""
-    return np.minimum(np.maximum(horizon - mesh.nodes[:-1], 0.0), mesh.lengths)
+    weights, last = mesh.lengths.copy(), int(mesh.nodes.searchsorted(horizon)) - 1
+    if last < weights.size:
+        weights[last] = horizon - mesh.nodes[last]
+        weights[last + 1 :] = 0.0
+    return weights
 
 
 def _smooth_sign(sigma: Array, weight: Array, horizon: float) -> Array:
@@ -246,7 +246,7 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
     """
     mesh, basis = begun.mesh, begun.basis
     c, force, horizon, proved = begun.coefficients, begun.force, begun.horizon, 0.0
-    sigma, across = begun.psi - basis @ c, np.ascontiguousarray(basis.T)
+    sigma = begun.psi - c.dot(basis)
     for _ in range(STEPS):
         size = np.abs(sigma)
         reached = (mesh.lengths * size).cumsum()
@@ -254,18 +254,18 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
         proved = max(proved, _crossing(mesh.nodes, reached, span))
         horizon = max(proved, SHRINKING * horizon)
         weight = _weights(mesh, horizon)
-        gap = float(weight @ (size - force * sigma))
+        gap = float(weight.dot(size - force * sigma))
         if gap < tolerance * min(span, float(reached[-1])):
             break
         width = SMOOTHING * gap / horizon
         root = np.sqrt(sigma * sigma + width * width)
         sign = sigma / root
         stiffness = (1.0 - force * sign) / root
-        hessian = (across * (weight * stiffness)) @ basis
-        _, _, step, info = dgesv(hessian, across @ (weight * sign))
+        hessian = (basis * (weight * stiffness)).dot(basis.T)
+        _, _, step, info = dgesv(hessian, basis.dot(weight * sign))
         if info:
             break
-        change = basis @ step
+        change = step.dot(basis)
         c, sigma = c + step, sigma - change
         move = sign - stiffness * change - force
         room = np.copysign(1.0, move) - force

@@ -91,12 +91,12 @@ class Mesh:
         τ from 0 to the horizon, shape (n_cells + 1,) [s].
     lengths
         Of the cells, shape (n_cells,) [s].
-    values, slopes
-        φ and dφ/dτ at the nodes, shape (n_cells + 1, size).
+    values
+        φ and, last, ψ at the nodes, shape (size + 1, n_cells + 1).
     remainder
-        max |d⁴/dτ⁴ e^{pτ}| h⁴/384 on each cell, shape (n_cells, n_rates).
+        max |d⁴/dτ⁴ e^{pτ}| h⁴/384 on each cell, shape (n_rates, n_cells).
     envelope
-        max |e^{pτ}| on each cell, shape (n_cells, n_rates).
+        max |e^{pτ}| on each cell, shape (n_rates, n_cells).
     """
 
     problem: MomentProblem
@@ -104,7 +104,6 @@ class Mesh:
     nodes: Array
     lengths: Array
     values: Array
-    slopes: Array
     remainder: Array
     envelope: Array
 
@@ -149,17 +148,16 @@ def tabulate(problem: MomentProblem, grading: Grading, nodes: Array) -> Mesh:
     -------
     Mesh
     """
-    values, slopes = problem.values_and_slopes(nodes)
     lengths = nodes[1:] - nodes[:-1]
-    envelope = np.exp(nodes[:-1, np.newaxis] * problem.rates.real)
-    squared = (lengths[:, np.newaxis] * problem.magnitudes) ** 2
+    envelope = np.exp(np.multiply.outer(problem.rates.real, nodes[:-1]))
+    radians = np.multiply.outer(problem.magnitudes, lengths)
+    squared = radians * radians
     return Mesh(
         problem=problem,
         grading=grading,
         nodes=nodes,
         lengths=lengths,
-        values=values,
-        slopes=slopes,
-        remainder=envelope * squared * squared / 384.0,
+        values=problem.joint_values(nodes),
+        remainder=envelope * squared * (squared / 384.0),
         envelope=envelope,
     )

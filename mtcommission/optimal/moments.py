@@ -56,6 +56,9 @@ class MomentProblem:
     joint_differentiation
         D with dφ/dτ = φ D as rows, for the functions of all rates, 1 and τ, shape
         (2 n_modes + 3, 2 n_modes + 3) [1/s].
+    joint_integration
+        Takes rows of ``joint_changes`` to ∫_0^τ of φ and, last, ψ, shape
+        (2 n_modes + 4, size + 1) [s].
     differentiation
         The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
     """
@@ -66,21 +69,27 @@ class MomentProblem:
     magnitudes: Array = field(init=False)
     at_zero: Array = field(init=False)
     joint_differentiation: Array = field(init=False)
+    joint_integration: Array = field(init=False)
     differentiation: Array = field(init=False)
 
     def __post_init__(self) -> None:
         """Derive what is needed time and again."""
         object.__setattr__(self, "magnitudes", np.abs(self.rates))
-        *modes, lag = self.rates.tolist()
-        D = np.zeros((2 * len(modes) + 3, 2 * len(modes) + 3))
-        for i, p in enumerate(modes):
-            pair = slice(2 * i, 2 * i + 2)
-            D[pair, pair] = (p.real, p.imag), (-p.imag, p.real)
-        D[-3, -3], D[-2, -1] = lag.real, 1.0
+        count = 2 * self.rates.size
+        D, inverse = np.zeros((count + 1, count + 1)), np.zeros((count + 2, self.size + 1))
+        for i, p in enumerate(self.rates[:-1].tolist()):
+            for matrix, rate in ((D, p), (inverse, 1.0 / p)):
+                matrix[2 * i, 2 * i] = matrix[2 * i + 1, 2 * i + 1] = rate.real
+                matrix[2 * i, 2 * i + 1], matrix[2 * i + 1, 2 * i] = rate.imag, -rate.imag
+        lag = float(self.rates[-1].real)
+        D[-3, -3], D[-2, -1] = lag, 1.0
+        inverse[count - 2, count - 2], inverse[count, count - 1] = 1.0 / lag, 1.0
+        inverse[count + 1, count:] = 1.0
         at_zero = np.zeros(self.size + 1)
-        at_zero[0 : 2 * len(modes) + 1 : 2] = at_zero[2 * len(modes) + 1] = 1.0
+        at_zero[0 : count - 1 : 2] = at_zero[count - 1] = 1.0
         object.__setattr__(self, "at_zero", at_zero)
         object.__setattr__(self, "joint_differentiation", D)
+        object.__setattr__(self, "joint_integration", inverse)
         object.__setattr__(self, "differentiation", D[: self.size, : self.size])
 
     @property
@@ -104,35 +113,36 @@ class MomentProblem:
         """Return φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
         return self.columns(np.exp(tau[:, np.newaxis] * self.rates), 1.0)
 
+    def joint_values(self, tau: Array) -> Array:
+        """Return φ and, last, ψ at remaining times τ [s] of shape (k,), as shape (size + 1, k)."""
+        modal = np.exp(np.multiply.outer(self.rates, tau))
+        count = 2 * self.rates.size
+        values = np.empty((self.size + 1, tau.size))
+        values[0:count:2], values[1:count:2] = modal.real, modal.imag
+        # The lag is real, and its void imaginary part makes room for φ or ψ = 1.
+        values[count - 1] = 1.0
+        if self.degree:
+            values[-1] = tau
+        return values
+
     def values_and_slopes(self, tau: Array) -> tuple[Array, Array]:
         """Return φ and dφ/dτ at remaining times τ [s] of shape (k,), each of shape (k, size)."""
         values = self.values(tau)
         return values, values @ self.differentiation
 
     def joint_changes(self, tau: Array) -> Array:
-        """Return φ(τ) - φ(0) and, last, ψ(τ) - ψ(0), shape (k, size + 1), a view.
+        """Return φ(τ) - φ(0) and, last, ψ(τ) - ψ(0), then up to τ²/2; shape (k, 2 n_modes + 4).
 
-        In front of each pair of columns is the real part of a complex one, e^{pτ} - 1; that of
-        the lag has room for φ or ψ = 1, and τ follows.
+        The columns are real and imaginary parts of e^{pτ} - 1 for each rate, τ and τ²/2. That of
+        the lag is real, and its void imaginary part is the change of φ or ψ = 1.
         """
-        modal = np.empty((tau.size, self.rates.size + 1), dtype=np.complex128)
-        less_one = modal[:, :-1]
-        np.multiply(tau[:, np.newaxis], self.rates, out=less_one)
-        np.expm1(less_one, out=less_one)
-        modal[:, -1] = tau
-        return modal.view(np.float64)[:, : self.size + 1]
-
-    def joint_integrals(self, weights: Array, tau: Array, changes: Array) -> Array:
-        """Return Σ w_k ∫_0^{τ_k} of φ and, last, of ψ, shape (size + 1,)."""
-        count = 2 * self.rates.size
-        weighted, linear = weights @ changes, float(weights @ tau)
-        modal = weighted[:count].view(np.complex128)
-        modal /= self.rates
-        if self.degree:
-            weighted[-2], weighted[-1] = linear, 0.5 * float(weights @ (tau * tau))
-        else:
-            weighted[-1] = linear
-        return weighted
+        changes = np.empty((tau.size, 2 * self.rates.size + 2))
+        modal = changes.view(np.complex128)[:, :-1]
+        np.multiply(tau[:, np.newaxis], self.rates, out=modal)
+        np.expm1(modal, out=modal)
+        changes[:, -2] = tau
+        np.multiply(tau, 0.5 * tau, out=changes[:, -1])
+        return changes
 
     def integrals(self, tau: Array) -> Array:
         """Return ∫_0^τ φ at remaining times τ [s] of shape (k,), as shape (k, size)."""

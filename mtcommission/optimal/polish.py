@@ -106,12 +106,14 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
     Source: docs/optimal-control.md, section 3.
     """
     system = _system(mesh, start, span)
-    ends, c = np.concatenate((start.zeros, (start.horizon,))), start.multipliers
+    ends = np.concatenate((start.zeros, (start.horizon,)))
+    weights = np.ones(system.scale.size)
+    np.multiply(start.multipliers, system.scale[:-1] / -span, out=weights[:-1])
     best, first = None, 0.0
     for steps in range(FINISHING_STEPS):
-        if not _largest(c * system.scale[:-1]) < LARGEST_MULTIPLIER * span:
+        if not _largest(weights) < LARGEST_MULTIPLIER:
             break
-        here = _point(system, ends, c)
+        here = _point(system, ends, weights)
         if not isfinite(here.residual):
             break
         if best is None or here.residual < best.residual:
@@ -119,20 +121,19 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
         first = first or here.residual
         if here.is_solved or _is_lost(steps, first, best.residual):
             break
-        ends, c = _step(system, here)
+        ends, weights = _step(system, here)
     if best is None:
         return Polished(control=start, residual=inf, end_value=nan, excess=nan)
-    defects = best.defects[start.zeros.size :] * system.scale
     return Polished(
         control=BangBang(
             zeros=best.ends[:-1],
             horizon=float(best.ends[-1]),
             first_sign=start.first_sign,
-            multipliers=best.multipliers,
+            multipliers=best.weights[:-1] * (-span * system.inverse[:-1]),
         ),
         residual=best.residual,
-        end_value=float(best.functions[-1, -1] - best.functions[-1, :-1] @ best.multipliers),
-        excess=float(defects[-1] - defects[:-1] @ best.multipliers),
+        end_value=span * float(best.functions[-1] @ best.weights),
+        excess=span * float(best.defects[start.zeros.size :] @ best.weights),
     )
 
 
@@ -147,6 +148,9 @@ def _is_lost(steps: int, first: float, least: float) -> bool:
 class _System:
     """What stays the same from one Newton step to the next.
 
+    All functions are scaled by their moments' size: φ by ∫|φ|, ψ by the span. So σ / span is the
+    sum of the scaled functions with the weights -c ∫|φ| / span and 1.
+
     Parameters
     ----------
     problem
@@ -154,20 +158,45 @@ class _System:
     jumps
         Weights of the primitives at the k switches and the final time, shape (k + 1,).
     scale, inverse
-        Of the moments and, last, of the target, and what they are multiplied by, shape (size + 1,).
+        ∫|φ| and, last, the span, and what functions are multiplied by, shape (size + 1,).
+    at_zero
+        Scaled functions at τ = 0, shape (size + 1,).
+    differentiation
+        Takes the weights to those of dσ/dτ, shape (size + 1, size + 1) [1/s].
+    integration
+        As ``joint_integration`` for the scaled functions, shape (2 n_modes + 4, size + 1) [s].
+    target
+        Wanted moments of the scaled functions: 0, and last 1; shape (size + 1,).
     """
 
     problem: MomentProblem
     jumps: Array
     scale: Array
     inverse: Array
+    at_zero: Array
+    differentiation: Array
+    integration: Array
+    target: Array
 
 
 def _system(mesh: Mesh, start: BangBang, span: float) -> _System:
-    scale = np.empty(mesh.problem.size + 1)
+    problem, count = mesh.problem, mesh.problem.size + 1
+    scale, target = np.empty(count), np.zeros(count)
     scale[:-1], scale[-1] = moment_norms(mesh, start.horizon) + TINY, span
-    jumps = sign_jumps(start.zeros.size, first_sign=start.first_sign)
-    return _System(problem=mesh.problem, jumps=jumps, scale=scale, inverse=1.0 / scale)
+    target[-1] = 1.0
+    inverse = 1.0 / scale
+    differentiation = problem.joint_differentiation[:count, :count] * inverse
+    differentiation *= scale[:, np.newaxis]
+    return _System(
+        problem=problem,
+        jumps=sign_jumps(start.zeros.size, first_sign=start.first_sign),
+        scale=scale,
+        inverse=inverse,
+        at_zero=problem.at_zero * inverse,
+        differentiation=differentiation,
+        integration=problem.joint_integration * inverse,
+        target=target,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -178,19 +207,19 @@ class _Point:
     ----------
     ends
         Switches and final time, shape (k + 1,) [s].
-    multipliers
-        c, shape (size,).
+    weights
+        Of the scaled functions in σ / span, shape (size + 1,); the last is 1.
     functions
-        φ and ψ at the ends, shape (k + 1, size + 1).
+        Scaled φ and ψ at the ends, shape (k + 1, size + 1).
     defects
-        What must vanish: σ at the k switches, moments and missing target against their scales;
-        shape (k + size + 1,).
+        What must vanish: σ / span at the k switches, moments and missing target of the scaled
+        functions; shape (k + size + 1,).
     residual
         Largest magnitude of the moments and the target among them; nan if one is.
     """
 
     ends: Array
-    multipliers: Array
+    weights: Array
     functions: Array
     defects: Array
     residual: float
@@ -204,18 +233,18 @@ class _Point:
         )
 
 
-def _point(system: _System, ends: Array, multipliers: Array) -> _Point:
-    problem, k = system.problem, ends.size - 1
-    changes = problem.joint_changes(ends)
-    functions = changes + problem.at_zero
-    defects = np.empty(k + system.scale.size)
-    np.subtract(functions[:k, -1], functions[:k, :-1] @ multipliers, out=defects[:k])
-    defects[k:] = problem.joint_integrals(system.jumps, ends, changes)
-    defects[-1] -= system.scale[-1]
-    defects[k:] *= system.inverse
+def _point(system: _System, ends: Array, weights: Array) -> _Point:
+    k, count = ends.size - 1, weights.size
+    changes = system.problem.joint_changes(ends)
+    functions = changes[:, :count] * system.inverse
+    functions += system.at_zero
+    defects = np.empty(k + count)
+    functions[:k].dot(weights, out=defects[:k])
+    moments = system.jumps.dot(changes).dot(system.integration)
+    np.subtract(moments, system.target, out=defects[k:])
     return _Point(
         ends=ends,
-        multipliers=multipliers,
+        weights=weights,
         functions=functions,
         defects=defects,
         residual=_largest(defects[k:]),
@@ -223,24 +252,24 @@ def _point(system: _System, ends: Array, multipliers: Array) -> _Point:
 
 
 def _step(system: _System, here: _Point) -> tuple[Array, Array]:
-    """Return ends and multipliers after a Newton step that closes no arc."""
+    """Return ends and weights after a Newton step that closes no arc."""
+    count = here.ends.size
     step = _solve(_jacobian(system, here), here.defects)
-    moved = -step[: here.ends.size]
-    share = _share(here.ends.tolist(), moved.tolist())
-    change = (share * system.inverse[:-1]) * step[here.ends.size :]
-    return here.ends + share * moved, here.multipliers + change
+    share = _share(here.ends.tolist(), step[:count].tolist())
+    step *= share
+    weights = here.weights.copy()
+    weights[:-1] -= step[count:]
+    return here.ends - step[:count], weights
 
 
 def _jacobian(system: _System, here: _Point) -> Array:
-    """Return the derivatives of the defects by ends and minus the scaled multipliers."""
-    problem, k, order = system.problem, here.ends.size - 1, here.defects.size
+    """Return the derivatives of the defects by the ends and all weights but the last."""
+    k, order = here.ends.size - 1, here.defects.size
     matrix = np.zeros((order, order), order="F")
     diagonal = matrix.reshape(-1, order="F")[: k * (order + 1) : order + 1]
-    slopes = here.functions[:k, :-1] @ (problem.differentiation @ here.multipliers)
-    np.subtract(problem.degree, slopes, out=diagonal)
-    relative = here.functions * system.inverse
-    matrix[:k, k + 1 :] = relative[:k, :-1]
-    np.multiply(relative.T, system.jumps, out=matrix[k:, : k + 1])
+    diagonal[:] = here.functions[:k].dot(system.differentiation.dot(here.weights))
+    matrix[:k, k + 1 :] = here.functions[:k, :-1]
+    np.multiply(here.functions.T, system.jumps, out=matrix[k:, : k + 1])
     return matrix
 
 
@@ -259,11 +288,12 @@ def _solve(matrix: Array, right: Array) -> Array:
 
 
 def _share(ends: list[float], step: list[float]) -> float:
+    """Return the share of a step that ends are to be lowered by so that no arc closes."""
     # An arc that Newton has closed to the last digit holds the others up no longer than that.
     least = SHORTEST_ARC * ends[-1]
     end, moved, closing = 0.0, 0.0, TINY
     for next_end, next_moved in zip(ends, step, strict=True):
-        if moved > next_moved:
-            closing = max(closing, (moved - next_moved) / max(next_end - end, least))
+        if next_moved > moved:
+            closing = max(closing, (next_moved - moved) / max(next_end - end, least))
         end, moved = next_end, next_moved
     return min(1.0, TO_BOUNDARY / closing)

@@ -256,14 +256,14 @@ def rounding_bound(
 def _doubtful_cells(mesh: Mesh, multipliers: Array, horizon: float) -> Array:
     """Return the cells of the mesh that begin before the horizon and may hold a zero."""
     problem, last = mesh.problem, int(mesh.nodes[:-1].searchsorted(horizon))
-    nodes, length, values = mesh.nodes[: last + 1], mesh.lengths[:last], mesh.values[: last + 1]
-    sigma = problem.target_values(nodes) - values @ multipliers
-    slope = problem.degree - values @ (problem.differentiation @ multipliers)
+    length, values = mesh.lengths[:last], mesh.values[:, : last + 1]
+    sigma = values[-1] - multipliers.dot(values[:-1])
+    slope = problem.degree - problem.differentiation.dot(multipliers).dot(values[:-1])
     cells = np.empty((7, last))
-    cells[0], cells[1], cells[2], cells[3] = nodes[:-1], length, sigma[:-1], sigma[1:]
+    cells[0], cells[1], cells[2], cells[3] = mesh.nodes[:last], length, sigma[:-1], sigma[1:]
     np.multiply(slope[:-1], length, out=cells[4])
     np.multiply(slope[1:], length, out=cells[5])
-    np.matmul(mesh.remainder[:last], problem.amplitudes(multipliers), out=cells[6])
+    cells[6] = problem.amplitudes(multipliers).dot(mesh.remainder[:, :last])
     return cells[:, may_vanish(cells)]
 
 
