@@ -108,18 +108,19 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     bound = min(prove_bound(claim.point, span=span), claim.t_f)
     # In the order of time, so those at t = 0 come first.
     remaining = claim.t_f - np.concatenate(((0.0,), claim.switching_times))
-    sigma, slopes, phi = values_and_slopes(problem, multipliers, remaining)
+    functions = problem.joint_values(remaining)
+    sigma, slopes = values_and_slopes(problem, multipliers, functions)
     factor, rank, condition = 1.0 / abs(claim.first_force * float(sigma[0])), -1, nan
     unit, rows = factor * flow.plant.force_lag, factor * moment_rows(flow.plant, problem)
-    end = multipliers @ rows[:-1] - rows[-1]
+    end = multipliers.dot(rows[:-1]) - rows[-1]
     if remaining.size == problem.size + 1:
-        values = dgesdd(_scaled(phi, problem.target_values(remaining)), compute_uv=0)[1].tolist()
+        values = dgesdd(_scaled(functions), compute_uv=0)[1].tolist()
         rank = sum(value > RANK_TOLERANCE * values[0] for value in values)
         condition = values[0] / max(values[-1], TINY)
     return Certificate(
         t_f_lower_bound=bound,
         relative_gap=(claim.t_f - bound) / claim.t_f,
-        adjoint_initial=_adjoint_weights(claim, claim.t_f) @ rows,
+        adjoint_initial=_adjoint_weights(claim, claim.t_f).dot(rows),
         switching_slopes=factor * slopes[1:],
         switching_law_holds=_law_holds(
             claim, flow, end, unit=unit, at_switches=unit * np.abs(sigma[1:])
@@ -155,7 +156,8 @@ def _adjoint_weights(claim: Claim, tau: float) -> Array:
     """Return the weights of ``moment_rows`` in λ, but for the adjoint factor."""
     problem, multipliers = claim.point.mesh.problem, claim.point.multipliers
     n_modal = 2 * problem.rates.size - 2
-    weights = np.append(multipliers, -1.0)
+    weights = np.empty(multipliers.size + 1)
+    weights[:-1], weights[-1] = multipliers, -1.0
     pairs = weights[:n_modal].view(np.complex128)
     # Conjugate: Re C e^{pτ} with C = c_1 - i c_2.
     pairs *= np.exp(problem.rates[:-1] * tau).conj()
@@ -186,13 +188,11 @@ def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> A
 
     Source: Christiansen, Maurer & Zirn, sec. 5.1.
     """
-    at = np.append(zeros, horizon)
-    return _scaled(problem.values(at), problem.target_values(at))
+    return _scaled(problem.joint_values(np.append(zeros, horizon)))
 
 
-def _scaled(phi: Array, psi: Array) -> Array:
-    functions = np.empty((phi.shape[1] + 1, psi.size))
-    functions[:-1], functions[-1] = phi.T, psi
+def _scaled(functions: Array) -> Array:
+    """Return functions with rows and then columns of length 1."""
     lengths = np.sqrt((functions * functions).sum(axis=1, keepdims=True))
     by_row = functions / np.maximum(lengths, TINY)
     return np.asarray(by_row / np.sqrt((by_row * by_row).sum(axis=0)))

@@ -231,9 +231,10 @@ def ascend(ascent: Ascent, *, span: float) -> Ascent:
     Source: docs/optimal-control.md, section 3.
     """
     point = ascent.point
-    _, slopes, phi = values_and_slopes(point.mesh.problem, point.multipliers, point.zeros)
-    weighted = phi * np.sqrt(2.0 / np.maximum(np.abs(slopes), 1e-300))[:, np.newaxis]
-    hessian = weighted.T @ weighted
+    functions = point.mesh.problem.joint_values(point.zeros)
+    _, slopes = values_and_slopes(point.mesh.problem, point.multipliers, functions)
+    weighted = functions[:-1] * np.sqrt(2.0 / np.maximum(np.abs(slopes), 1e-300))
+    hessian = weighted @ weighted.T
     if not point.zeros.size:
         return Ascent(point=point, damping=ascent.damping, stalled=True)
     moments, norms = point.moments(), moment_norms(point.mesh, point.bound)

@@ -268,8 +268,8 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
         change = step.dot(basis)
         c, sigma = c + step, sigma - change
         move = sign - stiffness * change - force
-        room = np.copysign(1.0, move) - force
-        force = force + min(1.0, BACK_OFF / max(float((move / room).max()), TINY)) * move
+        used = move / (np.copysign(1.0, move) - force)
+        force = force + min(1.0, BACK_OFF / max(float(used[used.argmax()]), TINY)) * move
     return CellForce(
         mesh=mesh,
         psi=begun.psi,

@@ -24,7 +24,7 @@ TERMS = np.arange(22)
 """1.6^22 / 22! = 3e-17."""
 FACTORIALS = np.cumprod(np.maximum(TERMS, 1.0))[:, np.newaxis, np.newaxis]
 PIECES = 8
-PIECES_POWERS = (np.arange(PIECES) / PIECES) ** TERMS[:, np.newaxis]
+PIECES_POWERS = (np.arange(PIECES)[:, np.newaxis] / PIECES) ** TERMS
 SHORT = 0.2
 """Parts of a unit at which the sign is checked: steps of at most ``SHORT`` of the fastest pole."""
 DECAY = 41.0
@@ -44,7 +44,7 @@ class DyadicSteps:
         Transposed flows over 1, 2, 4 ... steps, each of shape (n + 1, n + 1).
     columns
         Last column of e^{Aτ} at every ``PIECES``th part of a step, for 2^k steps with k half the
-        number of doublings, shape (n, PIECES 2^k).
+        number of doublings, shape (PIECES 2^k, n).
     """
 
     series: Array
@@ -102,12 +102,12 @@ def _steps(plant: Plant, unit: float, bits: int) -> DyadicSteps:
     series = _series(plant, unit)
     doubles = [series.sum(axis=0).T]
     for _ in range(bits):
-        doubles.append(doubles[-1] @ doubles[-1])
+        doubles.append(doubles[-1].dot(doubles[-1]))
     n, force, count, halves = plant.order, plant.force, PIECES, bits // 2
-    columns = np.empty((n, PIECES << halves))
-    np.matmul(series[:, :n, force].T, PIECES_POWERS, out=columns[:, :count])
+    columns = np.empty((PIECES << halves, n))
+    PIECES_POWERS.dot(series[:, :n, force], out=columns[:count])
     for double in doubles[:halves]:
-        np.matmul(double[:n, :n].T, columns[:, :count], out=columns[:, count : 2 * count])
+        columns[:count].dot(double[:n, :n], out=columns[count : 2 * count])
         count *= 2
     return DyadicSteps(series=series, doubles=tuple(doubles), columns=columns)
 
@@ -121,9 +121,10 @@ def _series(plant: Plant, scale: float) -> Array:
     known = 1
     while known + 1 < TERMS.size:
         more = powers[known + 1 : 2 * known + 1].reshape(-1, n + 1)
-        np.matmul(powers[1:].reshape(-1, n + 1)[: len(more)], powers[known], out=more)
+        powers[1:].reshape(-1, n + 1)[: len(more)].dot(powers[known], out=more)
         known *= 2
-    return np.asarray(powers / FACTORIALS)
+    powers /= FACTORIALS
+    return powers
 
 
 def states_at(
@@ -168,13 +169,15 @@ def states_at(
     ages = np.maximum(instants[:, np.newaxis] - starts, 0.0).ravel() / flow.unit
     whole = ages.astype(np.int64)
     rest = ages - whole
-    response = (rest[:, np.newaxis] ** TERMS) @ flow.steps.series[:, :, n]
-    is_in = (whole[:, np.newaxis] >> np.arange(len(doubles)) & 1).astype(bool)
-    for bit, double in enumerate(doubles):
-        np.copyto(response, response @ double, where=is_in[:, bit, np.newaxis])
+    powers = np.ones((TERMS.size, rest.size))
+    np.multiply.accumulate(np.broadcast_to(rest, powers[1:].shape), out=powers[1:])
+    response = powers.T.dot(flow.steps.series[:, :, n])
+    is_in = (whole >> np.arange(len(doubles))[:, np.newaxis] & 1).astype(bool)
+    for chosen, double in zip(is_in[:, :, np.newaxis], doubles, strict=True):
+        np.copyto(response, response.dot(double), where=chosen)
     steps = np.full(starts.size, -2.0 * first_force)
     steps[0], steps[2::2] = first_force, 2.0 * first_force
-    return np.asarray(steps @ response[:, :n].reshape(instants.size, starts.size, n))
+    return np.asarray(steps.dot(response.reshape(instants.size, starts.size, n + 1))[:, :n])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -214,12 +217,12 @@ def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> Adj
     for some short ones b make all samples. Once fast poles are gone, columns are left out.
     """
     columns = flow.steps.columns
-    count, short = columns.shape[1], flow.unit / PIECES
+    count, short = len(columns), flow.unit / PIECES
     rows = _adjoint_rows(flow, end, every=count // PIECES)
     taus, values = [], []
     for start, stop, stride in _strides(problem, len(rows), count * short, count):
         taus.append(np.arange(start * count, stop * count, stride) * short)
-        values.append((rows[start:stop] @ columns[:, ::stride]).ravel())
+        values.append(rows[start:stop].dot(columns[::stride].T).ravel())
     inside = taus[-1].searchsorted(flow.t_f)
     taus[-1], values[-1] = taus[-1][:inside], values[-1][:inside]
     taus.append(np.array([flow.t_f]))
@@ -236,7 +239,7 @@ def _adjoint_rows(flow: DyadicFlow, end: Array, *, every: int) -> Array:
         if known >= len(rows):
             break
         more = rows[known : 2 * known]
-        np.matmul(rows[: len(more)], double[:n, :n].T, out=more)
+        rows[: len(more)].dot(double[:n, :n].T, out=more)
         known *= 2
     return rows
 
@@ -245,10 +248,10 @@ def _adjoint_at_end(flow: DyadicFlow, row: Array, start: float) -> float:
     """Return λ_F at τ = t_f, given λ at the last row's τ."""
     n, columns, series = flow.plant.order, flow.steps.columns, flow.steps.series
     pieces = PIECES * (flow.t_f - start) / flow.unit
-    whole = min(int(pieces), columns.shape[1] - 1)
+    whole = min(int(pieces), len(columns) - 1)
     powers = ((pieces - whole) / PIECES) ** TERMS
-    rest = (powers @ series.reshape(TERMS.size, -1)).reshape(series.shape[1:])
-    return float(row @ rest[:n, :n] @ columns[:, whole])
+    rest = powers.dot(series.reshape(TERMS.size, -1)).reshape(series.shape[1:])
+    return float(row.dot(rest[:n, :n]).dot(columns[whole]))
 
 
 def _strides(

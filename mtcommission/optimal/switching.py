@@ -39,12 +39,12 @@ EXACT_STEPS = 2
 
 
 def values_and_slopes(
-    problem: MomentProblem, multipliers: Array, tau: Array
-) -> tuple[Array, Array, Array]:
-    """Return σ, dσ/dτ and φ at remaining times τ; shapes (k,), (k,), (k, size)."""
-    phi = problem.values(tau)
-    sigma = problem.target_values(tau) - phi @ multipliers
-    return sigma, problem.degree - phi @ (problem.differentiation @ multipliers), phi
+    problem: MomentProblem, multipliers: Array, functions: Array
+) -> tuple[Array, Array]:
+    """Return σ and dσ/dτ where φ and, last, ψ have the given values of shape (size + 1, k)."""
+    phi = functions[:-1]
+    slopes = problem.degree - problem.differentiation.dot(multipliers).dot(phi)
+    return functions[-1] - multipliers.dot(phi), slopes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -143,8 +143,8 @@ def bracket_zeros(
     doubt = 0.0
     for _ in range(MAX_DIVISIONS):
         is_settled, crossing = settled(cells), crosses_zero(cells)
-        found.append(cells[:, is_settled & crossing])
-        if is_settled.all():
+        found.append(_chosen(cells, is_settled & crossing))
+        if all(is_settled.tolist()):
             break
         cells, crossing = cells[:, ~is_settled], crossing[~is_settled]
         rounding = rounding_bound(
@@ -163,10 +163,14 @@ def bracket_zeros(
     )
 
 
+def _chosen(cells: Array, mask: Mask) -> Array:
+    """Return some of the cells; faster than the mask itself as an index."""
+    return cells.take(mask.nonzero()[0], axis=1)
+
+
 def may_vanish(cells: Array) -> Mask:
     """Return which cells may hold a zero."""
-    _, _, left, right, left_slope, right_slope, remainder = cells
-    return within(left, right, left_slope, right_slope, remainder)
+    return within(cells[2], cells[3], cells[4], cells[5], cells[6])
 
 
 def within(left: Array, right: Array, left_slope: Array, right_slope: Array, bound: Array) -> Mask:
@@ -190,7 +194,7 @@ def is_monotone(cells: Array) -> Mask:
 def has_one_zero(cells: Array) -> Mask:
     """Return on which cells σ is monotone, or convex or concave with a sign change, for certain."""
     monotone = is_monotone(cells)
-    if monotone.all():
+    if all(monotone.tolist()):
         return monotone
     _, _, left, right, left_slope, right_slope, remainder = cells
     # The second derivative of a cubic is linear: its ends tell all.
@@ -256,20 +260,19 @@ def rounding_bound(
 def _doubtful_cells(mesh: Mesh, multipliers: Array, horizon: float) -> Array:
     """Return the cells of the mesh that begin before the horizon and may hold a zero."""
     problem, last = mesh.problem, int(mesh.nodes[:-1].searchsorted(horizon))
-    length, values = mesh.lengths[:last], mesh.values[:, : last + 1]
-    sigma = values[-1] - multipliers.dot(values[:-1])
-    slope = problem.degree - problem.differentiation.dot(multipliers).dot(values[:-1])
+    length = mesh.lengths[:last]
+    sigma, slope = values_and_slopes(problem, multipliers, mesh.values[:, : last + 1])
     cells = np.empty((7, last))
     cells[0], cells[1], cells[2], cells[3] = mesh.nodes[:last], length, sigma[:-1], sigma[1:]
     np.multiply(slope[:-1], length, out=cells[4])
     np.multiply(slope[1:], length, out=cells[5])
     cells[6] = problem.amplitudes(multipliers).dot(mesh.remainder[:, :last])
-    return cells[:, may_vanish(cells)]
+    return _chosen(cells, may_vanish(cells))
 
 
 def _divide(problem: MomentProblem, multipliers: Array, cells: Array) -> Array:
     tau = inner_nodes(cells)
-    sigma, slope, _ = values_and_slopes(problem, multipliers, tau.ravel())
+    sigma, slope = values_and_slopes(problem, multipliers, problem.joint_values(tau.ravel()))
     return divided(cells, sigma.reshape(tau.shape), slope.reshape(tau.shape))
 
 
@@ -278,7 +281,7 @@ def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Arra
     tau = start + cubic_zeros(*brackets[2:6], steps=CUBIC_STEPS) * length
     end = start + length
     for _ in range(EXACT_STEPS):
-        sigma, slope, _ = values_and_slopes(problem, multipliers, tau)
+        sigma, slope = values_and_slopes(problem, multipliers, problem.joint_values(tau))
         tau = np.minimum(np.maximum(tau - newton_quotient(sigma, slope), start), end)
     return np.asarray(tau)
 
