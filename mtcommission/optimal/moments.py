@@ -51,14 +51,14 @@ class MomentProblem:
     ----------
     magnitudes
         |p| of each rate, shape (n_modes + 1,) [1/s].
-    at_zero
-        φ(0) and, last, ψ(0), shape (size + 1,).
+    exponents
+        Real and imaginary parts of all rates, shape (1, 2 n_modes + 2) [1/s].
     joint_differentiation
         D with dφ/dτ = φ D as rows, for the functions of all rates, 1 and τ, shape
         (2 n_modes + 3, 2 n_modes + 3) [1/s].
-    joint_integration
-        Takes rows of ``joint_changes`` to ∫_0^τ of φ and, last, ψ, shape
-        (2 n_modes + 4, size + 1) [s].
+    joint_evaluation, joint_integration
+        Take rows of ``table`` to φ and, last, ψ, and to their integrals from 0, each of shape
+        (2 n_modes + 4, size + 1) [-, s].
     differentiation
         The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
     """
@@ -67,8 +67,9 @@ class MomentProblem:
     degree: int
     target: float
     magnitudes: Array = field(init=False)
-    at_zero: Array = field(init=False)
+    exponents: Array = field(init=False)
     joint_differentiation: Array = field(init=False)
+    joint_evaluation: Array = field(init=False)
     joint_integration: Array = field(init=False)
     differentiation: Array = field(init=False)
 
@@ -85,10 +86,11 @@ class MomentProblem:
         D[-3, -3], D[-2, -1] = lag, 1.0
         inverse[count - 2, count - 2], inverse[count, count - 1] = 1.0 / lag, 1.0
         inverse[count + 1, count:] = 1.0
-        at_zero = np.zeros(self.size + 1)
-        at_zero[0 : count - 1 : 2] = at_zero[count - 1] = 1.0
-        object.__setattr__(self, "at_zero", at_zero)
+        evaluation = np.eye(count + 2, self.size + 1)
+        evaluation[count - 1, 0:count:2] = 1.0
+        object.__setattr__(self, "exponents", self.rates.view(np.float64)[np.newaxis])
         object.__setattr__(self, "joint_differentiation", D)
+        object.__setattr__(self, "joint_evaluation", evaluation)
         object.__setattr__(self, "joint_integration", inverse)
         object.__setattr__(self, "differentiation", D[: self.size, : self.size])
 
@@ -115,10 +117,12 @@ class MomentProblem:
 
     def joint_values(self, tau: Array) -> Array:
         """Return φ and, last, ψ at remaining times τ [s] of shape (k,), as shape (size + 1, k)."""
-        modal = np.exp(np.multiply.outer(self.rates, tau))
+        parts = tau[:, np.newaxis].dot(self.exponents)
+        modal = parts.view(np.complex128)
+        np.exp(modal, out=modal)
         count = 2 * self.rates.size
         values = np.empty((self.size + 1, tau.size))
-        values[0:count:2], values[1:count:2] = modal.real, modal.imag
+        values[:count] = parts.T
         # The lag is real, and its void imaginary part makes room for φ or ψ = 1.
         values[count - 1] = 1.0
         if self.degree:
@@ -130,19 +134,20 @@ class MomentProblem:
         values = self.values(tau)
         return values, values @ self.differentiation
 
-    def joint_changes(self, tau: Array) -> Array:
-        """Return φ(τ) - φ(0) and, last, ψ(τ) - ψ(0), then up to τ²/2; shape (k, 2 n_modes + 4).
+    def table(self, tau: Array) -> Array:
+        """Return what φ, ψ and their integrals are composed of, shape (k, 2 n_modes + 4).
 
-        The columns are real and imaginary parts of e^{pτ} - 1 for each rate, τ and τ²/2. That of
-        the lag is real, and its void imaginary part is the change of φ or ψ = 1.
+        The columns are real and imaginary parts of e^{pτ} - 1 for each rate, but 1 for the void
+        imaginary part of the lag, and τ and τ²/2.
         """
-        changes = np.empty((tau.size, 2 * self.rates.size + 2))
-        modal = changes.view(np.complex128)[:, :-1]
-        np.multiply(tau[:, np.newaxis], self.rates, out=modal)
-        np.expm1(modal, out=modal)
-        changes[:, -2] = tau
-        np.multiply(tau, 0.5 * tau, out=changes[:, -1])
-        return changes
+        count = 2 * self.rates.size
+        table = np.empty((tau.size, count + 2))
+        modal = table.view(np.complex128)[:, :-1]
+        np.expm1(tau[:, np.newaxis].dot(self.exponents).view(np.complex128), out=modal)
+        table[:, count - 1] = 1.0
+        table[:, count] = tau
+        np.multiply(tau, 0.5 * tau, out=table[:, count + 1])
+        return table
 
     def integrals(self, tau: Array) -> Array:
         """Return ∫_0^τ φ at remaining times τ [s] of shape (k,), as shape (k, size)."""

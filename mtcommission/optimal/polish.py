@@ -159,12 +159,10 @@ class _System:
         Weights of the primitives at the k switches and the final time, shape (k + 1,).
     scale, inverse
         ∫|φ| and, last, the span, and what functions are multiplied by, shape (size + 1,).
-    at_zero
-        Scaled functions at τ = 0, shape (size + 1,).
     differentiation
         Takes the weights to those of dσ/dτ, shape (size + 1, size + 1) [1/s].
-    integration
-        As ``joint_integration`` for the scaled functions, shape (2 n_modes + 4, size + 1) [s].
+    evaluation, integration
+        As those of the moment problem for the scaled functions, shape (2 n_modes + 4, size + 1).
     target
         Wanted moments of the scaled functions: 0, and last 1; shape (size + 1,).
     """
@@ -173,8 +171,8 @@ class _System:
     jumps: Array
     scale: Array
     inverse: Array
-    at_zero: Array
     differentiation: Array
+    evaluation: Array
     integration: Array
     target: Array
 
@@ -192,8 +190,8 @@ def _system(mesh: Mesh, start: BangBang, span: float) -> _System:
         jumps=sign_jumps(start.zeros.size, first_sign=start.first_sign),
         scale=scale,
         inverse=inverse,
-        at_zero=problem.at_zero * inverse,
         differentiation=differentiation,
+        evaluation=problem.joint_evaluation * inverse,
         integration=problem.joint_integration * inverse,
         target=target,
     )
@@ -234,13 +232,11 @@ class _Point:
 
 
 def _point(system: _System, ends: Array, weights: Array) -> _Point:
-    k, count = ends.size - 1, weights.size
-    changes = system.problem.joint_changes(ends)
-    functions = changes[:, :count] * system.inverse
-    functions += system.at_zero
-    defects = np.empty(k + count)
+    k, table = ends.size - 1, system.problem.table(ends)
+    functions = table.dot(system.evaluation)
+    defects = np.empty(k + weights.size)
     functions[:k].dot(weights, out=defects[:k])
-    moments = system.jumps.dot(changes).dot(system.integration)
+    moments = system.jumps.dot(table).dot(system.integration)
     np.subtract(moments, system.target, out=defects[k:])
     return _Point(
         ends=ends,
