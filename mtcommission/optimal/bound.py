@@ -99,33 +99,36 @@ def integrate_switching(
     -------
     SwitchingIntegral
     """
-    t = ends.astype(np.longdouble)
-    tau, rates = t[:, np.newaxis], problem.rates.astype(np.clongdouble)
-    less_one = np.expm1(tau * rates)
+    t, rates = ends.astype(np.longdouble), problem.rates.astype(np.clongdouble)
+    less_one = np.expm1(np.multiply.outer(t, rates))
     grown = less_one + 1.0
     weights = _complex_multipliers(problem, multipliers)
     constant = np.longdouble(problem.constant(multipliers))
     power = 0.5 * t * t if problem.degree else t
+    reach = power + abs(constant) * t
     primitive = power - constant * t - (less_one @ (weights / rates)).real
     value = (t if problem.degree else 1.0) - constant - (grown @ weights).real
-    slope = problem.degree - (grown @ (rates * weights)).real
+    slope = problem.degree - (grown[:-1] @ (rates * weights)).real
     # A slope below |σ|/τ says that the zero is known to its own size only: then it hides τ |σ|.
     least = np.maximum(np.abs(value[:-1]) / t[:-1], TINY)
-    hidden = value[:-1] ** 2 / np.maximum(np.abs(slope[:-1]), least)
-    decay = np.abs(grown)
-    magnitude = np.abs(rates)
-    modal = (6.0 + problem.size) * np.minimum(tau, (1.0 + decay) / magnitude) + tau * decay
-    terms = modal @ np.abs(weights) + (2.0 + problem.size) * (abs(constant) * t + power)
+    hidden = value[:-1] ** 2 / np.maximum(np.abs(slope), least)
+    # Double precision will do for the sizes of errors.
+    tau, decay = ends[:, np.newaxis], np.exp(np.multiply.outer(ends, problem.rates.real))
+    modal = (6.0 + problem.size) * np.minimum(tau, (1.0 + decay) / problem.magnitudes)
+    modal += tau * decay
+    terms = sum(modal.dot(problem.amplitudes(multipliers)).tolist())
+    terms += (2.0 + problem.size) * float(np.add.reduce(reach))
     return SwitchingIntegral(
-        value=abs(primitive[0]) + np.abs(primitive[1:] - primitive[:-1]).sum(),
-        allowance=EXTENDED_ROUNDOFF * float(terms.sum()) + 2.0 * float(hidden.sum()),
+        value=abs(primitive[0]) + np.add.reduce(np.abs(primitive[1:] - primitive[:-1])),
+        allowance=EXTENDED_ROUNDOFF * terms + 2.0 * float(np.add.reduce(hidden)),
         end_value=abs(float(value[-1])),
     )
 
 
 def _complex_multipliers(problem: MomentProblem, multipliers: Array) -> NDArray[np.clongdouble]:
     """Return C with Σ c_i φ_i = Re Σ C e^{pτ} (without the constant)."""
-    count = 2 * problem.rates.size
-    pairs = np.zeros(count)
-    pairs[: count - 1] = multipliers[: count - 1]
-    return pairs.view(np.complex128).conj().astype(np.clongdouble)
+    lag = 2 * problem.rates.size - 2
+    found = np.empty(problem.rates.size, dtype=np.clongdouble)
+    found.real, found.imag[:-1] = multipliers[: lag + 1 : 2], -multipliers[1:lag:2]
+    found.imag[-1] = 0.0
+    return found

@@ -193,9 +193,9 @@ def terminal_jacobian(problem: MomentProblem, zeros: Array, horizon: float) -> A
 
 def _scaled(functions: Array) -> Array:
     """Return functions with rows and then columns of length 1."""
-    lengths = np.sqrt((functions * functions).sum(axis=1, keepdims=True))
-    by_row = functions / np.maximum(lengths, TINY)
-    return np.asarray(by_row / np.sqrt((by_row * by_row).sum(axis=0)))
+    lengths = np.sqrt(np.add.reduce(functions * functions, axis=1))
+    by_row = functions / np.maximum(lengths, TINY)[:, np.newaxis]
+    return np.asarray(by_row / np.sqrt(np.add.reduce(by_row * by_row)))
 
 
 def _law_holds(
@@ -213,6 +213,6 @@ def _law_holds(
     signs = np.array([last, -last] * len(counts))[: len(counts)].repeat(counts)
     composed = sum(problem.amplitudes(claim.point.multipliers).tolist()) + claim.t_f**problem.degree
     signed = signs * samples.force
-    against, largest = float(signed.max()), -float(signed.min())
+    against, largest = float(signed[signed.argmax()]), -float(signed[signed.argmin()])
     zero = SIGN_TOLERANCE * max(against, largest) + SIGN_ROUNDING * unit * composed
-    return bool(max(against, float(at_switches.max(initial=0.0))) <= zero)
+    return max(against, *at_switches.tolist()) <= zero

@@ -172,7 +172,7 @@ def states_at(
     powers = np.ones((TERMS.size, rest.size))
     np.multiply.accumulate(np.broadcast_to(rest, powers[1:].shape), out=powers[1:])
     response = powers.T.dot(flow.steps.series[:, :, n])
-    is_in = (whole >> np.arange(len(doubles))[:, np.newaxis] & 1).astype(bool)
+    is_in = (whole & (1 << np.arange(len(doubles)))[:, np.newaxis]).astype(bool)
     for chosen, double in zip(is_in[:, :, np.newaxis], doubles, strict=True):
         np.copyto(response, response.dot(double), where=chosen)
     steps = np.full(starts.size, -2.0 * first_force)

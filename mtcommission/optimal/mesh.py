@@ -12,7 +12,7 @@ from mtcommission.optimal.moments import MomentProblem
 
 Array = NDArray[np.float64]
 
-RADIANS_PER_CELL = 0.4
+RADIANS_PER_CELL = 0.3
 """Length of a cell against the fastest pole at τ = 0 (empirical: fastest search; accuracy does
 not depend on it)."""
 LEAST_CELLS = 56
@@ -67,11 +67,11 @@ def grade(problem: MomentProblem, horizon: float) -> Grading:
     Grading
     """
     magnitudes = problem.magnitudes
-    fastest = float(magnitudes.max())
+    fastest = max(magnitudes.tolist())
     tau = np.expm1(DENSITY_NODES * log1p(horizon * fastest)) / fastest
     tau[-1] = horizon
     decay = np.exp((0.25 * problem.rates.real)[:, np.newaxis] * tau)
-    density = (magnitudes[:, np.newaxis] * decay).max(axis=0)
+    density = np.maximum.reduce(magnitudes[:, np.newaxis] * decay)
     radians = np.zeros(tau.size)
     (0.5 * (density[1:] + density[:-1]) * (tau[1:] - tau[:-1])).cumsum(out=radians[1:])
     return Grading(tau=tau, radians=radians)

@@ -270,9 +270,9 @@ def _jacobian(system: _System, here: _Point) -> Array:
 
 
 def _largest(values: Array) -> float:
-    """Return the largest magnitude, nan if one is; of a handful, for which numpy is slow."""
-    sizes = [abs(value) for value in values.tolist()]
-    return max(sizes, default=0.0) if isfinite(sum(sizes)) else nan
+    """Return the largest magnitude, nan if one is, 0 of none."""
+    sizes = np.abs(values)
+    return float(sizes[sizes.argmax()]) if sizes.size else 0.0
 
 
 def _solve(matrix: Array, right: Array) -> Array:

@@ -174,7 +174,7 @@ def _check(plant: Plant, optimum: TimeOptimum, reached: Array) -> None:
     error that passes against it passes against the peak, too, which then need not be searched for.
     """
     gap, size = optimum.certificate.relative_gap, np.abs(optimum.terminal_error)
-    if gap <= GAP_TOLERANCE and (size <= ERROR_TOLERANCE * reached).all():
+    if gap <= GAP_TOLERANCE and all((size <= ERROR_TOLERANCE * reached).tolist()):
         return
     relative = size / optimum.peaks[: plant.order]
     worst = int(relative.argmax())
