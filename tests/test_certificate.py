@@ -257,10 +257,11 @@ def test_cells_that_bend_to_one_side_bracket_the_same_zeros(seed: int) -> None:
     assert inside.any(axis=0)[zeros < horizon].all()
 
 
-@pytest.mark.parametrize("depth", [1e-4, 1e-8, 1e-12])
-def test_pair_of_zeros_between_mesh_nodes_is_found(depth: float) -> None:
+@pytest.mark.parametrize("offset", [0.0101, 0.0123, 0.0157])
+@pytest.mark.parametrize("depth", [1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
+def test_pair_of_zeros_between_mesh_nodes_is_found(depth: float, offset: float) -> None:
     # 1 - (1 + depth) cos ω(τ - τ0) dips below 0 for 2 sqrt(2 depth) / ω around each maximum.
-    omega, offset = 300.0, 0.0123
+    omega = 300.0
     problem = MomentProblem(rates=np.array([1j * omega, -1e5]), degree=0, target=1.0)
     c = (1.0 + depth) * np.array([np.cos(omega * offset), np.sin(omega * offset), 0.0])
     zeros = isolate_zeros(build_mesh(problem, 0.1), c).tau

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.mesh import ROUNDOFF, Mesh, build_mesh
+from mtcommission.optimal.mesh import Mesh, build_mesh
 from mtcommission.optimal.moments import MomentProblem
-from mtcommission.optimal.switching import isolate_zeros, values_and_slopes
+from mtcommission.optimal.switching import SAME, isolate_zeros, values_and_slopes
 
 Array = NDArray[np.float64]
 
@@ -32,8 +32,6 @@ FLATTEST = 1e-8
 """Least scale of a multiplier against that of the others (empirical)."""
 LEVEL = 1e-15
 """Relative change of T' that rounding can feign."""
-SAME = 4.0 * ROUNDOFF
-"""Relative distance at which two times are one."""
 LENGTHENINGS = 40
 """Doublings of a mesh before a bound counts as unlimited."""
 

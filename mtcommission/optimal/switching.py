@@ -34,8 +34,11 @@ SLOPE_ERROR = 384.0 * float(np.sqrt(3.0)) / 216.0
 BEND_ERROR = 384.0 / 12.0
 """Error of its second derivative times the length squared."""
 CUBIC_STEPS = 3
-EXACT_STEPS = 2
-"""Newton steps on the cubic and then on σ: errors 1e-4 and 1e-16 of the cell (empirical)."""
+EXACT_STEPS = 10
+"""Newton steps on the cubic, and at most on σ then: two are usual, more where two zeros nearly
+meet (empirical)."""
+SAME = 4.0 * ROUNDOFF
+"""Relative distance at which two places are one."""
 
 
 def values_and_slopes(
@@ -282,7 +285,9 @@ def _refine(problem: MomentProblem, multipliers: Array, brackets: Array) -> Arra
     end = start + length
     for _ in range(EXACT_STEPS):
         sigma, slope = values_and_slopes(problem, multipliers, problem.joint_values(tau))
-        tau = np.minimum(np.maximum(tau - newton_quotient(sigma, slope), start), end)
+        before, tau = tau, np.minimum(np.maximum(tau - newton_quotient(sigma, slope), start), end)
+        if all((np.abs(tau - before) <= SAME * tau).tolist()):
+            break
     return np.asarray(tau)
 
 
