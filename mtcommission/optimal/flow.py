@@ -169,9 +169,7 @@ def states_at(
     ages = np.maximum(instants[:, np.newaxis] - starts, 0.0).ravel() / flow.unit
     whole = ages.astype(np.int64)
     rest = ages - whole
-    powers = np.ones((TERMS.size, rest.size))
-    np.multiply.accumulate(np.broadcast_to(rest, powers[1:].shape), out=powers[1:])
-    response = powers.T.dot(flow.steps.series[:, :, n])
+    response = (rest[:, np.newaxis] ** TERMS).dot(flow.steps.series[:, :, n])
     is_in = (whole & (1 << np.arange(len(doubles)))[:, np.newaxis]).astype(bool)
     for chosen, double in zip(is_in[:, :, np.newaxis], doubles, strict=True):
         np.copyto(response, response.dot(double), where=chosen)
