@@ -288,6 +288,24 @@ def test_moment_rows_give_the_moment_functions() -> None:
             assert found == pytest.approx(expected, abs=1e-12)
 
 
+@pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
+def test_tables_give_the_moment_functions_and_their_integrals(move: Move) -> None:
+    # Newton's method and the search for zeros rest on these tables, in an order of their own.
+    problem = moment_problem(PAPER, move)
+    tau = np.array([1e-4, 3e-3, 4e-2])
+    psi = tau**problem.degree
+    expected = np.column_stack([problem.values(tau), psi])
+    table = problem.table(tau)
+    assert table @ problem.joint_evaluation == pytest.approx(expected, abs=1e-14)
+    assert problem.joint_values(tau).T == pytest.approx(expected, abs=1e-15)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    for end, found in zip(tau, table @ problem.joint_integration, strict=True):
+        at = 0.5 * end * (1.0 + nodes)
+        by_sum = 0.5 * end * weights @ problem.values(at)
+        assert found[:-1] == pytest.approx(by_sum, rel=1e-12, abs=1e-15)
+        assert found[-1] == pytest.approx(end ** (1 + problem.degree) / (1 + problem.degree))
+
+
 @pytest.mark.parametrize("force", [0.0, -5.0, float("nan")])
 def test_no_force_is_a_named_outcome(force: float) -> None:
     with pytest.raises(ComputationError) as caught:
@@ -336,9 +354,23 @@ def test_final_state_is_that_of_arc_by_arc_integration(move: Move, force_lag: fl
         for i, (start, end) in enumerate(pairwise(edges))
     )
     flow = dyadic_flow(plant, moment_problem(plant, move), t_f=edges[-1])
-    (found,) = states_at(flow, np.array(edges[-1:]), switching_times=times, first_force=900.0)
-    expected = propagate(plant, arcs)
+    instants = np.array([edges[-1], edges[-2], edges[2]])
+    found = states_at(flow, instants, switching_times=times, first_force=900.0)
+    expected = [propagate(plant, arcs[:count]) for count in (len(arcs), len(arcs) - 1, 2)]
     assert np.all(np.abs(found - expected) < 1e-11 * optimum.peaks[: plant.order])
+
+
+def test_state_that_is_small_at_the_last_switch_is_judged_by_its_peak() -> None:
+    # Judged by what it is there alone, this control would be refused although it ends at rest.
+    machine = random_modal_machine(5, n_modes=4)
+    plant, force = build_plant(machine), 0.01 * machine.drive.max_force
+    optimum = solve_time_optimal(plant, machine.moves[0], force_limit=force)
+    flow = dyadic_flow(plant, moment_problem(plant, machine.moves[0]), t_f=optimum.t_f)
+    times = np.array(optimum.switching_times)
+    first = float(optimum.arcs[0].output[0])
+    (x,) = states_at(flow, times[-1:], switching_times=times, first_force=first)
+    assert np.min(np.abs(x) / optimum.peaks[: plant.order]) < 1e-3
+    assert relative_error(plant, optimum) < 1e-9
 
 
 @pytest.mark.parametrize("move", [STEP, Positioning(distance=0.02)])
