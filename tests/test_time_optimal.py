@@ -296,14 +296,15 @@ def test_tables_give_the_moment_functions_and_their_integrals(move: Move) -> Non
     psi = tau**problem.degree
     expected = np.column_stack([problem.values(tau), psi])
     table = problem.table(tau)
-    assert table @ problem.joint_evaluation == pytest.approx(expected, abs=1e-14)
+    found = table @ problem.joint_evaluation
+    assert found == pytest.approx(expected, abs=1e-14)
     assert problem.joint_values(tau).T == pytest.approx(expected, abs=1e-15)
     nodes, weights = np.polynomial.legendre.leggauss(60)
-    for end, found in zip(tau, table @ problem.joint_integration, strict=True):
+    for end, integrals in zip(tau, table @ problem.joint_integration, strict=True):
         at = 0.5 * end * (1.0 + nodes)
         by_sum = 0.5 * end * weights @ problem.values(at)
-        assert found[:-1] == pytest.approx(by_sum, rel=1e-12, abs=1e-15)
-        assert found[-1] == pytest.approx(end ** (1 + problem.degree) / (1 + problem.degree))
+        assert integrals[:-1] == pytest.approx(by_sum, rel=1e-12, abs=1e-15)
+        assert integrals[-1] == pytest.approx(end ** (1 + problem.degree) / (1 + problem.degree))
 
 
 @pytest.mark.parametrize("force", [0.0, -5.0, float("nan")])

@@ -56,11 +56,11 @@ class MomentProblem:
     joint_differentiation
         D with dφ/dτ = φ D as rows, for the functions of all rates, 1 and τ, shape
         (2 n_modes + 3, 2 n_modes + 3) [1/s].
+    differentiation
+        The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
     joint_evaluation, joint_integration
         Take rows of ``table`` to φ and, last, ψ, and to their integrals from 0, each of shape
         (2 n_modes + 4, size + 1) [-, s].
-    differentiation
-        The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
     """
 
     rates: Complex
@@ -69,9 +69,9 @@ class MomentProblem:
     magnitudes: Array = field(init=False)
     exponents: Array = field(init=False)
     joint_differentiation: Array = field(init=False)
+    differentiation: Array = field(init=False)
     joint_evaluation: Array = field(init=False)
     joint_integration: Array = field(init=False)
-    differentiation: Array = field(init=False)
 
     def __post_init__(self) -> None:
         """Derive what is needed time and again."""
@@ -84,15 +84,17 @@ class MomentProblem:
                 matrix[2 * i, 2 * i + 1], matrix[2 * i + 1, 2 * i] = rate.imag, -rate.imag
         lag = float(self.rates[-1].real)
         D[-3, -3], D[-2, -1] = lag, 1.0
+        # Of the columns of ``table`` τ integrates 1, and τ²/2 integrates τ if that is asked for.
         inverse[count - 2, count - 2], inverse[count, count - 1] = 1.0 / lag, 1.0
         inverse[count + 1, count:] = 1.0
+        # What vanishes at τ = 0 of each Re e^{pτ} - 1 is made up for by the column of ones.
         evaluation = np.eye(count + 2, self.size + 1)
         evaluation[count - 1, 0:count:2] = 1.0
         object.__setattr__(self, "exponents", self.rates.view(np.float64)[np.newaxis])
         object.__setattr__(self, "joint_differentiation", D)
+        object.__setattr__(self, "differentiation", D[: self.size, : self.size])
         object.__setattr__(self, "joint_evaluation", evaluation)
         object.__setattr__(self, "joint_integration", inverse)
-        object.__setattr__(self, "differentiation", D[: self.size, : self.size])
 
     @property
     def size(self) -> int:
