@@ -30,6 +30,10 @@ GAP_TOLERANCE = 1e-9
 """Largest relative distance of t_f from its proved lower bound."""
 ERROR_TOLERANCE = 1e-9
 """Largest terminal error of a state against the peak of that state."""
+SAME_INSTANT = 1e-13
+"""Distance of two switches against t_f below which there are none: Newton's method has closed the
+arc between them, or left it as short as rounding allows (empirical: no arc of 1480 optima was
+between 1e-14 and 1e-8)."""
 NO_CHANGE, ONE = np.zeros((1, 1)), np.ones(1)
 """Generator and initial value of a constant force; all bang arcs share them."""
 
@@ -131,12 +135,24 @@ def _certified(
 
 def _claim(found: Attempt, force_limit: float) -> Claim:
     control = found.control
+    zeros = _told_apart(control.zeros, control.horizon)
     return Claim(
-        switching_times=control.horizon - control.zeros[::-1],
+        switching_times=control.horizon - zeros[::-1],
         t_f=control.horizon,
-        first_force=control.first_sign * (-1.0) ** control.zeros.size * force_limit,
+        first_force=control.first_sign * (-1.0) ** zeros.size * force_limit,
         point=found.point,
     )
+
+
+def _told_apart(zeros: Array, horizon: float) -> Array:
+    """Return the zeros but for pairs that coincide."""
+    kept: list[float] = []
+    for zero in zeros.tolist():
+        if kept and zero - kept[-1] <= SAME_INSTANT * horizon:
+            kept.pop()
+        else:
+            kept.append(zero)
+    return np.array(kept)
 
 
 def _arcs(claim: Claim) -> tuple[Arc, ...]:
