@@ -103,11 +103,10 @@ def integrate_switching(
     less_one = np.expm1(np.multiply.outer(t, rates))
     grown = less_one + 1.0
     weights = _complex_multipliers(problem, multipliers)
-    constant = np.longdouble(problem.constant(multipliers))
-    power = 0.5 * t * t if problem.degree else t
-    reach = power + abs(constant) * t
-    primitive = power - constant * t - (less_one @ (weights / rates)).real
-    value = (t if problem.degree else 1.0) - constant - (grown @ weights).real
+    constant = problem.constant(multipliers)
+    polynomial = (0.5 * t - constant) * t if problem.degree else t
+    primitive = polynomial - (less_one @ (weights / rates)).real
+    value = (t - constant if problem.degree else 1.0) - (grown @ weights).real
     slope = problem.degree - (grown[:-1] @ (rates * weights)).real
     # A slope below |σ|/τ says that the zero is known to its own size only: then it hides τ |σ|.
     least = np.maximum(np.abs(value[:-1]) / t[:-1], TINY)
@@ -116,11 +115,11 @@ def integrate_switching(
     tau, decay = ends[:, np.newaxis], np.exp(np.multiply.outer(ends, problem.rates.real))
     modal = (6.0 + problem.size) * np.minimum(tau, (1.0 + decay) / problem.magnitudes)
     modal += tau * decay
-    terms = sum(modal.dot(problem.amplitudes(multipliers)).tolist())
-    terms += (2.0 + problem.size) * float(np.add.reduce(reach))
+    terms = modal.dot(problem.amplitudes(multipliers))
+    terms += (2.0 + problem.size) * (problem.target_integrals(ends) + abs(constant) * ends)
     return SwitchingIntegral(
         value=abs(primitive[0]) + np.add.reduce(np.abs(primitive[1:] - primitive[:-1])),
-        allowance=EXTENDED_ROUNDOFF * terms + 2.0 * float(np.add.reduce(hidden)),
+        allowance=EXTENDED_ROUNDOFF * sum(terms.tolist()) + 2.0 * float(np.add.reduce(hidden)),
         end_value=abs(float(value[-1])),
     )
 
