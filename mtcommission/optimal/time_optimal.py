@@ -33,7 +33,7 @@ ERROR_TOLERANCE = 1e-9
 SAME_INSTANT = 1e-13
 """Distance of two switches against t_f below which there are none: Newton's method has closed the
 arc between them, or left it as short as rounding allows (empirical: no arc of 1480 optima was
-between 1e-14 and 1e-8)."""
+between that and 1e-8)."""
 NO_CHANGE, ONE = np.zeros((1, 1)), np.ones(1)
 """Generator and initial value of a constant force; all bang arcs share them."""
 
