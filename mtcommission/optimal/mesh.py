@@ -113,7 +113,9 @@ class Mesh:
         return float(self.nodes[-1])
 
 
-def build_mesh(problem: MomentProblem, horizon: float) -> Mesh:
+def build_mesh(
+    problem: MomentProblem, horizon: float, *, radians: float = RADIANS_PER_CELL
+) -> Mesh:
     """Return the tables that the search for zeros starts from.
 
     Parameters
@@ -122,13 +124,15 @@ def build_mesh(problem: MomentProblem, horizon: float) -> Mesh:
         The moment problem.
     horizon
         Where the search ends [s].
+    radians
+        Length of a cell against the fastest pole at τ = 0.
 
     Returns
     -------
     Mesh
     """
     grading = grade(problem, horizon)
-    nodes = grading.nodes(horizon, radians=RADIANS_PER_CELL, least=LEAST_CELLS)
+    nodes = grading.nodes(horizon, radians=radians, least=LEAST_CELLS)
     return tabulate(problem, grading, nodes)
 
 
