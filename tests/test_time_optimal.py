@@ -402,6 +402,18 @@ def test_start_comes_near_the_optimum_by_itself(move: Move) -> None:
         assert np.all(np.abs(moments) < 0.02 * size)
 
 
+@pytest.mark.parametrize("seed", [10, 20, 26, 56])
+def test_start_sees_the_switches_after_all_modes_have_decayed(seed: int) -> None:
+    # A cell longer than that cannot hold a switch: eight meshes, each longer, led nowhere.
+    machine = random_modal_machine(seed, n_modes=1)
+    plant, force = build_plant(machine), machine.drive.max_force * 10.0 ** (seed % 5 - 2)
+    move = Positioning(distance=(1e-3, 0.02, 0.5)[seed % 3])
+    problem = moment_problem(plant, move)
+    cells = start_force(problem, span=problem.target / force, tolerance=5e-3)
+    optimum = solve_time_optimal(plant, move, force_limit=force)
+    assert cells.horizon == pytest.approx(optimum.t_f, rel=0.02)
+
+
 def test_force_that_leaves_modes_indistinct_is_named_so() -> None:
     # "No convergence, report the profile" would blame the program for 1e14 N.
     plant = build_plant(paper_machine())

@@ -15,8 +15,10 @@ Array = NDArray[np.float64]
 RADIANS_PER_CELL = 0.3
 """Length of a cell against the fastest pole at τ = 0 (empirical: fastest search; accuracy does
 not depend on it)."""
-LEAST_CELLS = 56
-"""Cells of a move that is shorter than the fastest mode (empirical)."""
+LEAST_RADIANS = 17.0
+"""What a mesh counts at least, spread evenly: 56 cells of a move that is shorter than the fastest
+mode, and some where all modes have decayed but a cell-wise constant force must still switch
+(empirical)."""
 DENSITY_NODES = np.linspace(0.0, 1.0, 49)
 """Where the density of nodes is tabulated, in the logarithm of τ."""
 ROUNDOFF = float(np.finfo(np.float64).eps)
@@ -34,19 +36,20 @@ class Grading:
     tau
         Ascending from 0, shape (k,) [s].
     radians
-        Integral of the density |p| e^{Re p τ / 4} of the pole that is fastest there, shape (k,).
+        Integral of the density |p| e^{Re p τ / 4} of the pole that is fastest there, or of the
+        least density, shape (k,).
     """
 
     tau: Array
     radians: Array
 
-    def nodes(self, horizon: float, *, radians: float, least: int = 4) -> Array:
+    def nodes(self, horizon: float, *, radians: float) -> Array:
         """Return nodes on [0, horizon], which must not exceed the last τ; shape (n_nodes,) [s].
 
-        ``radians`` is |p| h at τ = 0 for the fastest pole, ``least`` the least number of cells.
+        ``radians`` is |p| h at τ = 0 for the fastest pole.
         """
         total = float(np.interp(horizon, self.tau, self.radians))
-        count = max(least, int(total / radians) + 1)
+        count = int(total / radians) + 1
         nodes = np.interp(np.arange(count + 1) * (total / count), self.radians, self.tau)
         nodes[-1] = horizon
         return np.asarray(nodes)
@@ -72,6 +75,7 @@ def grade(problem: MomentProblem, horizon: float) -> Grading:
     tau[-1] = horizon
     decay = np.exp((0.25 * problem.rates.real)[:, np.newaxis] * tau)
     density = np.maximum.reduce(magnitudes[:, np.newaxis] * decay)
+    np.maximum(density, LEAST_RADIANS / horizon, out=density)
     radians = np.zeros(tau.size)
     (0.5 * (density[1:] + density[:-1]) * (tau[1:] - tau[:-1])).cumsum(out=radians[1:])
     return Grading(tau=tau, radians=radians)
@@ -132,7 +136,7 @@ def build_mesh(
     Mesh
     """
     grading = grade(problem, horizon)
-    nodes = grading.nodes(horizon, radians=radians, least=LEAST_CELLS)
+    nodes = grading.nodes(horizon, radians=radians)
     return tabulate(problem, grading, nodes)
 
 
