@@ -270,3 +270,16 @@ def test_pair_of_zeros_between_mesh_nodes_is_found(depth: float, offset: float) 
     centres = centres[centres < 0.1]
     expected = np.sort(np.concatenate([centres - half_width, centres + half_width]))
     assert zeros == pytest.approx(expected, abs=1e-16 / np.sqrt(depth) + 1e-15)
+
+
+def test_constant_force_is_refused_by_its_bound_not_by_an_error() -> None:
+    # A search that ends with no switch at all must end in a named outcome.
+    problem = moment_problem(PAPER, STEP)
+    span = problem.target / 2e3
+    point = evaluate_dual(build_mesh(problem, 0.5), np.zeros(problem.size), span=span, near=0.1)
+    claim = Claim(switching_times=np.empty(0), t_f=0.4, first_force=2e3, point=point)
+    certificate = certify(claim, dyadic_flow(PAPER, problem, t_f=claim.t_f))
+    assert point.zeros.size == 0
+    assert certificate.t_f_lower_bound == pytest.approx(span, rel=1e-12)
+    assert certificate.relative_gap > 0.9
+    assert certificate.switching_slopes.size == 0

@@ -215,4 +215,4 @@ def _law_holds(
     signed = signs * samples.force
     against, largest = float(signed[signed.argmax()]), -float(signed[signed.argmin()])
     zero = SIGN_TOLERANCE * max(against, largest) + SIGN_ROUNDING * unit * composed
-    return bool(max(against, *at_switches.tolist()) <= zero)
+    return bool(max([against, *at_switches.tolist()]) <= zero)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgeqrf, dgesv
 
-from mtcommission.optimal.mesh import Mesh, build_mesh, tabulate
+from mtcommission.optimal.mesh import ROUNDOFF, Mesh, build_mesh, tabulate
 from mtcommission.optimal.moments import MomentProblem
 
 Array = NDArray[np.float64]
@@ -33,6 +33,8 @@ SMOOTHING = 0.5
 """Width over which the sign of σ is smoothed, against the mean gap (empirical)."""
 BACK_OFF = 0.99
 """Longest step, as a share of the one that makes a force reach its limit (empirical)."""
+FARTHEST = 1.0 + ROUNDOFF
+"""Limit of a force on its way to 1: always some room is left."""
 FIRST_SMOOTHING = 3.0
 """The same against the mean of |σ|, at the beginning (empirical: fewest steps)."""
 SHRINKING = 0.9
@@ -268,7 +270,7 @@ def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
         change = step.dot(basis)
         c, sigma = c + step, sigma - change
         move = sign - stiffness * change - force
-        used = move / (np.copysign(1.0, move) - force)
+        used = move / (np.copysign(FARTHEST, move) - force)
         force = force + min(1.0, BACK_OFF / max(float(used[used.argmax()]), TINY)) * move
     return CellForce(
         mesh=mesh,

@@ -104,12 +104,8 @@ def _certified(
     claim = _claim(found, force_limit)
     flow = dyadic_flow(plant, problem, t_f=claim.t_f)
     times = claim.switching_times
-    final, at_last_switch = states_at(
-        flow,
-        np.array([claim.t_f, times[-1]]),
-        switching_times=times,
-        first_force=claim.first_force,
-    )
+    instants = np.array([claim.t_f, *times[-1:].tolist()])
+    states = states_at(flow, instants, switching_times=times, first_force=claim.first_force)
     optimum = TimeOptimum(
         move=move,
         force_limit=force_limit,
@@ -118,7 +114,7 @@ def _certified(
         t_f=claim.t_f,
         arcs=_arcs(claim),
         touch_points=(),
-        terminal_error=_terminal_error(plant, move, final),
+        terminal_error=_terminal_error(plant, move, states[0]),
         motion=BangBangMotion(
             plant=plant,
             problem=problem,
@@ -129,7 +125,7 @@ def _certified(
         ),
         certificate=certify(claim, flow),
     )
-    _check(plant, optimum, np.abs(at_last_switch))
+    _check(plant, optimum, np.abs(states[-1]))
     return optimum
 
 
