@@ -13,8 +13,10 @@ from benchmarks.constrained_survey import cases, judge, largest_excess
 from mtcommission.optimal.bounded_arcs import Piece, Sequence
 from mtcommission.optimal.bounded_dual import Core, Measure, stretches
 from mtcommission.optimal.bounded_edit import pruned, with_switches, with_touch
-from mtcommission.optimal.bounded_exchange import _peaks
-from mtcommission.optimal.bounded_layout import Sight, lay_out
+from mtcommission.optimal.bounded_exchange import _peaks, exchange
+from mtcommission.optimal.bounded_grid import solve_grid_time
+from mtcommission.optimal.bounded_layout import Sight, feature_places, first_sight, lay_out
+from mtcommission.optimal.bounded_mesh import solve_mesh, solve_relaxation
 from mtcommission.optimal.bounded_newton import Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
@@ -23,7 +25,7 @@ from mtcommission.optimal.bounded_problem import (
     step_response,
 )
 from mtcommission.optimal.bounded_program import Program, solve_program
-from mtcommission.optimal.bounded_reading import Reading, _driven, place_touches
+from mtcommission.optimal.bounded_reading import Reading, _driven, place_touches, read_contacts
 from mtcommission.optimal.bounded_rows import Contact
 from mtcommission.optimal.bounded_search import solve_exactly
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
@@ -235,9 +237,77 @@ modes = [
         t_f=0.07,
         mesh=np.linspace(0.0, 0.07, 200),
         reading=Reading(arcs=(arc,), touches=()),
-        switches=np.empty(0),
+        places=np.empty(0),
+        cells=np.empty(0),
     )
     assert lay_out(problem, sight).cores == ()
+
+
+def sight_of(reading: Reading) -> Sight:
+    places = feature_places(reading)
+    return Sight(
+        t_f=0.07,
+        mesh=np.linspace(0.0, 0.07, 200),
+        reading=reading,
+        places=places,
+        cells=np.full(places.size, 7e-5),
+    )
+
+
+def test_no_core_holds_a_point_where_another_bound_of_its_order_is_touched() -> None:
+    # Inside a core such a bound cannot act: the motion broke it there, by 14 % in one case.
+    problem = paper_problem(("v_phi", 5e-3), ("v_b", 1e-4))
+    arc = Core(start=0.06, end=0.01, limit=0, side=1)
+    touch = Contact(remaining=0.04, limit=1, side=-1, weight=1.0)
+    whole = lay_out(problem, sight_of(Reading(arcs=(arc,), touches=())))
+    parted = lay_out(problem, sight_of(Reading(arcs=(arc,), touches=(touch,))))
+    assert [core.holds(0.04) for core in whole.cores] == [True]
+    assert len(parted.cores) == 2
+    assert not any(core.holds(0.04) for core in parted.cores)
+
+
+def test_of_two_arcs_at_a_time_the_second_is_touched_at_its_ends() -> None:
+    # The force holds one bound at a time; the other one was forgotten on the next mesh.
+    mesh = np.linspace(0.0, 1.0, 101)
+    first = [Contact(remaining=t, limit=0, side=1, weight=1.0) for t in mesh[30:60].tolist()]
+    second = [Contact(remaining=t, limit=1, side=-1, weight=1.0) for t in mesh[40:50].tolist()]
+    reading = read_contacts([*first, *second], mesh)
+    assert [arc.limit for arc in reading.arcs] == [0]
+    assert sorted(at.remaining for at in reading.touches) == pytest.approx([0.4, 0.49])
+    assert {at.limit for at in reading.touches} == {1}
+
+
+def test_a_mesh_that_is_too_large_gets_larger_cells() -> None:
+    # Otherwise a first look with hundreds of features ends in a program that never ends.
+    problem = paper_problem(("v_phi", 5e-3))
+    touches = tuple(
+        Contact(remaining=t, limit=0, side=1, weight=1.0) for t in np.linspace(0.001, 0.069, 60)
+    )
+    sight = sight_of(Reading(arcs=(), touches=touches))
+    fine, eased = lay_out(problem, sight), lay_out(problem, replace(sight, ease=5.0))
+    assert eased.mesh.size < 0.7 * fine.mesh.size
+
+
+def test_points_far_from_their_bound_change_nothing_in_the_relaxation() -> None:
+    # They are left out to halve its rows; its reach must stay that of all of them.
+    problem = paper_problem(("v_phi", 5e-3))
+    layout = lay_out(problem, first_sight(problem, solve_grid_time(problem, t_free=0.0435)))
+    kept = exchange(problem, layout)
+    assert kept is not None
+    every = solve_mesh(problem, replace(kept.layout, margin=0.0), relaxed=True)
+    near = solve_relaxation(problem, kept)
+    assert every is not None
+    assert near is not None
+    assert len(near.layout.contacts) < len(every.layout.contacts)
+    assert near.reach == pytest.approx(every.reach, rel=1e-9)
+
+
+def test_no_verdict_is_believed_against_a_program_that_has_a_solution() -> None:
+    # A verdict by rounding: finishing a control ended where another way solves the program.
+    program = small_program(fine=1.0)
+    assert solve_program(program, steps=0) is None
+    found = solve_program(program, steps=0, solvable=True)
+    assert found is not None
 
 
 def test_two_arcs_driven_over_each_other_become_one() -> None:

@@ -35,7 +35,7 @@ from mtcommission.optimal.bounded_problem import (
 )
 from mtcommission.optimal.bounded_reading import place_touches
 from mtcommission.optimal.bounded_rows import Contact
-from mtcommission.optimal.bounded_search import _hidden
+from mtcommission.optimal.bounded_sight import hidden, steepness_of_zeros
 from mtcommission.optimal.constrained import MANY_PERIODS, solve_bounded_time_optimal
 from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
@@ -537,10 +537,11 @@ def test_what_a_cell_hides_is_the_difference_of_two_integrals() -> None:
     parts = stretches(problem, measure)
     zero = float(dual_value(problem, parts, measure.atoms).zeros[0])
     mesh = np.array([0.0, zero - 2e-7, zero + 1e-7, measure.t_f])
-    found = _hidden(problem, measure, parts, np.array([zero]), mesh)
+    zeros = np.array([zero])
+    found = hidden(steepness_of_zeros(problem, measure, parts, zeros), zeros, mesh)
     tau = np.linspace(mesh[1], mesh[2], 3001)
     part = next(part for part in parts if part.end <= zero < part.start)
     sigma = impulse_response(problem.plant, tau - part.end) @ part.adjoint
-    hidden = np.trapezoid(np.abs(sigma), tau) - abs(np.trapezoid(sigma, tau))
-    expected = problem.force_limit * float(hidden) / abs(float(measure.terminal @ problem.target))
+    missed = np.trapezoid(np.abs(sigma), tau) - abs(np.trapezoid(sigma, tau))
+    expected = problem.force_limit * float(missed) / abs(float(measure.terminal @ problem.target))
     assert found[0] == pytest.approx(expected, rel=1e-3)

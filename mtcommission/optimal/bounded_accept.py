@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 GAP = 1e-6
 """Largest relative distance of t_f from its proved lower bound."""
-LOOSE_GAP = 1e-4
+LOOSE_GAP = 1e-3
 """The same for a control on a mesh, which is returned with the gap that it has."""
 EXCESS = 1e-9
 """Largest relative excess over a bound or the force limit."""
@@ -128,7 +128,8 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         t_f = later(layout, expected) + 2e-10 / max(slope, LEAST_SLOPE / layout.t_f)
         contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
         layout = replace(layout, contacts=contacts, margin=margin).stretched(t_f)
-        following = solve_mesh(problem, layout, relaxed=False, start=found.basis)
+        # A control so near this one keeps the bounds that doubts are rounding.
+        following = solve_mesh(problem, layout, relaxed=False, start=found.basis, solvable=True)
         if following is None:
             return None
         # The marginal knows one cell only; the secant knows the way gone.

@@ -114,13 +114,27 @@ def breaches(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -
         remaining = max(float(cells[cell].start - t), cells[cell].end)
         at = Contact(remaining=remaining, limit=int(k), side=side)
         over.append(Breach(contact=at, excess=float(peaks[cell, k]) - 1.0))
-    return over + _breaches_in_cores(problem, found, tolerance)
+    return over + breaches_in_cores(problem, found, tolerance)
 
 
-def _breaches_in_cores(
+def breaches_in_cores(
     problem: BoundedProblem, found: MeshOptimum, tolerance: float
 ) -> list[Breach]:
-    """Return where the motion in a core exceeds a bound other than the one held there."""
+    """Return where the motion in a core exceeds a bound other than the one held there.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    found
+        Solution of the kept form.
+    tolerance
+        Relative excess from which on it counts.
+
+    Returns
+    -------
+    list of Breach
+    """
     over = []
     for core in (segment for segment in found.segments if segment.limit >= 0):
         tau, states = core_states(problem, found, core)

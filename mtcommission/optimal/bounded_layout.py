@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,20 +54,26 @@ class Sight:
         the cores [s]: a feature is known to one of its cells.
     reading
         Arcs and touch points.
-    switches
-        Remaining times of the switches off the arcs [s].
+    places
+        Remaining times to which the next mesh is graded: switches, ends of arcs, touch points [s].
+    cells
+        Cells wanted there, shape of ``places`` [s].
     room
         Factor on the distance between a core and the ends of its arc.
     least_core
         Share of t_f that an arc takes at least if it gets a core.
+    ease
+        Factor on the cells wanted, where they would be too many.
     """
 
     t_f: float
     mesh: Array
     reading: Reading
-    switches: Array
+    places: Array
+    cells: Array
     room: float = 1.0
     least_core: float = 0.0
+    ease: float = 1.0
 
     def stretched(self, t_f: float) -> Sight:
         """Return the same sight over another t_f [s], every place at the same share of it."""
@@ -80,7 +87,8 @@ class Sight:
                 arcs=tuple(replace(k, start=k.start * share, end=k.end * share) for k in arcs),
                 touches=tuple(replace(k, remaining=k.remaining * share) for k in touches),
             ),
-            switches=self.switches * share,
+            places=self.places * share,
+            cells=self.cells * share,
         )
 
 
@@ -109,12 +117,20 @@ def first_sight(problem: BoundedProblem, grid: GridOptimum) -> Sight:
     loose = np.abs(grid.force) < 1.0 - SATURATED
     turning = np.append(False, grid.force[1:] * grid.force[:-1] < 0.0)
     switches = (remaining + 0.5 * cell)[loose | turning]
+    places = np.concatenate([off_arcs(switches, reading, room=cell), feature_places(reading)])
     return Sight(
         t_f=grid.t_f,
         mesh=np.append(remaining[::-1], grid.t_f),
         reading=reading,
-        switches=off_arcs(switches, reading, room=cell),
+        places=places,
+        cells=np.full(places.size, cell / SHRINK),
     )
+
+
+def feature_places(reading: Reading) -> Array:
+    """Return the remaining times of the ends of arcs and of the touch points [s]."""
+    ends = [end for arc in reading.arcs for end in (arc.start, arc.end)]
+    return np.array([*ends, *(touch.remaining for touch in reading.touches)])
 
 
 def off_arcs(switches: Array, reading: Reading, *, room: float | Array) -> Array:
@@ -139,16 +155,17 @@ def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
         Cells graded towards switches, touch points and ends of arcs, where they are a fifth of
         those on which the feature was seen.
     """
-    arcs, background = sight.reading.arcs, sight.t_f / BACKGROUND
-    cores = _cores(problem, sight)
+    arcs, background = _parted(problem, sight.reading), sight.t_f / BACKGROUND
+    cores = _cores(problem, sight, arcs)
     even = np.arange(1, BACKGROUND) * background
     clouds = [np.column_stack([even, np.full(even.size, background)])]
-    ends = [end for arc in arcs for end in (arc.start, arc.end)]
-    centres = [*sight.switches, *ends, *(touch.remaining for touch in sight.reading.touches)]
-    clouds += [_graded(at, local_cell(sight.mesh, at) / SHRINK, background) for at in centres]
+    clouds += [
+        _graded(at, min(sight.ease * cell, background), background)
+        for at, cell in zip(sight.places.tolist(), sight.cells.tolist(), strict=True)
+    ]
     for arc in arcs:
         if not any(core.start < arc.start and core.end > arc.end for core in cores):
-            clouds.append(_spread(arc, local_cell(sight.mesh, arc.start) / SHRINK))
+            clouds.append(_spread(arc, sight.ease * local_cell(sight.mesh, arc.start) / SHRINK))
     junctions = _junctions(problem, arcs, cores)
     clouds += [np.column_stack([zone, np.gradient(zone)]) for _, zone in junctions]
     mesh = _thinned(np.vstack(clouds), sight.t_f)
@@ -165,7 +182,7 @@ def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
 
 
 def _junctions(
-    problem: BoundedProblem, arcs: tuple[Core, ...], cores: tuple[Core, ...]
+    problem: BoundedProblem, arcs: list[Core], cores: tuple[Core, ...]
 ) -> list[tuple[Core, Array]]:
     """Return even ascending points about the ends of each arc with a core, and that core."""
     zones: list[tuple[Core, Array]] = []
@@ -180,9 +197,9 @@ def _junctions(
     return zones
 
 
-def _cores(problem: BoundedProblem, sight: Sight) -> tuple[Core, ...]:
+def _cores(problem: BoundedProblem, sight: Sight, arcs: list[Core]) -> tuple[Core, ...]:
     cores = []
-    for arc in sight.reading.arcs:
+    for arc in arcs:
         early, late = _rooms(problem, arc, sight)
         needed = early + late + 0.8 * local_cell(sight.mesh, arc.start)
         # Motion that grows on the arc leaves a core no digits: points must do there.
@@ -190,6 +207,22 @@ def _cores(problem: BoundedProblem, sight: Sight) -> tuple[Core, ...]:
         if steady and arc.start - arc.end > max(needed, sight.least_core * sight.t_f):
             cores.append(replace(arc, start=arc.start - early, end=arc.end + late))
     return tuple(cores)
+
+
+def _parted(problem: BoundedProblem, reading: Reading) -> list[Core]:
+    """Return the arcs between the touch points of other bounds that no core may hold."""
+    parts = []
+    for arc in reading.arcs:
+        order = problem.limits[arc.limit].order
+        cuts = [
+            touch.remaining
+            for touch in reading.touches
+            if touch.limit != arc.limit and problem.limits[touch.limit].order <= order
+        ]
+        inner = sorted((cut for cut in cuts if arc.end < cut < arc.start), reverse=True)
+        ends = [arc.start, *inner, arc.end]
+        parts += [replace(arc, start=start, end=end) for start, end in pairwise(ends)]
+    return parts
 
 
 def _rooms(problem: BoundedProblem, arc: Core, sight: Sight) -> tuple[float, float]:

@@ -42,6 +42,10 @@ MOST_ITERATIONS = 3000
 """Steps of the simplex method after which a program is given up: several times what those that
 end need (measured), and an end for those that turn in circles within the rounding."""
 
+NEAR = 1e-2
+"""Relative room below a bound within which a point may act in the relaxation: it halves the rows
+of that program."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeshOptimum:
@@ -85,7 +89,12 @@ class MeshOptimum:
 
 
 def solve_mesh(
-    problem: BoundedProblem, layout: Layout, *, relaxed: bool, start: Basis | None = None
+    problem: BoundedProblem,
+    layout: Layout,
+    *,
+    relaxed: bool,
+    start: Basis | None = None,
+    solvable: bool = False,
 ) -> MeshOptimum | None:
     """Return the best control on a mesh, or None if the cores cannot be held.
 
@@ -99,6 +108,8 @@ def solve_mesh(
         Which of the two forms.
     start
         Basis of the same form on the same cells, with fewer contacts or another t_f.
+    solvable
+        Whether the program is known to have a solution.
 
     Returns
     -------
@@ -127,7 +138,9 @@ def solve_mesh(
         lower=np.concatenate([-np.ones(cells), np.full(size - cells, -np.inf), [0.0]]),
         upper=np.append(np.ones(cells), np.full(size - cells + 1, np.inf)),
     )
-    answer = solve_program(program, steps=MOST_ITERATIONS, tolerance=FEASIBILITY, start=start)
+    answer = solve_program(
+        program, steps=MOST_ITERATIONS, tolerance=FEASIBILITY, start=start, solvable=solvable
+    )
     if answer is None:
         return None
     weights = -answer.rows[rooms.size - len(layout.contacts) :]
@@ -154,6 +167,27 @@ def solve_mesh(
         held=float(answer.unknowns[-1] - np.abs(answer.bounds[:cells]).sum()),
         basis=answer.basis,
     )
+
+
+def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum | None:
+    """Return the relaxation on the mesh of a control, with the points that this comes near.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    kept
+        Solution of the kept form.
+
+    Returns
+    -------
+    MeshOptimum or None
+    """
+    rows, rooms = bound_rows(problem, kept.layout, kept.segments)
+    room = rooms - rows @ np.append(kept.unknowns, kept.reach)
+    near = [at for at, left in zip(kept.layout.contacts, room.tolist(), strict=True) if left < NEAR]
+    layout = replace(kept.layout, contacts=tuple(near), margin=0.0)
+    return solve_mesh(problem, layout, relaxed=True)
 
 
 def _slope(segments: tuple[Segment, ...], marginals: Array) -> float:

@@ -23,6 +23,9 @@ WAYS: tuple[dict[str, str | int], ...] = (
 """Options of HiGHS for three ways to the same vertex: tried in this order, where one loses its
 basis for rounding. (Its primal simplex method may turn in circles for ever.)"""
 
+FINAL = (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit)
+"""Verdicts after which no other way is tried, unless the program is known to have a solution."""
+
 FORGIVING = 1e-8
 """Tolerance of the last attempt, if the first one had a smaller one."""
 
@@ -91,7 +94,12 @@ class Answer:
 
 
 def solve_program(
-    program: Program, *, steps: int, tolerance: float = 1e-7, start: Basis | None = None
+    program: Program,
+    *,
+    steps: int,
+    tolerance: float = 1e-7,
+    start: Basis | None = None,
+    solvable: bool = False,
 ) -> Answer | None:
     """Return the solution of a linear program, or None where the simplex method finds none.
 
@@ -106,6 +114,8 @@ def solve_program(
         program is tried once more, within ``FORGIVING``.
     start
         Basis of a program with the same unknowns whose rows were the first of this one's.
+    solvable
+        Whether the program is known to have a solution, so that no verdict against it is believed.
 
     Returns
     -------
@@ -130,7 +140,7 @@ def solve_program(
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
             return _answer(solver, equations=program.right.size)
-        if status in (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit):
+        if not solvable and status in FINAL:
             return None
         start = None
     return None

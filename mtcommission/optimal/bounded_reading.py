@@ -85,6 +85,12 @@ def read_contacts(active: Items[Contact], mesh: Array) -> Reading:
     for arc in sorted(arcs, key=lambda arc: -arc.start):
         if not apart or arc.start < apart[-1].end:
             apart.append(arc)
+            continue
+        # The force holds one bound at a time: beside it the other is touched.
+        touches += [
+            Contact(remaining=end, limit=arc.limit, side=arc.side, weight=1.0)
+            for end in (arc.start, arc.end)
+        ]
     return Reading(arcs=tuple(apart), touches=tuple(touches))
 
 

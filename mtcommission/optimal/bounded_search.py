@@ -19,19 +19,20 @@ from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_dip import with_dip
 from mtcommission.optimal.bounded_dual import (
     Measure,
-    Stretch,
     dual_value,
-    negative_zones,
     stretches,
 )
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_switches, with_touch
-from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later, untenable
-from mtcommission.optimal.bounded_layout import MOST_GROWTH, SHRINK, Sight, lay_out, off_arcs
-from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
+from mtcommission.optimal.bounded_exchange import (
+    LEAST_SLOPE,
+    exchange,
+)
+from mtcommission.optimal.bounded_layout import MOST_GROWTH, Sight, lay_out
+from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_relaxation
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
-from mtcommission.optimal.bounded_problem import BoundedProblem, impulse_response
-from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts, read_sequence
-from mtcommission.optimal.bounded_rows import Contact, Layout
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.bounded_rows import Layout
+from mtcommission.optimal.bounded_sight import look
 
 Array = NDArray[np.float64]
 
@@ -47,20 +48,22 @@ t_f of an arc that gets a core."""
 FEWER_CORES = ((1.0, 0.02), (1.0, 0.06), (8.0, 0.06))
 """The same on finer meshes where an order above 2 is among the bounds: what looks like a short
 arc may be touch points that crowd."""
+WIDER = 4.0
+"""Factor on the distance of cores from the ends of their arcs after a mesh that proves less than
+those before: on smaller cells touch points that crowd towards an arc may look like its end."""
+EASES = (1.0, 1.7, 2.5, 3.5, 5.0, 7.0)
+"""Factors tried on the cells wanted until a program is small enough."""
+FIRST_LARGEST, LARGEST = 1.5e9, 3e9
+"""Effort of a program that the simplex method ends within some seconds, for the first mesh, where
+many of the features are none, and for others."""
 SETBACK = 1e-3
 """Reach below 1 on a finer mesh that betrays a core where the bound is not held."""
-MOST_FILLED = 2000
-"""Most points with which a core is read."""
 EDITS = 30
 """Changes of a sequence in one round: pieces taken out, dips and touch points put in."""
 SHARP = 1e-9
 """Gap of an accepted sequence below which it is not edited any more."""
 VISITS = 2
 """How often the same sequence is solved in one round: from durations of its own each time."""
-HIDDEN = 1e-8
-"""What one cell may hide of the time, relative to it: a hundredth of the gap allowed."""
-AGREED = 1e-6
-"""Distance of the reaches of both forms from which on what is hidden is the rest of the gap."""
 SPLINTER = 2e-4
 """Share of t_f of a piece that may be the ripple of a mesh: left out where it leads nowhere."""
 SLIVER = 1e-6
@@ -102,16 +105,18 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         if kept is None:
             break
         left -= PROGRAMS * kept.layout.effort
-        relaxed = solve_mesh(problem, replace(kept.layout, margin=0.0), relaxed=True)
+        relaxed = solve_relaxation(problem, kept)
         if relaxed is None:
             break
-        sight, guess = _look(problem, kept, relaxed)
-        exact = _exactly(problem, guess, relaxed.measure)
+        now = look(problem, kept, relaxed)
+        exact = _exactly(problem, now.guess, relaxed.measure)
         if exact is not None:
             return exact
         gap = _enclosed_gap(problem, kept, relaxed)
+        proves_less = any(one.gap < gap for one in seen)
+        sight = replace(now.sight, room=sight.room * (WIDER if proves_less else 1.0))
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
-        if gap < ENOUGH * GAP and _has_high_order(problem, guess):
+        if gap < ENOUGH * GAP and _has_high_order(problem, now.guess):
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
@@ -160,8 +165,10 @@ def _kept(problem: BoundedProblem, sight: Sight, *, most: float, first: bool) ->
     Where the cores reach beyond the arcs, they get more room; or there are fewer of them.
     """
     high = max(limit.order for limit in problem.limits) > 2
+    largest = FIRST_LARGEST if first else min(LARGEST, most)
     for room, share in CORES if first or not high else FEWER_CORES:
-        layout = lay_out(problem, replace(sight, room=room, least_core=share))
+        spaced = replace(sight, room=sight.room * room, least_core=share)
+        layout = _laid_out(problem, spaced, largest)
         if layout.effort > most and not first:
             continue
         kept = exchange(problem, layout)
@@ -170,85 +177,17 @@ def _kept(problem: BoundedProblem, sight: Sight, *, most: float, first: bool) ->
     return None
 
 
+def _laid_out(problem: BoundedProblem, sight: Sight, largest: float) -> Layout:
+    """Return the finest layout of at most some effort."""
+    for ease in EASES:
+        layout = lay_out(problem, replace(sight, ease=ease))
+        if layout.effort < largest:
+            break
+    return layout
+
+
 def _has_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
     return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess.pieces)
-
-
-def _look(
-    problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum
-) -> tuple[Sight, Sequence]:
-    """Return where the next mesh should be fine, and the sequence that the multipliers show."""
-    measure = relaxed.measure
-    parts = stretches(problem, measure)
-    zeros = dual_value(problem, parts, measure.atoms).zeros
-    mesh = _filled(relaxed.layout)
-    reading = _read(relaxed, mesh, [])
-    guess = read_sequence(problem, reading, parts, zeros, mesh)
-    # A core is opened where holding the bound costs time, or cannot be done.
-    zones = [(zone.end, zone.start) for zone in negative_zones(problem, measure)]
-    split = _read(relaxed, mesh, [*zones, *untenable(problem, kept)])
-    cells = np.array([local_cell(mesh, zero) for zero in zeros.tolist()])
-    switches = off_arcs(zeros, split, room=1.5 * cells)
-    if relaxed.reach - kept.reach < AGREED:
-        # Near the end of an arc a zero is its ripple, unless much of σ hides in its cell.
-        much = _hidden(problem, measure, parts, zeros, mesh) > HIDDEN
-        switches = zeros[np.isin(zeros, switches) | much]
-    apart = [
-        t
-        for i, t in enumerate(switches.tolist())
-        if not i or t - switches[i - 1] > local_cell(mesh, t) / SHRINK
-    ]
-    t_f = kept.layout.t_f
-    sight = Sight(t_f=t_f, mesh=mesh, reading=split, switches=np.array(apart))
-    return sight.stretched(later(kept.layout, kept)), guess
-
-
-def _hidden(
-    problem: BoundedProblem,
-    measure: Measure,
-    parts: tuple[Stretch, ...],
-    zeros: Array,
-    mesh: Array,
-) -> Array:
-    """Return what the program misses of the time for each zero of σ: it sees |∫ σ| of a cell only.
-
-    In relative terms, from the slope of σ at the zero: the smaller part of its cell counts twice.
-    """
-    starts = np.array([part.start for part in parts])[::-1]
-    missed = []
-    for zero in zeros.tolist():
-        part = parts[len(parts) - 1 - min(int(np.searchsorted(starts, zero)), len(parts) - 1)]
-        motion = impulse_response(problem.plant, np.array(zero - part.end))
-        slope = abs(float(part.adjoint @ problem.plant.A @ motion))
-        after = min(max(int(np.searchsorted(mesh, zero)), 1), mesh.size - 1)
-        missed.append(slope * min(zero - mesh[after - 1], mesh[after] - zero) ** 2)
-    along = abs(float(measure.terminal @ problem.target))
-    return np.array(missed) * problem.force_limit / along
-
-
-def _filled(layout: Layout) -> Array:
-    """Return the mesh with even points in the cores, as close as the cells beside them."""
-    ends = [end for core in layout.cores for end in (core.start, core.end)]
-    mesh = np.unique(np.concatenate([[0.0, layout.t_f], layout.mesh, ends]))
-    inner = [mesh]
-    for core in layout.cores:
-        at = np.searchsorted(mesh, [core.end, core.start])
-        cell = min(mesh[at[0]] - mesh[at[0] - 1], mesh[at[1] + 1] - mesh[at[1]])
-        count = int((core.start - core.end) / cell) + 2
-        inner.append(np.linspace(core.end, core.start, min(count, MOST_FILLED))[1:-1])
-    return np.unique(np.concatenate(inner))
-
-
-def _read(relaxed: MeshOptimum, mesh: Array, zones: list[tuple[float, float]]) -> Reading:
-    """Return arcs and touch points, zones of cores (remaining times of end and start) left out."""
-    active = [contact for contact in relaxed.contacts if contact.weight > 0.0]
-    for core in relaxed.layout.cores:
-        active += [
-            Contact(remaining=t, limit=core.limit, side=core.side, weight=1.0)
-            for t in mesh[(mesh >= core.end) & (mesh <= core.start)].tolist()
-            if not any(end <= t <= start for end, start in zones)
-        ]
-    return read_contacts(active, mesh)
 
 
 def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
