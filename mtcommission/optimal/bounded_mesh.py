@@ -43,8 +43,10 @@ MOST_ITERATIONS = 3000
 end need (measured), and an end for those that turn in circles within the rounding."""
 
 NEAR = 1e-2
-"""Relative room below a bound within which a point may act in the relaxation: it halves the rows
-of that program."""
+"""Relative room below a bound within which a point is in the relaxation from the start; others
+follow if they are broken. It halves the rows of that program."""
+BROKEN = 1e-7
+"""Relative excess at which they are."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -170,7 +172,7 @@ def solve_mesh(
 
 
 def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum | None:
-    """Return the relaxation on the mesh of a control, with the points that this comes near.
+    """Return the relaxation on the mesh of a control.
 
     Parameters
     ----------
@@ -183,11 +185,33 @@ def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum 
     -------
     MeshOptimum or None
     """
-    rows, rooms = bound_rows(problem, kept.layout, kept.segments)
-    room = rooms - rows @ np.append(kept.unknowns, kept.reach)
-    near = [at for at, left in zip(kept.layout.contacts, room.tolist(), strict=True) if left < NEAR]
-    layout = replace(kept.layout, contacts=tuple(near), margin=0.0)
-    return solve_mesh(problem, layout, relaxed=True)
+    every = off_cores(problem, kept.layout.contacts, kept.layout.cores)
+    layout = replace(kept.layout, contacts=every, margin=0.0)
+    inside = _room(problem, layout, kept) >= NEAR
+    found: MeshOptimum | None = None
+    while True:
+        chosen = tuple(at for at, out in zip(every, inside.tolist(), strict=True) if not out)
+        # The points so far come first, so that the basis fits.
+        before = () if found is None else found.layout.contacts
+        new = tuple(at for at in chosen if at not in set(before))
+        found = solve_mesh(
+            problem,
+            replace(layout, contacts=(*before, *new)),
+            relaxed=True,
+            start=None if found is None else found.basis,
+        )
+        if found is None:
+            return None
+        broken = inside & (_room(problem, layout, found) < -BROKEN)
+        if not broken.any():
+            return found
+        inside &= ~broken
+
+
+def _room(problem: BoundedProblem, layout: Layout, found: MeshOptimum) -> Array:
+    """Return how far a motion stays from its bounds at the contacts of a layout, shape (k,)."""
+    rows, rooms = bound_rows(problem, layout, found.segments)
+    return np.asarray(rooms - rows @ np.append(found.unknowns, found.reach))
 
 
 def _slope(segments: tuple[Segment, ...], marginals: Array) -> float:

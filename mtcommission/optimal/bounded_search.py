@@ -50,7 +50,8 @@ FEWER_CORES = ((1.0, 0.02), (1.0, 0.06), (8.0, 0.06))
 arc may be touch points that crowd."""
 WIDER = 4.0
 """Factor on the distance of cores from the ends of their arcs after a mesh that proves less than
-those before: on smaller cells touch points that crowd towards an arc may look like its end."""
+those before, with an order above 2 among the bounds: on smaller cells touch points that crowd
+towards an arc look like its end."""
 EASES = (1.0, 1.7, 2.5, 3.5, 5.0, 7.0)
 """Factors tried on the cells wanted until a program is small enough."""
 FIRST_LARGEST, LARGEST = 1.5e9, 3e9
@@ -100,6 +101,7 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
     """
     seen: list[_Enclosure] = []
     left = EFFORT
+    high = max(limit.order for limit in problem.limits) > 2
     for _ in range(ROUNDS):
         kept = _kept(problem, sight, most=left / (PROGRAMS + FINISHING), first=not seen)
         if kept is None:
@@ -113,8 +115,8 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         if exact is not None:
             return exact
         gap = _enclosed_gap(problem, kept, relaxed)
-        proves_less = any(one.gap < gap for one in seen)
-        sight = replace(now.sight, room=sight.room * (WIDER if proves_less else 1.0))
+        crowded = high and any(one.gap < gap for one in seen)
+        sight = replace(now.sight, room=sight.room * (WIDER if crowded else 1.0))
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
         if gap < ENOUGH * GAP and _has_high_order(problem, now.guess):
             found = on_mesh(problem, kept, relaxed)
