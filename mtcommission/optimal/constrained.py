@@ -63,7 +63,7 @@ def solve_bounded_time_optimal(
         With a proved lower bound of t_f: the gap is some 1e-12 where the sequence of arcs could
         be solved exactly (orders 1 and 2). Where it could not (boundary arcs of order 3, such
         as those of a deflection), the arcs are cells of a mesh, the gap is mostly below 1e-6
-        and never above 1e-4: it stands in the certificate. All bounds are kept to 1e-9 of
+        and never above 1e-3: it stands in the certificate. All bounds are kept to 1e-9 of
         their value, the terminal error is at most 1e-9 of each state's peak.
 
     Raises
