@@ -127,5 +127,5 @@ def _optima_entry(plant: Plant, item: Optima) -> OptimaEntry:
 
 
 def _library_versions() -> dict[str, str]:
-    names = ("casadi", "ruckig", "control", "numpy", "scipy")
+    names = ("casadi", "highspy", "ruckig", "control", "numpy", "scipy")
     return {name: version(name) for name in names}
