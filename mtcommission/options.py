@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -171,6 +172,10 @@ def read_optimal_request(
     _one_of("--kind", kind, ("time", "damping"), faults)
     _one_of("--method", method, ("exact", "transcription"), faults)
     bounds = [read_bound(plant, text, faults) for text in limits]
+    for name, count in Counter(text.partition("=")[0].strip() for text in limits).items():
+        if count > 1:
+            message = f"{name} is given {count} times; give each state or output once"
+            faults.append(Fault(where="--limit", message=message))
     final = read_positive("--t-f", t_f, TIME, faults) if t_f else None
     if kind == "time" and t_f:
         message = "goes with --kind damping; a time-optimal control finds its own final time"

@@ -36,6 +36,12 @@ WIDTH = 80
 
 SHOWN_ARCS = 24
 """Arcs printed; a transcription has hundreds."""
+SHOWN_TOUCHES = 8
+"""Touch points printed; a control on a mesh has hundreds."""
+REACHED = 1e-6
+"""Relative distance of a peak from its limit within which the limit acts."""
+LARGE_GAP = 1e-6
+"""Gap that is worth a sentence."""
 
 
 def show(content: RenderableType) -> None:
@@ -138,7 +144,7 @@ def describe_optimum(
         )
         holds = "holds" if proof.switching_law_holds else "DOES NOT HOLD"
         lines.append(f"Switching law F_set = -sign(lambda_F) F_max: {holds}.")
-        lines += [f"{p.limit} touched at {1e3 * p.t:.4f} ms" for p in solution.touch_points]
+        lines += _limit_lines(plant, solution, printed)
     else:
         lines.append(
             f"Cost {solution.cost:.9g} N^2 s; law (16) kept to {solution.law_residual:.1e} F_max."
@@ -147,6 +153,26 @@ def describe_optimum(
         lines.append(f"Weights: {weights}")
     kind = "Time-optimal" if isinstance(solution, TimeOptimum) else "Damping-optimal"
     return Group(_heading(f"{kind} control"), *map(Text, lines), arcs, peaks)
+
+
+def _limit_lines(plant: Plant, solution: TimeOptimum, printed: Formatter) -> list[str]:
+    """Return the limits and whether they act, what is known of a mesh, and the touch points."""
+    peaks = dict(zip(plant.signals, solution.peaks.tolist(), strict=True))
+    lines = []
+    for bound in solution.bounds:
+        acts = "reached" if peaks[bound.name] > (1.0 - REACHED) * bound.value else "not reached"
+        value = printed.quantity(bound.value, plant.unit(bound.name))
+        lines.append(f"Limit |{bound.name}| <= {value}: {acts}.")
+    gap = solution.certificate.relative_gap
+    if gap > LARGE_GAP:
+        lines.append(
+            f"At most {100.0 * gap:.1g} % slower than the optimum; exact arcs were not found."
+        )
+    touches = solution.touch_points
+    lines += [f"{p.limit} touched at {1e3 * p.t:.4f} ms" for p in touches[:SHOWN_TOUCHES]]
+    if len(touches) > SHOWN_TOUCHES:
+        lines.append(f"... and {len(touches) - SHOWN_TOUCHES} touch points more: see --json")
+    return lines
 
 
 def describe_limits(

@@ -8,14 +8,22 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
+from io import StringIO
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from mtcommission import cli
-from mtcommission.terminal import show
+from mtcommission.machine import Machine
+from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.solution import Bound, TimeOptimum, TouchPoint
+from mtcommission.plant import Plant, build_plant
+from mtcommission.terminal import describe_optimum, show
+from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 PAPER = PROFILES / "milling-manipulator.toml"
@@ -221,6 +229,47 @@ def test_directory_and_missing_file_are_named(run: Run, tmp_path: Path) -> None:
     code, _, err = run("sheet", tmp_path / "none.json", "-o", tmp_path)
     assert code == 2
     assert "not a record" in err
+
+
+def test_optimal_says_which_limits_act(run: Run) -> None:
+    """A limit that changes nothing must not look like one that was not read."""
+    limits = ("--limit", "v_phi=0.005", "--limit", "v_s=0.2")
+    code, out, _ = run("optimal", PAPER, "--kind", "time", *limits)
+    assert code == 0
+    said = out.replace("\u202f", " ")
+    assert "Limit |v_phi| <= 5 mrad/s: reached." in said
+    assert "Limit |v_s| <= 0.2 m/s: not reached." in said
+
+
+def test_limits_given_twice_are_refused(run: Run) -> None:
+    """Otherwise one of the two values is taken without a word."""
+    code, _, err = run("optimal", PAPER, "--kind", "time", "--limit", "v_b=1", "--limit", "v_b=2")
+    assert code == 2
+    assert "v_b is given 2 times" in err
+
+
+def test_a_control_on_a_mesh_says_how_far_it_is_from_the_optimum() -> None:
+    """Hundreds of touch points would hide it; a bare gap of 2e-5 is easily overlooked."""
+    machine = paper_machine()
+    plant = build_plant(machine)
+    bound = Bound(name="v_phi", value=0.005)
+    optimum = solve_bounded_time_optimal(plant, machine.moves[0], force_limit=2e3, bounds=(bound,))
+    assert "slower than the optimum" not in shown(machine, plant, optimum)
+    loose = replace(
+        optimum,
+        certificate=replace(optimum.certificate, relative_gap=2e-5),
+        touch_points=tuple(TouchPoint(t=1e-4 * i, limit="v_phi:+") for i in range(50)),
+    )
+    text = shown(machine, plant, loose)
+    assert "At most 0.002 % slower than the optimum" in text
+    assert "42 touch points more" in text
+    assert text.count("touched at") == 8
+
+
+def shown(machine: Machine, plant: Plant, optimum: TimeOptimum) -> str:
+    console = Console(width=80, record=True, file=StringIO())
+    console.print(describe_optimum(machine, plant, optimum))
+    return console.export_text()
 
 
 def test_check_shows_modes_and_rigid_limits(run: Run) -> None:

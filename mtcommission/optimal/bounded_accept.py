@@ -128,7 +128,7 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         t_f = later(layout, expected) + 2e-10 / max(slope, LEAST_SLOPE / layout.t_f)
         contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
         layout = replace(layout, contacts=contacts, margin=margin).stretched(t_f)
-        # A control so near this one keeps the bounds that doubts are rounding.
+        # A control like this one exists, or nearly: a verdict against it is rounding.
         following = solve_mesh(problem, layout, relaxed=False, start=found.basis, solvable=True)
         if following is None:
             return None

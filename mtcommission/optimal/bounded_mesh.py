@@ -46,7 +46,7 @@ NEAR = 1e-2
 """Relative room below a bound within which a point is in the relaxation from the start; others
 follow if they are broken. It halves the rows of that program."""
 BROKEN = 1e-7
-"""Relative excess at which they are."""
+"""Relative excess at which a point left out of the relaxation is broken."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -174,6 +174,9 @@ def solve_mesh(
 def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum | None:
     """Return the relaxation on the mesh of a control.
 
+    It begins with the points that the control comes near; those that its own motion breaks follow,
+    each once, so the loop ends.
+
     Parameters
     ----------
     problem
@@ -187,13 +190,17 @@ def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum 
     """
     every = off_cores(problem, kept.layout.contacts, kept.layout.cores)
     layout = replace(kept.layout, contacts=every, margin=0.0)
-    inside = _room(problem, layout, kept) >= NEAR
+    left_out = _room(problem, layout, kept) >= NEAR
     found: MeshOptimum | None = None
     while True:
-        chosen = tuple(at for at, out in zip(every, inside.tolist(), strict=True) if not out)
         # The points so far come first, so that the basis fits.
         before = () if found is None else found.layout.contacts
-        new = tuple(at for at in chosen if at not in set(before))
+        known = set(before)
+        new = tuple(
+            at
+            for at, out in zip(every, left_out.tolist(), strict=True)
+            if not out and at not in known
+        )
         found = solve_mesh(
             problem,
             replace(layout, contacts=(*before, *new)),
@@ -202,10 +209,10 @@ def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum 
         )
         if found is None:
             return None
-        broken = inside & (_room(problem, layout, found) < -BROKEN)
+        broken = left_out & (_room(problem, layout, found) < -BROKEN)
         if not broken.any():
             return found
-        inside &= ~broken
+        left_out &= ~broken
 
 
 def _room(problem: BoundedProblem, layout: Layout, found: MeshOptimum) -> Array:

@@ -29,6 +29,9 @@ FINAL = (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit)
 FORGIVING = 1e-8
 """Tolerance of the last attempt, if the first one had a smaller one."""
 
+INTERIOR_STEPS = 500
+"""Steps of the interior-point method at most; some dozens are usual."""
+
 LONGEST = 60.0
 """End of an attempt that turns in circles without counting its steps [s]; no result hangs on it."""
 
@@ -171,6 +174,7 @@ def _solver(way: Mapping[str, str | int], *, steps: int, tolerance: float) -> hi
         "presolve": "off",
         "small_matrix_value": SMALLEST,
         "simplex_iteration_limit": steps,
+        "ipm_iteration_limit": INTERIOR_STEPS,
         "time_limit": LONGEST,
         "primal_feasibility_tolerance": tolerance,
         "dual_feasibility_tolerance": tolerance,

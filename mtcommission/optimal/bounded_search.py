@@ -180,7 +180,7 @@ def _kept(problem: BoundedProblem, sight: Sight, *, most: float, first: bool) ->
 
 
 def _laid_out(problem: BoundedProblem, sight: Sight, largest: float) -> Layout:
-    """Return the finest layout of at most some effort."""
+    """Return the finest layout of at most some effort, or the coarsest there is."""
     for ease in EASES:
         layout = lay_out(problem, replace(sight, ease=ease))
         if layout.effort < largest:

@@ -2,8 +2,8 @@
 
 Both forms see σ by its mean over a cell only. Where it changes sign inside one, they miss
 twice the smaller part of it, |σ'| d² for a zero at a distance d from the cell's nearer end: the sum
-of all is the gap that is left once both forms agree. So each zero gets the cell that hides little
-enough of the time, no more.
+of all is the gap that is left once both forms agree. From then on zeros that hide much get smaller
+cells, and those that would hide much in larger cells keep theirs.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ AGREED = 1e-6
 """Distance of the reaches of both forms from which on what is hidden is the rest of the gap."""
 HIDDEN = 1e-8
 """What one cell may hide of the time, relative to it: a hundredth of the gap allowed."""
+TINY = 1e-300
 KEEP = 1e-7
 """What a cell of twice the size might hide: above that a zero keeps its cell."""
 
@@ -103,9 +104,9 @@ def _sight(
         # in a larger one.
         steepness = steepness_of_zeros(problem, measure, parts, zeros)
         much = hidden(steepness, zeros, mesh) > HIDDEN
-        kept = ~switches & ~much & (steepness * local**2 > KEEP)
-        cells[kept] = local[kept]
-        switches |= much | kept
+        as_fine = ~switches & ~much & (steepness * local**2 > KEEP)
+        cells[as_fine] = local[as_fine]
+        switches |= much | as_fine
     places = feature_places(reading)
     around = np.array([local_cell(mesh, place) for place in places.tolist()])
     return Sight(
@@ -145,7 +146,7 @@ def steepness_of_zeros(
         motion = impulse_response(problem.plant, np.array(zero - part.end))
         slopes.append(abs(float(part.adjoint @ problem.plant.A @ motion)))
     along = abs(float(measure.terminal @ problem.target))
-    return np.array(slopes) * problem.force_limit / along
+    return np.array(slopes) * problem.force_limit / max(along, TINY)
 
 
 def hidden(steepness: Array, zeros: Array, mesh: Array) -> Array:
