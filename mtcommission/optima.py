@@ -22,6 +22,8 @@ from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.optimal.weights import balanced_weights
 from mtcommission.plant import Plant
 
+LARGE_GAP = 1e-6
+"""Relative distance from a proved bound, or from a limit, that is worth a remark."""
 DAMPING_TIME_FACTOR = 1.2
 """Default t_f of the damping-optimal control over t_f,min where no peaks are bounded
 (the project's definition)."""
@@ -96,6 +98,12 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
             constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
         except ComputationError as error:
             remarks.append(f"Optimum under the bounds on peaks: {error}.")
+    if constrained and constrained.certificate.relative_gap > LARGE_GAP:
+        slower = 100.0 * constrained.certificate.relative_gap
+        remarks.append(
+            f"The optimum under the bounds on peaks is at most {slower:.1g} % slower than the "
+            "fastest control; exact arcs were not found."
+        )
     wanted = machine.damping_optimal
     t_f = wanted.t_f or (constrained.t_f if constrained else DAMPING_TIME_FACTOR * time.t_f)
     damping = None
@@ -103,6 +111,13 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
         damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
     except ComputationError as error:
         remarks.append(f"Damping-optimal control: {error}.")
+    if damping and isinstance(move, Positioning):
+        share = float(damping.peaks[plant.velocity]) / move.max_velocity
+        if share > 1.0 + LARGE_GAP:
+            remarks.append(
+                f"The damping-optimal control reaches {share:.4g} times max_velocity: its "
+                "functional knows no limits on states."
+            )
     return Optima(
         move=move,
         time=time,

@@ -17,6 +17,7 @@ from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.solution import propagate, sample_trajectory
 from mtcommission.plant import build_plant
 from mtcommission.profile import read_profile
+from mtcommission.sheet.labels_de import GERMAN
 from tests.machines import paper_machine, random_modal_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -98,6 +99,20 @@ def test_reference_that_had_to_be_composed_says_so(monkeypatch: pytest.MonkeyPat
     found = find_optima(machine, build_plant(machine), move)
     assert found.time.method == "composed"
     assert "Nothing is faster than" in found.remarks[0]
+
+
+def test_damping_control_that_exceeds_max_velocity_says_so() -> None:
+    """Its functional knows no limits: the peak would stand beside max_velocity without a word."""
+    machine = read_profile(PROFILES / "printer-belt.toml")
+    plant, move = build_plant(machine), machine.moves[0]
+    assert isinstance(move, Positioning)
+    optima = find_optima(machine, plant, move)
+    assert optima.damping is not None
+    share = optima.damping.peaks[plant.velocity] / move.max_velocity
+    assert share > 1.01
+    assert [f"reaches {share:.4g} times max_velocity" in r for r in optima.remarks] == [True]
+    german = GERMAN.say(optima.remarks[0])
+    assert german.startswith("Die dämpfungsoptimale Steuerung erreicht das")
 
 
 def test_too_short_a_move_cannot_cruise() -> None:

@@ -412,6 +412,18 @@ PHRASES: tuple[tuple[str, str], ...] = (
         "Geschwindigkeitsreglertakt.",
     ),
     # remarks on the optima
+    (
+        "The optimum under the bounds on peaks is at most {1} % slower than the fastest control; "
+        "exact arcs were not found.",
+        "Das Optimum mit Höchstwerten ist höchstens {1} % langsamer als die schnellste Steuerung; "
+        "genaue Bögen wurden nicht gefunden.",
+    ),
+    (
+        "The damping-optimal control reaches {1} times max_velocity: its functional knows no "
+        "limits on states.",
+        "Die dämpfungsoptimale Steuerung erreicht das {1}-fache von max_velocity: ihr Funktional "
+        "kennt keine Grenzen für Zustände.",
+    ),
     ("Optimum under the bounds on peaks: {-error}.", "Optimum mit Höchstwerten: {error}."),
     ("Damping-optimal control: {-error}.", "Dämpfungsoptimale Steuerung: {error}."),
     (
