@@ -18,16 +18,12 @@ from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import Sight, feature_places, first_sight, lay_out
 from mtcommission.optimal.bounded_mesh import solve_mesh, solve_relaxation
 from mtcommission.optimal.bounded_newton import Extremal, solve_sequence
-from mtcommission.optimal.bounded_problem import (
-    BoundedProblem,
-    bounded_problem,
-    impulse_response,
-    step_response,
-)
+from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
 from mtcommission.optimal.bounded_program import Program, solve_program
 from mtcommission.optimal.bounded_reading import Reading, _driven, place_touches, read_contacts
 from mtcommission.optimal.bounded_rows import Contact
 from mtcommission.optimal.bounded_search import solve_exactly
+from mtcommission.optimal.closed_form import impulse_response, step_response
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bound
 from mtcommission.optimal.time_optimal import solve_time_optimal

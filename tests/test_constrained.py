@@ -26,16 +26,11 @@ from mtcommission.optimal.bounded_dual import (
     stretches,
 )
 from mtcommission.optimal.bounded_newton import solve_sequence
-from mtcommission.optimal.bounded_problem import (
-    BoundedProblem,
-    bounded_problem,
-    impulse_response,
-    step_response,
-    transition,
-)
+from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
 from mtcommission.optimal.bounded_reading import place_touches
 from mtcommission.optimal.bounded_rows import Contact
 from mtcommission.optimal.bounded_sight import hidden, steepness_of_zeros
+from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.constrained import MANY_PERIODS, solve_bounded_time_optimal
 from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.closed_form import step_response, transition
 from mtcommission.optimal.solution import Arc
 
 Array = NDArray[np.float64]

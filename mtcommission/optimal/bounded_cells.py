@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import toeplitz
 
-from mtcommission.optimal.bounded_problem import BoundedProblem, step_response
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.closed_form import step_response
 
 Array = NDArray[np.float64]
 

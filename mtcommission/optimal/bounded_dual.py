@@ -22,11 +22,9 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_problem import (
-    BoundedProblem,
-    transition,
-)
+from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_sigma import integrate_sigma, sigma_magnitude
+from mtcommission.optimal.closed_form import transition
 from mtcommission.optimal.exponential import balanced_expm
 
 Array = NDArray[np.float64]

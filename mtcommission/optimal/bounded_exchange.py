@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Piece, peaks_above, piece_states
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
-from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_rows import Contact, Layout, Segment, off_cores
+from mtcommission.optimal.closed_form import step_response, transition
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_mesh import MeshOptimum
-from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.closed_form import step_response, transition
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
 from mtcommission.optimal.solution import Arc, constant_arc

@@ -20,11 +20,8 @@ from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
 from mtcommission.optimal.bounded_dual import Atom, Core, Measure
-from mtcommission.optimal.bounded_problem import (
-    BoundedProblem,
-    step_response,
-    transition,
-)
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.closed_form import step_response, transition
 
 Array = NDArray[np.float64]
 

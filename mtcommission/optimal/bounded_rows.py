@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_dual import Core
-from mtcommission.optimal.bounded_problem import BoundedProblem, step_response, transition
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.closed_form import step_response, transition
 
 Array = NDArray[np.float64]
 

@@ -24,9 +24,10 @@ from mtcommission.optimal.bounded_dual import (
 from mtcommission.optimal.bounded_exchange import BROKEN, breaches_in_cores, later, untenable
 from mtcommission.optimal.bounded_layout import SHRINK, Sight, feature_places, off_arcs
 from mtcommission.optimal.bounded_mesh import MeshOptimum
-from mtcommission.optimal.bounded_problem import BoundedProblem, impulse_response
+from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts, read_sequence
 from mtcommission.optimal.bounded_rows import Contact, Layout
+from mtcommission.optimal.closed_form import impulse_response
 
 Array = NDArray[np.float64]
 

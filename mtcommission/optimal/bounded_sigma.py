@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_problem import BoundedProblem, impulse_response, step_response
+from mtcommission.optimal.bounded_problem import BoundedProblem
+from mtcommission.optimal.closed_form import impulse_response, step_response
 
 Array = NDArray[np.float64]
 

@@ -24,9 +24,9 @@ from mtcommission.optimal.bounded_problem import (
     all_bounds,
     bounded_problem,
     bounds_text,
-    impulse_response,
 )
 from mtcommission.optimal.bounded_search import search, solve_exactly
+from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.solution import Bound, Certificate, TimeOptimum, TouchPoint
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.plant import Plant
