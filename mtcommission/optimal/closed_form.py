@@ -1,7 +1,7 @@
 """The motion of a plant after a step, an impulse or from a state, in closed form.
 
-The modes do not couple, so all states are sums of exponentials: a grid of times costs one vectorised
-expression, and no matrix exponential.
+The modes do not couple, so all states are sums of exponentials: a grid of times costs one
+vectorised expression, and no matrix exponential.
 """
 
 from __future__ import annotations
