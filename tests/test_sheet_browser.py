@@ -157,7 +157,9 @@ addEventListener("load", () => {
   const over = Math.max(...curves.flatMap(host =>
     [...host.querySelectorAll("text")].map(text => right(text) - right(host))));
   const needed = document.documentElement.scrollWidth;
-  tell({cut, inner: innerWidth, needed, letters, over});
+  const tall = Math.max(...[...document.querySelectorAll(".formula")]
+    .map(formula => formula.scrollHeight - formula.clientHeight));
+  tell({cut, inner: innerWidth, needed, letters, over, tall});
 });
 """
 )
@@ -177,6 +179,8 @@ def test_nothing_is_cut_on_phone_tablet_and_desk(width: int, tmp_path: Path) -> 
     # Curves drawn for a desk had letters of 4 px on a telephone.
     assert found["letters"] > 11.0
     assert found["over"] < 1.0
+    # Formulas that are a little too tall for their line had scroll bars, each of them.
+    assert found["tall"] <= 0
 
 
 def test_nothing_is_cut_on_paper(tmp_path: Path) -> None:
