@@ -1,4 +1,4 @@
-"""The program on one mesh, with the points where its motion breaks a bound put in one by one."""
+"""The program on one mesh, with points put in wherever its motion breaks a bound."""
 
 from __future__ import annotations
 
@@ -115,11 +115,11 @@ def breaches(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -
         remaining = max(float(cells[cell].start - t), cells[cell].end)
         at = Contact(remaining=remaining, limit=int(k), side=side)
         over.append(Breach(contact=at, excess=float(peaks[cell, k]) - 1.0))
-    return over + breaches_in_cores(problem, found, tolerance)
+    return over + breaches_in_cores(problem, found, tolerance=tolerance)
 
 
 def breaches_in_cores(
-    problem: BoundedProblem, found: MeshOptimum, tolerance: float
+    problem: BoundedProblem, found: MeshOptimum, *, tolerance: float
 ) -> list[Breach]:
     """Return where the motion in a core exceeds a bound other than the one held there.
 

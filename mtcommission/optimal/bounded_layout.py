@@ -152,8 +152,7 @@ def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
     Returns
     -------
     Layout
-        Cells graded towards switches, touch points and ends of arcs, where they are a fifth of
-        those on which the feature was seen.
+        Cells graded towards switches, touch points and ends of arcs, with the cells wanted there.
     """
     arcs, background = _parted(problem, sight.reading), sight.t_f / BACKGROUND
     cores = _cores(problem, sight, arcs)
@@ -184,9 +183,12 @@ def lay_out(problem: BoundedProblem, sight: Sight) -> Layout:
 def _junctions(
     problem: BoundedProblem, arcs: list[Core], cores: tuple[Core, ...]
 ) -> list[tuple[Core, Array]]:
-    """Return even ascending points about the ends of each arc with a core, and that core."""
+    """Return even ascending points about the ends of each arc with a core, and that core.
+
+    None where all bounds have orders 1 and 2: the exact sequence replaces the mesh there.
+    """
     zones: list[tuple[Core, Array]] = []
-    if max(limit.order for limit in problem.limits) <= 2:
+    if not problem.has_high_order:
         return zones
     for core in cores:
         arc = next(arc for arc in arcs if arc.start > core.start and arc.end < core.end)

@@ -45,7 +45,7 @@ end need (measured), and an end for those that turn in circles within the roundi
 NEAR = 1e-2
 """Relative room below a bound within which a point is in the relaxation from the start; others
 follow if they are broken. It halves the rows of that program."""
-BROKEN = 1e-7
+MISSED = 1e-7
 """Relative excess at which a point left out of the relaxation is broken."""
 
 
@@ -209,7 +209,7 @@ def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum 
         )
         if found is None:
             return None
-        broken = left_out & (_room(problem, layout, found) < -BROKEN)
+        broken = left_out & (_room(problem, layout, found) < -MISSED)
         if not broken.any():
             return found
         left_out &= ~broken

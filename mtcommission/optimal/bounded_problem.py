@@ -121,6 +121,11 @@ class BoundedProblem:
     rate: float
 
     @property
+    def has_high_order(self) -> bool:
+        """Whether a bound has an order above 2, for which no finite sequence of arcs need exist."""
+        return max(limit.order for limit in self.limits) > 2
+
+    @property
     def rows(self) -> Array:
         """The rows c of all limits, shape (n_limits, n)."""
         return np.array([limit.row for limit in self.limits])

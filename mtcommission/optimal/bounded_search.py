@@ -17,16 +17,9 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_dip import with_dip
-from mtcommission.optimal.bounded_dual import (
-    Measure,
-    dual_value,
-    stretches,
-)
+from mtcommission.optimal.bounded_dual import Measure, dual_value, stretches
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_switches, with_touch
-from mtcommission.optimal.bounded_exchange import (
-    LEAST_SLOPE,
-    exchange,
-)
+from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, Sight, lay_out
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_relaxation
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
@@ -101,7 +94,6 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
     """
     seen: list[_Enclosure] = []
     left = EFFORT
-    high = max(limit.order for limit in problem.limits) > 2
     for _ in range(ROUNDS):
         kept = _kept(problem, sight, most=left / (PROGRAMS + FINISHING), first=not seen)
         if kept is None:
@@ -115,10 +107,10 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         if exact is not None:
             return exact
         gap = _enclosed_gap(problem, kept, relaxed)
-        crowded = high and any(one.gap < gap for one in seen)
+        crowded = problem.has_high_order and any(one.gap < gap for one in seen)
         sight = replace(now.sight, room=sight.room * (WIDER if crowded else 1.0))
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
-        if gap < ENOUGH * GAP and _has_high_order(problem, now.guess):
+        if gap < ENOUGH * GAP and _holds_high_order(problem, now.guess):
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
@@ -166,9 +158,9 @@ def _kept(problem: BoundedProblem, sight: Sight, *, most: float, first: bool) ->
 
     Where the cores reach beyond the arcs, they get more room; or there are fewer of them.
     """
-    high = max(limit.order for limit in problem.limits) > 2
     largest = FIRST_LARGEST if first else min(LARGEST, most)
-    for room, share in CORES if first or not high else FEWER_CORES:
+    few = problem.has_high_order and not first
+    for room, share in FEWER_CORES if few else CORES:
         spaced = replace(sight, room=sight.room * room, least_core=share)
         layout = _laid_out(problem, spaced, largest)
         if layout.effort > most and not first:
@@ -188,7 +180,7 @@ def _laid_out(problem: BoundedProblem, sight: Sight, largest: float) -> Layout:
     return layout
 
 
-def _has_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
+def _holds_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
     return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess.pieces)
 
 
@@ -227,7 +219,7 @@ def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
 
 def _may_be_solved(problem: BoundedProblem, guess: Sequence) -> bool:
     """Return whether there are equations for all pieces, and digits enough to solve them."""
-    if _has_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
+    if _holds_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
         return False
     arcs = [piece for piece in guess.pieces if piece.limit >= 0]
     return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)

@@ -81,7 +81,7 @@ def look(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> Lo
     zones = [(zone.end, zone.start) for zone in negative_zones(problem, measure)]
     reading = _read(relaxed, mesh, [*zones, *untenable(problem, kept)])
     # Where a core breaks another bound this is touched; a chain of points would hide it.
-    crossed = [breach.contact for breach in breaches_in_cores(problem, kept, BROKEN)]
+    crossed = [breach.contact for breach in breaches_in_cores(problem, kept, tolerance=BROKEN)]
     reading = replace(reading, touches=(*reading.touches, *crossed))
     sight = _sight(problem, measure, parts, zeros, mesh, reading, relaxed.reach - kept.reach)
     return Look(sight=sight.stretched(later(kept.layout, kept)), guess=guess)
