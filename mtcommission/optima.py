@@ -13,6 +13,7 @@ from mtcommission.optimal.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.cruise import compose_cruise
 from mtcommission.optimal.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.solution import (
+    TIGHT_GAP,
     Bound,
     DampingOptimum,
     TimeOptimum,
@@ -22,8 +23,8 @@ from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.optimal.weights import balanced_weights
 from mtcommission.plant import Plant
 
-LARGE_GAP = 1e-6
-"""Relative distance from a proved bound, or from a limit, that is worth a remark."""
+EXCEEDED = 1e-6
+"""Relative excess over max_velocity that is worth a remark."""
 DAMPING_TIME_FACTOR = 1.2
 """Default t_f of the damping-optimal control over t_f,min where no peaks are bounded
 (the project's definition)."""
@@ -98,7 +99,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
             constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
         except ComputationError as error:
             remarks.append(f"Optimum under the bounds on peaks: {error}.")
-    if constrained and constrained.certificate.relative_gap > LARGE_GAP:
+    if constrained and constrained.certificate.relative_gap > TIGHT_GAP:
         slower = 100.0 * constrained.certificate.relative_gap
         remarks.append(
             f"The optimum under the bounds on peaks is at most {slower:.1g} % slower than the "
@@ -113,7 +114,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
         remarks.append(f"Damping-optimal control: {error}.")
     if damping and isinstance(move, Positioning):
         share = float(damping.peaks[plant.velocity]) / move.max_velocity
-        if share > 1.0 + LARGE_GAP:
+        if share > 1.0 + EXCEEDED:
             remarks.append(
                 f"The damping-optimal control reaches {share:.4g} times max_velocity: its "
                 "functional knows no limits on states."

@@ -15,7 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from mtcommission.machine import Machine
-from mtcommission.optimal.solution import DampingOptimum, TimeOptimum
+from mtcommission.optimal.solution import TIGHT_GAP, DampingOptimum, TimeOptimum
 from mtcommission.plant import Plant, kalman_rank
 from mtcommission.record.schema import (
     Alternative,
@@ -40,8 +40,6 @@ SHOWN_TOUCHES = 8
 """Touch points printed; a control on a mesh has hundreds."""
 REACHED = 1e-6
 """Relative distance of a peak from its limit within which the limit acts."""
-LARGE_GAP = 1e-6
-"""Gap that is worth a sentence."""
 
 
 def show(content: RenderableType) -> None:
@@ -134,6 +132,7 @@ def describe_optimum(
         f"t_f = {1e3 * solution.t_f:.6f} ms at F_max = {solution.force_limit:g} "
         f"{machine.measures.force.si}, method {solution.method}"
     ]
+    lines += _limit_lines(plant, solution, printed)
     if isinstance(solution, TimeOptimum):
         proof = solution.certificate
         lines.append(
@@ -144,7 +143,12 @@ def describe_optimum(
         )
         holds = "holds" if proof.switching_law_holds else "DOES NOT HOLD"
         lines.append(f"Switching law F_set = -sign(lambda_F) F_max: {holds}.")
-        lines += _limit_lines(plant, solution, printed)
+        if proof.relative_gap > TIGHT_GAP:
+            slower = 100.0 * proof.relative_gap
+            lines.append(
+                f"At most {slower:.1g} % slower than the optimum; exact arcs were not found."
+            )
+        lines += _touch_lines(solution)
     else:
         lines.append(
             f"Cost {solution.cost:.9g} N^2 s; law (16) kept to {solution.law_residual:.1e} F_max."
@@ -155,21 +159,23 @@ def describe_optimum(
     return Group(_heading(f"{kind} control"), *map(Text, lines), arcs, peaks)
 
 
-def _limit_lines(plant: Plant, solution: TimeOptimum, printed: Formatter) -> list[str]:
-    """Return the limits and whether they act, what is known of a mesh, and the touch points."""
+def _limit_lines(
+    plant: Plant, solution: TimeOptimum | DampingOptimum, printed: Formatter
+) -> list[str]:
+    """Return the limits and whether they act."""
     peaks = dict(zip(plant.signals, solution.peaks.tolist(), strict=True))
     lines = []
     for bound in solution.bounds:
         acts = "reached" if peaks[bound.name] > (1.0 - REACHED) * bound.value else "not reached"
         value = printed.quantity(bound.value, plant.unit(bound.name))
         lines.append(f"Limit |{bound.name}| <= {value}: {acts}.")
-    gap = solution.certificate.relative_gap
-    if gap > LARGE_GAP:
-        lines.append(
-            f"At most {100.0 * gap:.1g} % slower than the optimum; exact arcs were not found."
-        )
+    return lines
+
+
+def _touch_lines(solution: TimeOptimum) -> list[str]:
+    """Return the first touch points, and how many there are more."""
     touches = solution.touch_points
-    lines += [f"{p.limit} touched at {1e3 * p.t:.4f} ms" for p in touches[:SHOWN_TOUCHES]]
+    lines = [f"{p.limit} touched at {1e3 * p.t:.4f} ms" for p in touches[:SHOWN_TOUCHES]]
     if len(touches) > SHOWN_TOUCHES:
         lines.append(f"... and {len(touches) - SHOWN_TOUCHES} touch points more: see --json")
     return lines

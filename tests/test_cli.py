@@ -241,6 +241,18 @@ def test_optimal_says_which_limits_act(run: Run) -> None:
     assert "Limit |v_s| <= 0.2 m/s: not reached." in said
 
 
+def test_a_damping_optimal_control_names_its_limits(run: Run) -> None:
+    """Cost and motion hold under these limits only: terminal and JSON must say so."""
+    grid = ("--method", "transcription", "--intervals", "100", "--t-f", "60ms")
+    asked = ("optimal", PAPER, "--kind", "damping", *grid, "--limit", "v_phi=0.005")
+    code, out, _ = run(*asked)
+    assert code == 0
+    assert "Limit |v_phi| <= 5 mrad/s: reached." in out.replace("\u202f", " ")
+    code, out, _ = run(*asked, "--json", "-")
+    assert code == 0
+    assert json.loads(out)["limits"] == {"v_phi": 0.005}
+
+
 def test_limits_given_twice_are_refused(run: Run) -> None:
     """Otherwise one of the two values is taken without a word."""
     code, _, err = run("optimal", PAPER, "--kind", "time", "--limit", "v_b=1", "--limit", "v_b=2")

@@ -155,8 +155,6 @@ def optimal(
         elapsed = perf_counter() - begun
     entry = {**optimum_entry(plant, solution), "solve_time": elapsed}
     entry.pop("series")
-    if kind == "damping":
-        entry["limits"] = {bound.name: bound.value for bound in request.bounds}
     if json_file:
         write_text(json_file, dump_json(entry))
     if csv_file:

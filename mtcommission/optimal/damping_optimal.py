@@ -100,6 +100,7 @@ def solve_damping_optimal(
     return DampingOptimum(
         move=move,
         force_limit=force_limit,
+        bounds=(),
         method="exact",
         t_f=t_f,
         weights=weights,

@@ -239,6 +239,10 @@ class Certificate:
     terminal_jacobian_condition: float
 
 
+TIGHT_GAP = 1e-6
+"""Relative distance of t_f from its proved bound above which a reader is told of it."""
+
+
 class Motion(Protocol):
     """What a control does to a plant."""
 
@@ -310,6 +314,8 @@ class DampingOptimum:
         Velocity step or positioning move.
     force_limit
         Force left for motion [N].
+    bounds
+        Bounds on states and outputs, which only a transcription takes.
     method
         ``"exact"`` or ``"transcription"``.
     t_f
@@ -334,6 +340,7 @@ class DampingOptimum:
 
     move: Move
     force_limit: float
+    bounds: tuple[Bound, ...]
     method: str
     t_f: float
     weights: tuple[Weight, ...]

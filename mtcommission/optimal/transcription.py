@@ -8,13 +8,11 @@ under the control that was found, so the discretisation shows as a terminal erro
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import replace
 from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, Positioning, Weight
@@ -28,15 +26,13 @@ from mtcommission.optimal.discretisation import (
     bounded_rows,
     solve_grid,
 )
+from mtcommission.optimal.grid_motion import follow_grid, grid_arcs
 from mtcommission.optimal.hamiltonian import state_scales, terminal_target
-from mtcommission.optimal.peaks import hermite_peaks, signal_rows
 from mtcommission.optimal.solution import (
-    Arc,
     Bound,
     Certificate,
     DampingOptimum,
     TimeOptimum,
-    constant_arc,
 )
 from mtcommission.plant import Plant
 
@@ -105,7 +101,7 @@ def transcribe_time_optimal(
         plant, move, force_limit=force_limit, bounds=bounds, settings=settings
     )
     control = _snap(found.control) * force_limit
-    states = _simulate(plant, control, t_f=found.t_f)
+    motion = follow_grid(plant, control, t_f=found.t_f)
     target, fixed = terminal_target(plant, move)
     return TimeOptimum(
         move=move,
@@ -113,10 +109,10 @@ def transcribe_time_optimal(
         bounds=bounds,
         method="transcription",
         t_f=found.t_f,
-        arcs=_arcs(control, t_f=found.t_f, force_limit=force_limit),
+        arcs=grid_arcs(control, t_f=found.t_f, force_limit=force_limit),
         touch_points=(),
-        terminal_error=np.where(fixed, states[-1] - target, 0.0),
-        motion=GridMotion(plant=plant, control=control, states=states, t_f=found.t_f),
+        terminal_error=np.where(fixed, motion.states[-1] - target, 0.0),
+        motion=motion,
         certificate=_certificate(plant, found, adjoint_scale=1.0 / scales),
     )
 
@@ -188,25 +184,26 @@ def transcribe_damping_optimal(
         reason = explain_short_time(plant, move, force_limit=force_limit, t_f=t_f, bounds=bounds)
         raise reason or error from error
     control = _snap(found.control) * force_limit
-    states = _simulate(plant, control, t_f=t_f)
+    motion = follow_grid(plant, control, t_f=t_f)
     target, fixed = terminal_target(plant, move)
     adjoint_scale = force_limit**2 / scales
     wanted = -found.adjoint @ (adjoint_scale * plant.B) / 2.0
     law = np.abs(control - np.clip(wanted, -force_limit, force_limit)) / force_limit
-    terms = _cost_terms(plant, control, states, t_f=t_f, weights=weights)
+    terms = motion.cost_terms(weights)
     return DampingOptimum(
         move=move,
         force_limit=force_limit,
+        bounds=bounds,
         method="transcription",
         t_f=t_f,
         weights=weights,
-        arcs=_arcs(control, t_f=t_f, force_limit=force_limit),
+        arcs=grid_arcs(control, t_f=t_f, force_limit=force_limit),
         cost=float(terms.sum()),
         cost_terms=terms,
         adjoint_initial=found.adjoint_initial * adjoint_scale,
         law_residual=float(law.max()),
-        terminal_error=np.where(fixed, states[-1] - target, 0.0),
-        peaks=GridMotion(plant=plant, control=control, states=states, t_f=t_f).peaks,
+        terminal_error=np.where(fixed, motion.states[-1] - target, 0.0),
+        peaks=motion.peaks,
     )
 
 
@@ -325,91 +322,6 @@ def _rigid_motion(plant: Plant, move: Move, *, target: Array, intervals: int) ->
 def _snap(control: Array) -> Array:
     """Return the control with its nearly saturated intervals at the limit exactly."""
     return np.where(np.abs(control) > 1.0 - SATURATED, np.sign(control), control)
-
-
-def _arcs(control: Array, *, t_f: float, force_limit: float) -> tuple[Arc, ...]:
-    """Return one arc for each run of equal saturated intervals, and for each other interval."""
-    N = control.size
-    saturated = np.abs(control) == force_limit
-    joined = saturated[1:] & (control[1:] == control[:-1])
-    starts = [0, *(np.flatnonzero(~joined) + 1).tolist(), N]
-    arcs = []
-    for start, end in pairwise(starts):
-        label = "interior"
-        if saturated[start]:
-            label = "+F_max" if control[start] > 0.0 else "-F_max"
-        t_start, t_end = start * t_f / N, t_f if end == N else end * t_f / N
-        arcs.append(constant_arc(t_start, t_end, control=label, force=float(control[start])))
-    return tuple(arcs)
-
-
-def _held_input(plant: Plant, step: float) -> Array:
-    """Return the transition of (x, u) over a time in which u is constant."""
-    n = plant.order
-    joint = np.zeros((n + 1, n + 1))
-    joint[:n, :n], joint[:n, n] = plant.A, plant.B
-    return np.asarray(expm(joint * step))
-
-
-def _simulate(plant: Plant, control: Array, *, t_f: float) -> Array:
-    """Return the exact states at the grid points, shape (N + 1, n)."""
-    n = plant.order
-    transition = _held_input(plant, t_f / control.size)
-    Phi, Gamma = transition[:n, :n], np.outer(control, transition[:n, n])
-    states = np.zeros((control.size + 1, n))
-    for k in range(control.size):
-        states[k + 1] = Phi @ states[k] + Gamma[k]
-    return states
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class GridMotion:
-    """The motion under a force that is constant between grid points.
-
-    Parameters
-    ----------
-    plant
-        Plant with n states.
-    control
-        F_set on each interval, shape (N,) [N].
-    states
-        At the grid points, shape (N + 1, n).
-    t_f
-        End [s].
-    """
-
-    plant: Plant
-    control: Array
-    states: Array
-    t_f: float
-
-    @property
-    def peaks(self) -> Array:
-        """Largest magnitude of each of ``Plant.signals``, by cubics between grid points."""
-        plant, control, states = self.plant, self.control, self.states
-        rows = signal_rows(plant)
-        drift, push = states @ plant.A.T @ rows.T, np.outer(control, rows @ plant.B)
-        values = states @ rows.T
-        return hermite_peaks(
-            np.full(control.size, self.t_f / control.size),
-            values[:-1],
-            values[1:],
-            start_rate=drift[:-1] + push,
-            end_rate=drift[1:] + push,
-        )
-
-
-def _cost_terms(
-    plant: Plant, control: Array, states: Array, *, t_f: float, weights: tuple[Weight, ...]
-) -> Array:
-    step = t_f / control.size
-    z = np.column_stack([states[:-1], control])
-    squares = np.zeros(plant.order + 1)
-    for node, share in zip(*np.polynomial.legendre.leggauss(6), strict=True):
-        inside = z @ _held_input(plant, step * (1.0 + node) / 2.0).T
-        squares += share * step / 2.0 * (inside**2).sum(axis=0)
-    state_terms = [weight.value * squares[plant.states.index(weight.state)] for weight in weights]
-    return np.array([squares[-1], *state_terms])
 
 
 def _certificate(plant: Plant, found: GridSolution, *, adjoint_scale: Array) -> Certificate:

@@ -43,7 +43,7 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
         method=solution.method,
         f_max=solution.force_limit,
         move=describe_move(solution.move),
-        limits={},
+        limits={bound.name: bound.value for bound in solution.bounds},
         t_f=solution.t_f,
         arcs=[
             ArcEntry(t_start=arc.t_start, t_end=arc.t_end, control=arc.control)
@@ -60,7 +60,6 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
         series=series_entry(plant, motion.t, motion.states, {"F_set": motion.force}),
     )
     if isinstance(solution, TimeOptimum):
-        entry["limits"] = {bound.name: bound.value for bound in solution.bounds}
         entry["touch_points"] = [{"t": p.t, "limit": p.limit} for p in solution.touch_points]
         entry["certificate"] = _certificate(plant, solution.certificate)
         return entry
