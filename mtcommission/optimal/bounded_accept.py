@@ -132,13 +132,21 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         following = solve_mesh(problem, layout, relaxed=False, start=found.basis, solvable=True)
         if following is None:
             return None
-        # The marginal knows one cell only; the secant knows the way gone.
-        gone = following.layout.t_f - found.layout.t_f
-        secant = (following.reach - found.reach) / gone if gone else 0.0
-        same = len(following.layout.contacts) == len(found.layout.contacts)
-        slope = secant if same and secant > 0.0 and attempt else following.slope
+        slope = _slope(found, following) if attempt else following.slope
         found = following
     return None
+
+
+def _slope(before: MeshOptimum, after: MeshOptimum) -> float:
+    """Return dα/dt_f: of the way gone if that tells, else the marginal, which knows one cell only.
+
+    Points put in on the way lower the reach; a step that went too far tells nevertheless.
+    """
+    gone = after.layout.t_f - before.layout.t_f
+    secant = (after.reach - before.reach) / gone if gone else 0.0
+    same = len(after.layout.contacts) == len(before.layout.contacts)
+    too_far = (after.reach - 1.0) * (before.reach - 1.0) < 0.0
+    return secant if secant > 0.0 and (same or too_far) else max(after.slope, before.slope)
 
 
 def _levels(problem: BoundedProblem, motion: Motion) -> list[float]:

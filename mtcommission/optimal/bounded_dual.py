@@ -23,7 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_problem import BoundedProblem
-from mtcommission.optimal.bounded_sigma import integrate_sigma, sigma_magnitude
+from mtcommission.optimal.bounded_sigma import (
+    integrate_sigma,
+    largest_outputs,
+    sigma_magnitude,
+)
 from mtcommission.optimal.closed_form import transition
 from mtcommission.optimal.exponential import balanced_expm
 
@@ -121,12 +125,15 @@ class Stretch:
         Λ at its end, shape (n,).
     limit
         Index of the bound held on it; -1 off the cores.
+    slack
+        What putting Λ on σ = 0 at its end may cost.
     """
 
     start: float
     end: float
     adjoint: Array
     limit: int
+    slack: float = 0.0
 
     @property
     def length(self) -> float:
@@ -173,12 +180,31 @@ def stretches(problem: BoundedProblem, measure: Measure) -> tuple[Stretch, ...]:
     end, adjoint = 0.0, measure.terminal
     for stop, core, jump in _events(problem, measure):
         if stop > end:
-            limit = -1 if core is None else core.limit
-            done.append(Stretch(start=stop, end=end, adjoint=adjoint, limit=limit))
-            adjoint = adjoint_before(problem, done[-1])
+            part = Stretch(start=stop, end=end, adjoint=adjoint, limit=-1)
+            if core is not None:
+                part = _settled(problem, replace(part, limit=core.limit), t_f=measure.t_f)
+            done.append(part)
+            adjoint = adjoint_before(problem, part)
             end = stop
         adjoint = adjoint - jump
     return tuple(reversed(done))
+
+
+def _settled(problem: BoundedProblem, core: Stretch, *, t_f: float) -> Stretch:
+    """Return a core with σ = σ' = ... = 0 at its end, where the multipliers miss that by rounding.
+
+    A miss grows over the core like (rate · length)^(r-1), and with it over all cores before. The
+    step of Λ by w_j c (A/rate)^j that removes it is worth w_j c (A/rate)^j x of the motion; for
+    j = 0 it is an atom, for the others its largest value over all motions is the slack.
+    """
+    limit = problem.limits[core.limit]
+    weights = core.adjoint @ limit.impulses
+    worth = np.append(1.0, largest_outputs(problem, limit.output_chain[1:], t_f=t_f))
+    return replace(
+        core,
+        adjoint=core.adjoint - weights @ limit.output_chain,
+        slack=float(np.abs(weights) @ worth),
+    )
 
 
 def _events(problem: BoundedProblem, measure: Measure) -> list[tuple[float, Core | None, Array]]:
@@ -239,7 +265,7 @@ def dual_value(
     held = [_density(problem, part) for part in parts if part.limit >= 0]
     F, ends = problem.force_limit, np.array([part.end for part in parts])[off]
     value = F * found.value + sum(share.value for share in held)
-    value += sum(abs(atom.weight) for atom in atoms)
+    value += sum(abs(atom.weight) for atom in atoms) + sum(part.slack for part in parts)
     return Integral(
         value=value + ROUNDING * (value + F * sigma_magnitude(problem, adjoints, lengths)),
         allowance=F * found.allowance + sum(share.allowance for share in held),

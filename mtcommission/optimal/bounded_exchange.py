@@ -25,7 +25,9 @@ covered by a margin."""
 RADIANS_PER_SAMPLE = 0.2
 """Samples of a core among which excesses over other bounds are looked for."""
 SAMPLES = 13
-"""Samples of a cell among which its largest excess is looked for."""
+"""Samples of a part of a cell among which its largest excess is looked for."""
+RADIANS_PER_PART = 2.4
+"""Longest part of a cell, in the period of the fastest mode."""
 LEAST_SLOPE = 0.3
 """Least dα/dlog t_f believed: the marginal vanishes where the first cell hides a switch."""
 LARGEST_CHANGE = 0.02
@@ -97,25 +99,43 @@ def later(layout: Layout, found: MeshOptimum) -> float:
 
 def breaches(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float) -> list[Breach]:
     """Return where the motion of a mesh solution exceeds a bound by a relative tolerance."""
-    plant, rows = problem.plant, problem.rows
     cells = [segment for segment in found.segments if segment.limit < 0]
-    starts = np.array([found.state(cell.first) for cell in cells])
-    force = found.unknowns[[cell.column for cell in cells]] * problem.force_limit
-    lengths = np.array([cell.start - cell.end for cell in cells])
-    shares = np.linspace(0.0, 1.0, SAMPLES)
-    tau = lengths[:, np.newaxis] * shares
-    states = np.einsum("ctij,cj->cti", transition(plant, tau), starts)
-    states += step_response(plant, tau) * force[:, np.newaxis, np.newaxis]
-    levels = states @ rows.T
+    part, since, step, levels = _levels(problem, found, cells)
     places, peaks = _peaks(np.abs(levels))
     over = []
-    for cell, k in zip(*np.nonzero(peaks > 1.0 + tolerance), strict=True):
-        t = places[cell, k] * lengths[cell] / (SAMPLES - 1)
-        side = int(np.sign(levels[cell, round(places[cell, k]), k]))
-        remaining = max(float(cells[cell].start - t), cells[cell].end)
+    for i, k in zip(*np.nonzero(peaks > 1.0 + tolerance), strict=True):
+        cell = cells[part[i]]
+        remaining = max(float(cell.start - since[i] - places[i, k] * step[i]), cell.end)
+        side = int(np.sign(levels[i, round(places[i, k]), k]))
         at = Contact(remaining=remaining, limit=int(k), side=side)
-        over.append(Breach(contact=at, excess=float(peaks[cell, k]) - 1.0))
+        over.append(Breach(contact=at, excess=float(peaks[i, k]) - 1.0))
     return over + breaches_in_cores(problem, found, tolerance=tolerance)
+
+
+def _levels(
+    problem: BoundedProblem, found: MeshOptimum, cells: list[Segment]
+) -> tuple[NDArray[np.intp], Array, Array, Array]:
+    """Return samples of all c x in short parts of the cells.
+
+    That is: the cell of each part, the time from the start of the cell to that of the part and
+    between its samples [s], shapes (n_parts,), and c x, shape (n_parts, SAMPLES, n_limits).
+    """
+    plant = problem.plant
+    lengths = np.array([cell.start - cell.end for cell in cells])
+    counts = np.ceil(lengths * problem.vibration_rate / RADIANS_PER_PART).astype(np.intp)
+    part = np.repeat(np.arange(len(cells)), counts)
+    span = (lengths / counts)[part]
+    since = span * (np.arange(part.size) - (np.cumsum(counts) - counts)[part])
+    starts = np.array([found.state(cell.first) for cell in cells])[part]
+    force = found.unknowns[[cell.column for cell in cells]][part, np.newaxis] * problem.force_limit
+    step = span / (SAMPLES - 1)
+    flow, push = transition(plant, step), step_response(plant, step) * force
+    state = np.einsum("pij,pj->pi", transition(plant, since), starts)
+    state += step_response(plant, since) * force
+    states = [state]
+    for _ in range(SAMPLES - 1):
+        states.append(np.einsum("pij,pj->pi", flow, states[-1]) + push)
+    return part, since, step, np.stack(states, axis=1) @ problem.rows.T
 
 
 def breaches_in_cores(

@@ -197,8 +197,7 @@ def _named(problem: BoundedProblem) -> str:
 
 def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:
     fewest = FEWEST_CELLS if radians == RADIANS_PER_CELL else FEWEST_CELLS // 2
-    rate = max((mode.natural_frequency for mode in problem.plant.modes), default=problem.rate)
-    return int(np.clip(t_f * rate / radians, fewest, MOST_CELLS))
+    return int(np.clip(t_f * problem.vibration_rate / radians, fewest, MOST_CELLS))
 
 
 def _solve(

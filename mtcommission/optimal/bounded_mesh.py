@@ -38,9 +38,10 @@ Array = NDArray[np.float64]
 FEASIBILITY = 1e-10
 """Tolerance of the simplex method: its smallest."""
 
-MOST_ITERATIONS = 3000
-"""Steps of the simplex method after which a program is given up: several times what those that
-end need (measured), and an end for those that turn in circles within the rounding."""
+MOST_ITERATIONS = 4
+"""Steps of the simplex method, against rows and columns together, after which a program is given
+up: twice what those that end need (measured), and an end for those that turn in circles within
+the rounding."""
 
 NEAR = 1e-2
 """Relative room below a bound within which a point is in the relaxation from the start; others
@@ -140,8 +141,9 @@ def solve_mesh(
         lower=np.concatenate([-np.ones(cells), np.full(size - cells, -np.inf), [0.0]]),
         upper=np.append(np.ones(cells), np.full(size - cells + 1, np.inf)),
     )
+    steps = MOST_ITERATIONS * (sum(program.rows.shape) + right.size)
     answer = solve_program(
-        program, steps=MOST_ITERATIONS, tolerance=FEASIBILITY, start=start, solvable=solvable
+        program, steps=steps, tolerance=FEASIBILITY, start=start, solvable=solvable
     )
     if answer is None:
         return None

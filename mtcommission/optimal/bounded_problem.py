@@ -126,6 +126,11 @@ class BoundedProblem:
         return max(limit.order for limit in self.limits) > 2
 
     @property
+    def vibration_rate(self) -> float:
+        """Natural frequency of the fastest mode, or the fastest rate without modes [1/s]."""
+        return max((mode.natural_frequency for mode in self.plant.modes), default=self.rate)
+
+    @property
     def rows(self) -> Array:
         """The rows c of all limits, shape (n_limits, n)."""
         return np.array([limit.row for limit in self.limits])

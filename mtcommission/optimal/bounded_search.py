@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_dip import with_dip
-from mtcommission.optimal.bounded_dual import Measure, dual_value, stretches
+from mtcommission.optimal.bounded_dual import dual_value, stretches
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, Sight, lay_out
@@ -25,7 +25,8 @@ from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_relaxation
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_rows import Layout
-from mtcommission.optimal.bounded_sight import look
+from mtcommission.optimal.bounded_sharpen import sharpened
+from mtcommission.optimal.bounded_sight import Look, look
 
 Array = NDArray[np.float64]
 
@@ -102,29 +103,38 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         relaxed = solve_relaxation(problem, kept)
         if relaxed is None:
             break
-        now = look(problem, kept, relaxed)
-        exact = _exactly(problem, now.guess, relaxed.measure)
+        coarse = relaxed
+        now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
+        if exact is None:
+            kept, relaxed = sharpened(problem, kept, relaxed, largest=LARGEST)
+            if relaxed is not coarse:
+                now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
         if exact is not None:
             return exact
         gap = _enclosed_gap(problem, kept, relaxed)
         crowded = problem.has_high_order and any(one.gap < gap for one in seen)
         sight = replace(now.sight, room=sight.room * (WIDER if crowded else 1.0))
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
-        if gap < ENOUGH * GAP and _holds_high_order(problem, now.guess):
+        # Arcs of low order are exact, once they are read rightly: that is worth one mesh more.
+        fine = sum(one.gap < ENOUGH * GAP for one in seen)
+        if gap < ENOUGH * GAP and (fine > 1 or _holds_high_order(problem, now.guess)):
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
     return _best_on_mesh(problem, seen)
 
 
-def _exactly(problem: BoundedProblem, guess: Sequence, measure: Measure) -> Found | None:
-    """Return the extremal of what was read, or of the same without what a mesh makes up."""
-    exact = solve_exactly(problem, guess)
-    if exact is not None:
-        return exact
-    read = Extremal(sequence=guess, measure=measure, residual=inf)
-    plainer = pruned(problem, read, least=SPLINTER)
-    return None if plainer is None else solve_exactly(problem, plainer)
+def _read(
+    problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum, *, unsplit: Layout
+) -> tuple[Look, Found | None]:
+    """Return what a mesh shows, and the extremal of it, or of the same without ripples."""
+    now = look(problem, kept, relaxed, unsplit=unsplit)
+    exact = solve_exactly(problem, now.guess)
+    if exact is None:
+        read = Extremal(sequence=now.guess, measure=relaxed.measure, residual=inf)
+        plainer = pruned(problem, read, least=SPLINTER)
+        exact = None if plainer is None else solve_exactly(problem, plainer)
+    return now, exact
 
 
 def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> float:

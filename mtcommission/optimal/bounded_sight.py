@@ -58,7 +58,9 @@ class Look:
     guess: Sequence
 
 
-def look(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> Look:
+def look(
+    problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum, *, unsplit: Layout
+) -> Look:
     """Return where the next mesh should be fine, and the sequence that the multipliers show.
 
     Parameters
@@ -67,6 +69,8 @@ def look(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> Lo
         The bounded problem.
     kept, relaxed
         The two forms of one program.
+    unsplit
+        Its mesh before cells were split: what is known of the ends of arcs is known to its cells.
 
     Returns
     -------
@@ -84,7 +88,8 @@ def look(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> Lo
     crossed = [breach.contact for breach in breaches_in_cores(problem, kept, tolerance=BROKEN)]
     reading = replace(reading, touches=(*reading.touches, *crossed))
     sight = _sight(problem, measure, parts, zeros, mesh, reading, relaxed.reach - kept.reach)
-    return Look(sight=sight.stretched(later(kept.layout, kept)), guess=guess)
+    sight = replace(sight, mesh=_filled(unsplit)).stretched(later(kept.layout, kept))
+    return Look(sight=sight, guess=guess)
 
 
 def _sight(

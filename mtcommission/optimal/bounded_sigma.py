@@ -107,6 +107,30 @@ def sigma_magnitude(problem: BoundedProblem, adjoints: Array, lengths: Array) ->
     return float(_terms(problem, adjoints).sum(axis=1) @ lengths)
 
 
+def largest_outputs(problem: BoundedProblem, rows: Array, *, t_f: float) -> Array:
+    """Return bounds of |row x| over all motions from rest within the force limit.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    rows
+        Shape (k, n), 0 for the position.
+    t_f
+        Duration of the motions [s].
+
+    Returns
+    -------
+    ndarray, shape (k,)
+
+    Source: F ∫|row g| ds <= F Σ (magnitude of each exponential) · min(t_f, its time constant).
+    """
+    plant = problem.plant
+    decays = np.array([-mode.pole.real for mode in plant.modes] + [1.0 / plant.force_lag, 0.0])
+    spans = 1.0 / np.maximum(decays, 1.0 / t_f)
+    return np.asarray(problem.force_limit * _terms(problem, rows) @ spans)
+
+
 def _terms(problem: BoundedProblem, adjoint: Array) -> Array:
     """Return the largest magnitude of each exponential in σ; shape (..., n_modes + 2)."""
     plant = problem.plant
