@@ -30,7 +30,7 @@ FINE = 1e-8
 """Relative excess over a bound between the points that calls for another point at the end."""
 SMALL_EXCESS = 2e-7
 """Relative excess that is left to the margin: it costs less than a tenth of the allowed gap."""
-POINT_STEPS, FINISHING_STEPS = 8, 16
+POINT_STEPS, FINISHING_STEPS = 16, 24
 """Programs that put in points, and programs at most, until a control on a mesh is finished."""
 LATENESS = 1e-8
 """Largest reach beyond 1 of a finished control."""

@@ -65,6 +65,8 @@ SLIVER = 1e-6
 """Share of t_f of a piece that is taken out if the sequence can be solved without it."""
 FINISHED = 2
 """Mesh controls that are finished at most; one with long cores may not reach full precision."""
+HOPELESS = 0.3
+"""Gap of a first mesh that is split at once; from others the next mesh is found at less cost."""
 ENOUGH = 0.7
 """Share of the gap at which a mesh is fine enough: finishing it costs a little."""
 
@@ -105,13 +107,16 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
             break
         coarse = relaxed
         now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
-        if exact is None:
-            kept, relaxed = sharpened(problem, kept, relaxed, largest=LARGEST)
-            if relaxed is not coarse:
-                now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
         if exact is not None:
             return exact
         gap = _enclosed_gap(problem, kept, relaxed)
+        if seen or gap > HOPELESS:
+            kept, relaxed = sharpened(problem, kept, relaxed, largest=LARGEST)
+        if relaxed is not coarse:
+            now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
+            if exact is not None:
+                return exact
+            gap = _enclosed_gap(problem, kept, relaxed)
         crowded = problem.has_high_order and any(one.gap < gap for one in seen)
         sight = replace(now.sight, room=sight.room * (WIDER if crowded else 1.0))
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
