@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_dip import with_dip
-from mtcommission.optimal.bounded_dual import dual_value, stretches
 from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, Sight, lay_out
@@ -109,14 +108,14 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
         if exact is not None:
             return exact
-        gap = _enclosed_gap(problem, kept, relaxed)
+        gap = _enclosed_gap(problem, now, kept, relaxed)
         if seen or gap > HOPELESS:
             kept, relaxed = sharpened(problem, kept, relaxed, largest=LARGEST)
         if relaxed is not coarse:
             now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
             if exact is not None:
                 return exact
-            gap = _enclosed_gap(problem, kept, relaxed)
+            gap = _enclosed_gap(problem, now, kept, relaxed)
         crowded = problem.has_high_order and any(one.gap < gap for one in seen)
         sight = replace(now.sight, room=sight.room * (WIDER if crowded else 1.0))
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
@@ -142,14 +141,14 @@ def _read(
     return now, exact
 
 
-def _enclosed_gap(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) -> float:
+def _enclosed_gap(
+    problem: BoundedProblem, now: Look, kept: MeshOptimum, relaxed: MeshOptimum
+) -> float:
     """Return the relative distance of the times that the two forms of a program give."""
-    measure = relaxed.measure
-    value = dual_value(problem, stretches(problem, measure), measure.atoms).value
-    along = float(measure.terminal @ problem.target)
+    along = float(relaxed.measure.terminal @ problem.target)
     if along == 0.0:
         return inf  # multipliers that do not weigh the move prove nothing of it
-    reach = value / along
+    reach = now.dual_value / along
     return (reach - kept.reach) / max(kept.slope * kept.layout.t_f, LEAST_SLOPE)
 
 

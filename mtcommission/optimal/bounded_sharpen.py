@@ -66,43 +66,40 @@ def sharpened(
         apart = relaxed.reach - kept.reach
         if lost.sum() < max(apart, HIDDEN_ENOUGH):
             break
-        large = lost > max(LEAST_LOSS, LARGE_SHARE * lost.max(), *np.sort(lost)[:-MOST_SPLIT][-1:])
+        worst = np.sort(np.argsort(lost)[-MOST_SPLIT:])
+        large = worst[lost[worst] > max(LEAST_LOSS, LARGE_SHARE * lost.max())]
         places = _inside(relaxed, zeros[large])
         over = breaches(problem, relaxed, tolerance=float(lost.sum()) + apart)
         contacts = (*_beside(kept, places), *(breach.contact for breach in over))
-        if _finer(problem, kept, places, contacts).effort > largest:
+        layouts = [_split(problem, form.layout, places, contacts) for form in (kept, relaxed)]
+        if layouts[0].effort > largest:
             break
-        finer_kept = _split(problem, kept, places, contacts, relaxed=False)
-        finer = _split(problem, relaxed, places, contacts, relaxed=True)
+        finer_kept, finer = (
+            solve_mesh(
+                problem,
+                layout,
+                relaxed=form is relaxed,
+                start=_inherited(form, places),
+                solvable=True,
+            )
+            for form, layout in zip((kept, relaxed), layouts, strict=True)
+        )
         if finer_kept is None or finer is None:
             break
         kept, relaxed = replace(finer_kept, slope=kept.slope), finer
     return kept, relaxed
 
 
-def _finer(
-    problem: BoundedProblem, found: MeshOptimum, places: Array, contacts: tuple[Contact, ...]
+def _split(
+    problem: BoundedProblem, layout: Layout, places: Array, contacts: tuple[Contact, ...]
 ) -> Layout:
-    """Return the layout with some cells split and with further points."""
-    layout = found.layout
+    """Return a layout with cells split at some places and with further points."""
     new = off_cores(problem, contacts, layout.cores)
     return replace(
         layout,
         mesh=np.unique(np.concatenate([layout.mesh, places])),
         contacts=tuple(dict.fromkeys([*layout.contacts, *new])),
     )
-
-
-def _split(
-    problem: BoundedProblem,
-    found: MeshOptimum,
-    places: Array,
-    contacts: tuple[Contact, ...],
-    *,
-    relaxed: bool,
-) -> MeshOptimum | None:
-    layout, start = _finer(problem, found, places, contacts), _inherited(found, places)
-    return solve_mesh(problem, layout, relaxed=relaxed, start=start, solvable=True)
 
 
 def _inherited(found: MeshOptimum, places: Array) -> Basis:

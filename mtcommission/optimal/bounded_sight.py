@@ -52,10 +52,13 @@ class Look:
         For the next mesh, at the t_f at which the reach should be 1.
     guess
         Sequence that the multipliers show.
+    dual_value
+        F ∫|σ| + Σ|μ| of the relaxation's multipliers, as the proof counts it.
     """
 
     sight: Sight
     guess: Sequence
+    dual_value: float
 
 
 def look(
@@ -78,7 +81,8 @@ def look(
     """
     measure = relaxed.measure
     parts = stretches(problem, measure)
-    zeros = dual_value(problem, parts, measure.atoms).zeros
+    found = dual_value(problem, parts, measure.atoms)
+    zeros = found.zeros
     mesh = _filled(relaxed.layout)
     guess = read_sequence(problem, _read(relaxed, mesh, []), parts, zeros, mesh)
     # A core is opened where holding the bound costs time, or cannot be done.
@@ -89,7 +93,7 @@ def look(
     reading = replace(reading, touches=(*reading.touches, *crossed))
     sight = _sight(problem, measure, parts, zeros, mesh, reading, relaxed.reach - kept.reach)
     sight = replace(sight, mesh=_filled(unsplit)).stretched(later(kept.layout, kept))
-    return Look(sight=sight, guess=guess)
+    return Look(sight=sight, guess=guess, dual_value=found.value)
 
 
 def _sight(
