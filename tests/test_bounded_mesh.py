@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from mtcommission.optimal.bounded_accept import Found, on_mesh
-from mtcommission.optimal.bounded_dual import dual_value, lower_bound, stretches
+from mtcommission.optimal.bounded_dual import dual_value, lower_bound
 from mtcommission.optimal.bounded_exchange import breaches, exchange
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight, lay_out
+from mtcommission.optimal.bounded_measure import stretches
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh, solve_relaxation
 from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
 from mtcommission.optimal.bounded_rows import Layout

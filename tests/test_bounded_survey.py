@@ -11,11 +11,11 @@ from scipy.optimize import linprog
 
 from benchmarks.constrained_survey import cases, judge, largest_excess
 from mtcommission.optimal.bounded_arcs import Piece, Sequence
-from mtcommission.optimal.bounded_dual import Core, Measure, stretches
 from mtcommission.optimal.bounded_edit import pruned, with_switches, with_touch
 from mtcommission.optimal.bounded_exchange import _peaks, exchange
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import Sight, feature_places, first_sight, lay_out
+from mtcommission.optimal.bounded_measure import Core, Measure, stretches
 from mtcommission.optimal.bounded_mesh import solve_mesh, solve_relaxation
 from mtcommission.optimal.bounded_newton import Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem

@@ -18,13 +18,8 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Positioning, VelocityStep
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
 from mtcommission.optimal.bounded_cruise import LONG, cruise_periods, lengthened_cruise
-from mtcommission.optimal.bounded_dual import (
-    Atom,
-    dual_value,
-    lower_bound,
-    negative_zones,
-    stretches,
-)
+from mtcommission.optimal.bounded_dual import dual_value, lower_bound, negative_zones
+from mtcommission.optimal.bounded_measure import Atom, stretches
 from mtcommission.optimal.bounded_newton import solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
 from mtcommission.optimal.bounded_reading import place_touches

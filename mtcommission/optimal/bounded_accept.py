@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_dual import Measure, lower_bound
+from mtcommission.optimal.bounded_dual import lower_bound
 from mtcommission.optimal.bounded_edit import touch_contacts
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, breaches, later
+from mtcommission.optimal.bounded_measure import Measure
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_motion import Motion, follow, mesh_arcs, sequence_arcs
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal

@@ -23,11 +23,8 @@ from mtcommission.optimal.bounded_arcs import (
     peaks_above,
     piece_states,
 )
-from mtcommission.optimal.bounded_dual import (
-    dual_value,
-    sigma_sign,
-    stretches,
-)
+from mtcommission.optimal.bounded_dual import dual_value
+from mtcommission.optimal.bounded_measure import sigma_sign, stretches
 from mtcommission.optimal.bounded_newton import Extremal
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import place_touches

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_dual import Core
 from mtcommission.optimal.bounded_grid import SATURATED, GridOptimum
+from mtcommission.optimal.bounded_measure import Core
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import Reading, local_cell, read_contacts
 from mtcommission.optimal.bounded_rows import Contact, Layout, off_cores

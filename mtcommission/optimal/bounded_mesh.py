@@ -5,7 +5,7 @@ bound holds there exactly. The program is solved in two forms:
 
 - kept: the core is entered on the bound with all its derivatives, a restriction of the problem;
 - relaxed: the state jumps onto and off the bound by any impulses of the force, a relaxation,
-  whose multipliers are a measure with a density on the core (``bounded_dual.Measure``).
+  whose multipliers are a measure with a density on the core (``bounded_measure.Measure``).
 
 Their values enclose the optimum on the mesh.
 """
@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_dual import Atom, Measure
+from mtcommission.optimal.bounded_measure import Atom, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_program import Basis, Program, solve_program
 from mtcommission.optimal.bounded_rows import (

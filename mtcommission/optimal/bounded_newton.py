@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
-from mtcommission.optimal.bounded_dual import Atom, Core, Measure
+from mtcommission.optimal.bounded_measure import Atom, Core, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.closed_form import step_response, transition
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
-from mtcommission.optimal.bounded_dual import Core, Stretch, sigma_sign
+from mtcommission.optimal.bounded_measure import Core, Stretch, sigma_sign
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_rows import Contact
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_dual import Core
+from mtcommission.optimal.bounded_measure import Core
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.closed_form import step_response, transition
 

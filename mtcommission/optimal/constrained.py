@@ -15,10 +15,11 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine import Move, VelocityStep
 from mtcommission.optimal.bounded_accept import GAP, Found
 from mtcommission.optimal.bounded_cruise import cruise_periods, lengthened_cruise
-from mtcommission.optimal.bounded_dual import adjoint_before, dual_value, stretches
+from mtcommission.optimal.bounded_dual import dual_value
 from mtcommission.optimal.bounded_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight
+from mtcommission.optimal.bounded_measure import adjoint_before, stretches
 from mtcommission.optimal.bounded_problem import (
     BoundedProblem,
     all_bounds,
