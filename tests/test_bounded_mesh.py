@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from mtcommission.optimal.bounded_accept import Found, on_mesh
+from mtcommission.optimal.bounded_breaches import breaches
 from mtcommission.optimal.bounded_dual import dual_value, lower_bound
-from mtcommission.optimal.bounded_exchange import breaches, exchange
+from mtcommission.optimal.bounded_exchange import exchange
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight, lay_out
 from mtcommission.optimal.bounded_measure import stretches

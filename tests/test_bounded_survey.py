@@ -11,8 +11,9 @@ from scipy.optimize import linprog
 
 from benchmarks.constrained_survey import cases, judge, largest_excess
 from mtcommission.optimal.bounded_arcs import Piece, Sequence
+from mtcommission.optimal.bounded_breaches import _peaks
 from mtcommission.optimal.bounded_edit import pruned, with_switches, with_touch
-from mtcommission.optimal.bounded_exchange import _peaks, exchange
+from mtcommission.optimal.bounded_exchange import exchange
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import Sight, feature_places, first_sight, lay_out
 from mtcommission.optimal.bounded_measure import Core, Measure, stretches

@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.optimal.bounded_breaches import breaches, overloads
 from mtcommission.optimal.bounded_dual import lower_bound
 from mtcommission.optimal.bounded_edit import touch_contacts
-from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, breaches, later
+from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, later
 from mtcommission.optimal.bounded_measure import Measure
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_motion import Motion, follow, mesh_arcs, sequence_arcs
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal
 from mtcommission.optimal.bounded_problem import BoundedProblem
-from mtcommission.optimal.bounded_rows import Contact, off_cores
+from mtcommission.optimal.bounded_rows import FORCE, Contact, Layout
 
 Array = NDArray[np.float64]
 
@@ -108,7 +109,10 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
     """
     layout, found, slope = kept.layout, kept, kept.slope
     for attempt in range(FINISHING_STEPS):
-        over = breaches(problem, found, tolerance=EXCESS)
+        over = [
+            *breaches(problem, found, tolerance=EXCESS),
+            *overloads(problem, found, tolerance=EXCESS),
+        ]
         excess = max((breach.excess for breach in over), default=0.0)
         late = 1.0 - found.reach
         if not over and -LATENESS < late <= 0.0:
@@ -116,13 +120,14 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
             motion = follow(problem.plant, arcs, rate=problem.rate)
             excess = max(_levels(problem, motion)) - 1.0
             if excess < EXCESS:
-                touches = tuple(at for at in found.contacts if at.weight > 0.0)
+                acting = (at for at in found.contacts if at.weight > 0.0)
+                touches = tuple(at for at in acting if at.limit != FORCE)
                 return _proved(problem, motion, relaxed.measure, touches, exact=False)
         found = replace(found, slope=slope)
         # Another point costs less time than a margin kept everywhere; the last bit is the margin's.
         by_points = attempt < POINT_STEPS and excess > SMALL_EXCESS
-        fine = tuple(breach.contact for breach in over if breach.excess > FINE)
-        worse = off_cores(problem, fine, layout.cores) if by_points else ()
+        fine = [breach.contact for breach in over if breach.excess > FINE and by_points]
+        worse = [at for at in fine if not _is_held(layout, at)]
         more = 1.1 * excess if excess > 0.0 and not worse else 0.0
         margin = layout.margin + more
         expected = replace(found, reach=found.reach - more * found.held)
@@ -136,6 +141,13 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         slope = _slope(found, following) if attempt else following.slope
         found = following
     return None
+
+
+def _is_held(layout: Layout, contact: Contact) -> bool:
+    """Return whether a core holds the very bound of a contact there, so that no point can help."""
+    return any(
+        core.limit == contact.limit and core.holds(contact.remaining) for core in layout.cores
+    )
 
 
 def _slope(before: MeshOptimum, after: MeshOptimum) -> float:

@@ -83,9 +83,9 @@ def dual_value(
 
     Source: weak duality; zeros isolated by the largest possible |σ''| in each cell.
     """
-    adjoints = np.array([part.adjoint for part in parts])
+    adjoints = np.array([part.adjoint for part in parts]).reshape(-1, problem.plant.order)
     lengths = np.array([part.length for part in parts])
-    off = np.array([part.limit < 0 for part in parts])
+    off = np.array([part.limit < 0 for part in parts], dtype=bool)
     found = integrate_sigma(problem, adjoints[off], lengths[off])
     held = [_density(problem, part) for part in parts if part.limit >= 0]
     F, ends = problem.force_limit, np.array([part.end for part in parts])[off]
@@ -219,25 +219,31 @@ def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
     Returns
     -------
     float
-        [s]; 0 if the measure proves nothing within its first stretch.
+        [s]; 0 if the measure proves nothing.
     """
-    first, *rest = stretches(problem, measure)
     claim = float(measure.terminal @ problem.target)
     claim -= ROUNDING * float(np.abs(measure.terminal) @ np.abs(problem.target))
-    claim -= dual_value(problem, tuple(rest), measure.atoms).value if rest else 0.0
+    parts = stretches(problem, measure)
+    for place, part in enumerate(parts):
+        atoms = tuple(atom for atom in measure.atoms if atom.remaining <= part.end)
+        room = claim - dual_value(problem, parts[place + 1 :], atoms).value
+        if room > 0.0:
+            return part.start - _least_cut(problem, part, room, first=FIRST_CUT * measure.t_f)
+    return 0.0
 
-    def proves(cut: float) -> bool:
-        left = replace(first, start=first.start - cut)
-        return dual_value(problem, (left,), ()).value < claim
 
-    low, high = 0.0, FIRST_CUT * measure.t_f
-    while first.limit < 0 and high < first.length:
-        if proves(high):
-            break
+def _least_cut(problem: BoundedProblem, part: Stretch, room: float, *, first: float) -> float:
+    """Return about the least time cut off the start of a stretch that leaves it worth < room."""
+
+    def fits(cut: float) -> bool:
+        return dual_value(problem, (replace(part, start=part.start - cut),), ()).value < room
+
+    low, high = 0.0, first
+    while not fits(high):
         low, high = high, 2.0 * high
-    else:
-        return 0.0
+        if high > part.length:
+            return part.length
     while low > 0.0 and high - low > CUT_TOLERANCE * high:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if proves(middle) else (middle, high)
-    return measure.t_f - high
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high

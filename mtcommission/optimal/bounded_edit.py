@@ -1,7 +1,8 @@
 """Edits of a solved sequence whose motion or multipliers break a condition of the optimum.
 
 - A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign: taken out.
-- A bound exceeded inside a piece: a touch point is put in where it is exceeded most.
+- A bound exceeded inside a piece: a touch point is put in where it is exceeded most; one of order 1
+  exceeded where the force turns is held there for a while.
 - σ of the other sign than the force in a part of a bang arc: the force is turned there, or, if
   that part holds a touch point, the touch point has grown into a boundary arc.
 
@@ -66,14 +67,21 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     t_f = sum(piece.duration for piece in pieces)
     inside = tuple(
         at
-        for at in contacts
+        for i, at in enumerate(contacts)
         if weights.get(at.remaining, 0.0) * at.side >= 0.0
         and 0.0 < at.remaining < t_f
         and not _at_arc(sequence, at, near=least * t_f)
+        and not any(_are_one(at, other, near=least * t_f) for other in contacts[:i])
     )
     if len(pieces) == len(sequence.pieces) and len(inside) == len(contacts):
         return None
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
+
+
+def _are_one(contact: Contact, other: Contact, *, near: float) -> bool:
+    """Return whether two touch points have become the same, with two weights for one."""
+    same = contact.limit == other.limit and contact.side == other.side
+    return same and abs(contact.remaining - other.remaining) <= near
 
 
 def _reunited(pieces: tuple[Piece, ...]) -> list[Piece]:
@@ -148,13 +156,10 @@ def with_touch(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     Sequence or None
     """
     sequence = extremal.sequence
-    rows, state = problem.rows, np.zeros(problem.plant.order)
+    levels_along = _levels(problem, sequence)
     worst, most = None, 1.0 + EXCESS
     for index, piece in enumerate(sequence.pieces):
-        count = int(np.ceil(piece.duration * problem.rate / RADIANS_PER_SAMPLE)) + 4
-        tau = np.linspace(0.0, piece.duration, count)
-        states = piece_states(problem, piece, state, tau)
-        levels, state = states @ rows.T, states[-1]
+        tau, levels = levels_along[index]
         for at, k in peaks_above(levels, most):
             if k != piece.limit and abs(levels[at, k]) > most:
                 side, most = int(np.sign(levels[at, k])), float(abs(levels[at, k]))
@@ -162,6 +167,60 @@ def with_touch(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     if worst is None:
         return None
     return Sequence(pieces=sequence.pieces, touches=(*sequence.touches, worst))
+
+
+def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with an arc where a bound of order 1 is exceeded most; None if nowhere.
+
+    Such a bound cannot be touched by a smooth motion: it is exceeded where the force turns, and
+    must be held there, however short.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved.
+
+    Returns
+    -------
+    Sequence or None
+    """
+    pieces = list(extremal.sequence.pieces)
+    first = np.array([limit.order for limit in problem.limits]) == 1
+    along = _levels(problem, extremal.sequence)
+    worst, most = None, 1.0 + EXCESS
+    for index, (piece, after) in enumerate(pairwise(pieces)):
+        tau, levels = along[index]
+        size = np.where(first, np.abs(levels[-1]), 0.0)
+        k = int(size.argmax())
+        if max(piece.limit, after.limit) < 0 and size[k] > most:
+            speed = (size[k] - abs(levels[-2, k])) / (tau[-1] - tau[-2])
+            half = min((size[k] - 1.0) / speed, 0.5 * piece.duration, 0.5 * after.duration)
+            worst, most = (index, half, k, int(np.sign(levels[-1, k]))), float(size[k])
+    if worst is None:
+        return None
+    index, half, k, side = worst
+    before, after = pieces[index], pieces[index + 1]
+    pieces[index : index + 2] = [
+        replace(before, duration=before.duration - half),
+        Piece(limit=k, side=side, duration=2.0 * half),
+        replace(after, duration=after.duration - half),
+    ]
+    touches = touch_contacts(extremal.sequence)
+    return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), touches))
+
+
+def _levels(problem: BoundedProblem, sequence: Sequence) -> list[tuple[Array, Array]]:
+    """Return times since the start of each piece [s] and the levels of all bounds there."""
+    state, found = np.zeros(problem.plant.order), []
+    for piece in sequence.pieces:
+        count = int(np.ceil(piece.duration * problem.rate / RADIANS_PER_SAMPLE)) + 4
+        tau = np.linspace(0.0, piece.duration, count)
+        states = piece_states(problem, piece, state, tau)
+        found.append((tau, states @ problem.rows.T))
+        state = states[-1]
+    return found
 
 
 def with_switches(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:

@@ -120,25 +120,29 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
     """
     t_f, slower = 1.05 * t_free, None
     found = _solve(problem, t_f, radians=COARSE_RADIANS)
-    faster = found
+    faster, missing, spare, was_slow = found, 1.0, 1.0, False
     for _ in range(TIME_STEPS):
         # Where the reach hardly grows, as near the smallest possible bound, α alone says little.
         steepness = float(np.clip(found.slope * t_f, *STEEPNESS))
         if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
             return _last_look(problem, found)
         if found.reach < 1.0:
-            before, faster = faster, found
+            before, faster, missing = faster, found, 1.0 - found.reach
             if _stands_still(before, found) or found.t_f > HORIZON * t_free:
                 raise _out_of_reach(problem, found, t_free)
+            # Illinois' rule: the chord moves on from an end that stays twice.
+            spare, was_slow = spare * (1.0 if was_slow else 0.5), False
         else:
-            slower = found
+            slower, spare = found, found.reach - 1.0
+            missing, was_slow = missing * (0.5 if was_slow else 1.0), True
         if slower is None:
             step = (1.0 - found.reach) / max(found.slope, 1e-3 / t_f)
             t_f = min(max(t_f + step, 1.02 * t_f), 2.0 * t_f)
         elif slower.t_f - faster.t_f < 1e-7 * slower.t_f:
             return _last_look(problem, found)
         else:
-            t_f = _between(faster, slower)
+            share = float(np.clip(missing / (missing + spare), *INSIDE))
+            t_f = faster.t_f + share * (slower.t_f - faster.t_f)
         try:
             found = _solve(problem, t_f, radians=COARSE_RADIANS, near=found)
         except ComputationError as error:
@@ -153,12 +157,6 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
 def _stands_still(before: GridOptimum, after: GridOptimum) -> bool:
     """Return whether a time much longer has not made the reach grow."""
     return after.t_f > LONGER * before.t_f and after.reach - before.reach < STANDSTILL * after.reach
-
-
-def _between(faster: GridOptimum, slower: GridOptimum) -> float:
-    """Return the time at which the chord of the reach is 1, inside the bracket [s]."""
-    share = (1.0 - faster.reach) / (slower.reach - faster.reach)
-    return faster.t_f + float(np.clip(share, *INSIDE)) * (slower.t_f - faster.t_f)
 
 
 def _last_look(problem: BoundedProblem, found: GridOptimum) -> GridOptimum:

@@ -206,7 +206,9 @@ def _cores(problem: BoundedProblem, sight: Sight, arcs: list[Core]) -> tuple[Cor
         needed = early + late + 0.8 * local_cell(sight.mesh, arc.start)
         # Motion that grows on the arc leaves a core no digits: points must do there.
         steady = problem.limits[arc.limit].growth * (arc.start - arc.end) < MOST_GROWTH
-        if steady and arc.start - arc.end > max(needed, sight.least_core * sight.t_f):
+        # Points that touch in a row may look like a short arc where the order is above 2.
+        least = sight.least_core * sight.t_f if problem.limits[arc.limit].order > 2 else 0.0
+        if steady and arc.start - arc.end > max(needed, least):
             cores.append(replace(arc, start=arc.start - early, end=arc.end + late))
     return tuple(cores)
 

@@ -23,7 +23,7 @@ from mtcommission.optimal.bounded_rows import Contact
 Array = NDArray[np.float64]
 
 CHAIN_GAP = 3.2
-"""Distance of chained points in local cells: ripple may leave out every other point."""
+"""Distance of chained points in the smaller of their cells: ripple may leave out every other."""
 
 CHAIN_POINTS = 5
 """Points that make an arc; two or three surround a touch point."""
@@ -97,7 +97,8 @@ def read_contacts(active: Items[Contact], mesh: Array) -> Reading:
 def _chains(contacts: list[Contact], mesh: Array) -> list[list[Contact]]:
     chains = [[contacts[0]]]
     for before, after in pairwise(contacts):
-        gap = CHAIN_GAP * local_cell(mesh, after.remaining)
+        # Beside a large cell, a touch point would become the end of an arc that is not there.
+        gap = CHAIN_GAP * min(local_cell(mesh, at.remaining) for at in (before, after))
         if after.remaining - before.remaining <= gap:
             chains[-1].append(after)
         else:

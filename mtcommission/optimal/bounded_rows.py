@@ -14,6 +14,8 @@ from mtcommission.optimal.closed_form import step_response, transition
 
 Array = NDArray[np.float64]
 
+FORCE = -1
+"""Index by which a contact means the force limit, which boundary control keeps there."""
 LOOSE = 1e-6
 """Distance of a relative force from ±1 above which it may be corrected."""
 
@@ -27,7 +29,7 @@ class Contact:
     remaining
         Remaining time [s].
     limit
-        Index of the bound.
+        Index of the bound; ``FORCE`` inside a core where boundary control is limited.
     side
         +1 or -1.
     weight
@@ -189,8 +191,11 @@ def mesh_segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> 
 
 
 def _level(problem: BoundedProblem, layout: Layout, limit: int, width: int) -> Array:
-    """Return the bound as a row over all columns: the constant, or the reach if it follows."""
+    """Return a level as a row over all columns: the constant, or the reach if it follows."""
     row = np.zeros(width)
+    if limit == FORCE:
+        row[-1] = 1.0
+        return row
     held = problem.limits[limit]
     # A bound that the target itself meets has no room for a margin.
     margin = 0.0 if abs(float(held.row @ problem.target)) > 1.0 - LOOSE else layout.margin
@@ -228,7 +233,8 @@ def bound_rows(
     rows = np.zeros((len(layout.contacts), segments[-1].last.shape[1]))
     for i, contact in enumerate(layout.contacts):
         index = max(int(np.searchsorted(starts, -contact.remaining, side="right")) - 1, 0)
-        segment, row = segments[index], problem.limits[contact.limit].row
+        segment = segments[index]
+        row = _bounded_row(problem, contact.limit, segment)
         if contact.remaining == segment.start and index > 0:
             rows[i] = row @ segments[index - 1].last
             continue
@@ -245,6 +251,13 @@ def bound_rows(
     for i, contact in enumerate(layout.contacts):
         rows[i] -= _level(problem, layout, contact.limit, rows.shape[1])
     return rows[:, :-1], -rows[:, -1]
+
+
+def _bounded_row(problem: BoundedProblem, limit: int, segment: Segment) -> Array:
+    """Return the row of a bounded signal, or of the boundary control held on a segment."""
+    if limit == FORCE:
+        return problem.limits[segment.limit].feedback / problem.force_limit
+    return problem.limits[limit].row
 
 
 def feedback_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:

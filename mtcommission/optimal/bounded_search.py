@@ -17,10 +17,18 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
 from mtcommission.optimal.bounded_arcs import Sequence
 from mtcommission.optimal.bounded_dip import with_dip
-from mtcommission.optimal.bounded_edit import VANISHED, pruned, with_switches, with_touch
-from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange
+from mtcommission.optimal.bounded_dual import dual_value, lower_bound
+from mtcommission.optimal.bounded_edit import (
+    VANISHED,
+    pruned,
+    with_short_arc,
+    with_switches,
+    with_touch,
+)
+from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, Sight, lay_out
-from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_relaxation
+from mtcommission.optimal.bounded_measure import stretches
+from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh, solve_relaxation
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_rows import Layout
@@ -47,9 +55,9 @@ those before, with an order above 2 among the bounds: on smaller cells touch poi
 towards an arc look like its end."""
 EASES = (1.0, 1.7, 2.5, 3.5, 5.0, 7.0)
 """Factors tried on the cells wanted until a program is small enough."""
-FIRST_LARGEST, LARGEST = 1.5e9, 3e9
+FIRST_LARGEST, LARGEST, SPLIT_LARGEST = 1.5e9, 3e9, 1.2e10
 """Effort of a program that the simplex method ends within some seconds, for the first mesh, where
-many of the features are none, and for others."""
+many of the features are none, for others, and for one with a basis to start from."""
 SETBACK = 1e-3
 """Reach below 1 on a finer mesh that betrays a core where the bound is not held."""
 EDITS = 30
@@ -64,6 +72,11 @@ SLIVER = 1e-6
 """Share of t_f of a piece that is taken out if the sequence can be solved without it."""
 FINISHED = 2
 """Mesh controls that are finished at most; one with long cores may not reach full precision."""
+LAST_SPLITS, WORTHWHILE = 3, 0.7
+"""Times the cells of the best mesh are split once more at the end, and the share to which the gap
+falls at least if it is to be done again."""
+TIMELY = 1e-5
+"""Distance of the reach from 1 up to which switches stay where the cells were split."""
 HOPELESS = 0.3
 """Gap of a first mesh that is split at once; from others the next mesh is found at less cost."""
 ENOUGH = 0.7
@@ -108,14 +121,14 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
         if exact is not None:
             return exact
-        gap = _enclosed_gap(problem, now, kept, relaxed)
+        gap = _enclosed_gap(problem, now.dual_value, kept, relaxed)
         if seen or gap > HOPELESS:
-            kept, relaxed = sharpened(problem, kept, relaxed, largest=LARGEST)
+            kept, relaxed = sharpened(problem, kept, relaxed, largest=SPLIT_LARGEST)
         if relaxed is not coarse:
             now, exact = _read(problem, kept, relaxed, unsplit=coarse.layout)
             if exact is not None:
                 return exact
-            gap = _enclosed_gap(problem, now, kept, relaxed)
+            gap = _enclosed_gap(problem, now.dual_value, kept, relaxed)
         crowded = problem.has_high_order and any(one.gap < gap for one in seen)
         sight = replace(now.sight, room=sight.room * (WIDER if crowded else 1.0))
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
@@ -142,13 +155,13 @@ def _read(
 
 
 def _enclosed_gap(
-    problem: BoundedProblem, now: Look, kept: MeshOptimum, relaxed: MeshOptimum
+    problem: BoundedProblem, value: float, kept: MeshOptimum, relaxed: MeshOptimum
 ) -> float:
-    """Return the relative distance of the times that the two forms of a program give."""
+    """Return the relative distance of the times of the two forms, given the dual value."""
     along = float(relaxed.measure.terminal @ problem.target)
     if along == 0.0:
         return inf  # multipliers that do not weigh the move prove nothing of it
-    reach = now.dual_value / along
+    reach = value / along
     return (reach - kept.reach) / max(kept.slope * kept.layout.t_f, LEAST_SLOPE)
 
 
@@ -157,14 +170,49 @@ def _best_on_mesh(problem: BoundedProblem, seen: list[_Enclosure]) -> Found | No
     best: Found | None = None
     if not seen:
         return None
-    relaxed = min(seen, key=lambda one: abs(one.gap)).relaxed
+    seen = [*seen, _split_on(problem, min(seen, key=lambda one: abs(one.gap)))]
+    proof = max((one.relaxed for one in seen), key=lambda form: lower_bound(problem, form.measure))
     for one in sorted(seen, key=lambda one: abs(one.gap))[:FINISHED]:
-        found = on_mesh(problem, one.kept, relaxed)
+        found = on_mesh(problem, one.kept, proof)
         if found is not None and (best is None or found.gap < best.gap):
             best = found
         if best is not None and best.gap <= GAP:
             break
     return best
+
+
+def _split_on(problem: BoundedProblem, last: _Enclosure) -> _Enclosure:
+    """Return an enclosure whose cells were split as long as that brings its two times closer."""
+    for _ in range(LAST_SPLITS):
+        timely = _retimed(problem, last)
+        kept, relaxed = sharpened(problem, timely.kept, timely.relaxed, largest=SPLIT_LARGEST)
+        measure = relaxed.measure
+        value = dual_value(problem, stretches(problem, measure), measure.atoms).value
+        gap = _enclosed_gap(problem, value, kept, relaxed)
+        if relaxed is last.relaxed or (timely is last and gap > WORTHWHILE * last.gap):
+            break
+        last = _Enclosure(kept=kept, relaxed=relaxed, gap=gap)
+    return last
+
+
+def _retimed(problem: BoundedProblem, one: _Enclosure) -> _Enclosure:
+    """Return an enclosure at the t_f that it calls for, where that moves its switches notably."""
+    if abs(one.kept.reach - 1.0) < TIMELY:
+        return one
+    t_f = later(one.kept.layout, one.kept)
+    kept, relaxed = (
+        solve_mesh(
+            problem,
+            form.layout.stretched(t_f),
+            relaxed=form is one.relaxed,
+            start=form.basis,
+            solvable=True,
+        )
+        for form in (one.kept, one.relaxed)
+    )
+    if kept is None or relaxed is None:
+        return one
+    return _Enclosure(kept=replace(kept, slope=one.kept.slope), relaxed=relaxed, gap=inf)
 
 
 def _kept(problem: BoundedProblem, sight: Sight, *, most: float, first: bool) -> MeshOptimum | None:
@@ -251,7 +299,7 @@ def _edited(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     if edited is not None or extremal.residual > RESIDUAL:
         return edited
     # What the multipliers call for comes first: the motion is that of another sequence then.
-    for edit in (with_dip, with_switches, with_touch):
+    for edit in (with_dip, with_switches, with_short_arc, with_touch):
         edited = edit(problem, extremal)
         if edited is not None:
             return edited

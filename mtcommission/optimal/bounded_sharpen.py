@@ -14,8 +14,8 @@ import numpy as np
 from highspy import HighsBasisStatus
 from numpy.typing import NDArray
 
+from mtcommission.optimal.bounded_breaches import breaches
 from mtcommission.optimal.bounded_dual import dual_value
-from mtcommission.optimal.bounded_exchange import breaches
 from mtcommission.optimal.bounded_measure import stretches
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh
 from mtcommission.optimal.bounded_problem import BoundedProblem

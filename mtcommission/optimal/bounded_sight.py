@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded_arcs import Sequence
+from mtcommission.optimal.bounded_breaches import BROKEN, breaches_in_cores, untenable
 from mtcommission.optimal.bounded_dual import dual_value, negative_zones
-from mtcommission.optimal.bounded_exchange import BROKEN, breaches_in_cores, later, untenable
+from mtcommission.optimal.bounded_exchange import later
 from mtcommission.optimal.bounded_layout import SHRINK, Sight, feature_places, off_arcs
 from mtcommission.optimal.bounded_measure import Measure, Stretch, stretches
 from mtcommission.optimal.bounded_mesh import MeshOptimum
