@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import ceil, floor, isfinite, log10
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits import MotionLimits, condense
@@ -193,7 +193,7 @@ def find_damping_optimum(
         FINAL_TIME_TOO_SHORT if t_f < least, with t_f,min in the message.
     """
     if t_f < least:
-        detail = f"t_f = {1e3 * t_f:.9g} ms, but t_f,min = {1e3 * least:.9g} ms"
+        detail = f"t_f = {1e3 * t_f:.9g} ms, but t_f,min = {_rounded_up(1e3 * least):.9g} ms"
         raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
     force = machine.drive.motion_force
     weights = machine.damping_optimal.weights
@@ -236,3 +236,9 @@ def condense_optima(
             limits = condense(item.move, motion, velocity=plant.velocity, shortest_ramp=cycle)
             found.append((f"closest to the {name} control{place}", limits))
     return tuple(found)
+
+
+def _rounded_up(value: float) -> float:
+    """Return a time with nine digits that is not refused once more when it is typed in."""
+    digit = 10.0 ** (floor(log10(value)) - 8)
+    return ceil(value / digit) * digit

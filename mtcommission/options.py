@@ -249,6 +249,29 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     )
 
 
+def final_time_origin(machine: Machine, request: OptimalRequest) -> str:
+    """Return what chose the final time of a damping-optimal control; empty for a time-optimal one.
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+    request
+        From ``read_optimal_request``.
+
+    Returns
+    -------
+    str
+    """
+    if request.kind == "time":
+        return ""
+    if request.t_f:
+        return "that of --t-f"
+    if machine.damping_optimal.t_f:
+        return "that of the profile (damping_optimal.t_f)"
+    return f"{DAMPING_TIME_FACTOR:g} times t_f,min: neither --t-f nor the profile gives one"
+
+
 def _move(
     machine: Machine, *, velocity_step: str, distance: str, number: int, faults: list[Fault]
 ) -> Move:

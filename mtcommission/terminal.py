@@ -109,9 +109,9 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) ->
 
 
 def describe_optimum(
-    machine: Machine, plant: Plant, solution: TimeOptimum | DampingOptimum
+    machine: Machine, plant: Plant, solution: TimeOptimum | DampingOptimum, *, origin: str = ""
 ) -> Group:
-    """Return arcs, peaks and proof of an optimal control."""
+    """Return arcs, peaks and proof of an optimal control; ``origin`` tells what chose its t_f."""
     printed = _formatter(machine)
     arcs = _table("Arc", "From", "To", "F_set")
     # Interior control is kept in many short pieces; to the reader they are one arc.
@@ -141,8 +141,7 @@ def describe_optimum(
             else f"No control is faster than {1e3 * proof.t_f_lower_bound:.6f} ms "
             f"(relative gap {proof.relative_gap:.1e})."
         )
-        holds = "holds" if proof.switching_law_holds else "DOES NOT HOLD"
-        lines.append(f"Switching law F_set = -sign(lambda_F) F_max: {holds}.")
+        lines.append(_law_line(solution))
         if proof.relative_gap > TIGHT_GAP:
             slower = 100.0 * proof.relative_gap
             lines.append(
@@ -150,13 +149,47 @@ def describe_optimum(
             )
         lines += _touch_lines(solution)
     else:
-        lines.append(
-            f"Cost {solution.cost:.9g} N^2 s; law (16) kept to {solution.law_residual:.1e} F_max."
-        )
-        weights = ", ".join(f"{item.state} {item.value:.5g}" for item in solution.weights)
-        lines.append(f"Weights: {weights}")
+        lines += _damping_lines(machine, plant, solution, origin)
     kind = "Time-optimal" if isinstance(solution, TimeOptimum) else "Damping-optimal"
     return Group(_heading(f"{kind} control"), *map(Text, lines), arcs, peaks)
+
+
+def _law_line(solution: TimeOptimum) -> str:
+    """Return whether the force switches with the adjoint, or why that is not to be seen."""
+    law = "Switching law F_set = -sign(lambda_F) F_max"
+    if solution.certificate.switching_law_holds:
+        return f"{law}: holds."
+    loose = sum(arc.t_end - arc.t_start for arc in solution.arcs if arc.control == "interior")
+    if solution.method != "exact" or not loose:
+        return f"{law}: DOES NOT HOLD."
+    share = 100.0 * loose / solution.t_f
+    return (
+        f'{law}: kept to one cell of a mesh. Arcs named "interior" ({share:.2g} % of t_f) stand for'
+        " switches and touch points too close to be told apart; the proof of t_f does not rest on"
+        " them."
+    )
+
+
+def _damping_lines(
+    machine: Machine, plant: Plant, solution: DampingOptimum, origin: str
+) -> list[str]:
+    """Return cost and weights with their units and where they come from."""
+    force = _squared(machine.measures.force.si)
+    weights = [
+        f"{item.state} {item.value:.5g} {force}/{_squared(plant.unit(item.state))}"
+        for item in solution.weights
+    ]
+    chosen = "from the profile" if machine.damping_optimal.weights else "balanced"
+    law = f"law (16) kept to {solution.law_residual:.1e} F_max."
+    return [
+        *([f"t_f is {origin}."] if origin else []),
+        f"Cost {solution.cost:.9g} {force} s; {law}",
+        f"Weights, {chosen}: {', '.join(weights)}",
+    ]
+
+
+def _squared(unit: str) -> str:
+    return f"({unit})^2" if set(unit) & set(" /^") else f"{unit}^2"
 
 
 def _limit_lines(

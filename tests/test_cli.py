@@ -137,7 +137,25 @@ def test_too_short_final_time_is_refused_with_the_least_one(run: Run) -> None:
     # a time that is too short by a nanosecond must not look the same as the least one
     code, _, err = run("optimal", PAPER, "--kind", "damping", "--t-f", "43.520364ms")
     assert code == 3
-    assert "t_f = 43.520364 ms, but t_f,min = 43.5203643 ms" in err
+    assert "t_f = 43.520364 ms, but t_f,min = 43.5203644 ms" in err
+    # whoever types that time in is not refused once more
+    code, out, _ = run("optimal", PAPER, "--kind", "damping", "--t-f", "43.5203644ms")
+    assert code == 0
+    assert "t_f is that of --t-f." in out
+
+
+def test_a_damping_optimal_control_tells_where_its_numbers_are_from(run: Run) -> None:
+    """A weight without its unit, or a time nobody asked for, cannot be checked."""
+    for more, said in (
+        ((PAPER,), "t_f is that of the profile"),
+        ((PROFILES / "rotary-table.toml",), "t_f is 1.2 times t_f,min"),
+    ):
+        code, out, _ = run("optimal", *more, "--kind", "damping")
+        text = " ".join(out.split())
+        assert code == 0
+        assert said in text
+    assert "Weights, balanced: q_plate" in text
+    assert "(N m)^2/(N m s^2)^2" in text
 
 
 def test_a_grid_does_not_pretend_to_a_proof(run: Run) -> None:
@@ -276,6 +294,22 @@ def test_a_control_on_a_mesh_says_how_far_it_is_from_the_optimum() -> None:
     assert "At most 0.002 % slower than the optimum" in text
     assert "42 touch points more" in text
     assert text.count("touched at") == 8
+
+
+def test_arcs_on_a_mesh_are_not_reported_as_a_broken_law() -> None:
+    """The law holds for the optimum; what a mesh shows of it is known to one cell."""
+    machine = paper_machine()
+    plant = build_plant(machine)
+    bound = Bound(name="phi", value=5e-5)
+    optimum = solve_bounded_time_optimal(plant, machine.moves[0], force_limit=2e3, bounds=(bound,))
+    assert not optimum.certificate.switching_law_holds
+    text = " ".join(shown(machine, plant, optimum).split())
+    assert "kept to one cell of a mesh" in text
+    assert "DOES NOT HOLD" not in text
+    loose = sum(arc.t_end - arc.t_start for arc in optimum.arcs if arc.control == "interior")
+    assert f"({100.0 * loose / optimum.t_f:.2g} % of t_f)" in text
+    broken = tuple(replace(arc, control="+F_max") for arc in optimum.arcs)
+    assert "DOES NOT HOLD" in shown(machine, plant, replace(optimum, arcs=broken))
 
 
 def shown(machine: Machine, plant: Plant, optimum: TimeOptimum) -> str:

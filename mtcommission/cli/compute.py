@@ -126,7 +126,12 @@ def optimal(
 
     from mtcommission.csv_texts import motion_csv
     from mtcommission.files import require_writable, write_text
-    from mtcommission.options import OptimalRequest, read_optimal_request, solve
+    from mtcommission.options import (
+        OptimalRequest,
+        final_time_origin,
+        read_optimal_request,
+        solve,
+    )
     from mtcommission.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.optima import optimum_entry
@@ -160,7 +165,8 @@ def optimal(
     if csv_file:
         write_text(csv_file, motion_csv(plant, solution))
     if "-" not in (json_file, csv_file):
-        show(describe_optimum(machine, plant, solution))
+        origin = final_time_origin(machine, request)
+        show(describe_optimum(machine, plant, solution, origin=origin))
 
 
 def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOption = "") -> None:
