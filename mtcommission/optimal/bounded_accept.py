@@ -108,6 +108,7 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
     Found or None
     """
     layout, found, slope = kept.layout, kept, kept.slope
+    sizes = kept.sizes[problem.fixed]
     for attempt in range(FINISHING_STEPS):
         over = [
             *breaches(problem, found, tolerance=EXCESS),
@@ -135,7 +136,9 @@ def on_mesh(problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum) ->
         contacts = tuple(dict.fromkeys([*layout.contacts, *worse]))
         layout = replace(layout, contacts=contacts, margin=margin).stretched(t_f)
         # A control like this one exists, or nearly: a verdict against it is rounding.
-        following = solve_mesh(problem, layout, relaxed=False, start=found.basis, solvable=True)
+        following = solve_mesh(
+            problem, layout, relaxed=False, start=found.basis, solvable=True, sizes=sizes
+        )
         if following is None:
             return None
         slope = _slope(found, following) if attempt else following.slope

@@ -90,6 +90,12 @@ class MeshOptimum:
         """Return a state from its affine map of shape (n, n_unknowns + 2)."""
         return np.asarray(ends @ np.concatenate([self.unknowns, [self.reach, 1.0]]))
 
+    @property
+    def sizes(self) -> Array:
+        """Largest magnitude of each state at the ends of cells and cores, shape (n,)."""
+        states = np.array([self.state(segment.last) for segment in self.segments])
+        return np.asarray(np.abs(states).max(axis=0))
+
 
 def solve_mesh(
     problem: BoundedProblem,
@@ -98,6 +104,7 @@ def solve_mesh(
     relaxed: bool,
     start: Basis | None = None,
     solvable: bool = False,
+    sizes: Array | None = None,
 ) -> MeshOptimum | None:
     """Return the best control on a mesh, or None if the cores cannot be held.
 
@@ -113,6 +120,9 @@ def solve_mesh(
         Basis of the same form on the same cells, with fewer contacts or another t_f.
     solvable
         Whether the program is known to have a solution.
+    sizes
+        Of the fixed states, shape (n_fixed,): what a miss of the target is relative to. A tight
+        bound leaves peaks far below what all cells together may reach, the default.
 
     Returns
     -------
@@ -127,7 +137,7 @@ def solve_mesh(
     if not relaxed:
         held_rows, held_rooms = feedback_rows(problem, segments)
         rows, rooms = np.vstack([held_rows, rows]), np.append(held_rooms, rooms)
-    equal, right = terminal_rows(problem, segments)
+    equal, right = terminal_rows(problem, segments, sizes=sizes)
     if not relaxed:
         held, levels = entry_rows(problem, layout, segments)
         equal, right = np.vstack([equal, held]), np.append(right, levels)
@@ -149,7 +159,7 @@ def solve_mesh(
         return None
     weights = -answer.rows[rooms.size - len(layout.contacts) :]
     terminal = np.zeros(problem.plant.order)
-    scale = terminal_scale(problem, segments)
+    scale = terminal_scale(problem, segments, sizes=sizes)
     terminal[problem.fixed] = answer.equal[: scale.size] * scale
     contacts = tuple(
         Contact(remaining=at.remaining, limit=at.limit, side=at.side, weight=float(max(w, 0.0)))

@@ -284,7 +284,9 @@ def feedback_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tup
     return stacked[:, :-1], 1.0 - stacked[:, -1]
 
 
-def terminal_scale(problem: BoundedProblem, segments: tuple[Segment, ...]) -> Array:
+def terminal_scale(
+    problem: BoundedProblem, segments: tuple[Segment, ...], *, sizes: Array | None = None
+) -> Array:
     """Return the scale of the terminal equations.
 
     Parameters
@@ -293,16 +295,22 @@ def terminal_scale(problem: BoundedProblem, segments: tuple[Segment, ...]) -> Ar
         The bounded problem.
     segments
         With their affine maps.
+    sizes
+        Of the fixed states, shape (n_fixed,); else what all cells together may reach.
 
     Returns
     -------
     ndarray, shape (n_fixed,)
     """
+    if sizes is not None:
+        return 1.0 / sizes
     sizes = np.abs(segments[-1].last[problem.fixed]).sum(axis=1)
     return np.asarray(1.0 / np.maximum(sizes, np.abs(problem.target[problem.fixed])))
 
 
-def terminal_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tuple[Array, Array]:
+def terminal_rows(
+    problem: BoundedProblem, segments: tuple[Segment, ...], *, sizes: Array | None = None
+) -> tuple[Array, Array]:
     """Return the scaled equations by which the motion ends at the reached multiple of the target.
 
     Parameters
@@ -311,12 +319,14 @@ def terminal_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tup
         The bounded problem.
     segments
         With their affine maps.
+    sizes
+        Of the fixed states, shape (n_fixed,); else what all cells together may reach.
 
     Returns
     -------
     tuple of ndarray, shapes (n_fixed, n_unknowns + 1) and (n_fixed,)
     """
-    final, scale = segments[-1].last[problem.fixed], terminal_scale(problem, segments)
+    final, scale = segments[-1].last[problem.fixed], terminal_scale(problem, segments, sizes=sizes)
     rows = final[:, :-1].copy()
     rows[:, -1] -= problem.target[problem.fixed]
     return rows * scale[:, np.newaxis], -final[:, -1] * scale

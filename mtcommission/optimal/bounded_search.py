@@ -27,7 +27,7 @@ from mtcommission.optimal.bounded_edit import (
 )
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
 from mtcommission.optimal.bounded_layout import MOST_GROWTH, Sight, lay_out
-from mtcommission.optimal.bounded_measure import stretches
+from mtcommission.optimal.bounded_measure import Core, stretches
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh, solve_relaxation
 from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem
@@ -222,11 +222,13 @@ def _kept(problem: BoundedProblem, sight: Sight, *, most: float, first: bool) ->
     """
     largest = FIRST_LARGEST if first else min(LARGEST, most)
     few = problem.has_high_order and not first
+    tried: list[tuple[Core, ...]] = []
     for room, share in FEWER_CORES if few else CORES:
         spaced = replace(sight, room=sight.room * room, least_core=share)
         layout = _laid_out(problem, spaced, largest)
-        if layout.effort > most and not first:
+        if (layout.effort > most and not first) or layout.cores in tried:
             continue
+        tried.append(layout.cores)
         kept = exchange(problem, layout)
         if kept is not None and (first or kept.reach > 1.0 - SETBACK):
             return kept
