@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
-from math import isnan
+from math import inf, isnan
 
 from rich.console import Console, Group, RenderableType
 from rich.markup import escape
@@ -40,6 +40,8 @@ SHOWN_TOUCHES = 8
 """Touch points printed; a control on a mesh has hundreds."""
 REACHED = 1e-6
 """Relative distance of a peak from its limit within which the limit acts."""
+EXCEEDED = 1e-6
+"""Relative excess over a limit that is told: a grid keeps it at its points only."""
 
 
 def show(content: RenderableType) -> None:
@@ -158,7 +160,9 @@ def _law_line(solution: TimeOptimum) -> str:
     """Return whether the force switches with the adjoint, or why that is not to be seen."""
     law = "Switching law F_set = -sign(lambda_F) F_max"
     if solution.certificate.switching_law_holds:
-        return f"{law}: holds."
+        held = any(arc.control.startswith("boundary:") for arc in solution.arcs)
+        where = " within a step of the grid" if solution.method == "transcription" else ""
+        return f"{law}: holds{where}{' off the boundary arcs' if held else ''}."
     loose = sum(arc.t_end - arc.t_start for arc in solution.arcs if arc.control == "interior")
     if solution.method != "exact" or not loose:
         return f"{law}: DOES NOT HOLD."
@@ -166,7 +170,7 @@ def _law_line(solution: TimeOptimum) -> str:
     return (
         f'{law}: kept to one cell of a mesh. Arcs named "interior" ({share:.2g} % of t_f) stand for'
         " switches and touch points too close to be told apart; the proof of t_f does not rest on"
-        " them."
+        " them. What the force does there is in --csv."
     )
 
 
@@ -183,8 +187,22 @@ def _damping_lines(
     law = f"law (16) kept to {solution.law_residual:.1e} F_max."
     return [
         *([f"t_f is {origin}."] if origin else []),
+        *_velocity_lines(plant, solution),
         f"Cost {solution.cost:.9g} {force} s; {law}",
         f"Weights, {chosen}: {', '.join(weights)}",
+    ]
+
+
+def _velocity_lines(plant: Plant, solution: DampingOptimum) -> list[str]:
+    """Return by how much the move's max_velocity, which the functional knows not, is exceeded."""
+    most = getattr(solution.move, "max_velocity", inf)
+    share = float(solution.peaks[plant.velocity]) / most - 1.0
+    if share <= EXCEEDED:
+        return []
+    name = plant.states[plant.velocity]
+    return [
+        f"max_velocity is no part of this optimum: |{name}| exceeds it by {100.0 * share:.2g} %;"
+        f" --limit {name}=... with --method transcription keeps it."
     ]
 
 
@@ -199,7 +217,10 @@ def _limit_lines(
     peaks = dict(zip(plant.signals, solution.peaks.tolist(), strict=True))
     lines = []
     for bound in solution.bounds:
-        acts = "reached" if peaks[bound.name] > (1.0 - REACHED) * bound.value else "not reached"
+        share = peaks[bound.name] / bound.value - 1.0
+        acts = "reached" if share > -REACHED else "not reached"
+        if share > EXCEEDED:
+            acts = f"exceeded by {100.0 * share:.1g} % between the points of the grid"
         value = printed.quantity(bound.value, plant.unit(bound.name))
         lines.append(f"Limit |{bound.name}| <= {value}: {acts}.")
     return lines
