@@ -13,6 +13,7 @@ from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch, piece_stat
 from mtcommission.optimal.bounded_breaches import breaches, breaches_in_cores, overloads
 from mtcommission.optimal.bounded_dual import lower_bound
 from mtcommission.optimal.bounded_edit import pruned, with_short_arc
+from mtcommission.optimal.bounded_exact import solve_exactly
 from mtcommission.optimal.bounded_exchange import exchange
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight, lay_out
@@ -23,7 +24,6 @@ from mtcommission.optimal.bounded_newton import solve_sequence
 from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
 from mtcommission.optimal.bounded_reading import read_contacts
 from mtcommission.optimal.bounded_rows import FORCE, Contact, bound_rows
-from mtcommission.optimal.bounded_search import solve_exactly
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bound

@@ -13,6 +13,7 @@ from benchmarks.constrained_survey import cases, judge, largest_excess
 from mtcommission.optimal.bounded_arcs import Piece, Sequence
 from mtcommission.optimal.bounded_breaches import _peaks
 from mtcommission.optimal.bounded_edit import pruned, with_switches, with_touch
+from mtcommission.optimal.bounded_exact import solve_exactly
 from mtcommission.optimal.bounded_exchange import exchange
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import Sight, feature_places, first_sight, lay_out
@@ -23,7 +24,6 @@ from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
 from mtcommission.optimal.bounded_program import Program, solve_program
 from mtcommission.optimal.bounded_reading import Reading, _driven, place_touches, read_contacts
 from mtcommission.optimal.bounded_rows import Contact
-from mtcommission.optimal.bounded_search import solve_exactly
 from mtcommission.optimal.closed_form import impulse_response, step_response
 from mtcommission.optimal.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bound

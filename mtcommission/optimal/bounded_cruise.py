@@ -17,11 +17,12 @@ from mtcommission.errors import ComputationError
 from mtcommission.machine import Positioning
 from mtcommission.optimal.bounded_accept import Found
 from mtcommission.optimal.bounded_arcs import Sequence, arc_piece
+from mtcommission.optimal.bounded_exact import solve_exactly
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_reading import place_touches
-from mtcommission.optimal.bounded_search import search, solve_exactly
+from mtcommission.optimal.bounded_search import search
 from mtcommission.optimal.time_optimal import solve_time_optimal
 
 PERIODS = (3.0, 4.3)

@@ -7,29 +7,21 @@ keeps force, bounds and target, and the multipliers prove that no control is fas
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded_accept import GAP, Found, accepted, on_mesh
-from mtcommission.optimal.bounded_arcs import Sequence
-from mtcommission.optimal.bounded_dip import with_dip
+from mtcommission.optimal.bounded_accept import GAP, Found, on_mesh
 from mtcommission.optimal.bounded_dual import dual_value, lower_bound
-from mtcommission.optimal.bounded_edit import (
-    VANISHED,
-    pruned,
-    with_short_arc,
-    with_switches,
-    with_touch,
-)
+from mtcommission.optimal.bounded_edit import pruned
+from mtcommission.optimal.bounded_exact import holds_high_order, solve_exactly
 from mtcommission.optimal.bounded_exchange import LEAST_SLOPE, exchange, later
-from mtcommission.optimal.bounded_layout import MOST_GROWTH, Sight, lay_out
+from mtcommission.optimal.bounded_layout import Sight, lay_out
 from mtcommission.optimal.bounded_measure import Core, stretches
 from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh, solve_relaxation
-from mtcommission.optimal.bounded_newton import RESIDUAL, Extremal, solve_sequence
+from mtcommission.optimal.bounded_newton import Extremal
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_rows import Layout
 from mtcommission.optimal.bounded_sharpen import sharpened
@@ -60,16 +52,8 @@ FIRST_LARGEST, LARGEST, SPLIT_LARGEST = 1.5e9, 3e9, 1.2e10
 many of the features are none, for others, and for one with a basis to start from."""
 SETBACK = 1e-3
 """Reach below 1 on a finer mesh that betrays a core where the bound is not held."""
-EDITS = 30
-"""Changes of a sequence in one round: pieces taken out, dips and touch points put in."""
-SHARP = 1e-9
-"""Gap of an accepted sequence below which it is not edited any more."""
-VISITS = 2
-"""How often the same sequence is solved in one round: from durations of its own each time."""
 SPLINTER = 2e-4
 """Share of t_f of a piece that may be the ripple of a mesh: left out where it leads nowhere."""
-SLIVER = 1e-6
-"""Share of t_f of a piece that is taken out if the sequence can be solved without it."""
 FINISHED = 2
 """Mesh controls that are finished at most; one with long cores may not reach full precision."""
 LAST_SPLITS, WORTHWHILE = 3, 0.7
@@ -134,7 +118,7 @@ def search(problem: BoundedProblem, sight: Sight) -> Found | None:
         seen.append(_Enclosure(kept=kept, relaxed=relaxed, gap=gap))
         # Arcs of low order are exact, once they are read rightly: that is worth one mesh more.
         fine = sum(one.gap < ENOUGH * GAP for one in seen)
-        if gap < ENOUGH * GAP and (fine > 1 or _holds_high_order(problem, now.guess)):
+        if gap < ENOUGH * GAP and (fine > 1 or holds_high_order(problem, now.guess)):
             found = on_mesh(problem, kept, relaxed)
             if found is not None and found.gap <= GAP:
                 return found
@@ -242,76 +226,3 @@ def _laid_out(problem: BoundedProblem, sight: Sight, largest: float) -> Layout:
         if layout.effort < largest:
             break
     return layout
-
-
-def _holds_high_order(problem: BoundedProblem, guess: Sequence) -> bool:
-    return any(p.limit >= 0 and problem.limits[p.limit].order > 2 for p in guess.pieces)
-
-
-def solve_exactly(problem: BoundedProblem, guess: Sequence) -> Found | None:
-    """Return the accepted extremal of a sequence, edited while its conditions call for it.
-
-    Parameters
-    ----------
-    problem
-        The bounded problem.
-    guess
-        Sequence with approximate durations.
-
-    Returns
-    -------
-    Found or None
-    """
-    seen: Counter[tuple[tuple[int, ...], ...]] = Counter()
-    best: Found | None = None
-    for _ in range(EDITS):
-        # An edit may lead back to a sequence with better durations, but not in circles.
-        seen[_shape(guess)] += 1
-        if seen[_shape(guess)] > VISITS or not _may_be_solved(problem, guess):
-            break
-        extremal = solve_sequence(problem, guess)
-        found = accepted(problem, extremal)
-        if found is not None and (best is None or found.gap < best.gap):
-            best = _simplest(problem, extremal, found)
-        # An accepted sequence with a gap left still breaks a condition, if by little.
-        edited = _edited(problem, extremal) if found is None or found.gap > SHARP else None
-        if edited is None:
-            break
-        guess = edited
-    return best
-
-
-def _may_be_solved(problem: BoundedProblem, guess: Sequence) -> bool:
-    """Return whether there are equations for all pieces, and digits enough to solve them."""
-    if _holds_high_order(problem, guess) or guess.pieces[-1].limit >= 0:
-        return False
-    arcs = [piece for piece in guess.pieces if piece.limit >= 0]
-    return all(problem.limits[p.limit].growth * p.duration <= MOST_GROWTH for p in arcs)
-
-
-def _shape(sequence: Sequence) -> tuple[tuple[int, ...], ...]:
-    """Return what tells two sequences apart, the durations left out."""
-    pieces = tuple((piece.limit, piece.side) for piece in sequence.pieces)
-    touches = tuple((touch.piece, touch.limit, touch.side) for touch in sequence.touches)
-    return (*pieces, (-2, -2), *touches)
-
-
-def _edited(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
-    edited = pruned(problem, extremal, least=VANISHED)
-    if edited is not None or extremal.residual > RESIDUAL:
-        return edited
-    # What the multipliers call for comes first: the motion is that of another sequence then.
-    for edit in (with_dip, with_switches, with_short_arc, with_touch):
-        edited = edit(problem, extremal)
-        if edited is not None:
-            return edited
-    return None
-
-
-def _simplest(problem: BoundedProblem, extremal: Extremal, found: Found) -> Found:
-    """Return the same optimum without slivers, which a sequence may hold at no cost."""
-    guess = pruned(problem, extremal, least=SLIVER)
-    if guess is None:
-        return found
-    simpler = accepted(problem, solve_sequence(problem, guess))
-    return found if simpler is None else simpler

@@ -16,6 +16,7 @@ from mtcommission.machine import Move, VelocityStep
 from mtcommission.optimal.bounded_accept import GAP, Found
 from mtcommission.optimal.bounded_cruise import cruise_periods, lengthened_cruise
 from mtcommission.optimal.bounded_dual import dual_value
+from mtcommission.optimal.bounded_exact import solve_exactly
 from mtcommission.optimal.bounded_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.bounded_grid import solve_grid_time
 from mtcommission.optimal.bounded_layout import first_sight
@@ -26,7 +27,7 @@ from mtcommission.optimal.bounded_problem import (
     bounded_problem,
     bounds_text,
 )
-from mtcommission.optimal.bounded_search import search, solve_exactly
+from mtcommission.optimal.bounded_search import search
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.solution import Bound, Certificate, TimeOptimum, TouchPoint
 from mtcommission.optimal.time_optimal import solve_time_optimal
