@@ -17,14 +17,13 @@ from mtcommission.optimal.solution import (
     Bound,
     DampingOptimum,
     TimeOptimum,
+    excess_velocity,
     sample_trajectory,
 )
 from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.optimal.weights import balanced_weights
 from mtcommission.plant import Plant
 
-EXCEEDED = 1e-6
-"""Relative excess over max_velocity that is worth a remark."""
 DAMPING_TIME_FACTOR = 1.2
 """Default t_f of the damping-optimal control over t_f,min where no peaks are bounded
 (the project's definition)."""
@@ -112,13 +111,12 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
         damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
     except ComputationError as error:
         remarks.append(f"Damping-optimal control: {error}.")
-    if damping and isinstance(move, Positioning):
-        share = float(damping.peaks[plant.velocity]) / move.max_velocity
-        if share > 1.0 + EXCEEDED:
-            remarks.append(
-                f"The damping-optimal control reaches {share:.4g} times max_velocity: its "
-                "functional knows no limits on states."
-            )
+    excess = excess_velocity(plant, damping) if damping else 0.0
+    if excess:
+        remarks.append(
+            f"The damping-optimal control reaches {1.0 + excess:.4g} times max_velocity: its "
+            "functional knows no limits on states."
+        )
     return Optima(
         move=move,
         time=time,

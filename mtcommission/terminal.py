@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
-from math import inf, isnan
+from math import isnan
 
 from rich.console import Console, Group, RenderableType
 from rich.markup import escape
@@ -15,7 +15,12 @@ from rich.table import Table
 from rich.text import Text
 
 from mtcommission.machine import Machine
-from mtcommission.optimal.solution import TIGHT_GAP, DampingOptimum, TimeOptimum
+from mtcommission.optimal.solution import (
+    TIGHT_GAP,
+    DampingOptimum,
+    TimeOptimum,
+    excess_velocity,
+)
 from mtcommission.plant import Plant, kalman_rank
 from mtcommission.record.schema import (
     Alternative,
@@ -195,13 +200,12 @@ def _damping_lines(
 
 def _velocity_lines(plant: Plant, solution: DampingOptimum) -> list[str]:
     """Return by how much the move's max_velocity, which the functional knows not, is exceeded."""
-    most = getattr(solution.move, "max_velocity", inf)
-    share = float(solution.peaks[plant.velocity]) / most - 1.0
-    if share <= EXCEEDED:
+    excess = excess_velocity(plant, solution)
+    if not excess:
         return []
     name = plant.states[plant.velocity]
     return [
-        f"max_velocity is no part of this optimum: |{name}| exceeds it by {100.0 * share:.2g} %;"
+        f"max_velocity is no part of this optimum: |{name}| exceeds it by {100.0 * excess:.2g} %;"
         f" --limit {name}=... with --method transcription keeps it."
     ]
 

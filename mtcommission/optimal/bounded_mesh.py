@@ -21,6 +21,7 @@ from mtcommission.optimal.bounded_measure import Atom, Measure
 from mtcommission.optimal.bounded_problem import BoundedProblem
 from mtcommission.optimal.bounded_program import Basis, Program, solve_program
 from mtcommission.optimal.bounded_rows import (
+    FORCE,
     Contact,
     Layout,
     Segment,
@@ -168,7 +169,7 @@ def solve_mesh(
     atoms = tuple(
         Atom(remaining=at.remaining, limit=at.limit, weight=at.side * at.weight)
         for at in contacts
-        if at.weight > 0.0
+        if at.weight > 0.0 and at.limit != FORCE
     )
     return MeshOptimum(
         layout=layout,

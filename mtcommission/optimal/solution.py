@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine import Move, Weight
+from mtcommission.machine import Move, Positioning, Weight
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.plant import Plant
 
@@ -243,6 +243,10 @@ TIGHT_GAP = 1e-6
 """Relative distance of t_f from its proved bound above which a reader is told of it."""
 
 
+EXCEEDED = 1e-6
+"""Relative excess over max_velocity that is worth a remark."""
+
+
 class Motion(Protocol):
     """What a control does to a plant."""
 
@@ -390,3 +394,25 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
                 z = transition @ z
         x = (balanced_expm(joint * (arc.t_end - arc.t_start)) @ begin)[: plant.order]
     return states
+
+
+def excess_velocity(plant: Plant, damping: DampingOptimum) -> float:
+    """Return the share by which a control exceeds its move's max_velocity, 0 where it does not.
+
+    Parameters
+    ----------
+    plant
+        Nominal.
+    damping
+        Its functional knows no limits on states.
+
+    Returns
+    -------
+    float
+        Relative to max_velocity.
+    """
+    move = damping.move
+    if not isinstance(move, Positioning):
+        return 0.0
+    excess = float(damping.peaks[plant.velocity]) / move.max_velocity - 1.0
+    return excess if excess > EXCEEDED else 0.0
