@@ -20,18 +20,18 @@ from pathlib import Path
 
 import numpy as np
 
-from mtcommission.choose import choose_limits
-from mtcommission.loop.extremes import find_extremes
-from mtcommission.loop.settling import settle
-from mtcommission.loop.tables import build_tables
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import Machine, Move, moving_mass
-from mtcommission.optima import condense_optima, find_optima
-from mtcommission.plant import Plant, build_plant
-from mtcommission.population import random_machine
-from mtcommission.profile import read_profile
-from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps
-from mtcommission.trials import judge
+from benchmarks.population import random_machine
+from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.optima import condense_optima, find_optima
+from mtcommission.loop.batch.extremes import find_extremes
+from mtcommission.loop.batch.settling import settle
+from mtcommission.loop.batch.tables import build_tables
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import Machine, Move, moving_mass
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.read import read_profile
+from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
+from mtcommission.study.evaluate import judge
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 SOONER = 0.98

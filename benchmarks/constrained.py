@@ -17,15 +17,15 @@ from time import process_time
 
 from benchmarks.constrained_survey import survey
 from mtcommission.errors import ComputationError
-from mtcommission.machine import Move, Positioning, VelocityStep
-from mtcommission.optimal import bounded_grid
-from mtcommission.optimal.bounded_problem import bounded_problem
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.discretisation import TranscriptionSettings
+from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.bounded import grid as bounded_grid
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded.problem import bounded_problem
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.optimal.transcription import transcribe_time_optimal
-from mtcommission.plant import Plant, build_plant
+from mtcommission.optimal.transcription.discretisation import TranscriptionSettings
+from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
+from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine
 
 STEP = VelocityStep(velocity_step=0.1)

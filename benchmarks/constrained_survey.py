@@ -15,13 +15,13 @@ from time import process_time
 import numpy as np
 from scipy.linalg import expm, matrix_balance
 
+from benchmarks.population import random_machine
 from mtcommission.errors import ComputationError
-from mtcommission.machine import Machine, Move, Positioning, VelocityStep
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Arc, Bound, TimeOptimum
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import Plant, build_plant
-from mtcommission.population import random_machine
+from mtcommission.plant.plant import Plant, build_plant
 
 RADIANS_PER_SAMPLE = 0.02
 """Samples among which the peaks are looked for; each is then followed to its top."""

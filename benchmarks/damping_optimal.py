@@ -20,14 +20,14 @@ from time import process_time
 import numpy as np
 
 from mtcommission.errors import ComputationError
-from mtcommission.machine import Move, Positioning, VelocityStep, Weight
-from mtcommission.optimal.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.discretisation import TranscriptionSettings
+from mtcommission.machine.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import DampingOptimum
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.optimal.transcription import transcribe_damping_optimal
-from mtcommission.optimal.weights import balanced_weights
-from mtcommission.plant import Plant, build_plant
+from mtcommission.optimal.transcription.discretisation import TranscriptionSettings
+from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
+from mtcommission.plant.plant import Plant, build_plant
 from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
 

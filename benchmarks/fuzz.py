@@ -36,7 +36,7 @@ from benchmarks.mutations import dice_of, mutated, mutated_values, shipped_texts
 from mtcommission import cli
 from mtcommission.errors import ComputationError
 from mtcommission.export.catalogue import control_keys
-from mtcommission.shipped import read_shipped, shipped_names
+from mtcommission.profile.shipped import read_shipped, shipped_names
 
 COMMANDS = ("check", "wizard", "optimal", "simulate", "limits", "run", "export", "sheet")
 QUICK = ("check", "wizard", "export")
@@ -155,7 +155,7 @@ def fault_of(command: str, ending: Ending, *, longest: float) -> str:
 
 def second_opinion(profile: Path) -> str:
     """What a program that shares nothing with the package finds broken in the recommendation."""
-    from mtcommission.profile import read_profile
+    from mtcommission.profile.read import read_profile
     from tests.test_second_program import broken_requirements
 
     try:

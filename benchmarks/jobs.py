@@ -148,11 +148,11 @@ def stages(repeats: int) -> list[Job]:
 
 def parts(repeats: int) -> list[Job]:
     """Single parts, warm."""
-    from mtcommission.choose import choose_limits
-    from mtcommission.loop.tuning import tune_loop
-    from mtcommission.plant import build_plant
-    from mtcommission.profile import read_profile
-    from mtcommission.robustness import run_monte_carlo
+    from mtcommission.limits.choose import choose_limits
+    from mtcommission.loop.tuning.tuning import tune_loop
+    from mtcommission.plant.plant import build_plant
+    from mtcommission.profile.read import read_profile
+    from mtcommission.study.robustness import run_monte_carlo
 
     machine = read_profile(PROFILE)
     plant, tuned = build_plant(machine), tune_loop(machine)

@@ -20,20 +20,20 @@ from time import process_time
 
 import numpy as np
 
-from mtcommission.choose import choose_limits
+from benchmarks.population import random_machine
 from mtcommission.errors import ComputationError
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import Machine, moving_mass
-from mtcommission.plant import Plant, build_plant
-from mtcommission.population import random_machine
-from mtcommission.rule import apply_commissioning_rule
-from mtcommission.rules import apply_rules
-from mtcommission.setpoint import plan_setpoint
-from mtcommission.shapers import compare_shapers
-from mtcommission.trials import Trial, judge
-from mtcommission.variations import as_variations
-from mtcommission.varied_response import follow_setpoints
+from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.loop.batch.varied_response import follow_setpoints
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.variations import as_variations
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.study.evaluate import Trial, judge
+from mtcommission.study.shapers import compare_shapers
 
 GRID = 10
 """Points of the brute force in each direction."""

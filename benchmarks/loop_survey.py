@@ -2,7 +2,7 @@
 
 Run as ``python -m benchmarks.loop_survey [--count 300] [--corners 60]``. Two groups:
 
-- ``count`` machines of ``mtcommission.population``, the cascade alone;
+- ``count`` machines of ``benchmarks.population``, the cascade alone;
 - ``corners`` machines with one to four modes, payload from 0 to 20 % of the moving mass and
   frequencies off by 5 % either way, with state feedback where it is of use, in turn without and
   with a second encoder near the tool.
@@ -22,10 +22,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from benchmarks.population import random_machine
 from mtcommission.errors import ComputationError
-from mtcommission.loop.tuning import TunedLoop, TuningSettings, tune_loop
-from mtcommission.machine import Machine, TcpSensor, moving_mass
-from mtcommission.population import random_machine
+from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
+from mtcommission.machine.machine import Machine, TcpSensor, moving_mass
 from tests.machines import random_modal_machine
 
 WANTED = TuningSettings()

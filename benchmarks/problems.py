@@ -14,10 +14,10 @@ from math import inf, isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine import Move, Positioning, VelocityStep, Weight
-from mtcommission.optimal.hamiltonian import state_scales, terminal_target
+from mtcommission.machine.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.optimal.damping.hamiltonian import state_scales, terminal_target
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant import Plant, build_plant
+from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine, random_modal_machine
 
 Array = NDArray[np.float64]

@@ -277,7 +277,7 @@ def _quality(scores: Sequence[Score]) -> Iterator[str]:
     machines = len({score.seed for score in scores})
     possible = len({score.seed for score in scores if score.is_met})
     yield (
-        "The machines are those of `mtcommission.population`, seeds 0 ... "
+        "The machines are those of `benchmarks.population`, seeds 0 ... "
         f"{max(score.seed for score in scores)}; {machines} of them have a loop that can be tuned, "
         f"and on {possible} some source meets all requirements: those count. Same loop, corners "
         "and judgement "

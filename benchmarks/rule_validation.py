@@ -24,18 +24,22 @@ from typing import Any
 
 import numpy as np
 
-from mtcommission.choose import SearchSettings, choose_limits
-from mtcommission.corners import corners
+from benchmarks.population import random_machine
 from mtcommission.errors import ComputationError
-from mtcommission.estimate import estimate_axis, ramp_vibration, servo_parts, vibrations
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import Machine, Positioning, moving_mass
-from mtcommission.plant import Plant, build_plant
-from mtcommission.population import random_machine
-from mtcommission.rule import apply_commissioning_rule
-from mtcommission.rules import dominant_mode
-from mtcommission.trials import judge
+from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.limits.commissioning_rule.estimate import (
+    estimate_axis,
+    ramp_vibration,
+    servo_parts,
+    vibrations,
+)
+from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.corners import corners
+from mtcommission.machine.machine import Machine, Positioning, moving_mass
+from mtcommission.plant.plant import Plant, build_plant, dominant_mode
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.evaluate import judge
 
 NAME = "commissioning-rule-validation"
 

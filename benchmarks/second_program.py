@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import argparse
 
+from benchmarks.population import random_machine
 from mtcommission.errors import ComputationError
-from mtcommission.population import random_machine
-from mtcommission.profile import read_profile
+from mtcommission.profile.read import read_profile
 from tests.test_second_program import PROFILES, broken_requirements
 
 

@@ -14,15 +14,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from mtcommission.estimate import HOLD_SHARE, LAG_SHARE
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.controller import Controller
-from mtcommission.loop.tuned import TunedLoop, close_loop, corner_plants
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import FlexibleMode, Machine, Modal, VelocityStep, moving_mass
-from mtcommission.plant import build_plant
-from mtcommission.population import random_machine
-from mtcommission.trials import run_moves
+from benchmarks.population import random_machine
+from mtcommission.limits.commissioning_rule.estimate import HOLD_SHARE, LAG_SHARE
+from mtcommission.loop.model.controller import Controller
+from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import FlexibleMode, Machine, Modal, VelocityStep, moving_mass
+from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.evaluate import run_moves
 
 RAMPS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
 """Lengths of the ramp times ω_v."""

@@ -9,27 +9,27 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from mtcommission.assess import Assessment
-from mtcommission.attainable import Attainable, find_attainable, find_least_residual
-from mtcommission.choose import Choice, choose_limits
-from mtcommission.comparison import ComparedControl, compare_controls
-from mtcommission.effort import require_affordable
-from mtcommission.feedforward import FedForward, feed_forward, follow_setpoint
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.continuous import ContinuousResponse, simulate_continuous
-from mtcommission.loop.tuning import TunedLoop
-from mtcommission.loop_choice import LoopChoice, Settings, settle_on_loop
-from mtcommission.loop_study import LoopStudy, study_loop
-from mtcommission.machine import Machine
-from mtcommission.move_sizes import MoveSizes, SetpointWay, vary_move_sizes
-from mtcommission.optima import Optima, condense_optima, find_optima, require_force
-from mtcommission.plant import Plant, build_plant
-from mtcommission.robustness import Robustness, examine_robustness
-from mtcommission.rule import RuleResult, apply_commissioning_rule
-from mtcommission.rules import apply_rules, apply_slower_ramps
-from mtcommission.shapers import compare_shapers
-from mtcommission.size_filter import find_size_filter
-from mtcommission.trials import MoveResult, Trial, judge, judge_moves, run_moves
+from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
+from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
+from mtcommission.limits.rules_of_thumb import apply_rules, apply_slower_ramps
+from mtcommission.loop.simulate.continuous import ContinuousResponse, simulate_continuous
+from mtcommission.loop.simulation_budget import require_affordable
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.assess import Assessment
+from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
+from mtcommission.study.comparison import ComparedControl, compare_controls
+from mtcommission.study.evaluate import MoveResult, Trial, judge, judge_moves, run_moves
+from mtcommission.study.feedforward import FedForward, feed_forward, follow_setpoint
+from mtcommission.study.loop_choice import LoopChoice, Settings, settle_on_loop
+from mtcommission.study.loop_study import LoopStudy, study_loop
+from mtcommission.study.move_sizes import MoveSizes, SetpointWay, vary_move_sizes
+from mtcommission.study.robustness import Robustness, examine_robustness
+from mtcommission.study.shapers import compare_shapers
+from mtcommission.study.size_filter import find_size_filter
 
 RULE_SOURCE = "this project, by hand; derived and validated in docs/commissioning-rule.md"
 

@@ -6,8 +6,8 @@ from difflib import get_close_matches
 
 from mtcommission.errors import Fault
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant import Plant
-from mtcommission.units import (
+from mtcommission.plant.plant import Plant
+from mtcommission.units.quantities import (
     ANGLE,
     ANGULAR_VELOCITY,
     FORCE,

@@ -7,25 +7,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
-from mtcommission.effort import require_few_cycles
 from mtcommission.errors import Fault, InputError
-from mtcommission.limits import MotionLimits
-from mtcommission.machine import Machine, Move, Positioning, VelocityStep
-from mtcommission.optima import (
+from mtcommission.limits.optima import (
     DAMPING_TIME_FACTOR,
     find_damping_optimum,
     find_time_optimum,
     require_force,
 )
-from mtcommission.optimal.discretisation import Scheme, TranscriptionSettings
+from mtcommission.loop.simulation_budget import require_few_cycles
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
-from mtcommission.optimal.transcription import (
+from mtcommission.optimal.transcription.discretisation import Scheme, TranscriptionSettings
+from mtcommission.optimal.transcription.transcription import (
     transcribe_damping_optimal,
     transcribe_time_optimal,
 )
 from mtcommission.option_texts import read_bound, read_positive
-from mtcommission.plant import Plant
-from mtcommission.units import (
+from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.units.quantities import (
     TIME,
 )
 

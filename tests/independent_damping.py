@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from mtcommission.optimal.hamiltonian import terminal_target
+from mtcommission.optimal.damping.hamiltonian import terminal_target
 from mtcommission.optimal.solution import Arc, DampingOptimum
-from mtcommission.plant import Plant
+from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

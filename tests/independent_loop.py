@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly
 from scipy.optimize import brentq
 
-from mtcommission.loop.controller import Controller
-from mtcommission.machine import (
+from mtcommission.loop.model.controller import Controller
+from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
     Machine,

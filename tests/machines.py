@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from mtcommission.machine import (
+from mtcommission.machine.machine import (
     Control,
     Drive,
     FlexibleMode,

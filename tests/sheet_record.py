@@ -6,9 +6,9 @@ from copy import deepcopy
 from math import exp, pi, sin
 from typing import Any
 
+from mtcommission.limits.commissioning_rule.rule import VALIDITY
 from mtcommission.record.files import find_checksum
 from mtcommission.record.schema import NO_LIMITS, Record
-from mtcommission.rule import VALIDITY
 
 HOSTILE = '<script>alert("1")</script> #set text(red) [bold]x[/bold] $x_1$ \\u{41} &amp; ÄÖÜß µ'
 """Markup of every printer at once, 80 characters or so, with umlauts."""

@@ -8,11 +8,11 @@ from math import inf
 import numpy as np
 import pytest
 
-from mtcommission.assess import Assessment, Check, assess, describe_place
-from mtcommission.corners import NOMINAL, Corner
-from mtcommission.loop.response import LoopResponse
-from mtcommission.machine import Machine, Motion, Peak
-from mtcommission.plant import build_plant
+from mtcommission.loop.simulate.response import LoopResponse
+from mtcommission.machine.corners import NOMINAL, Corner
+from mtcommission.machine.machine import Machine, Motion, Peak
+from mtcommission.plant.plant import build_plant
+from mtcommission.study.assess import Assessment, Check, assess, describe_place
 from tests.machines import paper_machine
 
 

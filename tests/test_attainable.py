@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from mtcommission.attainable import Attainable, find_attainable, find_least_residual
-from mtcommission.choose import SearchSettings, choose_limits
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Machine, Peak
-from mtcommission.plant import build_plant
-from mtcommission.trials import judge
+from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Machine, Peak
+from mtcommission.plant.plant import build_plant
+from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
+from mtcommission.study.evaluate import judge
 from tests.machines import paper_machine
 
 COARSE = SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)

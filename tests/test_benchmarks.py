@@ -17,16 +17,16 @@ from benchmarks.__main__ import with_row
 from benchmarks.answer import Answer, grid_answer, judge
 from benchmarks.child import Measurement, measure, read
 from benchmarks.limits_quality import BRUTE, SEARCH, Score, rank, search_by_grid
+from benchmarks.population import random_machine
 from benchmarks.problems import MAIN, NAMES, find_problem
 from benchmarks.race import Entry, entries, is_late, race, run
 from benchmarks.report import compose_report, measurement
 from benchmarks.tools import TOOLS, find_tool, is_installed, user_lines
-from mtcommission.choose import choose_limits
-from mtcommission.loop.tuning import tune_loop
+from mtcommission.limits.choose import choose_limits
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.optimal.solution import constant_arc
-from mtcommission.plant import build_plant
-from mtcommission.population import random_machine
-from mtcommission.trials import judge as judge_limits
+from mtcommission.plant.plant import build_plant
+from mtcommission.study.evaluate import judge as judge_limits
 
 DOCS = Path(__file__).parent.parent / "docs"
 

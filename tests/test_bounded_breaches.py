@@ -8,27 +8,27 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mtcommission.machine import Drive, Machine, Manipulator, Positioning
-from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch, piece_states
-from mtcommission.optimal.bounded_breaches import breaches, breaches_in_cores, overloads
-from mtcommission.optimal.bounded_dual import lower_bound
-from mtcommission.optimal.bounded_edit import pruned, with_short_arc
-from mtcommission.optimal.bounded_exact import solve_exactly
-from mtcommission.optimal.bounded_exchange import exchange
-from mtcommission.optimal.bounded_grid import solve_grid_time
-from mtcommission.optimal.bounded_layout import first_sight, lay_out
-from mtcommission.optimal.bounded_measure import Atom
-from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh, solve_relaxation
-from mtcommission.optimal.bounded_motion import follow, mesh_arcs
-from mtcommission.optimal.bounded_newton import solve_sequence
-from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
-from mtcommission.optimal.bounded_reading import read_contacts
-from mtcommission.optimal.bounded_rows import FORCE, Contact, bound_rows
+from mtcommission.machine.machine import Drive, Machine, Manipulator, Positioning
+from mtcommission.optimal.bounded.arcs import Piece, Sequence, Touch, piece_states
+from mtcommission.optimal.bounded.breaches import breaches, breaches_in_cores, overloads
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded.dual import lower_bound
+from mtcommission.optimal.bounded.edit import pruned, with_short_arc
+from mtcommission.optimal.bounded.exact import solve_exactly
+from mtcommission.optimal.bounded.exchange import exchange
+from mtcommission.optimal.bounded.grid import solve_grid_time
+from mtcommission.optimal.bounded.layout import first_sight, lay_out
+from mtcommission.optimal.bounded.measure import Atom
+from mtcommission.optimal.bounded.mesh import MeshOptimum, solve_mesh, solve_relaxation
+from mtcommission.optimal.bounded.motion import follow, mesh_arcs
+from mtcommission.optimal.bounded.newton import solve_sequence
+from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
+from mtcommission.optimal.bounded.reading import read_contacts
+from mtcommission.optimal.bounded.rows import FORCE, Contact, bound_rows
 from mtcommission.optimal.closed_form import step_response
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import build_plant
+from mtcommission.plant.plant import build_plant
 from tests.machines import REQUIREMENTS, paper_machine
 
 

@@ -8,21 +8,21 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mtcommission.optimal.bounded_accept import Found, on_mesh
-from mtcommission.optimal.bounded_breaches import breaches
-from mtcommission.optimal.bounded_dual import dual_value, lower_bound
-from mtcommission.optimal.bounded_exchange import exchange
-from mtcommission.optimal.bounded_grid import solve_grid_time
-from mtcommission.optimal.bounded_layout import first_sight, lay_out
-from mtcommission.optimal.bounded_measure import stretches
-from mtcommission.optimal.bounded_mesh import MeshOptimum, solve_mesh, solve_relaxation
-from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
-from mtcommission.optimal.bounded_rows import Layout
-from mtcommission.optimal.bounded_sharpen import sharpened
-from mtcommission.optimal.bounded_sigma import largest_outputs
+from mtcommission.optimal.bounded.accept import Found, on_mesh
+from mtcommission.optimal.bounded.breaches import breaches
+from mtcommission.optimal.bounded.dual import dual_value, lower_bound
+from mtcommission.optimal.bounded.exchange import exchange
+from mtcommission.optimal.bounded.grid import solve_grid_time
+from mtcommission.optimal.bounded.layout import first_sight, lay_out
+from mtcommission.optimal.bounded.measure import stretches
+from mtcommission.optimal.bounded.mesh import MeshOptimum, solve_mesh, solve_relaxation
+from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
+from mtcommission.optimal.bounded.rows import Layout
+from mtcommission.optimal.bounded.sharpen import sharpened
+from mtcommission.optimal.bounded.sigma import largest_outputs
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant import build_plant
+from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine
 
 

@@ -10,26 +10,26 @@ from numpy.testing import assert_allclose
 from scipy.optimize import linprog
 
 from benchmarks.constrained_survey import cases, judge, largest_excess
-from mtcommission.optimal.bounded_arcs import Piece, Sequence
-from mtcommission.optimal.bounded_breaches import _peaks
-from mtcommission.optimal.bounded_edit import pruned, with_switches, with_touch
-from mtcommission.optimal.bounded_exact import solve_exactly
-from mtcommission.optimal.bounded_exchange import exchange
-from mtcommission.optimal.bounded_grid import solve_grid_time
-from mtcommission.optimal.bounded_layout import Sight, feature_places, first_sight, lay_out
-from mtcommission.optimal.bounded_measure import Core, Measure, stretches
-from mtcommission.optimal.bounded_mesh import solve_mesh, solve_relaxation
-from mtcommission.optimal.bounded_newton import Extremal, solve_sequence
-from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
-from mtcommission.optimal.bounded_program import Program, solve_program
-from mtcommission.optimal.bounded_reading import Reading, _driven, place_touches, read_contacts
-from mtcommission.optimal.bounded_rows import Contact
+from mtcommission.optimal.bounded.arcs import Piece, Sequence
+from mtcommission.optimal.bounded.breaches import _peaks
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded.edit import pruned, with_switches, with_touch
+from mtcommission.optimal.bounded.exact import solve_exactly
+from mtcommission.optimal.bounded.exchange import exchange
+from mtcommission.optimal.bounded.grid import solve_grid_time
+from mtcommission.optimal.bounded.layout import Sight, feature_places, first_sight, lay_out
+from mtcommission.optimal.bounded.measure import Core, Measure, stretches
+from mtcommission.optimal.bounded.mesh import solve_mesh, solve_relaxation
+from mtcommission.optimal.bounded.newton import Extremal, solve_sequence
+from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
+from mtcommission.optimal.bounded.program import Program, solve_program
+from mtcommission.optimal.bounded.reading import Reading, _driven, place_touches, read_contacts
+from mtcommission.optimal.bounded.rows import Contact
 from mtcommission.optimal.closed_form import impulse_response, step_response
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import build_plant
-from mtcommission.profile import parse_profile
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
 from tests.machines import paper_machine
 
 

@@ -10,24 +10,24 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from mtcommission.machine import Move, Positioning, VelocityStep
-from mtcommission.optimal.bang_bang_search import find_bang_bang
-from mtcommission.optimal.bound import prove_bound
-from mtcommission.optimal.certificate import Claim, adjoint, certify, terminal_jacobian
-from mtcommission.optimal.dual import DualPoint, evaluate_dual
-from mtcommission.optimal.flow import adjoint_samples, dyadic_flow
-from mtcommission.optimal.mesh import build_mesh
-from mtcommission.optimal.moments import MomentProblem, moment_problem
-from mtcommission.optimal.polish import BangBang
+from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.free.bound import prove_bound
+from mtcommission.optimal.free.certificate import Claim, adjoint, certify, terminal_jacobian
+from mtcommission.optimal.free.dual import DualPoint, evaluate_dual
+from mtcommission.optimal.free.flow import adjoint_samples, dyadic_flow
+from mtcommission.optimal.free.mesh import build_mesh
+from mtcommission.optimal.free.moments import MomentProblem, moment_problem
+from mtcommission.optimal.free.newton_refinement import BangBang
+from mtcommission.optimal.free.search import find_bang_bang
+from mtcommission.optimal.free.switching import bracket_zeros, has_one_zero, isolate_zeros
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Certificate,
     constant_arc,
     propagate,
     sample_trajectory,
 )
-from mtcommission.optimal.switching import bracket_zeros, has_one_zero, isolate_zeros
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import build_plant
+from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
 from tests.references_optimal import PAPER_ADJOINT, PAPER_SWITCHING_TIMES, PAPER_T_F
 

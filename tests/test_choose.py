@@ -8,15 +8,18 @@ from math import inf, isfinite
 import numpy as np
 import pytest
 
-from mtcommission.assess import Assessment, assess
-from mtcommission.choose import Choice, SearchSettings, choose_limits
-from mtcommission.corners import vary
-from mtcommission.loop.extremes import find_extremes
-from mtcommission.loop.response import LoopResponse, simulate
-from mtcommission.loop.settling import settle
-from mtcommission.loop.tables import build_tables
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import (
+from benchmarks.population import random_machine
+from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
+from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.limits.search.region import narrow_region, widest_region
+from mtcommission.loop.batch.extremes import find_extremes
+from mtcommission.loop.batch.settling import settle
+from mtcommission.loop.batch.tables import build_tables
+from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.corners import vary
+from mtcommission.machine.machine import (
     Machine,
     Modes,
     Peak,
@@ -25,13 +28,15 @@ from mtcommission.machine import (
     VelocityStep,
     moving_mass,
 )
-from mtcommission.plant import Plant, build_plant
-from mtcommission.population import random_machine
-from mtcommission.rule import apply_commissioning_rule
-from mtcommission.rules import apply_rules
-from mtcommission.search.region import narrow_region, widest_region
-from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps, plan_setpoint
-from mtcommission.trials import judge as try_limits
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.setpoint.setpoint import (
+    JerkSteps,
+    jerk_steps,
+    moving_average_steps,
+    plan_setpoint,
+)
+from mtcommission.study.assess import Assessment, assess
+from mtcommission.study.evaluate import judge as try_limits
 from tests.independent_loop import judge, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

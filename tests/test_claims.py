@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mtcommission.comparison import ComparedControl
-from mtcommission.corners import NOMINAL
-from mtcommission.feedforward import FedForward
-from mtcommission.machine import Machine
-from mtcommission.profile import read_profile
+from mtcommission.machine.corners import NOMINAL
+from mtcommission.machine.machine import Machine
+from mtcommission.profile.read import read_profile
 from mtcommission.record.claims import explain_why_not, state_claims
+from mtcommission.study.comparison import ComparedControl
+from mtcommission.study.feedforward import FedForward
 from tests.machines import paper_machine
 
 ROTARY = read_profile(Path(__file__).parent.parent / "profiles" / "rotary-table.toml")

@@ -19,11 +19,11 @@ import pytest
 from rich.console import Console
 
 from mtcommission import cli
-from mtcommission.machine import Machine
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
+from mtcommission.cli.terminal import describe_optimum, show
+from mtcommission.machine.machine import Machine
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bound, TimeOptimum, TouchPoint
-from mtcommission.plant import Plant, build_plant
-from mtcommission.terminal import describe_optimum, show
+from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -222,7 +222,7 @@ def test_what_cannot_work_is_refused_before_computing(
     def compute(*_: object) -> None:
         raise AssertionError("computed before refusing")
 
-    monkeypatch.setattr("mtcommission.plant.build_plant", compute)
+    monkeypatch.setattr("mtcommission.plant.plant.build_plant", compute)
     file = tmp_path / "file.txt"
     file.write_text("mine")
     code, out, err = run(*(str(text).replace("{file}", str(file)) for text in arguments))

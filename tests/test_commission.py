@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mtcommission.cli.terminal import describe_limits, show
 from mtcommission.commission import Commissioning, commission
-from mtcommission.machine import Motion
-from mtcommission.profile import read_profile
+from mtcommission.machine.machine import Motion
+from mtcommission.profile.read import read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, load_record
 from mtcommission.record.limits import limits_part
@@ -21,7 +22,6 @@ from mtcommission.sheet.content import compose
 from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.sheet.labels_en import Labels
-from mtcommission.terminal import describe_limits, show
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 

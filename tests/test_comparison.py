@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mtcommission.comparison import ComparedControl, compare_controls
-from mtcommission.feedforward import feed_forward
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.continuous import simulate_continuous
-from mtcommission.loop.response import simulate
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import Machine, Positioning, StateFeedback
+from mtcommission.loop.simulate.continuous import simulate_continuous
+from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import Machine, Positioning, StateFeedback
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import TimeOptimum, sample_evenly
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import Plant, build_plant
-from mtcommission.profile import read_profile
-from mtcommission.setpoint import plan_setpoint
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.read import read_profile
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.study.comparison import ComparedControl, compare_controls
+from mtcommission.study.feedforward import feed_forward
 from tests.machines import paper_machine, random_modal_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"

@@ -15,23 +15,23 @@ from scipy.optimize import linprog
 
 from benchmarks.constrained_survey import largest_excess
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import Positioning, VelocityStep
-from mtcommission.optimal.bounded_arcs import Piece, Sequence, Touch
-from mtcommission.optimal.bounded_cruise import LONG, cruise_periods, lengthened_cruise
-from mtcommission.optimal.bounded_dual import dual_value, lower_bound, negative_zones
-from mtcommission.optimal.bounded_measure import Atom, stretches
-from mtcommission.optimal.bounded_newton import solve_sequence
-from mtcommission.optimal.bounded_problem import BoundedProblem, bounded_problem
-from mtcommission.optimal.bounded_reading import place_touches
-from mtcommission.optimal.bounded_rows import Contact
-from mtcommission.optimal.bounded_sight import hidden, steepness_of_zeros
+from mtcommission.machine.machine import Positioning, VelocityStep
+from mtcommission.optimal.bounded.arcs import Piece, Sequence, Touch
+from mtcommission.optimal.bounded.constrained import MANY_PERIODS, solve_bounded_time_optimal
+from mtcommission.optimal.bounded.cruise import compose_cruise
+from mtcommission.optimal.bounded.cruise_lengthened import LONG, cruise_periods, lengthened_cruise
+from mtcommission.optimal.bounded.dual import dual_value, lower_bound, negative_zones
+from mtcommission.optimal.bounded.measure import Atom, stretches
+from mtcommission.optimal.bounded.newton import solve_sequence
+from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
+from mtcommission.optimal.bounded.reading import place_touches
+from mtcommission.optimal.bounded.rows import Contact
+from mtcommission.optimal.bounded.sight import hidden, steepness_of_zeros
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
-from mtcommission.optimal.constrained import MANY_PERIODS, solve_bounded_time_optimal
-from mtcommission.optimal.cruise import compose_cruise
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import Plant, build_plant
-from mtcommission.profile import read_profile
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.read import read_profile
 from tests.machines import paper_machine, random_modal_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"

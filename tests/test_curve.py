@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.machine import Move, Positioning, VelocityStep
-from mtcommission.optimal.bang_bang_search import find_bang_bang
-from mtcommission.optimal.bound import prove_bound
-from mtcommission.optimal.curve import solve_curve
-from mtcommission.optimal.curve_proof import isolate_owned_zeros, prove_bounds
-from mtcommission.optimal.dual import evaluate_dual
-from mtcommission.optimal.mesh import build_mesh
-from mtcommission.optimal.moments import moment_problem
-from mtcommission.optimal.switching import isolate_zeros
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import build_plant
+from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.free.bound import prove_bound
+from mtcommission.optimal.free.curve import solve_curve
+from mtcommission.optimal.free.curve_proof import isolate_owned_zeros, prove_bounds
+from mtcommission.optimal.free.dual import evaluate_dual
+from mtcommission.optimal.free.mesh import build_mesh
+from mtcommission.optimal.free.moments import moment_problem
+from mtcommission.optimal.free.search import find_bang_bang
+from mtcommission.optimal.free.switching import isolate_zeros
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
 
 MOVES: list[Move] = [VelocityStep(velocity_step=0.1), Positioning(distance=0.02)]

@@ -13,25 +13,25 @@ from scipy.linalg import expm
 from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import Move, Positioning, VelocityStep, Weight
-from mtcommission.optimal.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.hamiltonian import (
+from mtcommission.machine.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.damping.hamiltonian import (
     ArcSequence,
     scale_problem,
     solve_arcs,
     terminal_target,
 )
+from mtcommission.optimal.damping.saturated import least_bound
+from mtcommission.optimal.damping.two_point import doubled, inner_nodes, middle, two_point
+from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.peaks import hermite_peaks
-from mtcommission.optimal.saturated import least_bound
 from mtcommission.optimal.solution import (
     DampingOptimum,
     TimeOptimum,
     sample_trajectory,
 )
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.optimal.two_point import doubled, inner_nodes, middle, two_point
-from mtcommission.optimal.weights import balanced_weights
-from mtcommission.plant import Plant, build_plant
+from mtcommission.plant.plant import Plant, build_plant
 from tests.independent_damping import follow
 from tests.machines import paper_machine, random_modal_machine
 

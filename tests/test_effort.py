@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mtcommission.choose import choose_limits
 from mtcommission.commission import commission
-from mtcommission.effort import MOST_CYCLES, count_cycles, require_affordable
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Machine, Positioning, VelocityStep
-from mtcommission.plant import build_plant
-from mtcommission.profile import read_profile
-from mtcommission.rigid_body import least_motion_time
-from mtcommission.setpoint import plan_setpoint
+from mtcommission.limits.choose import choose_limits
+from mtcommission.loop.simulation_budget import MOST_CYCLES, count_cycles, require_affordable
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Machine, Positioning, VelocityStep
+from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import read_profile
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.machines import paper_machine
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))

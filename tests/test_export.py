@@ -23,7 +23,6 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtcommission.choose import SearchSettings
 from mtcommission.commission import Commissioning, commission
 from mtcommission.errors import InputError
 from mtcommission.export.catalogue import CONTROL_TITLES, control_keys
@@ -31,18 +30,19 @@ from mtcommission.export.rounding import Coding, round_down, round_up, type_limi
 from mtcommission.export.shaping import TypedShaper
 from mtcommission.export.subject import Gains, build_subject, with_gains
 from mtcommission.export.write import CONTROLS, export_record, parameter_list
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.tuning import TunedLoop
-from mtcommission.loop_choice import Settings
-from mtcommission.machine import Motion, Positioning, VelocityStep
-from mtcommission.profile import parse_profile, profile_text_hash
+from mtcommission.limits.choose import SearchSettings
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.machine import Motion, Positioning, VelocityStep
+from mtcommission.plant.plant import dominant_mode
+from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, find_checksum, load_record
 from mtcommission.record.schema import Profile, Record
-from mtcommission.rules import NO_JERK_LIMIT, dominant_mode
-from mtcommission.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.shapers import shape_setpoint
-from mtcommission.trials import judge
+from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.study.evaluate import judge
+from mtcommission.study.loop_choice import Settings
+from mtcommission.study.shapers import shape_setpoint
 
 PAPER = (Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml").read_text()
 
@@ -250,8 +250,8 @@ def _meets(case: Case, found: ReadBack) -> bool:
     if found.shaper is None:
         verdict = judge(case.found.machine, case.found.plant, tuned, "", "", found.limits)
         return verdict.assessment.is_met
-    from mtcommission.assess import assess
-    from mtcommission.loop.response import simulate
+    from mtcommission.loop.simulate.response import simulate
+    from mtcommission.study.assess import assess
 
     machine = case.found.machine
     rows = []

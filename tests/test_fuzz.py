@@ -20,14 +20,14 @@ import pytest
 from benchmarks import fuzz
 from benchmarks.fuzz import Ending, arguments_of, call, fault_of, in_place
 from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values, shipped_texts
-from mtcommission.choose import SearchSettings
 from mtcommission.commission import commission
 from mtcommission.errors import ComputationError, InputError
-from mtcommission.loop_choice import Settings
-from mtcommission.machine import Machine, Manipulator
-from mtcommission.mechanics import flexible_modes, frequency_hz
-from mtcommission.profile import parse_profile
-from mtcommission.shipped import read_shipped, shipped_names
+from mtcommission.limits.choose import SearchSettings
+from mtcommission.machine.machine import Machine, Manipulator
+from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.profile.read import parse_profile
+from mtcommission.profile.shipped import read_shipped, shipped_names
+from mtcommission.study.loop_choice import Settings
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 

@@ -9,10 +9,9 @@ from math import pi
 import pytest
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.tuned import TunedLoop, TuningSettings, has_margins
-from mtcommission.loop.tuning import check_loop, tune_loop, tune_variants
-from mtcommission.loop_choice import Settings, settle_on_loop
-from mtcommission.machine import (
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
+from mtcommission.loop.tuning.tuning import check_loop, tune_loop, tune_variants
+from mtcommission.machine.machine import (
     FilterKind,
     FlexibleMode,
     ForceFilter,
@@ -20,8 +19,9 @@ from mtcommission.machine import (
     Modal,
     StateFeedback,
 )
-from mtcommission.plant import build_plant
+from mtcommission.plant.plant import build_plant
 from mtcommission.sheet.labels_de import GERMAN
+from mtcommission.study.loop_choice import Settings, settle_on_loop
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.limits import MotionLimits, condense
-from mtcommission.machine import Move, Positioning, VelocityStep
+from mtcommission.limits.condense import condense
+from mtcommission.machine.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.solution import Trajectory
+from mtcommission.setpoint.motion_limits import MotionLimits
 from tests.independent_loop import profile_of
 
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mtcommission.corners import corners
-from mtcommission.feedforward import follow_setpoint
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.disturbance import push
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.loop_choice import LoopChoice
-from mtcommission.loop_study import study_loop
-from mtcommission.machine import Machine, Requirements, StateFeedback
-from mtcommission.plant import build_plant
-from mtcommission.trials import judge, run_moves
+from mtcommission.loop.simulate.disturbance import push
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.corners import corners
+from mtcommission.machine.machine import Machine, Requirements, StateFeedback
+from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.evaluate import judge, run_moves
+from mtcommission.study.feedforward import follow_setpoint
+from mtcommission.study.loop_choice import LoopChoice
+from mtcommission.study.loop_study import study_loop
 from tests.independent_loop import Profile, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from benchmarks.loop_survey import Tally, examine, from_population, survey
-from mtcommission.loop.tuned import close_loop, corner_plants
-from mtcommission.loop.tuning import tune_loop
+from mtcommission.loop.tuning.tuned import close_loop, corner_plants
+from mtcommission.loop.tuning.tuning import tune_loop
 
 
 def test_every_machine_ends_somewhere_with_the_margins_of_the_analysis() -> None:

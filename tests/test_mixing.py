@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mtcommission.loop.mixing import MixedMode, explain_mixing, find_mixed_modes
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import StateFeedback
+from mtcommission.loop.tuning.mixing import MixedMode, explain_mixing, find_mixed_modes
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import StateFeedback
 from mtcommission.sheet.labels_de import GERMAN
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine

@@ -8,9 +8,8 @@ from math import inf, isnan
 import numpy as np
 import pytest
 
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import (
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import (
     Control,
     FlexibleMode,
     Machine,
@@ -19,18 +18,18 @@ from mtcommission.machine import (
     StateFeedback,
     VelocityStep,
 )
-from mtcommission.move_sizes import (
+from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.study.evaluate import judge
+from mtcommission.study.move_sizes import (
     MoveSizes,
     SetpointWay,
     full_size,
     resize,
     vary_move_sizes,
 )
-from mtcommission.plant import build_plant
-from mtcommission.rules import NO_JERK_LIMIT
-from mtcommission.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.size_filter import find_size_filter
-from mtcommission.trials import judge
+from mtcommission.study.size_filter import find_size_filter
 from tests.machines import paper_machine
 
 LIMITS = MotionLimits(acceleration=1.6, jerk=30.0)

@@ -10,13 +10,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import Positioning
-from mtcommission.optima import find_optima, find_time_optimum
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.cruise import compose_cruise
+from mtcommission.limits.optima import find_optima, find_time_optimum
+from mtcommission.machine.machine import Positioning
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded.cruise import compose_cruise
 from mtcommission.optimal.solution import propagate, sample_trajectory
-from mtcommission.plant import build_plant
-from mtcommission.profile import read_profile
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import read_profile
 from mtcommission.sheet.labels_de import GERMAN
 from tests.machines import paper_machine, random_modal_machine
 
@@ -92,7 +92,7 @@ def test_reference_that_had_to_be_composed_says_so(monkeypatch: pytest.MonkeyPat
     def gives_up(*_: object, **__: object) -> None:
         raise ComputationError(Outcome.NO_CONVERGENCE, "exact search")
 
-    monkeypatch.setattr("mtcommission.optima.solve_bounded_time_optimal", gives_up)
+    monkeypatch.setattr("mtcommission.limits.optima.solve_bounded_time_optimal", gives_up)
     machine = paper_machine()
     move = Positioning(distance=0.2, max_velocity=0.1)
     machine = replace(machine, moves=(move,))

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import FlexibleMode, Manipulator, Modal, moving_mass
-from mtcommission.plant import build_plant, kalman_rank
+from mtcommission.machine.machine import FlexibleMode, Manipulator, Modal, moving_mass
+from mtcommission.plant.plant import build_plant, kalman_rank
 from tests.independent_loop import axis_of
 from tests.machines import paper_machine, random_modal_machine
 

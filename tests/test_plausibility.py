@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from mtcommission.machine import (
+from mtcommission.machine.machine import (
     Control,
     FlexibleMode,
     Machine,
@@ -16,9 +16,9 @@ from mtcommission.machine import (
     Positioning,
     VelocityStep,
 )
-from mtcommission.plausibility import check_patience, check_plausibility
-from mtcommission.profile import read_profile
-from mtcommission.shipped import read_shipped, shipped_names
+from mtcommission.machine.plausibility import check_patience, check_plausibility
+from mtcommission.profile.read import read_profile
+from mtcommission.profile.shipped import read_shipped, shipped_names
 from tests.machines import paper_machine, random_modal_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"

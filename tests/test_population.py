@@ -6,10 +6,10 @@ from math import pi
 
 import pytest
 
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Modal, VelocityStep, moving_mass
-from mtcommission.plant import build_plant
-from mtcommission.population import Population, Range, random_machine
+from benchmarks.population import Population, Range, random_machine
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Modal, VelocityStep, moving_mass
+from mtcommission.plant.plant import build_plant
 
 MACHINES = [random_machine(seed) for seed in range(300)]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.machine import (
+from mtcommission.machine.machine import (
     FilterKind,
     Machine,
     Manipulator,
@@ -21,9 +21,9 @@ from mtcommission.machine import (
     TcpSensor,
     VelocityStep,
 )
-from mtcommission.plant import build_plant
-from mtcommission.profile import parse_profile, profile_schema, profile_text_hash, read_profile
-from mtcommission.profile_lines import find_key_lines
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.lines import find_key_lines
+from mtcommission.profile.read import parse_profile, profile_schema, profile_text_hash, read_profile
 from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"

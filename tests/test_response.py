@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.decay import find_decay
-from mtcommission.loop.response import DECAYED, LoopResponse, simulate, steady_state
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import Drive, Move, Positioning, VelocityStep
-from mtcommission.setpoint import plan_setpoint
+from mtcommission.loop.simulate.decay import find_decay
+from mtcommission.loop.simulate.response import DECAYED, LoopResponse, simulate, steady_state
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import Drive, Move, Positioning, VelocityStep
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.independent_loop import Judgement, axis_of, judge, profile_of, run
 from tests.machines import paper_machine, slowly_decaying_machine
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from mtcommission.loop import state_feedback
-from mtcommission.loop.controller import filter_polynomials
-from mtcommission.loop.discrete import discretise_filter
-from mtcommission.loop.riccati import observer_gains, regulator_gains
-from mtcommission.loop.tuning import TuningSettings, tune_loop, tune_variants
-from mtcommission.machine import FilterKind, ForceFilter, StateFeedback, TcpSensor
-from mtcommission.population import random_machine
-from mtcommission.profile import read_profile
+from benchmarks.population import random_machine
+from mtcommission.loop.model.controller import filter_polynomials
+from mtcommission.loop.model.discrete import discretise_filter
+from mtcommission.loop.tuning import state_feedback
+from mtcommission.loop.tuning.riccati import observer_gains, regulator_gains
+from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop, tune_variants
+from mtcommission.machine.machine import FilterKind, ForceFilter, StateFeedback, TcpSensor
+from mtcommission.profile.read import read_profile
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 

@@ -7,16 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mtcommission.corners import Corner, corners, vary
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.response import simulate
-from mtcommission.loop.sampled import build_loop, lift_loop
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Control, Machine, Peak, Positioning, StateFeedback
-from mtcommission.plant import build_plant
-from mtcommission.population import random_machine
+from benchmarks.population import random_machine
+from mtcommission.loop.batch.varied_response import respond_to_variations
+from mtcommission.loop.model.sampled import build_loop, lift_loop
+from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.corners import Corner, corners, vary
+from mtcommission.machine.machine import Control, Machine, Peak, Positioning, StateFeedback
+from mtcommission.machine.variations import Variations, as_variations, draw_variations
+from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
-from mtcommission.robustness import (
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.sheet.languages import find_labels
+from mtcommission.study.evaluate import judge
+from mtcommission.study.robustness import (
     FrequencyError,
     RobustnessSettings,
     examine_robustness,
@@ -24,11 +29,6 @@ from mtcommission.robustness import (
     find_sensitivities,
     run_monte_carlo,
 )
-from mtcommission.setpoint import plan_setpoint
-from mtcommission.sheet.languages import find_labels
-from mtcommission.trials import judge
-from mtcommission.variations import Variations, as_variations, draw_variations
-from mtcommission.varied_response import respond_to_variations
 from tests.machines import paper_machine, slowly_decaying_machine
 
 

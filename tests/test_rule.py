@@ -14,18 +14,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from mtcommission.choose import choose_limits
-from mtcommission.estimate import (
+from benchmarks.population import random_machine
+from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.commissioning_rule.estimate import (
     duration,
     echo,
     estimate_axis,
     ramp_vibration,
     servo_parts,
 )
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.response import simulate
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import (
+from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
+from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import (
     Control,
     Drive,
     FlexibleMode,
@@ -39,13 +41,11 @@ from mtcommission.machine import (
     VelocityStep,
     moving_mass,
 )
-from mtcommission.plant import build_plant
-from mtcommission.population import random_machine
-from mtcommission.profile import read_profile
-from mtcommission.rule import RuleResult, apply_commissioning_rule
-from mtcommission.rules import apply_rules
-from mtcommission.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
-from mtcommission.trials import judge
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import read_profile
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
+from mtcommission.study.evaluate import judge
 from tests.machines import paper_machine
 
 WIDE = Modes(surface=1e-6, accuracy=1e-6, speed=1e-6)

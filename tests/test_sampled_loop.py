@@ -11,13 +11,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from mtcommission.corners import vary
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.discrete import discretise
-from mtcommission.loop.interpolation import delay_weights
-from mtcommission.loop.response import LoopResponse, simulate
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import (
+from mtcommission.loop.model.discrete import discretise
+from mtcommission.loop.model.interpolation import delay_weights
+from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.corners import vary
+from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
     Machine,
@@ -29,8 +28,9 @@ from mtcommission.machine import (
     VelocityStep,
     moving_mass,
 )
-from mtcommission.plant import build_plant
-from mtcommission.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from tests.independent_loop import Run, axis_of, delayed, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

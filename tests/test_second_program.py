@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mtcommission.choose import choose_limits
-from mtcommission.corners import vary
-from mtcommission.loop_choice import Settings, settle_on_loop
-from mtcommission.machine import Machine
-from mtcommission.plant import build_plant
-from mtcommission.population import random_machine
-from mtcommission.profile import read_profile
-from mtcommission.trials import judge as judge_here
+from benchmarks.population import random_machine
+from mtcommission.limits.choose import choose_limits
+from mtcommission.machine.corners import vary
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import read_profile
+from mtcommission.study.evaluate import judge as judge_here
+from mtcommission.study.loop_choice import Settings, settle_on_loop
 from tests.independent_loop import judge, profile_of, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))

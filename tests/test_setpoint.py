@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 import mtcommission
 from mtcommission.errors import ComputationError
-from mtcommission.limits import MotionLimits
-from mtcommission.machine import Move, Positioning, VelocityStep
-from mtcommission.setpoint import jerk_steps, plan_setpoint, sample_setpoint
+from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint, sample_setpoint
 
 positive = st.floats(min_value=-1.0, max_value=1.0).map(lambda e: 10.0**e)
 

@@ -9,12 +9,12 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Control, Positioning, StateFeedback, VelocityStep
-from mtcommission.plant import PlantMode, build_plant
-from mtcommission.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.shapers import Shaper, compare_shapers, design_shapers, shape_setpoint
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Control, Positioning, StateFeedback, VelocityStep
+from mtcommission.plant.plant import PlantMode, build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.study.shapers import Shaper, compare_shapers, design_shapers, shape_setpoint
 from tests.machines import paper_machine
 
 

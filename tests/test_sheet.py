@@ -25,13 +25,18 @@ from matplotlib.textpath import TextPath
 from rich.console import Console
 from typer.testing import CliRunner
 
-from mtcommission.assess import describe_place
 from mtcommission.cli import app
-from mtcommission.corners import NOMINAL, Corner
+from mtcommission.cli.terminal import describe_simulation
 from mtcommission.errors import ComputationError, InputError, Outcome
-from mtcommission.loop.continuous import ContinuousResponse
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import (
+from mtcommission.limits.commissioning_rule.rule import (
+    FORMULA,
+    apply_commissioning_rule,
+    formula_for,
+)
+from mtcommission.loop.simulate.continuous import ContinuousResponse
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.corners import NOMINAL, Corner
+from mtcommission.machine.machine import (
     Control,
     Drive,
     FlexibleMode,
@@ -41,14 +46,14 @@ from mtcommission.machine import (
     Positioning,
     Requirements,
 )
-from mtcommission.plant import build_plant
-from mtcommission.plausibility import check_plausibility
-from mtcommission.profile import read_profile
+from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import read_profile
+from mtcommission.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.comparisons import continuous_entry
 from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.expected import find_unexpected
 from mtcommission.record.schema import Record
-from mtcommission.rule import FORMULA, apply_commissioning_rule, formula_for
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.diagram import text_size
@@ -62,9 +67,8 @@ from mtcommission.sheet.motion_part import MOST_POINTS, thin_out
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
 from mtcommission.sheet.terminal import further_sentences, summary_rows
-from mtcommission.shipped import read_shipped, shipped_names
-from mtcommission.terminal import describe_simulation
-from mtcommission.units import read_unit
+from mtcommission.study.assess import describe_place
+from mtcommission.units.quantities import read_unit
 
 from .sheet_record import (
     HOSTILE,

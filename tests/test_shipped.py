@@ -10,16 +10,16 @@ from pathlib import Path
 import pytest
 
 from mtcommission import cli, shipped
-from mtcommission.choose import SearchSettings, choose_limits
 from mtcommission.errors import InputError
-from mtcommission.loop.tuning import tune_loop
-from mtcommission.machine import Modal, Motion, StateFeedback
-from mtcommission.mechanics import flexible_modes, frequency_hz
-from mtcommission.plant import build_plant
-from mtcommission.plausibility import check_plausibility
-from mtcommission.profile import parse_profile
-from mtcommission.shipped import describe_shipped, read_shipped, shipped_names
-from mtcommission.trials import judge
+from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Modal, Motion, StateFeedback
+from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
+from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
+from mtcommission.study.evaluate import judge
 
 NAMES = shipped_names()
 QUICK = SearchSettings(grid=24, coarse_grid=6, seeds=8, refinements=4)

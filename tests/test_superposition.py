@@ -8,14 +8,26 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.extremes import find_extremes
-from mtcommission.loop.response import LoopResponse, simulate
-from mtcommission.loop.settling import settle
-from mtcommission.loop.tables import build_tables, sketch_tables
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import Machine, Move, Positioning, TcpSensor, VelocityStep, moving_mass
-from mtcommission.setpoint import JerkSteps, jerk_steps, moving_average_steps, plan_setpoint
+from mtcommission.loop.batch.extremes import find_extremes
+from mtcommission.loop.batch.settling import settle
+from mtcommission.loop.batch.tables import build_tables, sketch_tables
+from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import (
+    Machine,
+    Move,
+    Positioning,
+    TcpSensor,
+    VelocityStep,
+    moving_mass,
+)
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import (
+    JerkSteps,
+    jerk_steps,
+    moving_average_steps,
+    plan_setpoint,
+)
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
 

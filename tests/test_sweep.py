@@ -28,10 +28,10 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from mtcommission.cli import main
 from mtcommission.errors import ComputationError, InputError, Outcome
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import build_plant
-from mtcommission.profile import parse_profile
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
 from mtcommission.sweep import forces
 from mtcommission.sweep.case_table import read_cases
 from mtcommission.sweep.cases import (

@@ -13,7 +13,7 @@ from scipy.linalg import expm
 from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import (
+from mtcommission.machine.machine import (
     Drive,
     FlexibleMode,
     Machine,
@@ -22,18 +22,18 @@ from mtcommission.machine import (
     Positioning,
     VelocityStep,
 )
-from mtcommission.optimal.bang_bang_search import find_bang_bang
-from mtcommission.optimal.dual_start import start_force
-from mtcommission.optimal.flow import dyadic_flow, states_at
-from mtcommission.optimal.moments import MomentProblem, moment_problem, moment_rows
+from mtcommission.optimal.free.dual_start import start_force
+from mtcommission.optimal.free.flow import dyadic_flow, states_at
+from mtcommission.optimal.free.moments import MomentProblem, moment_problem, moment_rows
+from mtcommission.optimal.free.search import find_bang_bang
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     TimeOptimum,
     constant_arc,
     propagate,
     sample_trajectory,
 )
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import Plant, build_plant
+from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import REQUIREMENTS, paper_machine, random_modal_machine
 from tests.references_optimal import (
     PAPER_PEAK_V_PHI,

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine import Move, Positioning, VelocityStep, Weight
-from mtcommission.optimal import transcription
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.discretisation import Scheme, TranscriptionSettings
+from mtcommission.machine.machine import Move, Positioning, VelocityStep, Weight
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.damping.weights import balanced_weights
 from mtcommission.optimal.solution import (
     Bound,
     DampingOptimum,
@@ -22,12 +21,13 @@ from mtcommission.optimal.solution import (
     propagate,
     sample_trajectory,
 )
-from mtcommission.optimal.transcription import (
+from mtcommission.optimal.transcription import transcription
+from mtcommission.optimal.transcription.discretisation import Scheme, TranscriptionSettings
+from mtcommission.optimal.transcription.transcription import (
     transcribe_damping_optimal,
     transcribe_time_optimal,
 )
-from mtcommission.optimal.weights import balanced_weights
-from mtcommission.plant import build_plant
+from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
 
 STEP = VelocityStep(velocity_step=0.1)

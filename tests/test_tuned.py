@@ -9,10 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mtcommission.loop.cascade import build_cascade
-from mtcommission.loop.controller import Controller
-from mtcommission.loop.state_feedback import add_state_feedback, design_observer, dominant_mode
-from mtcommission.loop.tuned import (
+from benchmarks.population import random_machine
+from mtcommission.loop.model.controller import Controller
+from mtcommission.loop.tuning.cascade import build_cascade
+from mtcommission.loop.tuning.state_feedback import (
+    add_state_feedback,
+    design_observer,
+    dominant_mode,
+)
+from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TuningSettings,
     answer_corners,
@@ -21,10 +26,9 @@ from mtcommission.loop.tuned import (
     corner_plants,
     has_margins,
 )
-from mtcommission.loop.tuning import tune_variants
-from mtcommission.machine import Machine, TcpSensor
-from mtcommission.population import random_machine
-from mtcommission.profile import read_profile
+from mtcommission.loop.tuning.tuning import tune_variants
+from mtcommission.machine.machine import Machine, TcpSensor
+from mtcommission.profile.read import read_profile
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 LADDER = (2.0, 1.0, 0.5, 0.2)

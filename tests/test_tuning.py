@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from mtcommission.corners import vary
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop import state_feedback
-from mtcommission.loop.controller import filter_polynomials
-from mtcommission.loop.frequency import frequency_response, respond_at
-from mtcommission.loop.state_feedback import design_observer, is_seen
-from mtcommission.loop.tuned import close_loop, corner_plants
-from mtcommission.loop.tuning import TunedLoop, TuningSettings, tune_loop, tune_variants
-from mtcommission.machine import (
+from mtcommission.loop.analysis.frequency import frequency_response, respond_at
+from mtcommission.loop.model.controller import filter_polynomials
+from mtcommission.loop.tuning import state_feedback
+from mtcommission.loop.tuning.state_feedback import design_observer, is_seen
+from mtcommission.loop.tuning.tuned import close_loop, corner_plants
+from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop, tune_variants
+from mtcommission.machine.corners import vary
+from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
     Machine,
@@ -31,8 +31,8 @@ from mtcommission.machine import (
     VelocityStep,
     moving_mass,
 )
-from mtcommission.plant import Plant, build_plant
-from mtcommission.profile import read_profile
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.read import read_profile
 from tests.independent_loop import axis_of, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

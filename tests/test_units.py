@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.unit_advice import FOREIGN
-from mtcommission.unit_symbols import SYMBOLS, read_unit
-from mtcommission.units import (
+from mtcommission.units.advice import FOREIGN
+from mtcommission.units.quantities import (
     ACCELERATION,
     ANGLE,
     ANGULAR_VELOCITY,
@@ -33,6 +32,7 @@ from mtcommission.units import (
     convert_to,
     parse_quantity,
 )
+from mtcommission.units.symbols import SYMBOLS, read_unit
 
 REPEATABLE = settings(derandomize=True, deadline=None)
 PINT = pint.UnitRegistry()

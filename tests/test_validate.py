@@ -19,10 +19,10 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import fsolve
 
 from mtcommission import cli
-from mtcommission.machine import VelocityStep
+from mtcommission.machine.machine import VelocityStep
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound, constant_arc, propagate
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import Plant, build_plant
+from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import report
 from mtcommission.validate.adjoint import (
     adjoint_from_switches,

@@ -17,17 +17,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mtcommission.choose import SearchSettings
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
-from mtcommission.loop_choice import Settings
-from mtcommission.machine import Manipulator, Modal
-from mtcommission.mechanics import flexible_modes, frequency_hz
-from mtcommission.plant import build_plant
-from mtcommission.profile import parse_profile, profile_text_hash, read_profile
+from mtcommission.limits.choose import SearchSettings
+from mtcommission.machine.machine import Manipulator, Modal
+from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile, profile_text_hash, read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.data import list_data
 from mtcommission.record.schema import Profile
+from mtcommission.study.loop_choice import Settings
 from mtcommission.wizard.console import LineConsole, RichConsole, fold, hint, introduce
 from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
 from mtcommission.wizard.document import update_document, write_document

@@ -21,7 +21,7 @@ import pytest
 import questionary  # noqa: F401  # so that no session imports it anew
 
 from mtcommission.cli import main
-from mtcommission.profile import read_profile
+from mtcommission.profile.read import read_profile
 from mtcommission.wizard import run_wizard  # noqa: F401
 from mtcommission.wizard.measures import WAYS, YES
 from mtcommission.wizard.question import Question

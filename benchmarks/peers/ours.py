@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 from benchmarks.answer import Answer
 from benchmarks.problems import Problem
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.time_optimal import solve_time_optimal
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 
 
 def prepare(problem: Problem, cells: int) -> Callable[[], Answer]:

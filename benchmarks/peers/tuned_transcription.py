@@ -10,8 +10,11 @@ from collections.abc import Callable
 
 from benchmarks.answer import Answer
 from benchmarks.problems import Problem
-from mtcommission.optimal.discretisation import TranscriptionSettings
-from mtcommission.optimal.transcription import transcribe_damping_optimal, transcribe_time_optimal
+from mtcommission.optimal.transcription.discretisation import TranscriptionSettings
+from mtcommission.optimal.transcription.transcription import (
+    transcribe_damping_optimal,
+    transcribe_time_optimal,
+)
 
 
 def prepare(problem: Problem, cells: int) -> Callable[[], Answer]:

@@ -99,9 +99,9 @@ def validate(
 
     Exit code 1 if one is out of its stated tolerance.
     """
+    from mtcommission.cli.terminal import show
     from mtcommission.files import require_folder, require_writable, write_files, write_text
     from mtcommission.record.files import dump_json
-    from mtcommission.terminal import show
     from mtcommission.validate.page import print_validation
     from mtcommission.validate.report import validate as compare
     from mtcommission.validate.report import validation_entry

@@ -48,13 +48,13 @@ def run(
     source = describe_profile(profile)
     machine = parse_machine(source, f_max, where=profile)
 
+    from mtcommission.cli.csv_texts import setpoint_csv
+    from mtcommission.cli.terminal import show
     from mtcommission.commission import commission
-    from mtcommission.csv_texts import setpoint_csv
     from mtcommission.record.build import build_record
     from mtcommission.record.files import dump_json
     from mtcommission.sheet import print_html, print_pdf, summarise
     from mtcommission.sheet.languages import find_labels
-    from mtcommission.terminal import show
 
     find_labels(language)
     with show_stage() as progress:
@@ -124,7 +124,8 @@ def optimal(
     """Compute one optimal control."""
     from time import perf_counter
 
-    from mtcommission.csv_texts import motion_csv
+    from mtcommission.cli.csv_texts import motion_csv
+    from mtcommission.cli.terminal import describe_optimum, show
     from mtcommission.files import require_writable, write_text
     from mtcommission.options import (
         OptimalRequest,
@@ -132,10 +133,9 @@ def optimal(
         read_optimal_request,
         solve,
     )
-    from mtcommission.plant import build_plant
+    from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.optima import optimum_entry
-    from mtcommission.terminal import describe_optimum, show
 
     require_writable(json_file, csv_file)
     machine = read_machine(profile, f_max)
@@ -176,11 +176,11 @@ def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOpt
     require_writable(json_file)
     machine = read_machine(profile, f_max)
 
+    from mtcommission.cli.terminal import describe_limits, show
     from mtcommission.commission import commission
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_part
     from mtcommission.record.robustness import warn_of_narrow_range
-    from mtcommission.terminal import describe_limits, show
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
@@ -204,7 +204,7 @@ def simulate(
 ) -> None:
     """Run one setpoint through the loop and judge it."""
     from mtcommission.files import require_writable, write_text
-    from mtcommission.optima import require_force
+    from mtcommission.limits.optima import require_force
     from mtcommission.options import read_limits, require_short_moves
 
     require_writable(json_file, csv_file)
@@ -213,14 +213,14 @@ def simulate(
     require_force(machine)
     require_short_moves(machine, chosen)
 
-    from mtcommission.csv_texts import response_csv
-    from mtcommission.loop_choice import Settings, settle_on_loop
-    from mtcommission.plant import build_plant
+    from mtcommission.cli.csv_texts import response_csv
+    from mtcommission.cli.terminal import describe_simulation, show
+    from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
-    from mtcommission.rules import without_jerk_limit
-    from mtcommission.terminal import describe_simulation, show
-    from mtcommission.trials import run_moves
+    from mtcommission.setpoint.motion_limits import without_jerk_limit
+    from mtcommission.study.evaluate import run_moves
+    from mtcommission.study.loop_choice import Settings, settle_on_loop
 
     asked, notes = chosen, []
     if asked.jerk_time < machine.control.position_cycle:

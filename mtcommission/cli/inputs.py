@@ -7,27 +7,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mtcommission.machine import Machine
+    from mtcommission.machine.machine import Machine
     from mtcommission.record.schema import Profile
 
 
 def read_machine(profile: Path, f_max: str) -> Machine:
     """Return the machine of a profile, with the force limit of ``--f-max`` if one is given."""
-    from mtcommission.profile import read_profile
+    from mtcommission.profile.read import read_profile
 
     return _with_force(read_profile(profile), f_max)
 
 
 def parse_machine(source: Profile, f_max: str, *, where: Path) -> Machine:
     """Return the machine of a profile that was read already, so that record and machine agree."""
-    from mtcommission.profile import parse_profile
+    from mtcommission.profile.read import parse_profile
 
     return _with_force(parse_profile(source["text"], where=str(where)), f_max)
 
 
 def describe_profile(path: Path) -> Profile:
     """Return name, hash and text of a profile, as the record keeps them."""
-    from mtcommission.profile import profile_text_hash, read_profile_text
+    from mtcommission.profile.read import profile_text_hash, read_profile_text
     from mtcommission.record.schema import Profile
 
     return Profile(
@@ -43,14 +43,14 @@ def _with_force(machine: Machine, f_max: str) -> Machine:
 
 def list_warnings(machine: Machine) -> list[str]:
     """Return what is unusual about a machine, in sentences."""
-    from mtcommission.plausibility import check_plausibility
+    from mtcommission.machine.plausibility import check_plausibility
 
     return [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
 
 
 def list_delays(machine: Machine) -> list[str]:
     """Return what makes every computation of a machine take long, in sentences."""
-    from mtcommission.plausibility import check_patience
+    from mtcommission.machine.plausibility import check_patience
 
     return [f"{remark.key}: {remark.message}" for remark in check_patience(machine)]
 

@@ -52,16 +52,16 @@ def check(
 ) -> None:
     """Validate a profile; print modes, rigid-body limits and warnings."""
     if schema:
-        from mtcommission.profile import profile_schema
+        from mtcommission.profile.read import profile_schema
 
         sys.stdout.write(profile_schema().rstrip() + "\n")
         return
     if profile is None:
         raise InputError([Fault(where="check", message="got no profile; give a TOML file")])
-    from mtcommission.loop.tuning import check_loop
-    from mtcommission.plant import build_plant
-    from mtcommission.profile import read_profile
-    from mtcommission.terminal import describe_machine, show
+    from mtcommission.cli.terminal import describe_machine, show
+    from mtcommission.loop.tuning.tuning import check_loop
+    from mtcommission.plant.plant import build_plant
+    from mtcommission.profile.read import read_profile
 
     machine = read_profile(profile)
     warnings = [*list_warnings(machine), *list_delays(machine), *check_loop(machine)]
@@ -70,7 +70,7 @@ def check(
 
 def list_profiles() -> None:
     """List the example machines with the source of their numbers."""
-    from mtcommission.shipped import describe_shipped, read_shipped, shipped_names
+    from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
 
     sys.stdout.write("".join(describe_shipped(read_shipped(name)) for name in shipped_names()))
 
@@ -79,7 +79,7 @@ def show_profile(
     name: Annotated[str, typer.Argument(metavar="NAME", help="From profiles list.")],
 ) -> None:
     """Print an example machine."""
-    from mtcommission.shipped import read_shipped
+    from mtcommission.profile.shipped import read_shipped
 
     sys.stdout.write(read_shipped(name).text)
 
@@ -90,7 +90,7 @@ def copy_profile(
 ) -> None:
     """Copy an example machine to start from; never overwrites a file."""
     from mtcommission.files import write_text
-    from mtcommission.shipped import read_shipped
+    from mtcommission.profile.shipped import read_shipped
 
     found = read_shipped(name)
     target = file or f"{found.name}.toml"

@@ -17,9 +17,8 @@ from math import inf
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.shaping import TypedShaper
 from mtcommission.export.subject import Subject, Verdict, judge_setpoints, plan_moves
-from mtcommission.limits import MotionLimits
-from mtcommission.rules import without_jerk_limit
-from mtcommission.shapers import shape_setpoint
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.study.shapers import shape_setpoint
 
 DIGITS = 4
 """Significant digits of what is typed in: a tenth of the digits by which valleys differ."""

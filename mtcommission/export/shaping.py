@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.shapers import Shaper, zero_vibration
+from mtcommission.study.shapers import Shaper, zero_vibration
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

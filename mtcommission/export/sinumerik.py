@@ -22,7 +22,7 @@ from mtcommission.export.rounding import (
 )
 from mtcommission.export.subject import Subject, judge_setpoints, plan_moves
 from mtcommission.export.wording import MILLI, TURN, show_value
-from mtcommission.rules import without_jerk_limit
+from mtcommission.setpoint.motion_limits import without_jerk_limit
 
 GAIN_PER_MINUTE = 1000.0 / 60.0
 """(m/min)/mm = 1000/min in 1/s."""

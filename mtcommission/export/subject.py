@@ -12,19 +12,18 @@ from math import inf, isfinite
 
 import numpy as np
 
-from mtcommission.assess import Assessment, assess
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.wording import DEGREE, MILLI
-from mtcommission.limits import MotionLimits
-from mtcommission.loop.tuning import TunedLoop, tune_loop
-from mtcommission.machine import Machine, Motion, StateFeedback, StateGain
-from mtcommission.plant import Plant, PlantMode, build_plant
-from mtcommission.profile import parse_profile, profile_text_hash
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import Machine, Motion, StateFeedback, StateGain
+from mtcommission.machine.rigid_body import peak_velocity
+from mtcommission.plant.plant import Plant, PlantMode, build_plant, dominant_mode
+from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.schema import ModeLimitsEntry, Record
-from mtcommission.rigid_body import peak_velocity
-from mtcommission.rules import dominant_mode
-from mtcommission.setpoint import Setpoint, plan_setpoint
-from mtcommission.trials import run_setpoints
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
+from mtcommission.study.assess import Assessment, assess
+from mtcommission.study.evaluate import run_setpoints
 
 REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what

@@ -17,10 +17,10 @@ from mtcommission.export.plc import PLC_CONTROLS
 from mtcommission.export.rounding import type_limits
 from mtcommission.export.subject import Subject, build_subject, with_gains
 from mtcommission.export.wording import show_value
-from mtcommission.limits import MotionLimits
-from mtcommission.profile_lines import ACCEPTED_DEFAULT
+from mtcommission.profile.lines import ACCEPTED_DEFAULT
 from mtcommission.record.schema import Record
-from mtcommission.units import wrap_whole
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.units.quantities import wrap_whole
 
 CONTROLS: Mapping[str, Control] = {
     control.key: control for control in (*NUMERIC_CONTROLS, *PLC_CONTROLS, *OPEN_CONTROLS)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.plant import Plant
+from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ def step_response(plant: Plant, tau: Array) -> Array:
     Examples
     --------
     >>> from tests.machines import paper_machine
-    >>> from mtcommission.plant import build_plant
+    >>> from mtcommission.plant.plant import build_plant
     >>> plant = build_plant(paper_machine())
     >>> [round(float(f), 6) for f in step_response(plant, np.array([-1.0, 2.5e-3]))[:, plant.force]]
     [0.0, 0.632121]
@@ -75,7 +75,7 @@ def impulse_response(plant: Plant, tau: Array) -> Array:
     Examples
     --------
     >>> from tests.machines import paper_machine
-    >>> from mtcommission.plant import build_plant
+    >>> from mtcommission.plant.plant import build_plant
     >>> plant = build_plant(paper_machine())
     >>> tau = np.array(1e-3)
     >>> bool(np.allclose(impulse_response(plant, tau), transition(plant, tau) @ plant.B))
@@ -118,7 +118,7 @@ def transition(plant: Plant, tau: Array) -> Array:
     --------
     >>> from scipy.linalg import expm
     >>> from tests.machines import paper_machine
-    >>> from mtcommission.plant import build_plant
+    >>> from mtcommission.plant.plant import build_plant
     >>> plant = build_plant(paper_machine())
     >>> bool(np.allclose(transition(plant, np.array(1e-3)), expm(plant.A * 1e-3), atol=1e-12))
     True

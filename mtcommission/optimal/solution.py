@@ -16,9 +16,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine import Move, Positioning, Weight
+from mtcommission.machine.machine import Move, Positioning, Weight
 from mtcommission.optimal.exponential import balanced_expm
-from mtcommission.plant import Plant
+from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from importlib.metadata import version
 
 from mtcommission import __version__
 from mtcommission.commission import Commissioning
-from mtcommission.machine import Manipulator
-from mtcommission.optima import Optima
-from mtcommission.plant import Plant, kalman_rank
+from mtcommission.limits.optima import Optima
+from mtcommission.machine.machine import Manipulator
+from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.comparisons import comparison_entry
 from mtcommission.record.data import describe_move, list_assumptions, list_data
 from mtcommission.record.files import find_checksum

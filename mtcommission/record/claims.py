@@ -7,10 +7,10 @@ from math import isfinite, pi
 
 import numpy as np
 
-from mtcommission.comparison import ComparedControl
-from mtcommission.corners import NOMINAL
-from mtcommission.feedforward import FedForward
-from mtcommission.machine import Machine, Motion
+from mtcommission.machine.corners import NOMINAL
+from mtcommission.machine.machine import Machine, Motion
+from mtcommission.study.comparison import ComparedControl
+from mtcommission.study.feedforward import FedForward
 
 
 def state_claims(controls: Sequence[ComparedControl]) -> list[str]:

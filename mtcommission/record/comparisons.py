@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import isfinite
 
 from mtcommission.commission import MoveComparison
-from mtcommission.loop.continuous import ContinuousResponse
-from mtcommission.loop.response import LoopResponse
-from mtcommission.machine import Machine
-from mtcommission.plant import Plant
+from mtcommission.loop.simulate.continuous import ContinuousResponse
+from mtcommission.loop.simulate.response import LoopResponse
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant
 from mtcommission.record.claims import explain_why_not, state_claims
 from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
@@ -17,7 +17,7 @@ from mtcommission.record.schema import (
     ContinuousEntry,
     FedForwardEntry,
 )
-from mtcommission.trials import MoveResult
+from mtcommission.study.evaluate import MoveResult
 
 
 def comparison_entry(

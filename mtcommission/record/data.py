@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isfinite
 
-from mtcommission.machine import Machine, Manipulator, Modal, Move, VelocityStep
-from mtcommission.mechanics import frequency_hz
-from mtcommission.plant import Plant
-from mtcommission.profile_lines import ACCEPTED_DEFAULT, KeyPath, find_comments, find_key_lines
+from mtcommission.machine.machine import Machine, Manipulator, Modal, Move, VelocityStep
+from mtcommission.machine.mechanics import frequency_hz
+from mtcommission.plant.plant import Plant
+from mtcommission.profile.lines import ACCEPTED_DEFAULT, KeyPath, find_comments, find_key_lines
 from mtcommission.record.schema import Quantity
 
 Row = tuple[str, float, str]

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.attainable import Attainable
 from mtcommission.commission import Commissioning, ModeLimits
-from mtcommission.machine import VelocityStep
-from mtcommission.move_sizes import MoveSizes
+from mtcommission.machine.machine import VelocityStep
 from mtcommission.record.data import describe_move
 from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
@@ -25,8 +23,10 @@ from mtcommission.record.schema import (
     RuleStepEntry,
     RuleText,
 )
-from mtcommission.rules import NO_JERK_LIMIT
-from mtcommission.trials import Trial
+from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
+from mtcommission.study.attainable import Attainable
+from mtcommission.study.evaluate import Trial
+from mtcommission.study.move_sizes import MoveSizes
 
 Array = NDArray[np.float64]
 

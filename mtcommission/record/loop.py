@@ -8,15 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
-from mtcommission.loop.analysis import LoopAnalysis
-from mtcommission.loop.controller import Controller, filter_delay
-from mtcommission.loop.frequency import FrequencyResponse
-from mtcommission.loop.mixing import explain_mixing, find_mixed_modes
-from mtcommission.loop.sampled import LiftedLoop
-from mtcommission.loop.tuned import TunedLoop
-from mtcommission.loop_choice import LoopVariant
-from mtcommission.loop_study import LoopStudy
-from mtcommission.plant import Plant
+from mtcommission.loop.analysis.analysis import LoopAnalysis
+from mtcommission.loop.analysis.frequency import FrequencyResponse
+from mtcommission.loop.model.controller import Controller, filter_delay
+from mtcommission.loop.model.sampled import LiftedLoop
+from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.plant.plant import Plant
 from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
     ClosedLoop,
@@ -29,6 +27,8 @@ from mtcommission.record.schema import (
     Series,
     VariantEntry,
 )
+from mtcommission.study.loop_choice import LoopVariant
+from mtcommission.study.loop_study import LoopStudy
 
 Array = NDArray[np.float64]
 

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mtcommission.assess import Assessment, assess
-from mtcommission.corners import Corner
-from mtcommission.loop.response import LoopResponse
-from mtcommission.loop.tuning import TunedLoop
-from mtcommission.machine import Machine
-from mtcommission.plant import Plant
+from mtcommission.loop.simulate.response import LoopResponse
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.corners import Corner
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
 from mtcommission.record.optima import finite_or_none, series_entry
 from mtcommission.record.schema import (
@@ -23,8 +22,9 @@ from mtcommission.record.schema import (
     SetpointEntry,
     SimulationPart,
 )
-from mtcommission.setpoint import sample_setpoint
-from mtcommission.trials import MoveResult
+from mtcommission.setpoint.setpoint import sample_setpoint
+from mtcommission.study.assess import Assessment, assess
+from mtcommission.study.evaluate import MoveResult
 
 PLOT_STEP = 0.25e-3
 """Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""

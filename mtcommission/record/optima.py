@@ -13,7 +13,7 @@ from mtcommission.optimal.solution import (
     TimeOptimum,
     sample_trajectory,
 )
-from mtcommission.plant import Plant
+from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
 from mtcommission.record.schema import ArcEntry, CertificateEntry, OptimumEntry, Series
 

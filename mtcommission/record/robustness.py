@@ -7,7 +7,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine import Machine
+from mtcommission.machine.machine import Machine
 from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
     DistributionEntry,
@@ -19,7 +19,7 @@ from mtcommission.record.schema import (
     SampleEntry,
     SensitivityEntry,
 )
-from mtcommission.robustness import FrequencyError, MonteCarlo, Robustness
+from mtcommission.study.robustness import FrequencyError, MonteCarlo, Robustness
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.sweep.cases import FORCE_KEY, MOST_VALUES, Axis
-from mtcommission.units import NUMBER
+from mtcommission.units.quantities import NUMBER
 
 LARGEST_TABLE = 200_000_000
 """Bytes; as many cases as a sweep takes, with two hundred characters each."""

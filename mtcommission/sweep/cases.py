@@ -19,8 +19,8 @@ import tomlkit
 from mtcommission import __version__
 from mtcommission.errors import Fault, InputError
 from mtcommission.optimal.solution import Bound
-from mtcommission.unit_symbols import read_unit
-from mtcommission.units import NUMBER
+from mtcommission.units.quantities import NUMBER
+from mtcommission.units.symbols import read_unit
 
 FORCE_KEY = "drive.max_force"
 PEAKS_KEY = "requirements.peaks."

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mtcommission.choose import choose_limits
-from mtcommission.loop_choice import Settings, settle_on_loop
-from mtcommission.machine import Machine
-from mtcommission.optima import Optima, condense_optima, find_optima, require_force
-from mtcommission.plant import Plant, build_plant
+from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.study.evaluate import MoveResult, Trial, judge_moves, run_moves
+from mtcommission.study.loop_choice import Settings, settle_on_loop
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
-from mtcommission.trials import MoveResult, Trial, judge_moves, run_moves
 
 
 def choose_case(machine: Machine) -> tuple[Cell, ...]:

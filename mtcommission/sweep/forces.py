@@ -8,11 +8,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from mtcommission.errors import MtcommissionError
-from mtcommission.machine import Machine, Positioning
-from mtcommission.optimal.curve import solve_curve
-from mtcommission.optimal.moments import moment_problem
-from mtcommission.plant import build_plant
-from mtcommission.profile import parse_profile
+from mtcommission.machine.machine import Machine, Positioning
+from mtcommission.optimal.free.curve import solve_curve
+from mtcommission.optimal.free.moments import moment_problem
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.cases import (
     FORCE_KEY,
     PEAKS_KEY,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mtcommission.plant import build_plant
-from mtcommission.profile import parse_profile
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.cases import Plan, Quantity
 from mtcommission.sweep.rows import PEAK, Column
 
@@ -70,7 +70,7 @@ def describe_request(plan: Plan) -> str:
     Examples
     --------
     >>> from mtcommission.optimal.solution import Bound
-    >>> from mtcommission.shipped import read_shipped
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> text = read_shipped("milling-manipulator").text
     >>> bounds = (Bound(name="v_phi", value=0.005),)
     >>> describe_request(Plan(profile_text=text, where="p.toml", axes=(), bounds=bounds))

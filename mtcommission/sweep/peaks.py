@@ -16,9 +16,9 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.curve import CurvePoint
+from mtcommission.optimal.free.curve import CurvePoint
 from mtcommission.optimal.peaks import hermite_peaks
-from mtcommission.plant import Plant, PlantMode
+from mtcommission.plant.plant import Plant, PlantMode
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import isfinite
 
-from mtcommission.machine import Positioning
-from mtcommission.profile import parse_profile
+from mtcommission.machine.machine import Positioning
+from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.cases import FORCE_KEY, PEAKS_KEY, Plan, Quantity, plain_key
 from mtcommission.sweep.rows import Work, columns
 
@@ -36,7 +36,7 @@ def piece_size(plan: Plan) -> int:
 
     Examples
     --------
-    >>> from mtcommission.shipped import read_shipped
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.sweep.cases import read_axis
     >>> masses, forces = (read_axis(text, where="example")
     ...     for text in ("plant.slider_mass=600:900:20", "drive.max_force=1kN:4kN:100"))

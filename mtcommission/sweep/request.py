@@ -9,8 +9,8 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.option_texts import read_bound
-from mtcommission.plant import build_plant
-from mtcommission.profile import parse_profile, read_profile_text
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile, read_profile_text
 from mtcommission.sweep.case_table import load_cases
 from mtcommission.sweep.cases import (
     FORCE_KEY,
@@ -26,7 +26,7 @@ from mtcommission.sweep.cases import (
     unit_of,
     vary_profile,
 )
-from mtcommission.units import NUMBER
+from mtcommission.units.quantities import NUMBER
 
 MOST_COMPANIES = 64
 """Combinations that a refused value is tried in: some 10 ms each."""

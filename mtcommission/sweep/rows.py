@@ -13,10 +13,10 @@ from math import isnan
 from typing import Any
 
 from mtcommission.errors import ComputationError, InputError
-from mtcommission.machine import Machine, Motion
-from mtcommission.optimal.time_optimal import GAP_TOLERANCE
-from mtcommission.plant import Plant, build_plant
-from mtcommission.profile import parse_profile, profile_schema
+from mtcommission.machine.machine import Machine, Motion
+from mtcommission.optimal.free.time_optimal import GAP_TOLERANCE
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.read import parse_profile, profile_schema
 from mtcommission.sweep.cases import (
     PEAKS_KEY,
     Plan,

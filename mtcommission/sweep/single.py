@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from mtcommission.machine import Machine
-from mtcommission.optima import find_time_optimum, require_force
+from mtcommission.limits.optima import find_time_optimum, require_force
+from mtcommission.machine.machine import Machine
 from mtcommission.optimal.solution import Bound
-from mtcommission.plant import build_plant
+from mtcommission.plant.plant import build_plant
 from mtcommission.sweep.cases import PEAKS_KEY, Plan, Settings
 from mtcommission.sweep.rows import peak_signals, proof_cells, switch_cells
 from mtcommission.sweep.store import Cell

@@ -59,7 +59,7 @@ def read_table(plan: Plan, store: Opened) -> SweepTable:
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
-    >>> from mtcommission.shipped import read_shipped
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.sweep.cases import read_axis
     >>> from mtcommission.sweep.engine import run_sweep
     >>> forces = read_axis("drive.max_force=1kN:4kN:4", where="example")

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from hashlib import sha256
 
 from mtcommission.commission import commission
-from mtcommission.machine import Machine
-from mtcommission.plausibility import check_plausibility
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json
 from mtcommission.record.schema import Profile

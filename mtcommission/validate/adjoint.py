@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.optimal.solution import Arc, DampingOptimum
-from mtcommission.plant import Plant
+from mtcommission.plant.plant import Plant
 from mtcommission.validate.paper import FORCE_LAG, FORCE_LIMIT, MECHANICS
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def adjoint_from_switches(plant: Plant, switching_times: Array) -> Array:
 
     Examples
     --------
-    >>> from mtcommission.plant import build_plant
+    >>> from mtcommission.plant.plant import build_plant
     >>> from mtcommission.validate.paper import SWITCHING_TIMES, paper_machine
     >>> plant = build_plant(paper_machine())
     >>> round(float(adjoint_from_switches(plant, np.array(SWITCHING_TIMES))[0]), 3)

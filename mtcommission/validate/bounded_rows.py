@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.optimal.solution import Arc, TimeOptimum, Trajectory, sample_trajectory
-from mtcommission.plant import Plant
+from mtcommission.plant.plant import Plant
 from mtcommission.validate.cases import Cases
 from mtcommission.validate.paper import (
     BANG_ARCS,

@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.choose import choose_limits
-from mtcommission.comparison import ComparedControl, compare_controls
-from mtcommission.limits import MotionLimits, condense
-from mtcommission.loop.response import LoopResponse, simulate
-from mtcommission.loop.tuned import TunedLoop
-from mtcommission.loop_choice import Settings, settle_on_loop
-from mtcommission.machine import Control, Machine, TcpSensor, Weight
-from mtcommission.optimal.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.damping_optimal import solve_damping_optimal
+from mtcommission.limits.choose import choose_limits
+from mtcommission.limits.condense import condense
+from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Control, Machine, TcpSensor, Weight
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Arc,
     Bound,
@@ -24,11 +24,11 @@ from mtcommission.optimal.solution import (
     TimeOptimum,
     sample_trajectory,
 )
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.optimal.weights import balanced_weights
-from mtcommission.plant import Plant, build_plant
-from mtcommission.rules import without_jerk_limit
-from mtcommission.setpoint import plan_setpoint
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.study.comparison import ComparedControl, compare_controls
+from mtcommission.study.loop_choice import Settings, settle_on_loop
 from mtcommission.validate.paper import (
     BOUNDED_T_F,
     FORCE_LIMIT,

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_trajectory
 from mtcommission.validate.adjoint import follow_law
 from mtcommission.validate.cases import Cases

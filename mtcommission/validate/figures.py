@@ -12,7 +12,7 @@ from mtcommission.optimal.solution import (
     Trajectory,
     sample_trajectory,
 )
-from mtcommission.plant import Plant
+from mtcommission.plant.plant import Plant
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.validate.adjoint import follow_law
 from mtcommission.validate.cases import Cases, LoopCase

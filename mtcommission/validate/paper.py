@@ -5,7 +5,7 @@ Source: B. Christiansen, H. Maurer, O. Zirn, Optimal Control of Machine Tool Man
 
 from __future__ import annotations
 
-from mtcommission.machine import (
+from mtcommission.machine.machine import (
     Drive,
     Machine,
     Manipulator,

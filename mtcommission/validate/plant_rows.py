@@ -6,7 +6,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from mtcommission.plant import Plant, kalman_rank
+from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.validate.adjoint import printed_adjoint_matrix
 from mtcommission.validate.cases import Cases
 from mtcommission.validate.paper import FORCE_LAG, KALMAN_RANK, MECHANICS

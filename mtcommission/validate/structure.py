@@ -9,10 +9,10 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine import Move
+from mtcommission.machine.machine import Move
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import TimeOptimum
-from mtcommission.optimal.time_optimal import solve_time_optimal
-from mtcommission.plant import Plant
+from mtcommission.plant.plant import Plant
 from mtcommission.validate.cases import Cases
 from mtcommission.validate.paper import LARGEST_FORCE, SWITCHES
 from mtcommission.validate.row import Row, claim_row, judge_claim
@@ -90,7 +90,7 @@ def scan_forces(plant: Plant, move: Move, *, lowest: float, highest: float, coun
 
     Examples
     --------
-    >>> from mtcommission.plant import build_plant
+    >>> from mtcommission.plant.plant import build_plant
     >>> from mtcommission.validate.paper import paper_machine
     >>> machine = paper_machine()
     >>> plant, move = build_plant(machine), machine.moves[0]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import sample_trajectory
-from mtcommission.optimal.time_optimal import solve_time_optimal
 from mtcommission.validate.cases import Cases
 from mtcommission.validate.paper import FORCE_LIMIT, LARGEST_FORCE, RATE_BOUND
 from mtcommission.validate.row import Row, claim_row, judge_claim

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING, Any, Protocol
 
-from mtcommission.units import wrap_whole
+from mtcommission.units.quantities import wrap_whole
 from mtcommission.wizard.question import Question, show_common
 
 if TYPE_CHECKING:

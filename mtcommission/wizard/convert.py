@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from mtcommission.measures import LINEAR, ROTARY
-from mtcommission.profile_model import MOST_MOVES
-from mtcommission.profile_plant import MOST_MODES
-from mtcommission.units import FREQUENCY, RATIO, parse_quantity
+from mtcommission.profile.model import MOST_MOVES
+from mtcommission.profile.plant_tables import MOST_MODES
+from mtcommission.units.axis_units import LINEAR, ROTARY
+from mtcommission.units.quantities import FREQUENCY, RATIO, parse_quantity
 from mtcommission.wizard.measures import (
     MODAL,
     NO,

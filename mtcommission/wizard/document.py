@@ -9,7 +9,7 @@ from typing import Any
 
 import tomlkit
 
-from mtcommission.profile_lines import (
+from mtcommission.profile.lines import (
     ACCEPTED_DEFAULT,
     find_comments,
     find_key_lines,

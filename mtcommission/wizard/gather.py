@@ -11,11 +11,11 @@ import tomlkit
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
-from mtcommission.profile import read_profile_text
-from mtcommission.profile_faults import find_unknown
-from mtcommission.profile_lines import find_key_lines, read_key
-from mtcommission.profile_syntax import load_toml
-from mtcommission.profile_values import propose
+from mtcommission.profile.faults import find_unknown
+from mtcommission.profile.lines import find_key_lines, read_key
+from mtcommission.profile.read import read_profile_text
+from mtcommission.profile.syntax import load_toml
+from mtcommission.profile.values import propose
 from mtcommission.wizard.convert import OWN, to_answers
 from mtcommission.wizard.document import find_unmeasured
 from mtcommission.wizard.measures import WAYS, YES

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from mtcommission.profile_plant import MOST_MODES
-from mtcommission.units import (
+from mtcommission.profile.plant_tables import MOST_MODES
+from mtcommission.units.quantities import (
     DAMPING,
     FREQUENCY,
     INERTIA,

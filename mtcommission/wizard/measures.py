@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.measures import LINEAR, ROTARY, Measures
-from mtcommission.units import RATIO, Dimension
+from mtcommission.units.axis_units import LINEAR, ROTARY, Measures
+from mtcommission.units.quantities import RATIO, Dimension
 from mtcommission.wizard.question import Answers, Question
 
 TOWER_BY_STIFFNESS = "tower: masses and stiffness"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from mtcommission.profile_plant import MOST_MODES
-from mtcommission.units import (
+from mtcommission.profile.plant_tables import MOST_MODES
+from mtcommission.units.quantities import (
     DAMPING,
     FREQUENCY,
     INERTIA,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
-from mtcommission.units import (
+from mtcommission.units.quantities import (
     DIGITS,
     GAIN,
     NUMBER,
@@ -105,7 +105,7 @@ def read_reply(question: Question, typed: str) -> Reply:
 
     Examples
     --------
-    >>> from mtcommission.units import STIFFNESS
+    >>> from mtcommission.units.quantities import STIFFNESS
     >>> reply = read_reply(Question(key="k", text="?", where="", dimension=STIFFNESS), "44,41")
     >>> reply.text, reply.taken_as
     ('44.41 N/m', '44.41 N/m')
@@ -208,7 +208,7 @@ def show_common(question: Question) -> str:
 
     Examples
     --------
-    >>> from mtcommission.units import STIFFNESS
+    >>> from mtcommission.units.quantities import STIFFNESS
     >>> show_common(Question(key="", text="", where="", dimension=STIFFNESS, low=1e4, high=1e10))
     '10 kN/m to 10 GN/m'
     """

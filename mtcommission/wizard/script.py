@@ -6,8 +6,8 @@ questions, and going back needs no memory but the answers.
 
 from __future__ import annotations
 
-from mtcommission.profile_model import MOST_MOVES
-from mtcommission.units import GAIN, RATIO, TIME
+from mtcommission.profile.model import MOST_MOVES
+from mtcommission.units.quantities import GAIN, RATIO, TIME
 from mtcommission.wizard.measures import (
     NO,
     TOWER_BY_FREQUENCY,

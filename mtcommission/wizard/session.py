@@ -8,11 +8,11 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
-from mtcommission.machine import Machine
-from mtcommission.plausibility import check_plausibility
-from mtcommission.profile import parse_profile
-from mtcommission.profile_faults import may_be_left_out
-from mtcommission.profile_lines import ACCEPTED_DEFAULT, read_key, read_path, show_key
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.profile.faults import may_be_left_out
+from mtcommission.profile.lines import ACCEPTED_DEFAULT, read_key, read_path, show_key
+from mtcommission.profile.read import parse_profile
 from mtcommission.wizard.console import (
     BACK,
     COMMANDS,

@@ -1,0 +1,1 @@
+"""Optima, rules and search -> the acceleration and jerk limits to type in."""

@@ -1,0 +1,243 @@
+"""The physical optima of a move on the nominal machine, and the limits closest to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, floor, isfinite, log10
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.limits.condense import condense
+from mtcommission.machine.machine import Machine, Move, Positioning
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
+from mtcommission.optimal.bounded.cruise import compose_cruise
+from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
+from mtcommission.optimal.damping.weights import balanced_weights
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.solution import (
+    TIGHT_GAP,
+    Bound,
+    DampingOptimum,
+    TimeOptimum,
+    excess_velocity,
+    sample_trajectory,
+)
+from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+
+DAMPING_TIME_FACTOR = 1.2
+"""Default t_f of the damping-optimal control over t_f,min where no peaks are bounded
+(the project's definition)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Optima:
+    """The physical optima of one move on the nominal machine.
+
+    Parameters
+    ----------
+    move
+        Which move.
+    time
+        Time-optimal, exact rest; under max_velocity where the move has one.
+    constrained
+        The same under the profile's peaks; None where there are none.
+    damping
+        Damping-optimal; None where its final time is too short (see ``remarks``).
+    remarks
+        What was left out, and why.
+    """
+
+    move: Move
+    time: TimeOptimum
+    constrained: TimeOptimum | None
+    damping: DampingOptimum | None
+    remarks: tuple[str, ...]
+
+
+def require_force(machine: Machine) -> None:
+    """Raise NO_FORCE_LEFT if the static load takes all of the force.
+
+    Parameters
+    ----------
+    machine
+        Any machine.
+    """
+    drive = machine.drive
+    if drive.motion_force <= 0.0:
+        detail = f"static_load {drive.static_load:.6g} N of max_force {drive.max_force:.6g} N"
+        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
+
+
+def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
+    """Return the physical optima of one move.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    move
+        Velocity step or positioning.
+
+    Returns
+    -------
+    Optima
+    """
+    force = machine.drive.motion_force
+    time = find_time_optimum(plant, move, force_limit=force, bounds=())
+    constrained, remarks = None, []
+    if time.method == "composed":
+        remarks.append(
+            "The move cruises at max_velocity for long; the reference shown is composed of two "
+            "time-optimal velocity steps and a cruise at rest. Nothing is faster than "
+            f"{1e3 * time.certificate.t_f_lower_bound:.6g} ms (a proved bound, "
+            f"{100 * time.certificate.relative_gap:.2g} % below)."
+        )
+    bounds = tuple(Bound(name=p.name, value=p.bound) for p in machine.requirements.peaks)
+    if bounds:
+        try:
+            constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
+        except ComputationError as error:
+            remarks.append(f"Optimum under the bounds on peaks: {error}.")
+    if constrained and constrained.certificate.relative_gap > TIGHT_GAP:
+        slower = 100.0 * constrained.certificate.relative_gap
+        remarks.append(
+            f"The optimum under the bounds on peaks is at most {slower:.1g} % slower than the "
+            "fastest control; exact arcs were not found."
+        )
+    wanted = machine.damping_optimal
+    t_f = wanted.t_f or (constrained.t_f if constrained else DAMPING_TIME_FACTOR * time.t_f)
+    damping = None
+    try:
+        damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
+    except ComputationError as error:
+        remarks.append(f"Damping-optimal control: {error}.")
+    excess = excess_velocity(plant, damping) if damping else 0.0
+    if excess:
+        remarks.append(
+            f"The damping-optimal control reaches {1.0 + excess:.4g} times max_velocity: its "
+            "functional knows no limits on states."
+        )
+    return Optima(
+        move=move,
+        time=time,
+        constrained=constrained,
+        damping=damping,
+        remarks=tuple(remarks),
+    )
+
+
+def find_time_optimum(
+    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
+) -> TimeOptimum:
+    """Return the time-optimal control, bounded or free, whichever the move and bounds ask for.
+
+    Where the exact search under max_velocity does not end, the composed control of
+    ``compose_cruise`` stands in: its method says so, and its gap is that of its proof.
+
+    Parameters
+    ----------
+    plant
+        Nominal.
+    move
+        Velocity step or positioning.
+    force_limit
+        Force left for motion [N or N m].
+    bounds
+        On states and outputs, besides the move's own max_velocity.
+
+    Returns
+    -------
+    TimeOptimum
+
+    Raises
+    ------
+    ComputationError
+        The solve ended with a named outcome.
+    """
+    cruise = move if isinstance(move, Positioning) and isfinite(move.max_velocity) else None
+    if not bounds and cruise is None:
+        return solve_time_optimal(plant, move, force_limit=force_limit)
+    try:
+        return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
+    except ComputationError as error:
+        if bounds or cruise is None or error.outcome is not Outcome.NO_CONVERGENCE:
+            raise
+        return compose_cruise(plant, cruise, force_limit=force_limit)
+
+
+def find_damping_optimum(
+    machine: Machine, plant: Plant, move: Move, *, t_f: float, least: float
+) -> DampingOptimum:
+    """Return the damping-optimal control with the profile's weights, or balanced ones.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    move
+        Velocity step or positioning.
+    t_f
+        Final time [s].
+    least
+        t_f,min of the same move [s].
+
+    Returns
+    -------
+    DampingOptimum
+
+    Raises
+    ------
+    ComputationError
+        FINAL_TIME_TOO_SHORT if t_f < least, with t_f,min in the message.
+    """
+    if t_f < least:
+        detail = f"t_f = {1e3 * t_f:.9g} ms, but t_f,min = {_rounded_up(1e3 * least):.9g} ms"
+        raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
+    force = machine.drive.motion_force
+    weights = machine.damping_optimal.weights
+    if not weights:
+        reference = solve_time_optimal(plant, move, force_limit=force)
+        weights = balanced_weights(plant, reference)
+    return solve_damping_optimal(plant, move, force_limit=force, t_f=t_f, weights=weights)
+
+
+def condense_optima(
+    machine: Machine, plant: Plant, optima: Sequence[Optima]
+) -> tuple[tuple[str, MotionLimits], ...]:
+    """Return the jerk-limited profile closest to each optimum, with its name.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal; no ramp is shorter than the position cycle.
+    optima
+        One for each move.
+
+    Returns
+    -------
+    tuple
+        Name and limits of each.
+    """
+    cycle = machine.control.position_cycle
+    found = []
+    for number, item in enumerate(optima, start=1):
+        place = f", move {number}" if len(optima) > 1 else ""
+        solutions = {
+            "time-optimal": item.time,
+            "constrained": item.constrained,
+            "damping-optimal": item.damping,
+        }
+        for name, solution in solutions.items():
+            if solution is None:
+                continue
+            motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / 500)
+            limits = condense(item.move, motion, velocity=plant.velocity, shortest_ramp=cycle)
+            found.append((f"closest to the {name} control{place}", limits))
+    return tuple(found)
+
+
+def _rounded_up(value: float) -> float:
+    """Return a time with nine digits that is not refused once more when it is typed in."""
+    digit = 10.0 ** (floor(log10(value)) - 8)
+    return ceil(value / digit) * digit

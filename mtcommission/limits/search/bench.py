@@ -1,0 +1,202 @@
+"""All that judging limits needs, computed once: settling and use of force, in every corner."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.batch.extremes import find_extremes
+from mtcommission.loop.batch.settling import Settling, settle
+from mtcommission.loop.batch.tables import ResponseTables, build_tables, sketch_tables
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.machine import Machine, Move
+from mtcommission.plant.plant import Plant, longest_period
+from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1.05
+"""Room in the tables for setpoints that rounding makes longer: two limits by 1 % each at most."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Bench:
+    """What limits are judged with.
+
+    Parameters
+    ----------
+    machine, tuned
+        The nominal machine, and its loop in every corner.
+    tables, sketches
+        The response in each corner, exactly and for a first look.
+    signals
+        Rows over the outputs of one velocity cycle; the first one is the set force.
+    bounds, names
+        Largest allowed magnitude of each signal, and what is used up there.
+    tail
+        Free motion in which force and peaks are looked at [s].
+    """
+
+    machine: Machine
+    tuned: TunedLoop
+    tables: tuple[ResponseTables, ...]
+    sketches: tuple[ResponseTables, ...]
+    signals: Array
+    bounds: Array
+    names: tuple[str, ...]
+    tail: float
+
+    @property
+    def band(self) -> float:
+        """Allowed residual deviation [m]."""
+        return self.machine.requirements.tcp_deviation
+
+    @property
+    def order(self) -> int:
+        """Highest derivative of the setpoint that steps."""
+        return self.tables[0].order
+
+
+def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: float) -> Bench:
+    """Return the bench for setpoints up to a duration.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant, its loop in every corner.
+    longest
+        Longest setpoint that will be judged, filter included [s].
+
+    Returns
+    -------
+    Bench
+    """
+    filtered = machine.control.moving_average_time > 0.0
+    tables = tuple(
+        build_tables(loop, lifted, longest=ROUNDING * longest, filtered=filtered)
+        for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+    )
+    needs, n = machine.requirements, plant.order
+    outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
+    rows = [np.eye(n + 3)[2], *(outputs @ plant.row(peak.name) for peak in needs.peaks)]
+    names = ["force limit", *(f"peak {peak.name}" for peak in needs.peaks)]
+    if isfinite(machine.drive.continuous_force):
+        names.append("RMS force")
+    return Bench(
+        machine=machine,
+        tuned=tuned,
+        tables=tables,
+        sketches=tuple(map(sketch_tables, tables, (loop.plant for loop in tuned.loops))),
+        signals=np.array(rows),
+        bounds=np.array([machine.drive.motion_force, *(peak.bound for peak in needs.peaks)]),
+        names=tuple(names),
+        tail=tables[0].reference_delay + 1.5 * min(longest_period(plant), 0.2),
+    )
+
+
+def plan_steps(machine: Machine, move: Move, acceleration: Array, jerk_time: Array) -> JerkSteps:
+    """Return the steps of a move's setpoints, behind the control's setpoint filter."""
+    steps = jerk_steps(move, acceleration=acceleration, jerk=acceleration / jerk_time)
+    time = machine.control.moving_average_time
+    return moving_average_steps(steps, time=time) if time > 0.0 else steps
+
+
+def motion_time(machine: Machine, acceleration: Array, jerk_time: Array) -> Array:
+    """Return t_e of the slowest move, filter included, shape (n_limits,) [s]."""
+    durations = [
+        plan_steps(machine, move, acceleration, jerk_time).duration for move in machine.moves
+    ]
+    return np.asarray(np.max(durations, axis=0))
+
+
+def reached_accelerations(machine: Machine, acceleration: Array, jerk_time: Array) -> Array:
+    """Return the largest acceleration that any move reaches, shape (n_limits,) [m/s²]."""
+    jerk = acceleration / jerk_time
+    ramps = [jerk_steps(m, acceleration=acceleration, jerk=jerk).times[:, 1] for m in machine.moves]
+    return np.asarray(np.minimum(jerk * np.max(ramps, axis=0), acceleration))
+
+
+def settle_gradually(
+    bench: Bench,
+    tables_by_corner: Sequence[ResponseTables],
+    acceleration: Array,
+    jerk_time: Array,
+) -> Iterator[tuple[NDArray[np.bool_], Settling]]:
+    """Yield the worst settling so far after each move and corner, and take back what to drop.
+
+    Parameters
+    ----------
+    bench
+        The bench.
+    tables_by_corner
+        Its tables or its sketches.
+    acceleration, jerk_time
+        Limits, shape (n_limits,) [m/s², s].
+
+    Yields
+    ------
+    alive, found
+        Limits still followed, shape (n_limits,): whoever sets one to False has seen enough of
+        it, and it stays at the worst seen until then; worst settling over moves and corners.
+    """
+    alive = np.ones(len(acceleration), dtype=bool)
+    settling, residual = np.zeros_like(acceleration), np.zeros_like(acceleration)
+    # The nominal machine comes last: it is the mildest, the ends decide.
+    for move, tables in product(bench.machine.moves, tables_by_corner[::-1]):
+        part = np.flatnonzero(alive)
+        if not part.size:
+            return
+        steps = plan_steps(bench.machine, move, acceleration[part], jerk_time[part])
+        found = settle(tables, steps, band=bench.band)
+        settling[part] = np.maximum(settling[part], found.settling_time)
+        residual[part] = np.maximum(residual[part], found.residual_deviation)
+        yield alive, Settling(settling_time=settling, residual_deviation=residual)
+
+
+def settle_exactly(bench: Bench, acceleration: Array, jerk_time: Array) -> Settling:
+    """Return the worst settling over moves and corners, seen at every velocity cycle."""
+    *_, (_, found) = settle_gradually(bench, bench.tables, acceleration, jerk_time)
+    return found
+
+
+def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
+    """Return the share of every bound that is used, worst case, shape (n_limits, n_bounds) [-].
+
+    Parameters
+    ----------
+    bench
+        The bench; ``bench.names`` are the columns.
+    acceleration, jerk_time
+        Limits, shape (n_limits,) [m/s², s].
+
+    Returns
+    -------
+    ndarray
+        Force, peaks, and RMS force where it is limited.
+    """
+    drive = bench.machine.drive
+    is_limited = isfinite(drive.continuous_force)
+    used = np.zeros((len(acceleration), len(bench.names)))
+    for move in bench.machine.moves:
+        steps = plan_steps(bench.machine, move, acceleration, jerk_time)
+        for lifted in bench.tuned.lifted:
+            found = find_extremes(
+                lifted,
+                steps,
+                signals=bench.signals,
+                order=bench.order,
+                dwell=move.dwell if is_limited else None,
+                tail=bench.tail,
+            )
+            share = found.peaks / bench.bounds
+            if is_limited:
+                load = abs(drive.static_load)
+                square = found.mean_square_force + load**2 + 2 * load * np.abs(found.mean_force)
+                share = np.column_stack([share, np.sqrt(square) / drive.continuous_force])
+            used = np.maximum(used, share)
+    return used

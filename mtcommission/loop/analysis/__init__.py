@@ -1,0 +1,1 @@
+"""Poles, margins and frequency responses of a loop."""

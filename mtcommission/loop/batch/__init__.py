@@ -1,0 +1,1 @@
+"""Thousands of setpoints, or of machines, at once."""

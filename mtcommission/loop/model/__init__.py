@@ -1,0 +1,1 @@
+"""The sampled loop: its blocks, one position cycle as arithmetic and as matrices."""

@@ -1,0 +1,1 @@
+"""One setpoint, or one disturbance, through the loop."""

@@ -1,0 +1,68 @@
+"""What a force on the axis does to the tool while the loop holds its position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.model.discrete import discretise_disturbance
+from mtcommission.loop.model.sampled import HELD, SampledLoop
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DisturbanceStep:
+    """Answer of the tool to a step of force on the line of the drive.
+
+    Parameters
+    ----------
+    t
+        Every velocity cycle from the step on, shape (n_samples,) [s].
+    deflection
+        Tool displacement per newton, shape (n_samples,) [m/N].
+    """
+
+    t: Array
+    deflection: Array
+
+    @property
+    def peak(self) -> float:
+        """Largest displacement per newton [m/N]."""
+        return float(np.max(np.abs(self.deflection)))
+
+
+def push(loop: SampledLoop, *, duration: float) -> DisturbanceStep:
+    """Return how the tool gives way to a step of force, at rest before it.
+
+    Parameters
+    ----------
+    loop
+        The loop; the setpoint rests, the force is not saturated.
+    duration
+        Time to look at [s].
+
+    Returns
+    -------
+    DisturbanceStep
+        The step begins with a position cycle.
+    """
+    n, z, held = loop.plant.order, loop.integrator, loop.held
+    size, cycles = len(loop.states), loop.controller.cycles
+    cycle = loop.step.copy()
+    cycle[z] += loop.integration
+    cycle[z + 1] = loop.demand
+    entry = np.zeros(size)
+    entry[:n] = discretise_disturbance(loop.plant, loop.controller.velocity_cycle)
+    X, tool = np.zeros(size), []
+    for _ in range(ceil(duration / loop.controller.position_cycle)):
+        handed_down = loop.handed_down[:, :size] @ X
+        for _ in range(cycles):
+            tool.append(float(loop.observation[0] @ X))
+            X = cycle @ X + entry
+        X[held : held + len(HELD)] = handed_down
+    t = np.arange(len(tool), dtype=np.float64) * loop.controller.velocity_cycle
+    return DisturbanceStep(t=t, deflection=np.array(tool))

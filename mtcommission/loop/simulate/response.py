@@ -1,0 +1,272 @@
+"""A setpoint through the loop, judged by the project's definitions.
+
+e(t) = TCP position - x_ref(t - τ); t_e ends the setpoint. Residual deviation: max |e| for
+t >= t_e + τ. Settling time: the later of t_e + τ and the last time with |e| above the band.
+Simulated at every velocity cycle until every closed-loop mode has decayed below 1 % of the
+band at the tool, and below 1 % of what the tool still moves: a residual far within the band is
+followed to its peak, too. What takes longer than the horizon to decay so far is settled if it
+can leave the band no more; else it is "not settled".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.model.sampled import LiftedLoop, SampledLoop, advance_cycle
+from mtcommission.loop.simulate.decay import find_decay
+from mtcommission.machine.machine import Drive
+from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
+
+Array = NDArray[np.float64]
+
+DECAYED = 0.01
+"""Share of the band, and of the motion itself, below which a mode counts as gone (the project's
+definition)."""
+
+HORIZON = 10.0
+"""A response that may still leave the band this long after t_e is "not settled" [s] (empirical:
+no commissioning engineer waits longer)."""
+
+LEAST_SIZE = 1e-6
+"""Free motion below this share of the band is not followed to its own end: picometres."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoopResponse:
+    """What the machine does with a setpoint.
+
+    Parameters
+    ----------
+    t
+        Every velocity cycle, shape (n_samples,) [s].
+    deviation
+        e, shape (n_samples,) [m].
+    force
+        F_set, shape (n_samples,) [N].
+    states
+        Plant states, shape (n_samples, n).
+    t_end
+        t_e + τ [s].
+    settling_time
+        [s]; inf means "not settled".
+    residual_deviation, peak_deviation
+        [m]; residual inf if the response may leave the band even after the horizon.
+    mode_amplitudes
+        Amplitude of each plant mode at the tool at t_e + τ, about its quasi-static
+        deflection, shape (n_modes,) [m].
+    peaks
+        Largest magnitude of each of ``Plant.signals``.
+    max_force
+        Largest |F_set| that the loop asks for, saturation apart [N].
+    rms_force
+        Motor force over [0, t_e + dwell], static load included in its worse direction [N].
+    saturated
+        Whether it asks for more than the force limit; the motion shown is then the saturated one.
+    """
+
+    t: Array
+    deviation: Array
+    force: Array
+    states: Array
+    t_end: float
+    settling_time: float
+    residual_deviation: float
+    peak_deviation: float
+    mode_amplitudes: Array
+    peaks: Array
+    max_force: float
+    rms_force: float
+    saturated: bool
+
+
+def simulate(
+    loop: SampledLoop, lifted: LiftedLoop, setpoint: Setpoint, *, drive: Drive, band: float
+) -> LoopResponse:
+    """Return the response to a setpoint, at rest before it.
+
+    Parameters
+    ----------
+    loop, lifted
+        The same loop as arithmetic and as matrices.
+    setpoint
+        From t = 0, in step with a position cycle.
+    drive
+        Force limit and static load.
+    band
+        tcp_deviation of the requirements [m].
+
+    Returns
+    -------
+    LoopResponse
+    """
+    tau = loop.controller.reference_delay
+    until = setpoint.duration + tau
+    outputs, decayed = _run_linear(loop, lifted, setpoint, until=until, band=band)
+    max_force = float(np.max(np.abs(outputs[:, 2])))
+    saturated = max_force > drive.motion_force
+    if saturated:
+        outputs, decayed = _run_saturated(
+            loop, lifted, setpoint, limit=drive.motion_force, until=until, band=band
+        )
+    t: Array = np.arange(len(outputs), dtype=np.float64) * loop.controller.velocity_cycle
+    reference = sample_setpoint(setpoint, t - tau)[:, 0]
+    deviation = outputs[:, 0] - reference
+    states = outputs[:, 3:]
+    signals = np.hstack([states, states @ loop.plant.C.T])
+    after = t >= until - 1e-12
+    begin = int(np.argmax(after))
+    # The judgement begins between two samples: there the tool is interpolated against the
+    # setpoint that by then rests or coasts.
+    end, speed = sample_setpoint(setpoint, np.array([setpoint.duration]))[0, :2]
+    before = outputs[begin - 1, 0] - end - speed * (t[begin - 1] - until)
+    share = (until - t[begin - 1]) / (t[begin] - t[begin - 1])
+    at_end = before + share * (deviation[begin] - before)
+    judged_t = np.concatenate([[until], t[begin:]])
+    judged = np.abs(np.concatenate([[at_end], deviation[begin:]]))
+    return LoopResponse(
+        t=t,
+        deviation=deviation,
+        force=outputs[:, 2],
+        states=states,
+        t_end=until,
+        settling_time=_settling_time(judged_t, judged, band) if decayed else inf,
+        residual_deviation=float(np.max(judged)) if decayed else inf,
+        peak_deviation=float(np.max(np.abs(deviation))),
+        mode_amplitudes=_mode_amplitudes(loop, states[begin]),
+        peaks=np.max(np.abs(signals), axis=0),
+        max_force=max_force,
+        rms_force=_rms_force(t, states[:, -1], setpoint, drive.static_load),
+        saturated=saturated,
+    )
+
+
+def steady_state(lifted: LiftedLoop) -> Array:
+    """Return the loop state that belongs to rest or coasting, shape (n, 2).
+
+    X = result @ (x_ref, v_ref) solves X⁺ = A X + B r with x_ref⁺ = x_ref + T_p v_ref.
+
+    Parameters
+    ----------
+    lifted
+        A stable loop.
+
+    Returns
+    -------
+    ndarray
+    """
+    eye = np.eye(len(lifted.A))
+    at_rest = np.linalg.solve(eye - lifted.A, lifted.B[:, 0])
+    coasting = np.linalg.solve(eye - lifted.A, lifted.B[:, 1] - lifted.dt * at_rest)
+    return np.column_stack([at_rest, coasting])
+
+
+def _run_linear(
+    loop: SampledLoop, lifted: LiftedLoop, setpoint: Setpoint, *, until: float, band: float
+) -> tuple[Array, bool]:
+    """Outputs at every velocity cycle, shape (n_samples, n_outputs), and whether they decayed."""
+    first = ceil(until / lifted.dt) + 1
+    X, moving = _advance_linear(lifted, np.zeros(len(lifted.A)), setpoint, 0, first)
+    tail, decayed = _run_free(loop, lifted, X, setpoint, start=first, band=band)
+    return np.vstack([moving, tail]).reshape(-1, len(loop.outputs)), decayed
+
+
+def _run_saturated(
+    loop: SampledLoop,
+    lifted: LiftedLoop,
+    setpoint: Setpoint,
+    *,
+    limit: float,
+    until: float,
+    band: float,
+) -> tuple[Array, bool]:
+    """The same with saturation, cycle by cycle, until the free motion stays within the limit."""
+    X = np.zeros((len(lifted.A), 1))
+    pieces: list[Array] = []
+    stop, k = ceil(until / lifted.dt) + 1, 0
+    last = stop + ceil(HORIZON / lifted.dt)
+    while k < last:
+        references = sample_setpoint(setpoint, np.arange(k, stop, dtype=np.float64) * lifted.dt)
+        for r in references:
+            X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
+            pieces.append(Y[:, :, 0])
+        tail, decayed = _run_free(loop, lifted, X[:, 0], setpoint, start=stop, band=band)
+        samples = tail.reshape(-1, len(loop.outputs))
+        if np.max(np.abs(samples[:, 2])) <= limit:
+            return np.vstack([*pieces, samples]), decayed
+        k, stop = stop, min(2 * stop, last)
+    return np.vstack(pieces), False
+
+
+def _run_free(
+    loop: SampledLoop, lifted: LiftedLoop, X: Array, setpoint: Setpoint, *, start: int, band: float
+) -> tuple[Array, bool]:
+    """Lifted outputs from a cycle on until all modes have decayed, and whether they are settled."""
+    reference = sample_setpoint(setpoint, np.array([start * lifted.dt]))[0]
+    decay = find_decay(lifted, X - steady_state(lifted) @ reference[:2])
+    cycles = decay.cycles(DECAYED * band, longest=HORIZON)
+    X, outputs = _advance_linear(lifted, X, setpoint, start, start + cycles)
+    tool = outputs.reshape(-1, len(loop.outputs))[:, 0]
+    cycle: Array = np.arange(len(tool), dtype=np.float64) * loop.controller.velocity_cycle
+    t = start * lifted.dt + cycle
+    delayed = sample_setpoint(setpoint, t - loop.controller.reference_delay)[:, 0]
+    size = max(float(np.max(np.abs(tool - delayed))), LEAST_SIZE * band)
+    if cycles * lifted.dt > HORIZON:
+        # A soft mode with little damping dies out slowly; its largest swing has been seen.
+        return outputs, decay.left(cycles) <= min(band, size)
+    stop = start + decay.cycles(DECAYED * size, longest=HORIZON)
+    _, rest = _advance_linear(lifted, X, setpoint, start + cycles, max(stop, start + cycles))
+    return np.vstack([outputs, rest]), True
+
+
+def _advance_linear(
+    lifted: LiftedLoop, X: Array, setpoint: Setpoint, start: int, stop: int
+) -> tuple[Array, Array]:
+    """Loop state at cycle ``stop`` and the lifted outputs of all cycles before it."""
+    times = np.arange(start, stop, dtype=np.float64) * lifted.dt
+    references = sample_setpoint(setpoint, times)
+    drive = references @ lifted.B.T
+    history = np.empty((len(references), len(X)))
+    for k, pushed in enumerate(drive):
+        history[k] = X
+        X = lifted.A @ X + pushed
+    return X, history @ lifted.C.T + references @ lifted.D.T
+
+
+def _settling_time(t: Array, deviation: Array, band: float) -> float:
+    """Last crossing into the band, of samples that begin at t_e + τ."""
+    outside = np.flatnonzero(deviation > band)
+    if not outside.size:
+        return float(t[0])
+    last = int(outside[-1])
+    if last == len(t) - 1:
+        return inf
+    here, following = deviation[last], deviation[last + 1]
+    return float(t[last] + (t[last + 1] - t[last]) * (here - band) / (here - following))
+
+
+def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:
+    """Amplitude of each mode's free vibration from this state on, at the tool [m]."""
+    force = state[loop.plant.force]
+    amplitudes = []
+    for mode in loop.plant.modes:
+        zeta, omega = mode.damping_ratio, mode.natural_frequency
+        q = state[mode.deflection] / mode.scale - force / omega**2
+        rate = state[mode.rate] / mode.scale
+        quadrature = (rate + zeta * omega * q) / (omega * sqrt(1.0 - zeta**2))
+        amplitudes.append(abs(mode.tcp_gain) * sqrt(q**2 + quadrature**2))
+    return np.array(amplitudes)
+
+
+def _rms_force(t: Array, force: Array, setpoint: Setpoint, static_load: float) -> float:
+    """RMS over [0, t_e + dwell]; the motion may go either way against the static load."""
+    window = setpoint.duration + setpoint.move.dwell
+    # The window ends between two samples; after the last one the force has decayed.
+    end = np.interp(window, t, force, right=0.0)
+    times, inside = np.append(t[t < window], window), np.append(force[t < window], end)
+    square = float(np.trapezoid(inside**2, times)) / window
+    mean = float(np.trapezoid(inside, times)) / window
+    return sqrt(square + static_load**2 + 2.0 * abs(static_load * mean))

@@ -1,0 +1,127 @@
+"""What following a machine's moves costs, counted before anything is computed.
+
+Every simulation of the loop steps through its velocity cycles, so the work grows with the length
+of the moves over the cycle. It is counted in cycles and not in seconds: the same profile ends the
+same way on every computer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine.corners import corners
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.setpoint.motion_limits import MotionLimits
+
+MOST_CYCLES = 100_000
+"""Velocity cycles followed at most, all moves and corners together (empirical: a minute for a
+whole run; the shipped profiles take up to 16 000)."""
+
+MOST_SLOW_CYCLES = 300_000
+"""The same with the slowest limits that are judged, those of the commissioning rule."""
+
+
+def count_cycles(machine: Machine) -> float:
+    """Return the velocity cycles that the quickest conceivable moves take, in all corners.
+
+    Parameters
+    ----------
+    machine
+        Nominal, with some force left for motion.
+
+    Returns
+    -------
+    float
+    """
+    a = machine.drive.motion_force / moving_mass(machine)
+    return _cycles(machine, [least_motion_time(move, a) for move in machine.moves])
+
+
+def _cycles(machine: Machine, times: Sequence[float]) -> float:
+    """Return the velocity cycles of moves of these durations [s], in all corners."""
+    return sum(times) / machine.control.velocity_cycle * len(corners(machine))
+
+
+def require_affordable(machine: Machine) -> None:
+    """Raise MOVE_TOO_LONG if the moves take more velocity cycles than are followed.
+
+    Parameters
+    ----------
+    machine
+        Nominal, with some force left for motion.
+    """
+    cycles = count_cycles(machine)
+    if cycles <= MOST_CYCLES:
+        return
+    a = machine.drive.motion_force / moving_mass(machine)
+    times = [least_motion_time(move, a) for move in machine.moves]
+    slowest = max(range(len(times)), key=lambda i: times[i])
+    force, mass = machine.measures.force.si, machine.measures.mass.si
+    count = f"{cycles:.0f}" if cycles < 1e9 else f"{cycles:.3g}"
+    raise ComputationError(
+        Outcome.MOVE_TOO_LONG,
+        f"move {slowest + 1} takes at least {times[slowest]:.3g} s with "
+        f"{machine.drive.motion_force:.4g} {force} on {moving_mass(machine):.4g} {mass}; in "
+        f"{len(corners(machine))} corner(s) all moves together are {count} velocity cycles of "
+        f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {MOST_CYCLES} at most",
+    )
+
+
+def require_affordable_limits(machine: Machine, limits: MotionLimits) -> None:
+    """Raise MOVE_TOO_LONG if the moves take more velocity cycles with these limits than followed.
+
+    A band far below what the loop leaves asks for a jerk so low that no move ever ends.
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+    limits
+        The slowest that will be judged: what the commissioning rule asks for.
+    """
+    band = f"{machine.requirements.tcp_deviation:.3g} {machine.measures.length.si}"
+    require_few_cycles(
+        machine,
+        limits,
+        most=MOST_SLOW_CYCLES,
+        reason=f"to keep a band of {band} the commissioning rule asks for",
+        remedy="check the unit of tcp_deviation",
+    )
+
+
+def require_few_cycles(
+    machine: Machine, limits: MotionLimits, *, most: int, reason: str, remedy: str
+) -> None:
+    """Raise MOVE_TOO_LONG if all moves with these limits take more velocity cycles than allowed.
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+    limits
+        Acceleration and jerk.
+    most
+        Velocity cycles that are followed, all moves and corners together.
+    reason, remedy
+        Who asks for these limits, and what to check, for the message.
+
+    Raises
+    ------
+    ComputationError
+        With the count, before anything is computed.
+    """
+    times = [
+        least_motion_time(move, limits.acceleration) + limits.jerk_time for move in machine.moves
+    ]
+    cycles = _cycles(machine, times)
+    if cycles <= most:
+        return
+    raise ComputationError(
+        Outcome.MOVE_TOO_LONG,
+        f"{reason} {limits.acceleration:.4g} {machine.measures.acceleration.si} and a ramp of "
+        f"{limits.jerk_time:.4g} s, with which a move takes {max(times):.4g} s; in "
+        f"{len(corners(machine))} corner(s) all moves together are {cycles:.3g} velocity cycles of "
+        f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {most} at most; {remedy}",
+    )

@@ -1,0 +1,1 @@
+"""What the profile leaves out of the controller, tuned until the margins hold."""

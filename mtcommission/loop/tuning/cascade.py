@@ -1,0 +1,122 @@
+"""Kp, Tn, Kv and τ of the cascade, by rules with a source.
+
+- Delay of the force path T_σ = T + 1.5 T_v + filters; Kp = f m / (2 T_σ) (symmetrical optimum).
+- ω_v = Kp/m; Tn = 4/ω_v (Yaskawa: Tn >= 4/ω_v); Kv = ω_v/4 (speed loop damping 1).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mtcommission.loop.model.controller import (
+    Controller,
+    feedforward_delay,
+    filter_delay,
+    no_observer,
+)
+from mtcommission.machine.machine import Machine, TcpSensor, mid_payload, moving_mass
+from mtcommission.plant.plant import Plant
+
+
+def build_cascade(machine: Machine, plant: Plant, *, fraction: float) -> Controller:
+    """Return the cascade without state feedback: given gains as given, the rest by rule.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal machine and its plant.
+    fraction
+        f, Kp over the symmetrical optimum [-]; without effect where Kp is given.
+
+    Returns
+    -------
+    Controller
+    """
+    given, drive = machine.control, machine.drive
+    mass = moving_mass(machine) + mid_payload(machine)
+    Kp = given.velocity_gain
+    if Kp is None:
+        Kp = fraction * symmetrical_optimum(machine)
+    Tn = 4.0 * mass / Kp if given.integral_time is None else given.integral_time
+    Kv = Kp / (4.0 * mass) if given.position_gain is None else given.position_gain
+    tau = given.reference_delay
+    if tau is None:
+        tau = feedforward_delay(
+            position_cycle=given.position_cycle,
+            velocity_cycle=given.velocity_cycle,
+            force_lag=drive.force_lag,
+            jerk_feedforward=given.jerk_feedforward,
+            force_filters=given.force_filters,
+        )
+    sensors = ("encoder", "tcp") if given.tcp_sensor is TcpSensor.POSITION else ("encoder",)
+    return Controller(
+        position_gain=Kv,
+        velocity_gain=Kp,
+        integral_time=Tn,
+        reference_model_time=given.reference_model_time,
+        velocity_feedforward=given.velocity_feedforward,
+        acceleration_feedforward=given.acceleration_feedforward,
+        jerk_feedforward=given.jerk_feedforward,
+        feedforward_mass=mass if given.feedforward_mass is None else given.feedforward_mass,
+        force_lag=drive.force_lag,
+        reference_delay=tau,
+        velocity_cycle=given.velocity_cycle,
+        cycles=round(given.position_cycle / given.velocity_cycle),
+        force_filters=given.force_filters,
+        sensors=sensors,
+        state_gains=np.zeros(plant.order),
+        observer=no_observer(n_sensors=len(sensors)),
+    )
+
+
+def symmetrical_optimum(machine: Machine) -> float:
+    """Return Kp = m / (2 T_σ) with the mass at mid payload [N s/m].
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+
+    Returns
+    -------
+    float
+
+    Source: symmetrical optimum (Kessler 1958), T_σ as the sum of the small time constants.
+    """
+    given = machine.control
+    delay = machine.drive.force_lag + 1.5 * given.velocity_cycle
+    delay += sum(filter_delay(item) for item in given.force_filters)
+    return (moving_mass(machine) + mid_payload(machine)) / (2.0 * delay)
+
+
+def explain_cascade(machine: Machine, controller: Controller) -> tuple[str, ...]:
+    """Return by which rules the gains were chosen, as sentences for the sheet.
+
+    Parameters
+    ----------
+    machine, controller
+        The controller that was built for the machine.
+
+    Returns
+    -------
+    tuple of str
+    """
+    given, remarks = machine.control, []
+    if given.velocity_gain is None:
+        fraction = controller.velocity_gain / symmetrical_optimum(machine)
+        share = ""
+        if fraction < 1.0 - 1e-9:
+            share = f" x {fraction:.2f} (lowered until the margins hold)"
+        elif fraction > 1.0 + 1e-9:
+            share = f" x {fraction:.2f} (the state feedback allows more)"
+        remarks.append(f"Kp by the symmetrical optimum, m / (2 T_sigma){share}.")
+    if given.integral_time is None:
+        remarks.append("Tn = 4 m / Kp (Yaskawa's lower bound for the speed loop).")
+    if given.position_gain is None:
+        remarks.append("Kv = Kp / (4 m): speed loop damping 1.")
+    if given.reference_delay is None:
+        remarks.append(
+            "Reference delay: 1.5 position cycles + 1 velocity cycle + the force lag that the "
+            "jerk feed-forward leaves + the filters, so that feed-forward and feedback meet."
+        )
+    return tuple(remarks)

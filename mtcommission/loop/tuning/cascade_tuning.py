@@ -1,0 +1,210 @@
+"""The cascade alone: given gains as given, the rest by rule, Kp lowered until the margins hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop.model.controller import Controller
+from mtcommission.loop.tuning.cascade import build_cascade, explain_cascade
+from mtcommission.loop.tuning.judgement import (
+    has_given_gains,
+    judge_given,
+    warn_of_filters,
+    warn_of_modes,
+)
+from mtcommission.loop.tuning.tuned import (
+    CornerPlants,
+    TunedLoop,
+    TuningSettings,
+    answer_corners,
+    close_loop,
+    close_within_margins,
+    corner_plants,
+    describe_margins,
+)
+from mtcommission.machine.machine import Machine
+
+LEAST_FRACTION = 0.01
+"""Below a hundredth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
+
+
+def tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
+    """Return the cascade alone, with the minimum bandwidth.
+
+    Parameters
+    ----------
+    machine, settings
+        As for ``tune_loop``; what the profile says about state feedback does not count.
+
+    Returns
+    -------
+    TunedLoop
+
+    Raises
+    ------
+    ComputationError
+        BANDWIDTH_OUT_OF_REACH, and those of ``close_cascade``.
+    """
+    tuned = close_cascade(machine, settings)
+    lacking = lacking_bandwidth(machine, tuned)
+    if lacking:
+        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, lacking)
+    return tuned
+
+
+def lacking_bandwidth(machine: Machine, tuned: TunedLoop) -> str:
+    """Return what a cascade by the rules lacks, in words; "" if nothing, and for given gains.
+
+    Parameters
+    ----------
+    machine, tuned
+        The machine and its cascade.
+
+    Returns
+    -------
+    str
+    """
+    given = machine.control
+    if given.velocity_gain is not None or tuned.least_bandwidth_hz >= given.minimum_bandwidth_hz:
+        return ""
+    return (
+        f"the fastest cascade with the margins has {tuned.least_bandwidth_hz:.3g} Hz, "
+        f"minimum_bandwidth is {given.minimum_bandwidth_hz:.3g} Hz"
+    )
+
+
+def close_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
+    """Return the cascade alone, even if it lacks bandwidth.
+
+    Parameters
+    ----------
+    machine, settings
+        As for ``tune_cascade``.
+
+    Returns
+    -------
+    TunedLoop
+        With what there is to warn of.
+
+    Raises
+    ------
+    ComputationError
+        UNSTABLE_LOOP, MARGINS_OUT_OF_REACH or UNDAMPED_MODE.
+    """
+    bench = corner_plants(machine)
+    tuned = _close_cascade(machine, bench, settings)
+    tuned = replace(tuned, remarks=explain_cascade(machine, tuned.controller))
+
+    def build(changed: Machine) -> Controller:
+        return build_cascade(changed, bench.model, fraction=1.0)
+
+    warnings = list(warn_of_modes(bench, tuned))
+    if has_given_gains(machine):
+        warnings += judge_given(machine, bench, tuned, settings=settings, build=build)
+    return replace(tuned, warnings=(*warnings, *filter_warnings(machine, tuned, settings)))
+
+
+def design_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> Controller:
+    """Return the gains of the cascade: given ones as given, the others as if none was given.
+
+    Parameters
+    ----------
+    machine, bench, settings
+        The machine, its plants in every corner, and required margins.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    ComputationError
+        MARGINS_OUT_OF_REACH or UNDAMPED_MODE.
+    """
+    given = machine.control
+    if given.velocity_gain is not None:
+        _require_damping(bench)
+        return build_cascade(machine, bench.model, fraction=1.0)
+    found = _close_by_rule(machine, bench, settings).controller
+    Kv, Tn = given.position_gain, given.integral_time
+    return replace(
+        found,
+        position_gain=found.position_gain if Kv is None else Kv,
+        integral_time=found.integral_time if Tn is None else Tn,
+    )
+
+
+def _close_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> TunedLoop:
+    if has_given_gains(machine):
+        return close_loop(bench, design_cascade(machine, bench, settings))
+    return _close_by_rule(machine, bench, settings)
+
+
+def filter_warnings(
+    machine: Machine, tuned: TunedLoop, settings: TuningSettings
+) -> tuple[str, ...]:
+    """Return the warning that set-force filters make a loop soft, if they do.
+
+    Parameters
+    ----------
+    machine, tuned, settings
+        The machine, its loop, and required margins.
+
+    Returns
+    -------
+    tuple of str
+    """
+    if not machine.control.force_filters:
+        return ()
+    without = replace(machine, control=replace(machine.control, force_filters=()))
+    return tuple(warn_of_filters(tuned, close_cascade(without, settings)))
+
+
+def _require_damping(bench: CornerPlants) -> None:
+    """A mode without damping that the encoder does not see rings for ever under any cascade."""
+    for mode in bench.model.modes:
+        if mode.damping_ratio == 0.0 and mode.measured_gain == 0.0:
+            detail = f"mode {mode.name} ({mode.frequency_hz:.4g} Hz) has damping ratio 0"
+            raise ComputationError(Outcome.UNDAMPED_MODE, detail)
+
+
+def fractions(settings: TuningSettings, *, start: float, end: float) -> Iterator[float]:
+    """Yield the tries of Kp as shares of the symmetrical optimum, from stiff to soft.
+
+    Parameters
+    ----------
+    settings
+        Factor from one to the next.
+    start, end
+        First, and the last that may be tried [-].
+
+    Yields
+    ------
+    float
+    """
+    fraction = start
+    while fraction >= end:
+        yield fraction
+        fraction *= settings.reduction
+
+
+def _close_by_rule(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> TunedLoop:
+    """The cascade by rule alone, as if no gain was given, with the largest Kp that may be."""
+    _require_damping(bench)
+    free = replace(machine.control, velocity_gain=None, position_gain=None, integral_time=None)
+    by_rule = replace(machine, control=free)
+    answers = answer_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
+    for fraction in fractions(settings, start=1.0, end=LEAST_FRACTION):
+        controller = build_cascade(by_rule, bench.model, fraction=fraction)
+        found = close_within_margins(bench, controller, answers, settings=settings)
+        if found is not None:
+            return found
+    softest = close_loop(bench, controller)
+    detail = (
+        f"at Kp = {controller.velocity_gain:.4g} {machine.measures.damping.si}, "
+        f"{LEAST_FRACTION:.0%} of the symmetrical optimum, they are "
+        f"{describe_margins(softest.analyses)}"
+    )
+    raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)

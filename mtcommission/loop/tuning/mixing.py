@@ -1,0 +1,123 @@
+"""Where a mode and the servo mix, so that no closed-loop pole is the mode's alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from mtcommission.loop.analysis.analysis import Array, ComplexArray, share_out, unfold
+from mtcommission.loop.model.sampled import LiftedLoop
+from mtcommission.plant.plant import Plant, PlantMode
+
+CLEARLY_LESS = 0.8
+"""Shown damping below this share of that of a larger part is worth a sentence (empirical)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swing:
+    """One pair of closed-loop poles as part of a mode.
+
+    Parameters
+    ----------
+    frequency_hz
+        |s| / (2 π) [Hz].
+    damping_ratio
+        [-].
+    share
+        Participation of the mode in the pair, relative to that in all poles [-].
+    """
+
+    frequency_hz: float
+    damping_ratio: float
+    share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MixedMode:
+    """A mode whose shown damping ratio does not tell all.
+
+    Parameters
+    ----------
+    name
+        Of the mode.
+    shown
+        The pair whose damping ratio is shown as the mode's: the least damped of those that hold
+        a notable part of it.
+    larger
+        The pair that holds most of it.
+    """
+
+    name: str
+    shown: Swing
+    larger: Swing
+
+
+def find_mixed_modes(plant: Plant, lifted: LiftedLoop, damping: Array) -> tuple[MixedMode, ...]:
+    """Return the modes that ring mostly in another pair of poles, and there clearly more damped.
+
+    Parameters
+    ----------
+    plant, lifted
+        Plant and loop of one corner.
+    damping
+        Damping ratio shown for each mode, from ``analyse_loop``, shape (n_modes,) [-].
+
+    Returns
+    -------
+    tuple of MixedMode
+        Empty where the shown ratios tell all.
+
+    Examples
+    --------
+    >>> from mtcommission.loop.tuning.tuning import tune_loop
+    >>> from benchmarks.population import random_machine
+    >>> tuned = tune_loop(random_machine(3))
+    >>> find_mixed_modes(tuned.loops[0].plant, tuned.lifted[0], tuned.nominal.mode_damping)
+    ()
+    """
+    closed = share_out(plant, lifted)
+    found = []
+    for mode, row, ratio in zip(plant.modes, closed.shares, damping, strict=True):
+        swings = _swings(closed.poles, row / np.sum(row), mode, lifted.dt)
+        shown = min(swings, key=lambda item: abs(item.damping_ratio - ratio), default=None)
+        larger = max(swings, key=lambda item: item.share, default=None)
+        if shown and larger and shown.damping_ratio < CLEARLY_LESS * larger.damping_ratio:
+            found.append(MixedMode(name=mode.name, shown=shown, larger=larger))
+    return tuple(found)
+
+
+def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[str, ...]:
+    """Return one sentence for each mode.
+
+    Parameters
+    ----------
+    mixed
+        From ``find_mixed_modes``.
+
+    Returns
+    -------
+    tuple of str
+    """
+    return tuple(
+        f"Mode {item.name} and the servo mix in the closed loop: the damping ratio shown is that "
+        f"of the poles at {item.shown.frequency_hz:.3g} Hz, which hold "
+        f"{100.0 * item.shown.share:.0f} % of the mode; {100.0 * item.larger.share:.0f} % of it "
+        f"ring at {item.larger.frequency_hz:.3g} Hz with {item.larger.damping_ratio:.3g}."
+        for item in mixed
+    )
+
+
+def _swings(poles: ComplexArray, shares: Array, mode: PlantMode, dt: float) -> list[Swing]:
+    """Conjugate pairs, at the frequency where the mode sees them, with its share in both poles."""
+    pairs = [(unfold(p, mode, dt), s) for p, s in zip(poles, shares, strict=True) if p.imag > 0.0]
+    return [
+        Swing(
+            frequency_hz=abs(pole) / (2 * pi),
+            damping_ratio=-pole.real / abs(pole),
+            share=2.0 * float(share),
+        )
+        for pole, share in pairs
+    ]

@@ -1,0 +1,196 @@
+"""Active damping of one mode: LQR around the closed cascade, states by a Kalman observer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop.model.controller import Controller, Observer
+from mtcommission.loop.model.discrete import discretise
+from mtcommission.loop.tuning.riccati import observer_gains, regulator_gains
+from mtcommission.loop.tuning.tuned import TuningSettings
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant, PlantMode
+
+Array = NDArray[np.float64]
+
+
+def is_seen(mode: PlantMode, sensors: tuple[str, ...]) -> bool:
+    """Return whether a mode shows in any of the sensors.
+
+    Parameters
+    ----------
+    mode
+        Of the plant.
+    sensors
+        Names of measured outputs.
+
+    Returns
+    -------
+    bool
+    """
+    return mode.measured_gain != 0.0 or ("tcp" in sensors and mode.tcp_gain != 0.0)
+
+
+def dominant_mode(
+    plant: Plant, sensors: tuple[str, ...], damping: tuple[float, ...]
+) -> PlantMode | None:
+    """Return the visible mode that resonates most at the tool; None if none is visible.
+
+    Parameters
+    ----------
+    plant
+        Nominal.
+    sensors
+        Names of measured outputs.
+    damping
+        Damping ratio of each mode under the cascade alone [-].
+
+    Returns
+    -------
+    PlantMode or None
+        The one with the largest |tcp_gain| / (2 ζ ω²), its peak deflection per newton.
+    """
+    peaks = {
+        index: abs(mode.tcp_gain) / (mode.natural_frequency**2 * max(zeta, LEAST_DAMPING))
+        for index, (mode, zeta) in enumerate(zip(plant.modes, damping, strict=True))
+        if is_seen(mode, sensors)
+    }
+    return plant.modes[max(peaks, key=peaks.__getitem__)] if peaks else None
+
+
+def add_state_feedback(
+    machine: Machine,
+    plant: Plant,
+    cascade: Controller,
+    mode: PlantMode,
+    *,
+    weight: float,
+    observer: Observer,
+) -> Controller:
+    """Return the cascade with the state feedback that damps a mode.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal machine and its plant.
+    cascade
+        Without state feedback.
+    mode
+        To be damped; visible.
+    weight
+        Of the mode's squared rate against the squared force, both in units of what F_max does
+        to the mode [-].
+    observer
+        From ``design_observer``.
+
+    Returns
+    -------
+    Controller
+    """
+    gains = _mode_gains(machine, plant, cascade, mode, weight, observer.states)
+    return replace(cascade, state_gains=gains, observer=observer)
+
+
+def design_observer(
+    machine: Machine, plant: Plant, cascade: Controller, *, settings: TuningSettings
+) -> Observer:
+    """Return the stationary Kalman observer at the velocity cycle for all that the sensors see.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal machine and its plant.
+    cascade
+        Its sensors and its velocity cycle count.
+    settings
+        Assumed noises.
+
+    Returns
+    -------
+    Observer
+    """
+    modes = [mode for mode in plant.modes if is_seen(mode, cascade.sensors)]
+    states = [plant.position, plant.velocity]
+    states += [index for mode in modes for index in (mode.deflection, mode.rate)]
+    states.append(plant.force)
+    T_v, F_max = cascade.velocity_cycle, machine.drive.max_force
+    A, B = discretise(plant, T_v)
+    noises = np.zeros((plant.order, 1 + len(modes)))
+    noises[:, 0] = settings.force_noise * F_max * B
+    for column, mode in enumerate(modes, start=1):
+        noises[mode.rate, column] = settings.mode_noise * F_max * mode.scale * T_v
+    A, B, G = A[np.ix_(states, states)], B[states], noises[states]
+    C = np.array([plant.row(sensor) for sensor in cascade.sensors])[:, states]
+    # Noises of variance 1 and states in units of what they move by in a cycle under F_max, so
+    # that the Riccati equation sees no extreme numbers.
+    scale = np.abs(B) * F_max
+    scaled = (A * scale / scale[:, None], G / scale[:, None], C * scale / settings.position_noise)
+    with _riccati_errors("observer"):
+        L = observer_gains(*scaled) * scale[:, None] / settings.position_noise
+    return Observer(states=tuple(states), A=A, B=B, C=C, L=L)
+
+
+def _mode_gains(
+    machine: Machine,
+    plant: Plant,
+    controller: Controller,
+    mode: PlantMode,
+    weight: float,
+    observed: tuple[int, ...],
+) -> Array:
+    """LQR gains on the observed plant states, shape (n_plant,).
+
+    The design model is the plant under its continuous cascade, with the integrator as last
+    state, without the modes that no sensor sees (no gain can use them) and with a trace of
+    damping on every mode: so its Riccati equation has a stabilising solution even where a
+    mode is stated as undamped. The gain on the integrator is left out: the cost does not
+    weigh it.
+    """
+    n, Kp = plant.order, controller.velocity_gain
+    encoder = plant.row("encoder")
+    A = np.zeros((n + 1, n + 1))
+    A[:n, :n] = plant.A
+    A[n, :n] = -(encoder @ plant.A + controller.position_gain * encoder) / controller.integral_time
+    law = Kp * np.concatenate([encoder @ plant.A + controller.position_gain * encoder, [-1.0]])
+    B = np.append(plant.B, 0.0)
+    # States in units of what F_max does at the mode's frequency: all numbers near 1.
+    force, omega = machine.drive.max_force, mode.natural_frequency
+    scale = np.full(n + 1, force / (plant.moving_mass * omega**2))
+    scale[[plant.velocity, n]] *= omega
+    scale[plant.force] = force
+    for item in plant.modes:
+        scale[item.deflection] = abs(item.scale) * force / omega**2
+        scale[item.rate] = abs(item.scale) * force / omega
+        zeta = max(item.damping_ratio, LEAST_DAMPING)
+        A[item.rate, item.rate] = -2.0 * zeta * item.natural_frequency
+    A = (A - np.outer(B, law)) * scale / scale[:, None] / omega
+    Q = np.zeros((n + 1, n + 1))
+    Q[mode.rate, mode.rate] = weight
+    kept = [*observed, n]
+    inside = np.ix_(kept, kept)
+    B = (B * force / scale / omega)[kept]
+    with _riccati_errors(f"gains for mode {mode.name}"):
+        K = regulator_gains(A[inside], B, Q[inside])
+    gains = np.zeros(n)
+    gains[kept[:-1]] = (K * force / scale[kept])[:-1]
+    return gains
+
+
+@contextmanager
+def _riccati_errors(what: str) -> Iterator[None]:
+    """Name what scipy raises where a Riccati equation defeats them."""
+    try:
+        yield
+    except (ValueError, np.linalg.LinAlgError) as error:
+        raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, f"{what}: {error}") from error
+
+
+LEAST_DAMPING = 1e-4
+"""Damping ratio that the design of the state feedback takes for granted (empirical: far below
+any real joint, and enough for the Riccati solver)."""

@@ -1,0 +1,302 @@
+"""A controller closed on the machine in every corner, and whether its margins suffice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
+from mtcommission.loop.analysis.answers import Answers, answer_on_grid
+from mtcommission.loop.analysis.frequency import (
+    FrequencyResponse,
+    close,
+    frequency_response,
+    open_loop,
+    refine,
+)
+from mtcommission.loop.model.controller import Controller
+from mtcommission.loop.model.sampled import LiftedLoop, SampledLoop, build_loop, lift_loop
+from mtcommission.machine.corners import Corner, corners, vary
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant, build_plant
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TuningSettings:
+    """What a tuned loop must reach, and how its observer sees noise.
+
+    Parameters
+    ----------
+    gain_margin_db, phase_margin_deg, sensitivity_peak
+        Required in every corner; Åström & Hägglund recommend 6 ... 14 dB, 30 ... 60 degrees and
+        1.2 ... 2.0.
+    mode_weights
+        Weights of the dominant mode's squared rate against the squared force, both in units of
+        what F_max does to the mode; each is tried.
+    reduction
+        Factor from one try of Kp to the next.
+    largest_fraction
+        Where Kp begins with state feedback, as a multiple of the symmetrical optimum: feedback
+        of the motor force shortens the lag for which that optimum is made (empirical: margins
+        end the search before).
+    force_noise, mode_noise, position_noise
+        Standard deviations that the observer assumes: unknown force of the drive, and on each
+        mode, relative to F_max [-], and encoder error [m] (empirical: they set its bandwidth,
+        not the loop's accuracy; without the second one the observer itself rings at the
+        frequencies at which the encoder stands still).
+    """
+
+    gain_margin_db: float = 6.0
+    phase_margin_deg: float = 30.0
+    sensitivity_peak: float = 2.0
+    mode_weights: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0)
+    reduction: float = 0.92
+    largest_fraction: float = 2.0
+    force_noise: float = 0.05
+    mode_noise: float = 0.01
+    position_noise: float = 1e-7
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CornerPlants:
+    """The machine as it is in every corner.
+
+    Parameters
+    ----------
+    corners, plants
+        The nominal machine first, which is what the controller believes in.
+    """
+
+    corners: tuple[Corner, ...]
+    plants: tuple[Plant, ...]
+
+    @property
+    def model(self) -> Plant:
+        """The nominal plant."""
+        return self.plants[0]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TunedLoop:
+    """A controller in every corner of the machine.
+
+    Parameters
+    ----------
+    controller
+        With every gain resolved.
+    corners
+        The nominal machine first.
+    loops, lifted, responses, analyses
+        One for each corner.
+    remarks
+        What was chosen, by which rule, and what could not be done; sentences for the sheet.
+    warnings
+        What is poor about the loop; sentences that belong beside the verdict.
+    """
+
+    controller: Controller
+    corners: tuple[Corner, ...]
+    loops: tuple[SampledLoop, ...]
+    lifted: tuple[LiftedLoop, ...]
+    responses: tuple[FrequencyResponse, ...]
+    analyses: tuple[LoopAnalysis, ...]
+    remarks: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def nominal(self) -> LoopAnalysis:
+        """Analysis of the nominal machine."""
+        return self.analyses[0]
+
+    @property
+    def least_bandwidth_hz(self) -> float:
+        """Bandwidth in the worst corner [Hz]."""
+        return min(analysis.bandwidth_hz for analysis in self.analyses)
+
+    @property
+    def least_stiffness(self) -> float:
+        """Dynamic stiffness in the worst corner [N/m]."""
+        return min(analysis.dynamic_stiffness for analysis in self.analyses)
+
+    @property
+    def least_damping(self) -> tuple[float, ...]:
+        """Damping ratio of each mode in its worst corner."""
+        return tuple(map(float, np.min([item.mode_damping for item in self.analyses], axis=0)))
+
+    @property
+    def least_own_damping(self) -> tuple[float, ...]:
+        """Damping ratio in its worst corner of the pole that each mode has turned into."""
+        return tuple(map(float, np.min([item.own_damping for item in self.analyses], axis=0)))
+
+
+def corner_plants(machine: Machine) -> CornerPlants:
+    """Return the plant of a machine in every corner.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its requirements hold the ranges.
+
+    Returns
+    -------
+    CornerPlants
+    """
+    places = corners(machine)
+    return CornerPlants(
+        corners=places, plants=tuple(build_plant(vary(machine, corner)) for corner in places)
+    )
+
+
+def close_loop(
+    bench: CornerPlants,
+    controller: Controller,
+    *,
+    remarks: tuple[str, ...] = (),
+    warnings: tuple[str, ...] = (),
+) -> TunedLoop:
+    """Return the controller on the machine in every corner, analysed.
+
+    Parameters
+    ----------
+    bench
+        From ``corner_plants``.
+    controller
+        With every gain resolved.
+    remarks, warnings
+        Of the result.
+
+    Returns
+    -------
+    TunedLoop
+    """
+    closed = [
+        _close_on(plant, controller, frequency_response(plant, controller), model=bench.model)
+        for plant in bench.plants
+    ]
+    found = _gather(bench, controller, closed)
+    return replace(found, remarks=remarks, warnings=warnings)
+
+
+def close_within_margins(
+    bench: CornerPlants,
+    controller: Controller,
+    answers: Sequence[Answers],
+    *,
+    settings: TuningSettings,
+) -> TunedLoop | None:
+    """Return the loop as ``close_loop`` does, or None where a corner lacks the margins.
+
+    Parameters
+    ----------
+    bench, controller
+        As for ``close_loop``; corners behind the first one that fails are not looked at.
+    answers
+        From ``answer_corners`` with the same cycles, sensors and observer.
+    settings
+        Required margins.
+
+    Returns
+    -------
+    TunedLoop or None
+        Without remarks and warnings.
+    """
+    closed = []
+    for plant, known in zip(bench.plants, answers, strict=True):
+        cut = open_loop(controller, known)
+        # Refinement keeps every frequency: a peak that is too high now stays too high.
+        if cut.sensitivity_peak > settings.sensitivity_peak:
+            return None
+        response = refine(controller, known.blocks, close(known, cut))
+        closed.append(_close_on(plant, controller, response, model=bench.model))
+        if not has_margins(closed[-1].analysis, settings=settings):
+            return None
+    return _gather(bench, controller, closed)
+
+
+def answer_corners(bench: CornerPlants, controller: Controller) -> tuple[Answers, ...]:
+    """Return what all controllers with the same cycles, sensors and observer share.
+
+    Parameters
+    ----------
+    bench, controller
+        As for ``close_loop``.
+
+    Returns
+    -------
+    tuple of Answers
+        One for each corner.
+    """
+    return tuple(answer_on_grid(plant, controller) for plant in bench.plants)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Closed:
+    """The loop in one corner."""
+
+    loop: SampledLoop
+    lifted: LiftedLoop
+    response: FrequencyResponse
+    analysis: LoopAnalysis
+
+
+def _close_on(
+    plant: Plant, controller: Controller, response: FrequencyResponse, *, model: Plant
+) -> _Closed:
+    loop = build_loop(plant, controller, model=model)
+    lifted = lift_loop(loop)
+    analysis = analyse_loop(plant, response, lifted)
+    return _Closed(loop=loop, lifted=lifted, response=response, analysis=analysis)
+
+
+def _gather(bench: CornerPlants, controller: Controller, closed: Sequence[_Closed]) -> TunedLoop:
+    return TunedLoop(
+        controller=controller,
+        corners=bench.corners,
+        loops=tuple(item.loop for item in closed),
+        lifted=tuple(item.lifted for item in closed),
+        responses=tuple(item.response for item in closed),
+        analyses=tuple(item.analysis for item in closed),
+        remarks=(),
+    )
+
+
+def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
+    """Return whether one loop is stable with the required margins.
+
+    Parameters
+    ----------
+    analysis
+        Of the loop.
+    settings
+        Required margins.
+
+    Returns
+    -------
+    bool
+    """
+    return (
+        analysis.is_stable
+        and analysis.gain_margin_db >= settings.gain_margin_db
+        and analysis.phase_margin_deg >= settings.phase_margin_deg
+        and analysis.sensitivity_peak <= settings.sensitivity_peak
+    )
+
+
+def describe_margins(analyses: Sequence[LoopAnalysis]) -> str:
+    """Return the worst margins over some corners as words.
+
+    Parameters
+    ----------
+    analyses
+        At least one.
+
+    Returns
+    -------
+    str
+    """
+    gain = min(analysis.gain_margin_db for analysis in analyses)
+    phase = min(analysis.phase_margin_deg for analysis in analyses)
+    peak = max(analysis.sensitivity_peak for analysis in analyses)
+    return f"{gain:.3g} dB, {phase:.3g} degrees, sensitivity peak {peak:.3g} (worst corner)"

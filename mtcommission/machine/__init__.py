@@ -1,0 +1,1 @@
+"""Machine and its parts: frozen, in SI; its corners, variations and plausibility."""

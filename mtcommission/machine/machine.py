@@ -1,0 +1,407 @@
+"""A machine axis as its data sheet tells it: frozen, SI, without files or solvers.
+
+On a rotary axis inertia stands for mass, torque for force and rad for m; the equations
+are the same, so the field names stay those of the linear axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from math import inf
+
+from mtcommission.units.axis_units import LINEAR, ROTARY, Measures
+
+
+class Motion(Enum):
+    """What the axis does: its units follow from it."""
+
+    LINEAR = "linear"
+    ROTARY = "rotary"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manipulator:
+    """The two-mode manipulator of Christiansen, Maurer & Zirn, eq. (1).
+
+    Parameters
+    ----------
+    base_mass, slider_mass
+        m_b, m_s [kg].
+    rotary_inertia
+        J of the slider tower about the fictive rotary joint [kg m²].
+    lever_arm
+        r, from the joint to the line of the drive force [m].
+    tcp_height
+        h, tool centre point above the joint, signed [m]; the paper gives no sign.
+    base_stiffness, base_damping
+        k_b [N/m], d_b [N s/m].
+    rotary_stiffness, rotary_damping
+        k [N m/rad], d [N m s/rad].
+    """
+
+    base_mass: float
+    slider_mass: float
+    rotary_inertia: float
+    lever_arm: float
+    tcp_height: float
+    base_stiffness: float
+    base_damping: float
+    rotary_stiffness: float
+    rotary_damping: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlexibleMode:
+    """One mode q'' + 2 ζ ω q' + ω² q = F.
+
+    Parameters
+    ----------
+    name
+        Identifier, used in state names.
+    natural_frequency
+        ω of the undamped mode [rad/s].
+    damping_ratio
+        ζ [-], 0 <= ζ < 1.
+    tcp_gain, measured_gain
+        Share of q in the tool and in the encoder position, signed [1/kg].
+    """
+
+    name: str
+    natural_frequency: float
+    damping_ratio: float
+    tcp_gain: float
+    measured_gain: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Modal:
+    """A rigid mass with flexible modes, as read from a Bode plot.
+
+    Parameters
+    ----------
+    moving_mass
+        Total rigid mass [kg].
+    modes
+        One to eight modes with distinct poles.
+    """
+
+    moving_mass: float
+    modes: tuple[FlexibleMode, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drive:
+    """The motor as the axis feels it.
+
+    Parameters
+    ----------
+    force_lag
+        Time constant T of the force loop [s].
+    max_force
+        F_max [N].
+    continuous_force
+        Thermal (RMS) limit over move and dwell [N]; inf if none was given.
+    static_load
+        Weight or process force [N]; its amount is not available for motion.
+    """
+
+    force_lag: float
+    max_force: float
+    continuous_force: float = inf
+    static_load: float = 0.0
+
+    @property
+    def motion_force(self) -> float:
+        """Force left for motion, max_force - |static_load| [N]."""
+        return self.max_force - abs(self.static_load)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VelocityStep:
+    """Accelerate from rest to a velocity; the end position is free.
+
+    Parameters
+    ----------
+    velocity_step
+        Velocity at the end [m/s], > 0.
+    dwell
+        Rest after the move, for the RMS force [s].
+    """
+
+    velocity_step: float
+    dwell: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Positioning:
+    """Move from rest to rest.
+
+    Parameters
+    ----------
+    distance
+        Length of the move [m], > 0.
+    max_velocity
+        Velocity limit [m/s]; inf if none was given.
+    dwell
+        Rest after the move, for the RMS force [s].
+    """
+
+    distance: float
+    max_velocity: float = inf
+    dwell: float = 0.0
+
+
+Move = VelocityStep | Positioning
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Peak:
+    """A bound on a state or output over the whole closed-loop response.
+
+    Parameters
+    ----------
+    name
+        State or output of the plant, e.g. ``v_phi``.
+    bound
+        Largest allowed magnitude, in the SI unit of that signal.
+    """
+
+    name: str
+    bound: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Modes:
+    """Allowed residual deviation in each machining mode [m].
+
+    Parameters
+    ----------
+    surface, accuracy, speed
+        The band for finishing, for contour accuracy and for roughing [m].
+    """
+
+    surface: float
+    accuracy: float
+    speed: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Requirements:
+    """What the axis must achieve, in every corner.
+
+    Parameters
+    ----------
+    tcp_deviation
+        Half width of the band about the delayed setpoint [m].
+    max_settling_time
+        [s]; inf if none was given.
+    frequency_spread, damping_spread
+        Relative uncertainty of all eigenfrequencies / damping ratios [-], e.g. 0.05.
+    payload
+        Least and largest payload [kg].
+    payload_radius
+        Radius of gyration of the payload about the rotary joint [m]; 0 leaves the inertia alone.
+    peaks
+        Bounds on states and outputs.
+    modes
+        Bands of the three machining modes.
+    """
+
+    tcp_deviation: float
+    modes: Modes
+    max_settling_time: float = inf
+    frequency_spread: float = 0.0
+    damping_spread: float = 0.0
+    payload: tuple[float, float] = (0.0, 0.0)
+    payload_radius: float = 0.0
+    peaks: tuple[Peak, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Weight:
+    """Weight of one squared state in the damping functional, eq. (5).
+
+    Parameters
+    ----------
+    state
+        Name of the state.
+    value
+        c_i in N² per squared unit of the state.
+    """
+
+    state: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DampingOptimal:
+    """Settings of the damping-optimal control.
+
+    Parameters
+    ----------
+    t_f
+        Final time [s]; None: that of the constrained optimum where there are peaks, else
+        1.2 x t_f,min.
+    weights
+        Explicit weights; empty means "balanced".
+    """
+
+    t_f: float | None = None
+    weights: tuple[Weight, ...] = ()
+
+
+class TcpSensor(Enum):
+    """Second encoder near the tool."""
+
+    NONE = "none"
+    POSITION = "position"
+
+
+class StateFeedback(Enum):
+    """How the state-space extension gets its gains."""
+
+    AUTO = "auto"
+    OFF = "off"
+    GIVEN = "given"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StateGain:
+    """Gain of the state-space extension on one state.
+
+    Parameters
+    ----------
+    state
+        Name of the plant state.
+    value
+        Set force per unit of that state's deviation [N/unit].
+    """
+
+    state: str
+    value: float
+
+
+class FilterKind(Enum):
+    """Kinds of set-force filter."""
+
+    NOTCH = "notch"
+    LOW_PASS = "low_pass"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForceFilter:
+    """One filter in the set-force path.
+
+    Parameters
+    ----------
+    kind
+        Notch or second-order low-pass.
+    natural_frequency
+        [rad/s].
+    damping
+        Denominator damping ratio of the low-pass, numerator damping ratio of the notch [-].
+    """
+
+    kind: FilterKind
+    natural_frequency: float
+    damping: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Control:
+    """The cascade as the profile states it; None means "left out: tune it and print it".
+
+    Parameters
+    ----------
+    position_gain
+        Kv [1/s].
+    velocity_gain
+        Kp [N s/m].
+    integral_time
+        Tn [s].
+    reference_model_time
+        Time constant of the reference model in the integral branch [s]; 0 = none.
+    velocity_feedforward, acceleration_feedforward, jerk_feedforward
+        Weights [-].
+    feedforward_mass
+        [kg]; None: moving mass at mid payload.
+    reference_delay
+        τ [s]; None: chosen so that feed-forward and feedback meet.
+    position_cycle, velocity_cycle
+        [s]; the position cycle is a whole multiple of the velocity cycle.
+    tcp_sensor
+        Second encoder.
+    state_feedback
+        Auto, off, or given by ``state_gains``.
+    state_gains
+        Gains for ``StateFeedback.GIVEN``.
+    moving_average_time
+        Length of the moving-average setpoint filter [s]; 0 = none.
+    force_filters
+        Filters in the set-force path, in order.
+    minimum_bandwidth_hz
+        What tuning must at least reach, closed velocity loop, -3 dB [Hz]; 0 = none.
+    """
+
+    position_gain: float | None = None
+    velocity_gain: float | None = None
+    integral_time: float | None = None
+    reference_model_time: float = 0.0
+    velocity_feedforward: float = 1.0
+    acceleration_feedforward: float = 1.0
+    jerk_feedforward: float = 0.0
+    feedforward_mass: float | None = None
+    reference_delay: float | None = None
+    position_cycle: float = 2e-3
+    velocity_cycle: float = 125e-6
+    tcp_sensor: TcpSensor = TcpSensor.NONE
+    state_feedback: StateFeedback = StateFeedback.AUTO
+    state_gains: tuple[StateGain, ...] = ()
+    moving_average_time: float = 0.0
+    force_filters: tuple[ForceFilter, ...] = ()
+    minimum_bandwidth_hz: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Machine:
+    """One axis: mechanics, drive, moves, requirements and control.
+
+    Parameters
+    ----------
+    name, axis, source
+        For the sheet; ``source`` says where the numbers come from.
+    motion
+        Linear or rotary.
+    mechanics
+        Manipulator or modal description.
+    drive, moves, requirements, damping_optimal, control
+        See the classes.
+    """
+
+    name: str
+    axis: str
+    source: str
+    mechanics: Manipulator | Modal
+    drive: Drive
+    moves: tuple[Move, ...]
+    requirements: Requirements
+    motion: Motion = Motion.LINEAR
+    damping_optimal: DampingOptimal = field(default_factory=DampingOptimal)
+    control: Control = field(default_factory=Control)
+
+    @property
+    def measures(self) -> Measures:
+        """What masses, forces and lengths are on this axis."""
+        return ROTARY if self.motion is Motion.ROTARY else LINEAR
+
+
+def moving_mass(machine: Machine) -> float:
+    """Return the rigid mass that the drive accelerates [kg]."""
+    mechanics = machine.mechanics
+    return mechanics.slider_mass if isinstance(mechanics, Manipulator) else mechanics.moving_mass
+
+
+def mid_payload(machine: Machine) -> float:
+    """Return the middle of the payload range [kg]."""
+    return 0.5 * sum(machine.requirements.payload)

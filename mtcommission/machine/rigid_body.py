@@ -1,0 +1,57 @@
+"""Moves of a rigid axis: the least that any control needs, without jerk limit and vibration."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from mtcommission.machine.machine import Move, VelocityStep
+
+
+def peak_velocity(move: Move, acceleration: float) -> float:
+    """Return the largest velocity of a move under an acceleration limit alone [m/s].
+
+    Parameters
+    ----------
+    move
+        Velocity step or positioning.
+    acceleration
+        [m/s²], > 0.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> from mtcommission.machine.machine import Positioning
+    >>> peak_velocity(Positioning(distance=0.5, max_velocity=2.0), 2.0)
+    1.0
+    """
+    if isinstance(move, VelocityStep):
+        return move.velocity_step
+    return min(move.max_velocity, sqrt(acceleration * move.distance))
+
+
+def least_motion_time(move: Move, acceleration: float) -> float:
+    """Return how long a rigid axis needs for a move at this acceleration, without jerk limit [s].
+
+    Parameters
+    ----------
+    move
+        Velocity step or positioning.
+    acceleration
+        [m/s²], > 0.
+
+    Returns
+    -------
+    float
+        v/a, and for positioning L/v on top, with the largest velocity v that is reached.
+
+    Examples
+    --------
+    >>> least_motion_time(VelocityStep(velocity_step=0.1), 2.0)
+    0.05
+    """
+    velocity = peak_velocity(move, acceleration)
+    cruise = 0.0 if isinstance(move, VelocityStep) else move.distance / velocity
+    return velocity / acceleration + cruise

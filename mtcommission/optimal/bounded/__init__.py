@@ -1,0 +1,1 @@
+"""Time-optimal control under bounds on states and outputs: exact, and proved."""

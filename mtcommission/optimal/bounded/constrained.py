@@ -1,0 +1,232 @@
+"""The time-optimal control under bounds on states and outputs: exact, and proved.
+
+The sequence of bang arcs, boundary arcs and touch points is found, never assumed.
+docs/optimal-control-bounds.md derives the method.
+"""
+
+from __future__ import annotations
+
+from math import nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.optimal.bounded.accept import GAP, Found
+from mtcommission.optimal.bounded.cruise_lengthened import cruise_periods, lengthened_cruise
+from mtcommission.optimal.bounded.dual import dual_value
+from mtcommission.optimal.bounded.exact import solve_exactly
+from mtcommission.optimal.bounded.force import force_sequence, swift_plant, tight_force_bound
+from mtcommission.optimal.bounded.grid import solve_grid_time
+from mtcommission.optimal.bounded.layout import first_sight
+from mtcommission.optimal.bounded.measure import adjoint_before, stretches
+from mtcommission.optimal.bounded.problem import (
+    BoundedProblem,
+    all_bounds,
+    bounded_problem,
+    bounds_text,
+)
+from mtcommission.optimal.bounded.search import search
+from mtcommission.optimal.closed_form import impulse_response
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.solution import Bound, Certificate, TimeOptimum, TouchPoint
+from mtcommission.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+MANY_PERIODS = 120.0
+"""Periods of a cruise from which on a shorter one is solved first: before, a mesh over the whole
+move costs less (measured on the paper's machine)."""
+
+SAME_TIME = 1e-7
+"""Relative distance at which a zero of σ and a switching time count as the same."""
+
+
+def solve_bounded_time_optimal(
+    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
+) -> TimeOptimum:
+    """Return the fastest control that makes a move within bounds and leaves everything at rest.
+
+    Parameters
+    ----------
+    plant
+        The axis, at rest at t = 0.
+    move
+        Velocity step or positioning move; a finite ``max_velocity`` bounds the rigid velocity.
+    force_limit
+        Force left for motion [N], > 0.
+    bounds
+        On states or outputs, |c x(t)| <= value for all t; names from ``Plant.signals``.
+
+    Returns
+    -------
+    TimeOptimum
+        With a proved lower bound of t_f: the gap is some 1e-12 where the sequence of arcs could
+        be solved exactly (orders 1 and 2). Where it could not (boundary arcs of order 3, such
+        as those of a deflection), the arcs are cells of a mesh, the gap is mostly below 1e-6
+        and never above 1e-3: it stands in the certificate. All bounds are kept to 1e-9 of
+        their value, the terminal error is at most 1e-9 of each state's peak.
+
+    Raises
+    ------
+    KeyError
+        If there is no such signal.
+    ComputationError
+        BOUND_CANNOT_HOLD, BEYOND_HORIZON, NO_FORCE_LEFT, or NO_CONVERGENCE.
+
+    Source: docs/optimal-control-bounds.md; the problem: Christiansen, Maurer & Zirn, sec. 5.2.
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant.plant import build_plant
+    >>> machine = paper_machine()
+    >>> optimum = solve_bounded_time_optimal(build_plant(machine), machine.moves[0],
+    ...     force_limit=2e3, bounds=(Bound(name="v_phi", value=0.02),))
+    >>> round(optimum.t_f, 7), [arc.control for arc in optimum.arcs if "b" in arc.control]
+    (0.0436416, ['boundary:v_phi:-'])
+    """
+    every = all_bounds(plant, move, bounds)
+    _refuse_impossible(plant, move, every)
+    free = solve_time_optimal(plant, move, force_limit=force_limit)
+    peaks = dict(zip(plant.signals, free.peaks.tolist(), strict=True))
+    active = tuple(bound for bound in every if peaks[bound.name] > bound.value)
+    if not active:
+        return _with_bounds(free, every)
+    problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
+    found = _under_force_bound(problem, move)
+    if found is None:
+        found = _best(problem, t_free=free.t_f)
+    if found is None:
+        detail = f"{bounds_text(plant, every)} and {force_limit:.6g} {plant.force_unit}"
+        raise ComputationError(Outcome.NO_CONVERGENCE, f"time-optimal control under {detail}")
+    return _optimum(problem, move, every, found)
+
+
+def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
+    """Return the optimum from a mesh over the whole move, or from a shorter cruise."""
+    long = cruise_periods(problem) > MANY_PERIODS
+    first = lengthened_cruise(problem) if long else _over_all(problem, t_free=t_free)
+    if first is not None and first.gap <= GAP:
+        return first
+    second = _over_all(problem, t_free=t_free) if long else lengthened_cruise(problem)
+    found = [one for one in (first, second) if one is not None]
+    return min(found, key=lambda one: one.gap, default=None)
+
+
+def _over_all(problem: BoundedProblem, *, t_free: float) -> Found | None:
+    """Return the optimum from a mesh over the whole move, or None where that does not converge."""
+    try:
+        return search(problem, first_sight(problem, solve_grid_time(problem, t_free=t_free)))
+    except ComputationError as error:
+        if error.outcome is not Outcome.NO_CONVERGENCE:
+            raise
+        return None
+
+
+def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
+    """Return the optimum under a tight bound on F, from that of a plant with a swift force."""
+    index = tight_force_bound(problem)
+    if index < 0:
+        return None
+    others = tuple(limit.bound for i, limit in enumerate(problem.limits) if i != index)
+    force = problem.limits[index].bound.value
+    try:
+        swift = solve_bounded_time_optimal(
+            swift_plant(problem, index), move, force_limit=force, bounds=others
+        )
+    except ComputationError:
+        return None
+    return solve_exactly(problem, force_sequence(problem, index, swift.arcs))
+
+
+def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:
+    """Refuse what the target itself breaks, and bounds that forbid any motion."""
+    target = np.zeros(plant.order)
+    if isinstance(move, VelocityStep):
+        target[plant.velocity] = move.velocity_step
+    else:
+        target[plant.position] = move.distance
+    for bound in bounds:
+        row = plant.row(bound.name)
+        free = isinstance(move, VelocityStep) and row[plant.position] != 0.0
+        least = 0.0 if free else abs(float(row @ target))
+        if not bound.value > 0.0 or bound.value < least:
+            unit = plant.unit(bound.name)
+            needs = f"at least {least:.6g} {unit}" if least > 0.0 else "more than 0"
+            detail = f"{bounds_text(plant, (bound,))}, the move needs {needs}"
+            raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
+
+
+def _with_bounds(free: TimeOptimum, bounds: tuple[Bound, ...]) -> TimeOptimum:
+    """Return the free optimum, which keeps the bounds and so is the answer under them."""
+    return TimeOptimum(
+        move=free.move,
+        force_limit=free.force_limit,
+        bounds=bounds,
+        method=free.method,
+        t_f=free.t_f,
+        arcs=free.arcs,
+        touch_points=(),
+        terminal_error=free.terminal_error,
+        motion=free.motion,
+        certificate=free.certificate,
+    )
+
+
+def _optimum(
+    problem: BoundedProblem, move: Move, bounds: tuple[Bound, ...], found: Found
+) -> TimeOptimum:
+    error = np.zeros(problem.plant.order)
+    error[problem.fixed] = (found.motion.final - problem.target)[problem.fixed]
+    touches = [
+        TouchPoint(
+            t=found.t_f - at.remaining,
+            limit=f"{problem.limits[at.limit].bound.name}:{'+' if at.side > 0 else '-'}",
+        )
+        for at in found.touches
+    ]
+    return TimeOptimum(
+        move=move,
+        force_limit=problem.force_limit,
+        bounds=bounds,
+        method="exact",
+        t_f=found.t_f,
+        arcs=found.motion.arcs,
+        touch_points=tuple(sorted(touches, key=lambda touch: touch.t)),
+        terminal_error=error,
+        motion=found.motion,
+        certificate=_certificate(problem, found),
+    )
+
+
+def _certificate(problem: BoundedProblem, found: Found) -> Certificate:
+    plant, parts = problem.plant, stretches(problem, found.measure)
+    initial = adjoint_before(problem, parts[0])
+    # At rest H = 1 + λ B F_set, so its zero fixes the factor between Λ and the paper's λ.
+    factor = -1.0 / (problem.force_limit * abs(float(initial @ plant.B)))
+    zeros = dual_value(problem, parts, found.measure.atoms).zeros
+    switches = found.t_f - np.array([arc.t_end for arc in found.motion.arcs[:-1]])
+    slopes = [
+        -factor * float(part.adjoint @ plant.A @ impulse_response(plant, np.array(at - part.end)))
+        for at in switches.tolist()
+        for part in parts
+        if part.end <= at < part.start
+    ]
+    return Certificate(
+        t_f_lower_bound=found.t_lower,
+        relative_gap=found.gap,
+        adjoint_initial=factor * initial,
+        switching_slopes=np.array(slopes),
+        switching_law_holds=found.exact and _law_holds(found, zeros),
+        terminal_jacobian_rank=-1,
+        terminal_jacobian_condition=nan,
+    )
+
+
+def _law_holds(found: Found, zeros: Array) -> bool:
+    """Return whether σ changes sign off the boundary arcs just where the force switches."""
+    ends = found.t_f - np.array([0.0, *(arc.t_end for arc in found.motion.arcs)])
+    distance = np.abs(zeros[:, np.newaxis] - ends).min(axis=1)
+    return bool(np.all(distance < SAME_TIME * found.t_f))

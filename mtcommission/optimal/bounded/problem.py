@@ -1,0 +1,286 @@
+"""The time-optimal problem under bounds, in the form that its solver needs.
+
+Each bound is a row c with |c x(t)| <= 1. Its order r is the number of differentiations after
+which the force appears, c A^(r-1) B ≠ 0; on a boundary arc c x = ±1 the force is then the
+feedback F_set = K x with K = -c A^r / (c A^(r-1) B).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.closed_form import step_response
+from mtcommission.optimal.held_flow import HeldFlow, held_flow
+from mtcommission.optimal.solution import Bound
+from mtcommission.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+ORDER_TOLERANCE = 1e-10
+"""Share of its own terms below which c A^j B counts as zero (rounding of the sum)."""
+
+
+FOLLOW_LEVEL = 0.5
+"""Share of a bound that the target itself takes, above which the bound is scaled with the
+target: otherwise a bound that the target just meets (|v_s| <= velocity step) would cap the
+reachable multiple at 1 for every longer t_f, and t_f could not be told from it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Limit:
+    """One bound with what follows from its order.
+
+    Parameters
+    ----------
+    bound
+        As the user gave it.
+    row
+        c divided by the bound's value, shape (n,).
+    follows
+        Whether the program scales this bound with the target, see ``FOLLOW_LEVEL``.
+    gain
+        c (A/rate)^(r-1) B [1/(N s)].
+    output_chain
+        Rows c (A/rate)^j, j < r; shape (r, n).
+    force_chain
+        Columns (A/rate)^j B, j < r; shape (n, r).
+    impulses
+        Columns of the force chain combined so that each moves one row of the output chain by 1 and
+        the others not at all, shape (n, r).
+    feedback
+        K, shape (n,) [N per unit of state].
+    boundary_flow
+        A + B K: the motion on a boundary arc.
+    adjoint_flow
+        A - A^r B c / (c A^(r-1) B), transposed: the adjoint on a boundary arc.
+    density_column
+        A^r B / (c A^(r-1) B): λ times it is the density of the multiplier, shape (n,).
+    growth
+        Largest real part of the zeros from force to signal, at least 0 [1/s]: with zeros in the
+        right half-plane the motion on a boundary arc grows like exp(growth t).
+    """
+
+    bound: Bound
+    row: Array
+    follows: bool
+    gain: float
+    output_chain: Array
+    force_chain: Array
+    impulses: Array
+    feedback: Array
+    boundary_flow: HeldFlow
+    adjoint_flow: HeldFlow
+    density_column: Array
+    growth: float
+
+    @property
+    def order(self) -> int:
+        """Number of differentiations after which the force appears."""
+        return len(self.output_chain)
+
+    def missed(self, state: Array, side: int) -> Array:
+        """Return c x ∓ 1 and the scaled derivatives of c x, shape (r,): all 0 where it is held."""
+        levels = self.output_chain @ state
+        levels[0] -= side
+        return np.asarray(levels)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BoundedProblem:
+    """Reach a target state from rest within a force limit and bounds.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    force_limit
+        F [N].
+    limits
+        The bounds.
+    fixed
+        Indices of the states fixed at the end.
+    target
+        State at the end, shape (n,); 0 where free.
+    state_scale
+        Typical size of each state, shape (n,).
+    rate
+        Fastest rate of the plant [1/s].
+    """
+
+    plant: Plant
+    force_limit: float
+    limits: tuple[Limit, ...]
+    fixed: NDArray[np.intp]
+    target: Array
+    state_scale: Array
+    rate: float
+
+    @property
+    def has_high_order(self) -> bool:
+        """Whether a bound has an order above 2, for which no finite sequence of arcs need exist."""
+        return max(limit.order for limit in self.limits) > 2
+
+    @property
+    def vibration_rate(self) -> float:
+        """Natural frequency of the fastest mode, or the fastest rate without modes [1/s]."""
+        return max((mode.natural_frequency for mode in self.plant.modes), default=self.rate)
+
+    @property
+    def rows(self) -> Array:
+        """The rows c of all limits, shape (n_limits, n)."""
+        return np.array([limit.row for limit in self.limits])
+
+
+def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bound, ...]:
+    """Return one bound for each signal, the tightest, with that on the velocity of the move.
+
+    Parameters
+    ----------
+    plant
+        Any plant.
+    move
+        A finite ``max_velocity`` is one more bound.
+    bounds
+        By state or output.
+
+    Returns
+    -------
+    tuple of Bound
+
+    Raises
+    ------
+    KeyError
+        If there is no such signal.
+    """
+    values: dict[str, float] = {}
+    given = list(bounds)
+    if isinstance(move, Positioning) and isfinite(move.max_velocity):
+        given.append(Bound(name=plant.states[plant.velocity], value=move.max_velocity))
+    for bound in given:
+        plant.row(bound.name)
+        values[bound.name] = min(bound.value, values.get(bound.name, bound.value))
+    return tuple(Bound(name=name, value=value) for name, value in values.items())
+
+
+def bounds_text(
+    plant: Plant, bounds: tuple[Bound, ...], *, factor: float = 1.0, digits: int = 6
+) -> str:
+    """Return bounds for a message, each times a factor, with their units.
+
+    Parameters
+    ----------
+    plant
+        Knows the units.
+    bounds
+        By state or output.
+    factor
+        On every value.
+    digits
+        Significant ones.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant.plant import build_plant
+    >>> bounds_text(build_plant(paper_machine()), (Bound(name="v_phi", value=5e-3),))
+    '|v_phi| <= 0.005 rad/s'
+    """
+    return ", ".join(
+        f"|{k.name}| <= {factor * k.value:.{digits}g} {plant.unit(k.name)}" for k in bounds
+    )
+
+
+def bounded_problem(
+    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...], horizon: float
+) -> BoundedProblem:
+    """Return the problem with everything that follows from the orders of its bounds.
+
+    Parameters
+    ----------
+    plant
+        Any plant.
+    move
+        Velocity step or positioning move.
+    force_limit
+        F [N].
+    bounds
+        At least one, values > 0.
+    horizon
+        Rough duration of the move, for the scale of the states [s].
+
+    Returns
+    -------
+    BoundedProblem
+
+    Source: order of a state constraint after Hartl, Sethi & Vickson (1995), sec. 2.
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant.plant import build_plant
+    >>> machine = paper_machine()
+    >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
+    ...     bounds=(Bound(name="v_phi", value=0.005), Bound(name="phi", value=5e-5)), horizon=0.05)
+    >>> [limit.order for limit in problem.limits]
+    [2, 3]
+    """
+    rate = plant.fastest_rate
+    target = np.zeros(plant.order)
+    fixed = np.arange(plant.order)
+    if isinstance(move, VelocityStep):
+        target[plant.velocity] = move.velocity_step
+        fixed = np.delete(fixed, plant.position)
+    else:
+        target[plant.position] = move.distance
+    steps = step_response(plant, np.linspace(0.0, horizon, 200))
+    travel = np.abs(np.diff(steps, axis=0)).sum(axis=0) * force_limit
+    scale = np.maximum(travel, np.abs(target))
+    return BoundedProblem(
+        plant=plant,
+        force_limit=force_limit,
+        limits=tuple(_limit(plant, bound, rate, target, scale) for bound in bounds),
+        fixed=fixed,
+        target=target,
+        state_scale=scale,
+        rate=rate,
+    )
+
+
+def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array) -> Limit:
+    A, B = plant.A / rate, plant.B
+    row = plant.row(bound.name) / bound.value
+    outputs, forces = [row], [B]
+    while abs(outputs[-1] @ B) <= ORDER_TOLERANCE * (np.abs(outputs[-1]) @ np.abs(B)):
+        outputs.append(outputs[-1] @ A)
+        forces.append(A @ forces[-1])
+    gain = float(outputs[-1] @ B)
+    feedback = -rate * (outputs[-1] @ A) / gain
+    density_column = rate * (A @ forces[-1]) / gain
+    output_chain, force_chain = np.array(outputs), np.column_stack(forces)
+    boundary_flow = held_flow(plant.A + np.outer(B, feedback), output_chain, rate=rate, scale=scale)
+    zeros = np.linalg.eigvals(boundary_flow.generator[len(outputs) :, len(outputs) :])
+    return Limit(
+        bound=bound,
+        row=row,
+        follows=abs(float(row @ target)) > FOLLOW_LEVEL,
+        gain=gain,
+        output_chain=output_chain,
+        force_chain=force_chain,
+        impulses=force_chain @ np.linalg.inv(output_chain @ force_chain),
+        feedback=feedback,
+        boundary_flow=boundary_flow,
+        adjoint_flow=held_flow(
+            (plant.A - np.outer(density_column, row)).T, force_chain.T, rate=rate, scale=1.0 / scale
+        ),
+        density_column=density_column,
+        growth=float(zeros.real.max(initial=0.0)),
+    )

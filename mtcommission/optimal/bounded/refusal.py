@@ -1,0 +1,63 @@
+"""Why bounds cannot be kept within a given final time, in numbers."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.machine.machine import Move
+from mtcommission.optimal.bounded.grid import solve_grid_time
+from mtcommission.optimal.bounded.least import smallest_factor_by
+from mtcommission.optimal.bounded.problem import all_bounds, bounded_problem, bounds_text
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.solution import Bound
+from mtcommission.plant.plant import Plant
+
+UNDECIDED = 2e-3
+"""Relative distance of the smallest bound from the wanted one that the grids cannot judge."""
+
+
+def explain_short_time(
+    plant: Plant, move: Move, *, force_limit: float, t_f: float, bounds: tuple[Bound, ...]
+) -> ComputationError | None:
+    """Return the refusal of bounds that cannot be kept by t_f; None if that is not the reason.
+
+    Parameters
+    ----------
+    plant
+        The axis, at rest at t = 0.
+    move
+        Velocity step or positioning move; a finite ``max_velocity`` is one more bound.
+    force_limit
+        Force left for motion [N].
+    t_f
+        Final time that was asked for [s].
+    bounds
+        On states or outputs; at least one, here or from the move.
+
+    Returns
+    -------
+    ComputationError or None
+        FINAL_TIME_TOO_SHORT with the smallest possible bounds and the time that the wanted ones
+        take (both from grids, to some 1e-3); BOUND_CANNOT_HOLD if no time is long enough.
+    """
+    every = all_bounds(plant, move, bounds)
+    t_free = solve_time_optimal(plant, move, force_limit=force_limit).t_f
+    problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=t_f)
+    least = smallest_factor_by(problem, t_f)
+    if not isfinite(least) or least < 1.0 + UNDECIDED:
+        return None
+    try:
+        needed = f"take some {1e3 * solve_grid_time(problem, t_free=t_free).t_f:.4g} ms"
+    except ComputationError as error:
+        if error.outcome is Outcome.BOUND_CANNOT_HOLD:
+            return error
+        needed = "take longer"
+    wanted = bounds_text(plant, every)
+    possible = bounds_text(plant, every, factor=least, digits=4)
+    together = " (all widened alike)" if len(every) > 1 else ""
+    return ComputationError(
+        Outcome.FINAL_TIME_TOO_SHORT,
+        f"t_f = {1e3 * t_f:.6g} ms, but bounds of {wanted} {needed}; "
+        f"the smallest possible by that t_f: about {possible}{together}",
+    )

@@ -1,0 +1,1 @@
+"""Damping-optimal control: the saturated linear-quadratic problem."""

@@ -1,0 +1,1 @@
+"""Time-optimal control without limits on states: exact, and proved."""

@@ -1,0 +1,293 @@
+"""A start for the search: the best force that is constant on cells, by a primal-dual method.
+
+The end of the move floats: at every step it is where ∫|σ| reaches the span, so one run finds
+multipliers and final time together. Where the result is not near enough to the optimum, cells in
+which σ may change sign are divided, and the run goes on from where it was.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import exp, log, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgeqrf, dgesv
+
+from mtcommission.optimal.free.mesh import ROUNDOFF, Mesh, build_mesh, tabulate
+from mtcommission.optimal.free.moments import MomentProblem
+
+Array = NDArray[np.float64]
+
+MARGIN = 1.3
+"""Length of the mesh against the guessed final time (empirical)."""
+REBUILDS = 8
+"""Meshes tried; one is usual."""
+LEAST_SHARE = 0.6
+"""Final time against the mesh below which the mesh is too coarse (empirical)."""
+PARTS = 4
+"""Cells into which one is divided."""
+STEPS = 100
+"""Newton steps; six are usual."""
+SMOOTHING = 0.5
+"""Width over which the sign of σ is smoothed, against the mean gap (empirical)."""
+BACK_OFF = 0.99
+"""Longest step, as a share of the one that makes a force reach its limit (empirical)."""
+FARTHEST = 1.0 + ROUNDOFF
+"""Limit of a force on its way to 1: always some room is left."""
+FIRST_SMOOTHING = 3.0
+"""The same against the mean of |σ|, at the beginning (empirical: fewest steps)."""
+SHRINKING = 0.9
+"""Least horizon after a step against that before (empirical)."""
+GUESS_NODES = (np.arange(64) + 0.5) / 64
+FIRST_GUESS = 0.12
+"""Between the least and the longest time thought of (empirical: the median)."""
+GUESS_TOLERANCE = 0.1
+"""Error of the logarithm of the span (empirical)."""
+GUESS_STEPS = 8
+TINY = 1e-300
+MEAN_TO_SQUARE = 0.9
+"""Mean magnitude against root mean square of a sine."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CellForce:
+    """A force that is constant on cells, on its way to the best one.
+
+    Parameters
+    ----------
+    mesh
+        Its cells are those of the force; reaches beyond the horizon.
+    psi
+        Means of ψ over the cells, shape (n_cells,).
+    basis
+        Means of combinations of φ that are orthonormal up to the guess, shape (size, n_cells).
+    inverse
+        basis = inverse^T @ φ, upper triangular, shape (size, size).
+    coefficients
+        Of the basis in σ, shape (size,).
+    force
+        In units of F_max, shape (n_cells,).
+    horizon
+        Where ∫|σ| reaches the span [s].
+    """
+
+    mesh: Mesh
+    psi: Array
+    basis: Array
+    inverse: Array
+    coefficients: Array
+    force: Array
+    horizon: float
+
+    @property
+    def multipliers(self) -> Array:
+        """Return c, shape (size,)."""
+        return np.asarray(self.inverse @ self.coefficients)
+
+
+def start_force(problem: MomentProblem, *, span: float, tolerance: float) -> CellForce:
+    """Return a force that is near the best one on cells of the first, coarse mesh.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    span
+        target / F_max [s] or [s²].
+    tolerance
+        ∫(|σ| - σ force) against the span.
+
+    Returns
+    -------
+    CellForce
+    """
+    guess = guess_horizon(problem, span=span)
+    for _ in range(REBUILDS):
+        mesh = build_mesh(problem, MARGIN * guess)
+        found = improve(_fit_squares(mesh, guess), span=span, tolerance=tolerance)
+        if LEAST_SHARE * mesh.horizon < found.horizon < mesh.horizon:
+            break
+        guess = found.horizon
+    return found
+
+
+def refine_cells(coarse: CellForce) -> CellForce:
+    """Return the force on divided cells, where σ may change sign.
+
+    Parameters
+    ----------
+    coarse
+        The force so far; its σ is off by about the curvature of σ over a cell.
+
+    Returns
+    -------
+    CellForce
+        Not improved yet.
+    """
+    mesh, c = coarse.mesh, coarse.multipliers
+    sigma = mesh.values[-1] - c @ mesh.values[:-1]
+    bend = mesh.envelope * np.multiply.outer(mesh.problem.magnitudes, mesh.lengths) ** 2
+    low = np.minimum(np.abs(sigma[:-1]), np.abs(sigma[1:]))
+    divided = (low <= mesh.problem.amplitudes(c) @ bend) | (sigma[:-1] * sigma[1:] <= 0.0)
+    parts = np.where(divided, PARTS, 1)
+    index = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
+    starts = np.repeat(mesh.nodes[:-1], parts) + index * np.repeat(mesh.lengths / parts, parts)
+    fine = tabulate(mesh.problem, mesh.grading, np.append(starts, mesh.nodes[-1]))
+    means = _means(fine)
+    psi, basis = means[-1], coarse.inverse.T @ means[:-1]
+    weight = _weights(fine, coarse.horizon)
+    force = _smooth_sign(psi - coarse.coefficients @ basis, weight, coarse.horizon)
+    return replace(coarse, mesh=fine, psi=psi, basis=basis, force=force)
+
+
+def guess_horizon(problem: MomentProblem, *, span: float) -> float:
+    """Return where the distance of ψ from the φ in the mean square is that of the span [s].
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    span
+        target / F_max [s] or [s²].
+
+    Returns
+    -------
+    float
+        Mostly within a tenth of the final time.
+    """
+    least = 2.0 * sqrt(span) if problem.degree else span
+    longest = least + 3.0 * pi * sum((1.0 / problem.magnitudes).tolist())
+    low, high = log(least), log(longest)
+    guess, known = log(least + FIRST_GUESS * (longest - least)), [False, False]
+    error = [0.0, 0.0]
+    for _ in range(GUESS_STEPS):
+        triangle = dgeqrf(problem.joint_values(exp(guess) * GUESS_NODES).T, overwrite_a=1)[0]
+        distance = abs(float(triangle[problem.size, -1])) * exp(guess) / sqrt(GUESS_NODES.size)
+        now = log(max(MEAN_TO_SQUARE * distance, TINY) / span)
+        side = now > 0.0
+        known[side], error[side] = True, now
+        low, high = (low, guess) if side else (guess, high)
+        if abs(now) < GUESS_TOLERANCE or high - low < 0.5 * GUESS_TOLERANCE:
+            break
+        share = error[0] / (error[0] - error[1]) if all(known) else 0.5
+        guess = low + min(max(share, 0.05), 0.95) * (high - low)
+    return exp(guess)
+
+
+def _means(mesh: Mesh) -> Array:
+    """Return the means of φ and, last, ψ over the cells by Hermite's rule, (size + 1, n_cells)."""
+    values, count = mesh.values, len(mesh.values)
+    slopes = mesh.problem.joint_differentiation[:count, :count].T.dot(values)
+    bent = slopes[:, :-1] - slopes[:, 1:]
+    bent *= mesh.lengths / 12.0
+    means = values[:, :-1] + values[:, 1:]
+    means *= 0.5
+    means += bent
+    return np.asarray(means)
+
+
+def _fit_squares(mesh: Mesh, horizon: float) -> CellForce:
+    """Return the force that follows σ of the fit in the mean square up to the horizon."""
+    means = _means(mesh)
+    size, weight = mesh.problem.size, _weights(mesh, horizon)
+    reflectors = dgeqrf((means * np.sqrt(weight)).T, overwrite_a=1)[0]
+    triangle, coefficients = reflectors[:size, :size], reflectors[:size, size]
+    for i in range(1, size):
+        triangle[i:, i - 1] = 0.0
+    # No triangular solver: BLAS would set up threads for it, which take longer than all the rest.
+    inverse = dgesv(triangle, np.eye(size))[2]
+    psi, basis = means[-1], inverse.T.dot(means[:-1])
+    return CellForce(
+        mesh=mesh,
+        psi=psi,
+        basis=basis,
+        inverse=inverse,
+        coefficients=coefficients,
+        force=_smooth_sign(psi - coefficients.dot(basis), weight, horizon),
+        horizon=horizon,
+    )
+
+
+def _weights(mesh: Mesh, horizon: float) -> Array:
+    """Return the lengths of the cells as far as they are before the horizon."""
+    weights, last = mesh.lengths.copy(), int(mesh.nodes.searchsorted(horizon)) - 1
+    if last < weights.size:
+        weights[last] = horizon - mesh.nodes[last]
+        weights[last + 1 :] = 0.0
+    return weights
+
+
+def _smooth_sign(sigma: Array, weight: Array, horizon: float) -> Array:
+    width = FIRST_SMOOTHING * float(weight @ np.abs(sigma)) / horizon
+    return np.asarray(sigma / (np.hypot(sigma, width) + TINY))
+
+
+def improve(begun: CellForce, *, span: float, tolerance: float) -> CellForce:
+    """Return the force after enough Newton steps.
+
+    At the optimum the force is the sign of σ, and its moments vanish. The sign is smoothed over a
+    width in proportion to the gap that is left, so both shrink together. Newton's equations are
+    those of force · √(σ² + width²) = σ: unlike those of force = σ / √(σ² + width²) they hold
+    far from the solution, too.
+
+    Parameters
+    ----------
+    begun
+        Any force within the limits.
+    span
+        target / F_max [s] or [s²].
+    tolerance
+        ∫(|σ| - σ force) against the span at which to stop.
+
+    Returns
+    -------
+    CellForce
+
+    Source: Chan, Golub & Mulet 1999, there for total variation; with a floating end.
+    """
+    mesh, basis = begun.mesh, begun.basis
+    c, force, horizon, proved = begun.coefficients, begun.force, begun.horizon, 0.0
+    sigma = begun.psi - c.dot(basis)
+    for _ in range(STEPS):
+        size = np.abs(sigma)
+        reached = (mesh.lengths * size).cumsum()
+        # Any c proves its time; one that is far from the best may prove next to nothing.
+        proved = max(proved, _crossing(mesh.nodes, reached, span))
+        horizon = max(proved, SHRINKING * horizon)
+        weight = _weights(mesh, horizon)
+        gap = float(weight.dot(size - force * sigma))
+        if gap < tolerance * min(span, float(reached[-1])):
+            break
+        width = SMOOTHING * gap / horizon
+        root = np.sqrt(sigma * sigma + width * width)
+        sign = sigma / root
+        stiffness = (1.0 - force * sign) / root
+        hessian = (basis * (weight * stiffness)).dot(basis.T)
+        _, _, step, info = dgesv(hessian, basis.dot(weight * sign))
+        if info:
+            break
+        change = step.dot(basis)
+        c, sigma = c + step, sigma - change
+        move = sign - stiffness * change - force
+        used = move / (np.copysign(FARTHEST, move) - force)
+        force = force + min(1.0, BACK_OFF / max(float(used[used.argmax()]), TINY)) * move
+    return CellForce(
+        mesh=mesh,
+        psi=begun.psi,
+        basis=basis,
+        inverse=begun.inverse,
+        coefficients=c,
+        force=force,
+        horizon=horizon,
+    )
+
+
+def _crossing(nodes: Array, reached: Array, span: float) -> float:
+    """Return where a sum over cells reaches the span, the last node where it does not."""
+    i = int(reached.searchsorted(span))
+    if i == reached.size:
+        return float(nodes[-1])
+    before = float(reached[i - 1]) if i else 0.0
+    start, end = float(nodes[i]), float(nodes[i + 1])
+    return start + (end - start) * (span - before) / (float(reached[i]) - before)

@@ -1,0 +1,171 @@
+"""The moment functions tabulated over the remaining time, fine where fast poles are still alive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log1p
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.free.moments import MomentProblem
+
+Array = NDArray[np.float64]
+
+RADIANS_PER_CELL = 0.3
+"""Length of a cell against the fastest pole at τ = 0 (empirical: fastest search; accuracy does
+not depend on it)."""
+LEAST_RADIANS = 17.0
+"""What a mesh counts at least, spread evenly: 56 cells of a move that is shorter than the fastest
+mode, and some where all modes have decayed but a cell-wise constant force must still switch
+(empirical)."""
+DENSITY_NODES = np.linspace(0.0, 1.0, 49)
+"""Where the density of nodes is tabulated, in the logarithm of τ."""
+ROUNDOFF = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Grading:
+    """How fine nodes must be for cubics to err equally between them, the faster a pole the finer.
+
+    The cubic through values and slopes at the ends of a cell errs by e^{Re p τ} (|p| h)⁴ / 384, so
+    h grows like e^{-Re p τ / 4} while the pole p is the fastest.
+
+    Parameters
+    ----------
+    tau
+        Ascending from 0, shape (k,) [s].
+    radians
+        Integral of the density |p| e^{Re p τ / 4} of the pole that is fastest there, or of the
+        least density, shape (k,).
+    """
+
+    tau: Array
+    radians: Array
+
+    def nodes(self, horizon: float, *, radians: float) -> Array:
+        """Return nodes on [0, horizon], which must not exceed the last τ; shape (n_nodes,) [s].
+
+        ``radians`` is |p| h at τ = 0 for the fastest pole.
+        """
+        total = float(np.interp(horizon, self.tau, self.radians))
+        count = int(total / radians) + 1
+        nodes = np.interp(np.arange(count + 1) * (total / count), self.radians, self.tau)
+        nodes[-1] = horizon
+        return np.asarray(nodes)
+
+
+def grade(problem: MomentProblem, horizon: float) -> Grading:
+    """Return the grading up to a horizon.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    horizon
+        Last τ [s].
+
+    Returns
+    -------
+    Grading
+    """
+    magnitudes = problem.magnitudes
+    fastest = max(magnitudes.tolist())
+    tau = np.expm1(DENSITY_NODES * log1p(horizon * fastest)) / fastest
+    tau[-1] = horizon
+    decay = np.exp((0.25 * problem.rates.real)[:, np.newaxis] * tau)
+    density = np.maximum.reduce(magnitudes[:, np.newaxis] * decay)
+    np.maximum(density, LEAST_RADIANS / horizon, out=density)
+    radians = np.zeros(tau.size)
+    (0.5 * (density[1:] + density[:-1]) * (tau[1:] - tau[:-1])).cumsum(out=radians[1:])
+    return Grading(tau=tau, radians=radians)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mesh:
+    """Moment functions tabulated on [0, horizon].
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    grading
+        Up to the horizon or beyond.
+    nodes
+        τ from 0 to the horizon, shape (n_cells + 1,) [s].
+    lengths
+        Of the cells, shape (n_cells,) [s].
+    values
+        φ and, last, ψ at the nodes, shape (size + 1, n_cells + 1).
+    remainder
+        max |d⁴/dτ⁴ e^{pτ}| h⁴/384 on each cell, shape (n_rates, n_cells).
+    envelope
+        max |e^{pτ}| on each cell, shape (n_rates, n_cells).
+    """
+
+    problem: MomentProblem
+    grading: Grading
+    nodes: Array
+    lengths: Array
+    values: Array
+    remainder: Array
+    envelope: Array
+
+    @property
+    def horizon(self) -> float:
+        """Last node [s]."""
+        return float(self.nodes[-1])
+
+
+def build_mesh(
+    problem: MomentProblem, horizon: float, *, radians: float = RADIANS_PER_CELL
+) -> Mesh:
+    """Return the tables that the search for zeros starts from.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    horizon
+        Where the search ends [s].
+    radians
+        Length of a cell against the fastest pole at τ = 0.
+
+    Returns
+    -------
+    Mesh
+    """
+    grading = grade(problem, horizon)
+    nodes = grading.nodes(horizon, radians=radians)
+    return tabulate(problem, grading, nodes)
+
+
+def tabulate(problem: MomentProblem, grading: Grading, nodes: Array) -> Mesh:
+    """Return the tables on given nodes.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    grading
+        Up to the last node or beyond.
+    nodes
+        Ascending from 0, shape (n_cells + 1,) [s].
+
+    Returns
+    -------
+    Mesh
+    """
+    lengths = nodes[1:] - nodes[:-1]
+    envelope = np.exp(np.multiply.outer(problem.rates.real, nodes[:-1]))
+    radians = np.multiply.outer(problem.magnitudes, lengths)
+    squared = radians * radians
+    return Mesh(
+        problem=problem,
+        grading=grading,
+        nodes=nodes,
+        lengths=lengths,
+        values=problem.joint_values(nodes),
+        remainder=envelope * squared * (squared / 384.0),
+        envelope=envelope,
+    )

@@ -1,0 +1,315 @@
+"""What rest at the end demands of the force, as moments over the remaining time.
+
+With the remaining time τ = t_f - t, every terminal condition of an axis is a condition on a
+moment of the set force,
+
+    ∫ φ(τ) F_set dτ = 0        φ = Re e^{pτ}, Im e^{pτ} for each mode, and e^{-τ/T},
+    ∫ ψ(τ) F_set dτ = target   ψ = 1 (velocity step, target m Δv)
+                               ψ = τ (positioning, target m L; then φ = 1 joins the first line)
+
+and the functions φ, ψ do not depend on t_f. All of them decay or stay bounded, so nothing
+overflows, however long the move.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from math import cos, expm1, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.plant.plant import Plant
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+SAMPLES = 400
+"""Where moment functions are compared, enough for moves of some dozen radians; longer ones tell
+all modes apart."""
+TINY = 1e-300
+PLANTS = 128
+"""Plants whose moment problems are kept."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MomentProblem:
+    """The moment functions of one move on one plant.
+
+    Parameters
+    ----------
+    rates
+        Poles p of the modes (positive imaginary part), then -1/T; shape (n_modes + 1,) [1/s].
+    degree
+        ψ = τ^degree: 0 for a velocity step, 1 for positioning.
+    target
+        ∫ ψ F_set dτ: m Δv [N s] or m L [N s²].
+
+    Attributes
+    ----------
+    magnitudes
+        |p| of each rate, shape (n_modes + 1,) [1/s].
+    exponents
+        Real and imaginary parts of all rates, shape (1, 2 n_modes + 2) [1/s].
+    joint_differentiation
+        D with dφ/dτ = φ D as rows, for the functions of all rates, 1 and τ, shape
+        (2 n_modes + 3, 2 n_modes + 3) [1/s].
+    differentiation
+        The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
+    joint_evaluation, joint_integration
+        Take rows of ``table`` to φ and, last, ψ, and to their integrals from 0, each of shape
+        (2 n_modes + 4, size + 1) [-, s].
+    """
+
+    rates: Complex
+    degree: int
+    target: float
+    magnitudes: Array = field(init=False)
+    exponents: Array = field(init=False)
+    joint_differentiation: Array = field(init=False)
+    differentiation: Array = field(init=False)
+    joint_evaluation: Array = field(init=False)
+    joint_integration: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Derive what is needed time and again."""
+        object.__setattr__(self, "magnitudes", np.abs(self.rates))
+        count = 2 * self.rates.size
+        D, inverse = np.zeros((count + 1, count + 1)), np.zeros((count + 2, self.size + 1))
+        for i, p in enumerate(self.rates[:-1].tolist()):
+            for matrix, rate in ((D, p), (inverse, 1.0 / p)):
+                matrix[2 * i, 2 * i] = matrix[2 * i + 1, 2 * i + 1] = rate.real
+                matrix[2 * i, 2 * i + 1], matrix[2 * i + 1, 2 * i] = rate.imag, -rate.imag
+        lag = float(self.rates[-1].real)
+        D[-3, -3], D[-2, -1] = lag, 1.0
+        # Of the columns of ``table`` τ integrates 1, and τ²/2 integrates τ if that is asked for.
+        inverse[count - 2, count - 2], inverse[count, count - 1] = 1.0 / lag, 1.0
+        inverse[count + 1, count:] = 1.0
+        # What vanishes at τ = 0 of each Re e^{pτ} - 1 is made up for by the column of ones.
+        evaluation = np.eye(count + 2, self.size + 1)
+        evaluation[count - 1, 0:count:2] = 1.0
+        object.__setattr__(self, "exponents", self.rates.view(np.float64)[np.newaxis])
+        object.__setattr__(self, "joint_differentiation", D)
+        object.__setattr__(self, "differentiation", D[: self.size, : self.size])
+        object.__setattr__(self, "joint_evaluation", evaluation)
+        object.__setattr__(self, "joint_integration", inverse)
+
+    @property
+    def size(self) -> int:
+        """Number of moments that must vanish."""
+        return 2 * self.rates.size - 1 + self.degree
+
+    def amplitudes(self, multipliers: Array) -> Array:
+        """Return the magnitude of the multiplier of each rate, shape (n_modes + 1,)."""
+        lag = 2 * self.rates.size - 2
+        found = np.empty(self.rates.size)
+        np.hypot(multipliers[0:lag:2], multipliers[1:lag:2], out=found[:-1])
+        found[-1] = abs(multipliers[lag])
+        return found
+
+    def constant(self, multipliers: Array) -> float:
+        """Return the multiplier of φ = 1; 0 for a velocity step."""
+        return float(multipliers[-1]) if self.degree else 0.0
+
+    def values(self, tau: Array) -> Array:
+        """Return φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
+        return self.columns(np.exp(tau[:, np.newaxis] * self.rates), 1.0)
+
+    def joint_values(self, tau: Array) -> Array:
+        """Return φ and, last, ψ at remaining times τ [s] of shape (k,), as shape (size + 1, k)."""
+        parts = tau[:, np.newaxis].dot(self.exponents)
+        modal = parts.view(np.complex128)
+        np.exp(modal, out=modal)
+        count = 2 * self.rates.size
+        values = np.empty((self.size + 1, tau.size))
+        values[:count] = parts.T
+        # The lag is real, and its void imaginary part makes room for φ or ψ = 1.
+        values[count - 1] = 1.0
+        if self.degree:
+            values[-1] = tau
+        return values
+
+    def values_and_slopes(self, tau: Array) -> tuple[Array, Array]:
+        """Return φ and dφ/dτ at remaining times τ [s] of shape (k,), each of shape (k, size)."""
+        values = self.values(tau)
+        return values, values @ self.differentiation
+
+    def table(self, tau: Array) -> Array:
+        """Return what φ, ψ and their integrals are composed of, shape (k, 2 n_modes + 4).
+
+        The columns are real and imaginary parts of e^{pτ} - 1 for each rate, but 1 for the void
+        imaginary part of the lag, and τ and τ²/2.
+        """
+        count = 2 * self.rates.size
+        table = np.empty((tau.size, count + 2))
+        modal = table.view(np.complex128)[:, :-1]
+        np.expm1(tau[:, np.newaxis].dot(self.exponents).view(np.complex128), out=modal)
+        table[:, count - 1] = 1.0
+        table[:, count] = tau
+        np.multiply(tau, 0.5 * tau, out=table[:, count + 1])
+        return table
+
+    def integrals(self, tau: Array) -> Array:
+        """Return ∫_0^τ φ at remaining times τ [s] of shape (k,), as shape (k, size)."""
+        return self.columns(np.expm1(tau[:, np.newaxis] * self.rates) / self.rates, tau)
+
+    def combination(self, multipliers: Array, tau: float) -> tuple[float, float]:
+        """Return ∫_0^τ σ and σ at one τ, σ = ψ - Σ c_i φ_i; scalar, since it sits in root searches.
+
+        The real exponentials of ``values`` and ``integrals``, without the cost of short arrays.
+        """
+        constant = self.constant(multipliers)
+        value = (tau if self.degree else 1.0) - constant
+        primitive = (0.5 * tau * tau if self.degree else tau) - constant * tau
+        c = multipliers.tolist()
+        for i, p in enumerate(self.rates.tolist()):
+            real, imaginary = c[2 * i], (c[2 * i + 1] if p.imag else 0.0)
+            growth, turn = expm1(p.real * tau), p.imag * tau
+            half = sin(0.5 * turn)
+            less_one = complex(growth * cos(turn) - 2.0 * half * half, (growth + 1.0) * sin(turn))
+            integral = less_one / p
+            value -= real * (less_one.real + 1.0) + imaginary * less_one.imag
+            primitive -= real * integral.real + imaginary * integral.imag
+        return primitive, value
+
+    def target_values(self, tau: Array) -> Array:
+        """Return ψ(τ)."""
+        return tau if self.degree else np.ones_like(tau)
+
+    def target_integrals(self, tau: Array) -> Array:
+        """Return ∫_0^τ ψ."""
+        return 0.5 * tau * tau if self.degree else tau
+
+    def columns(self, modal: Complex, constant: Array | float) -> Array:
+        """Return one real column for each φ, given one complex column for each rate.
+
+        The lag's pole is real, so its imaginary part is void, or room for φ = 1, whose column is
+        ``constant``; shape (k, n_rates) -> (k, size), a view.
+        """
+        columns = modal.view(np.float64)
+        if not self.degree:
+            return columns[:, :-1]
+        columns[:, -1] = constant
+        return columns
+
+
+@lru_cache(maxsize=PLANTS)
+def moment_problem(plant: Plant, move: Move) -> MomentProblem:
+    """Return the moment conditions of a move.
+
+    Parameters
+    ----------
+    plant
+        Any plant.
+    move
+        Velocity step or positioning move; a ``max_velocity`` is not looked at.
+
+    Returns
+    -------
+    MomentProblem
+
+    Source: variation of constants in the eigenvectors of A; docs/optimal-control.md, section 1.
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant.plant import build_plant
+    >>> machine = paper_machine()
+    >>> moment_problem(build_plant(machine), machine.moves[0]).size
+    5
+    """
+    rates = np.array([mode.pole for mode in plant.modes] + [-1.0 / plant.force_lag], dtype=complex)
+    if isinstance(move, VelocityStep):
+        return MomentProblem(rates=rates, degree=0, target=plant.moving_mass * move.velocity_step)
+    return MomentProblem(rates=rates, degree=1, target=plant.moving_mass * move.distance)
+
+
+def independence(problem: MomentProblem, horizon: float) -> float:
+    """Return how far the moment functions are from linear dependence, 0 to 1.
+
+    Parameters
+    ----------
+    problem
+        The moment problem.
+    horizon
+        End of the move [s].
+
+    Returns
+    -------
+    float
+        Least singular value of φ and ψ on [0, horizon], each scaled to length 1, against the
+        largest. Relative errors of φ, which rounding makes, are amplified by its inverse.
+
+    Examples
+    --------
+    >>> from mtcommission.plant.plant import build_plant
+    >>> from tests.machines import paper_machine
+    >>> machine = paper_machine()
+    >>> problem = moment_problem(build_plant(machine), machine.moves[0])
+    >>> [f"{independence(problem, t):.0e}" for t in (0.1, 1e-3)]
+    ['2e-01', '2e-08']
+    """
+    # Denser near 0, where a fast lag lives that is gone for most of a long move.
+    tau = horizon * ((np.arange(SAMPLES) + 0.5) / SAMPLES) ** 3
+    functions = np.column_stack([problem.values(tau), problem.target_values(tau)])
+    lengths = np.sqrt((functions**2).sum(axis=0)) + TINY
+    values = np.linalg.svd(functions / lengths, compute_uv=False)
+    return float(values[-1] / values[0])
+
+
+def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
+    """Return the functionals of the state that the moments measure.
+
+    Row w_i fulfils w_i e^{Aτ} B = φ_i(τ), so w_i x(t_f) is the moment of φ_i; the last row does
+    the same for ψ.
+
+    Parameters
+    ----------
+    plant
+        Plant with n states.
+    problem
+        Its moment problem.
+
+    Returns
+    -------
+    ndarray, shape (size + 1, n)
+
+    Source: left eigenvectors of A (and one principal vector for ψ = τ), scaled by w B = 1;
+    docs/optimal-control.md, section 1.
+
+    Examples
+    --------
+    >>> from tests.machines import paper_machine
+    >>> from mtcommission.plant.plant import build_plant
+    >>> machine = paper_machine()
+    >>> plant = build_plant(machine)
+    >>> rows = moment_rows(plant, moment_problem(plant, machine.moves[0]))
+    >>> [round(float(b), 12) for b in rows @ plant.B]
+    [1.0, 0.0, 1.0, 0.0, 1.0, 1.0]
+    """
+    return all_moment_rows(plant)[: problem.size + 1]
+
+
+@lru_cache(maxsize=PLANTS)
+def all_moment_rows(plant: Plant) -> Array:
+    """Return ``moment_rows`` for the functions of all rates, 1 and τ, shape (n, n)."""
+    T, m, force = plant.force_lag, plant.moving_mass, plant.force
+    rows = np.zeros((plant.order, plant.order))
+    for i, mode in enumerate(plant.modes):
+        p = mode.pole
+        rate = (1.0 + p * T) / mode.scale
+        on_deflection = -(mode.natural_frequency**2) * rate / p
+        rows[2 * i, mode.deflection], rows[2 * i + 1, mode.deflection] = (
+            on_deflection.real,
+            on_deflection.imag,
+        )
+        rows[2 * i, mode.rate], rows[2 * i + 1, mode.rate] = rate.real, rate.imag
+        rows[2 * i, force] = T
+    lag = 2 * len(plant.modes)
+    rows[lag, force] = T
+    rows[lag + 1, plant.velocity], rows[lag + 1, force] = m, T
+    rows[lag + 2, plant.position], rows[lag + 2, plant.velocity] = m, m * T
+    rows.setflags(write=False)
+    return rows

@@ -1,0 +1,1 @@
+"""Machine -> Plant: the state space that optimiser and simulation share."""

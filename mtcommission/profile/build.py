@@ -1,0 +1,160 @@
+"""Profile tables -> Machine: where "left out" gets its meaning."""
+
+from __future__ import annotations
+
+from math import inf, pi
+
+from mtcommission.machine.machine import (
+    Control,
+    DampingOptimal,
+    Drive,
+    FilterKind,
+    FlexibleMode,
+    ForceFilter,
+    Machine,
+    Manipulator,
+    Modal,
+    Modes,
+    Motion,
+    Move,
+    Peak,
+    Positioning,
+    Requirements,
+    StateFeedback,
+    StateGain,
+    TcpSensor,
+    VelocityStep,
+    Weight,
+)
+from mtcommission.profile.model import (
+    ControlTable,
+    DampingOptimalTable,
+    MoveTable,
+    ProfileTable,
+    RequirementsTable,
+)
+from mtcommission.profile.plant_tables import ManipulatorTable, ModalTable
+
+MODE_BANDS = (0.4, 1.0, 4.0)
+"""Default bands of surface, accuracy and speed in units of tcp_deviation (interface)."""
+
+
+def build_machine(table: ProfileTable) -> Machine:
+    """Return the machine of a validated profile.
+
+    Parameters
+    ----------
+    table
+        Validated, so everything here must succeed.
+
+    Returns
+    -------
+    Machine
+        SI.
+    """
+    return Machine(
+        name=table.machine.name,
+        axis=table.machine.axis,
+        source=table.machine.source,
+        motion=Motion(table.machine.motion),
+        mechanics=_build_mechanics(table.plant),
+        drive=Drive(
+            force_lag=table.drive.force_lag,
+            max_force=table.drive.max_force,
+            continuous_force=_or_infinite(table.drive.continuous_force),
+            static_load=table.drive.static_load,
+        ),
+        moves=tuple(_build_move(move) for move in table.moves),
+        requirements=_build_requirements(table.requirements),
+        damping_optimal=_build_damping_optimal(table.damping_optimal),
+        control=_build_control(table.control),
+    )
+
+
+def _or_infinite(value: float | None) -> float:
+    return inf if value is None else value
+
+
+def _build_mechanics(plant: ManipulatorTable | ModalTable) -> Manipulator | Modal:
+    if isinstance(plant, ManipulatorTable):
+        return Manipulator(**plant.model_dump(exclude={"kind"}))
+    modes = tuple(
+        FlexibleMode(
+            name=mode.name,
+            natural_frequency=2.0 * pi * mode.frequency,
+            damping_ratio=mode.damping_ratio,
+            tcp_gain=mode.tcp_gain,
+            measured_gain=mode.measured_gain,
+        )
+        for mode in plant.modes
+    )
+    return Modal(moving_mass=plant.moving_mass, modes=modes)
+
+
+def _build_move(move: MoveTable) -> Move:
+    if move.distance is not None:
+        return Positioning(
+            distance=move.distance, max_velocity=_or_infinite(move.max_velocity), dwell=move.dwell
+        )
+    if move.velocity_step is not None:
+        return VelocityStep(velocity_step=move.velocity_step, dwell=move.dwell)
+    raise AssertionError("a validated move has a distance or a velocity step")
+
+
+def _build_requirements(needs: RequirementsTable) -> Requirements:
+    given = (needs.modes.surface, needs.modes.accuracy, needs.modes.speed)
+    surface, accuracy, speed = (
+        factor * needs.tcp_deviation if band is None else band
+        for band, factor in zip(given, MODE_BANDS, strict=True)
+    )
+    low, high = needs.payload or (0.0, 0.0)
+    return Requirements(
+        tcp_deviation=needs.tcp_deviation,
+        modes=Modes(surface=surface, accuracy=accuracy, speed=speed),
+        max_settling_time=_or_infinite(needs.max_settling_time),
+        frequency_spread=needs.frequency_spread,
+        damping_spread=needs.damping_spread,
+        payload=(low, high),
+        payload_radius=needs.payload_radius,
+        peaks=tuple(Peak(name=name, bound=bound) for name, bound in needs.peaks.items()),
+    )
+
+
+def _build_damping_optimal(settings: DampingOptimalTable) -> DampingOptimal:
+    given = settings.weights if isinstance(settings.weights, dict) else {}
+    weights = tuple(Weight(state=state, value=value) for state, value in given.items())
+    return DampingOptimal(t_f=settings.t_f, weights=weights)
+
+
+def _build_control(control: ControlTable) -> Control:
+    feedback = control.state_feedback
+    filters = tuple(
+        ForceFilter(
+            kind=FilterKind(one.kind),
+            natural_frequency=2.0 * pi * one.frequency,
+            damping=one.damping,
+        )
+        for one in control.force_filters
+    )
+    given = feedback if isinstance(feedback, dict) else {}
+    mode = StateFeedback(feedback) if isinstance(feedback, str) else StateFeedback.GIVEN
+    setpoint_filter = control.setpoint_filter
+    return Control(
+        position_gain=control.position_gain,
+        velocity_gain=control.velocity_gain,
+        integral_time=control.integral_time,
+        reference_model_time=control.reference_model_time,
+        velocity_feedforward=control.velocity_feedforward,
+        acceleration_feedforward=control.acceleration_feedforward,
+        jerk_feedforward=control.jerk_feedforward,
+        feedforward_mass=control.feedforward_mass,
+        reference_delay=control.reference_delay,
+        position_cycle=control.position_cycle,
+        velocity_cycle=control.velocity_cycle,
+        tcp_sensor=TcpSensor(control.tcp_sensor),
+        state_feedback=mode,
+        state_gains=tuple(StateGain(state=name, value=value) for name, value in given.items()),
+        moving_average_time=setpoint_filter.time if setpoint_filter else 0.0,
+        force_filters=filters,
+        minimum_bandwidth_hz=control.minimum_bandwidth or 0.0,
+    )

@@ -1,0 +1,298 @@
+"""The keys of a profile: what each means, what is allowed, and what must fit together.
+
+The classes mirror the TOML tables one to one. A key that may be left out is None here; what
+that means is decided where the Machine is built.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from mtcommission.profile.plant_tables import ManipulatorTable, ModalTable, damping_ratios
+from mtcommission.profile.ranges import (
+    ARM_Q,
+    BAND_Q,
+    CYCLE_Q,
+    DELAY_Q,
+    DISTANCE_Q,
+    DWELL_Q,
+    FEEDFORWARD_Q,
+    FILTER_DAMPING_Q,
+    FILTER_TIME_Q,
+    FORCE_Q,
+    FREQUENCY_Q,
+    GAIN_Q,
+    LAG_Q,
+    LOAD_Q,
+    MASS_Q,
+    SPREAD_Q,
+    TIME_Q,
+    VELOCITY_GAIN_Q,
+    VELOCITY_Q,
+    WEIGHT_Q,
+)
+from mtcommission.profile.table import Table, optional, raise_all, required
+from mtcommission.profile.values import Faults, Name, PerSignal, SignalTable, describe
+
+MOST_MOVES = 50
+LARGEST_FREQUENCY_SPREAD = 0.5
+WHOLE_MULTIPLE = 1e-9
+"""Relative distance from a whole number of velocity cycles."""
+
+
+class MachineTable(Table):
+    """[machine]."""
+
+    name: Annotated[str, Name()] = required("Name of the machine.", '"Machining centre"')
+    axis: Annotated[str, Name()] = required("Name of the axis.", '"X"')
+    source: Annotated[str, Name(longest=400)] = required(
+        "Where the numbers come from.", '"data sheet 12/2024"'
+    )
+    motion: Literal["linear", "rotary"] = optional(
+        "A rotary axis takes inertia for mass, torque for force and rad for m.",
+        '"linear"',
+        "linear",
+    )
+
+
+class DriveTable(Table):
+    """[drive]."""
+
+    force_lag: Annotated[float, LAG_Q] = required("Time constant of the force loop, T.", '"2.5 ms"')
+    max_force: Annotated[float, FORCE_Q] = required("Largest force, F_max.", '"2 kN"')
+    continuous_force: Annotated[float | None, FORCE_Q] = optional(
+        "Thermal (RMS) limit over move and dwell.", '"1 kN"'
+    )
+    static_load: Annotated[float, WEIGHT_Q] = optional(
+        "Weight or process force; its amount is not available for motion.", '"0 N"', 0.0
+    )
+
+    @model_validator(mode="after")
+    def _check(self, info: ValidationInfo) -> Self:
+        if abs(self.static_load) >= self.max_force:
+            unit = FORCE_Q.si_of(info)
+            message = (
+                f"got {self.static_load:g} {unit} against max_force = {self.max_force:g} {unit}; "
+                "its amount must be smaller, or no force is left for motion"
+            )
+            raise Faults([("static_load", message)])
+        return self
+
+
+class MoveTable(Table):
+    """[[moves]]."""
+
+    velocity_step: Annotated[float | None, VELOCITY_Q] = optional(
+        "Accelerate from rest to this velocity; the end position is free.", '"0.1 m/s"'
+    )
+    distance: Annotated[float | None, DISTANCE_Q] = optional(
+        "Move over this distance from rest to rest.", '"20 mm"'
+    )
+    max_velocity: Annotated[float | None, VELOCITY_Q] = optional(
+        "Velocity limit of a move over a distance.", '"0.5 m/s"'
+    )
+    dwell: Annotated[float, DWELL_Q] = optional("Rest after the move.", '"0 s"', 0.0)
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.velocity_step is None) == (self.distance is None):
+            got = "neither" if self.distance is None else "both"
+            raise Faults([("", f"got {got} of velocity_step and distance, give exactly one")])
+        if self.max_velocity is not None and self.distance is None:
+            message = "belongs to a move with distance; give distance, or remove it"
+            raise Faults([("max_velocity", message)])
+        return self
+
+
+class ModeBands(Table):
+    """[requirements.modes]."""
+
+    surface: Annotated[float | None, BAND_Q] = optional("Band for finishing.", '"2 um"')
+    accuracy: Annotated[float | None, BAND_Q] = optional("Band for contours.", '"5 um"')
+    speed: Annotated[float | None, BAND_Q] = optional("Band for roughing.", '"20 um"')
+
+
+class RequirementsTable(Table):
+    """[requirements]."""
+
+    tcp_deviation: Annotated[float, BAND_Q] = required(
+        "Half width of the band about the delayed setpoint.", '"5 um"'
+    )
+    max_settling_time: Annotated[float | None, TIME_Q] = optional(
+        "Longest settling time.", '"0.2 s"'
+    )
+    frequency_spread: Annotated[float, SPREAD_Q] = optional(
+        "Relative uncertainty of all eigenfrequencies.", '"5 %"', 0.0
+    )
+    damping_spread: Annotated[float, SPREAD_Q] = optional(
+        "Relative uncertainty of all damping ratios.", '"0 %"', 0.0
+    )
+    payload: list[Annotated[float, LOAD_Q]] | None = Field(
+        None,
+        description="Least and largest payload.",
+        examples=['["0 kg", "100 kg"]'],
+        min_length=2,
+        max_length=2,
+    )
+    payload_radius: Annotated[float, ARM_Q] = optional(
+        "Radius of gyration of the payload about the rotary joint.", '"0.3 m"', 0.0
+    )
+    peaks: Annotated[dict[str, float], SignalTable(PerSignal.BOUND)] = optional(
+        "Bounds on states or outputs during the whole response.", '{ v_phi = "5 mrad/s" }', {}
+    )
+    modes: ModeBands = Field(default_factory=ModeBands, description="Band of each machining mode.")
+
+    @model_validator(mode="after")
+    def _check(self, info: ValidationInfo) -> Self:
+        faults = []
+        if self.frequency_spread > LARGEST_FREQUENCY_SPREAD:
+            spread = f"{self.frequency_spread:g} ({100.0 * self.frequency_spread:g} %)"
+            faults.append(("frequency_spread", f"got {spread}, must be from 0 to 0.5 (50 %)"))
+        if self.damping_spread >= 1.0:
+            spread = f"{self.damping_spread:g} ({100.0 * self.damping_spread:g} %)"
+            faults.append(("damping_spread", f"got {spread}, must be >= 0 and < 1 (100 %)"))
+        if self.payload is not None and self.payload[0] > self.payload[1]:
+            (low, high), unit = self.payload, MASS_Q.si_of(info)
+            message = f"got {low:g} {unit} to {high:g} {unit}, the least comes first"
+            faults.append(("payload", message))
+        if self.payload_radius < 0.0:
+            faults.append(("payload_radius", f"got {self.payload_radius:g}, must be >= 0"))
+        raise_all(faults)
+        return self
+
+
+class DampingOptimalTable(Table):
+    """[damping_optimal]."""
+
+    t_f: Annotated[float | None, TIME_Q] = optional("Final time.", '"52.2 ms"')
+    weights: Annotated[str | dict[str, float], SignalTable(PerSignal.WEIGHT, ("balanced",))] = (
+        optional("Weights c_i of the squared states.", '"balanced"', "balanced")
+    )
+
+
+class SetpointFilterTable(Table):
+    """setpoint_filter of [control]."""
+
+    kind: Literal["moving_average"] = required("Kind of filter.", '"moving_average"')
+    time: Annotated[float, FILTER_TIME_Q] = required("Length of the filter.", '"20 ms"')
+
+
+class ForceFilterTable(Table):
+    """An element of force_filters of [control]."""
+
+    kind: Literal["notch", "low_pass"] = required("Kind of filter.", '"notch"')
+    frequency: Annotated[float, FREQUENCY_Q] = required("Frequency of the filter.", '"72 Hz"')
+    damping: Annotated[float, FILTER_DAMPING_Q] = required(
+        "Damping ratio: of the denominator of a low-pass, of the numerator of a notch.", "0.1"
+    )
+
+
+class ControlTable(Table):
+    """[control]; what is left out is tuned."""
+
+    position_gain: Annotated[float | None, GAIN_Q] = optional("Kv.", '"60 1/s"')
+    velocity_gain: Annotated[float | None, VELOCITY_GAIN_Q] = optional("Kp.", '"200 kN s/m"')
+    integral_time: Annotated[float | None, TIME_Q] = optional("Tn.", '"20 ms"')
+    reference_model_time: Annotated[float, DELAY_Q] = optional(
+        "Time constant of the reference model in the integral branch; 0 = none.", '"5 ms"', 0.0
+    )
+    velocity_feedforward: Annotated[float, FEEDFORWARD_Q] = optional("Weight.", "1.0", 1.0)
+    acceleration_feedforward: Annotated[float, FEEDFORWARD_Q] = optional(
+        "Weight, times feedforward_mass.", "1.0", 1.0
+    )
+    jerk_feedforward: Annotated[float, FEEDFORWARD_Q] = optional(
+        "Weight, times feedforward_mass and force_lag.", "0.0", 0.0
+    )
+    feedforward_mass: Annotated[float | None, MASS_Q] = optional(
+        "Mass of the feed-forward; default: moving mass at mid payload.", '"800 kg"'
+    )
+    reference_delay: Annotated[float | None, DELAY_Q] = optional(
+        "Delay of the reference path, or auto.", '"auto"'
+    )
+    position_cycle: Annotated[float, CYCLE_Q] = optional(
+        "Position controller cycle.", '"2 ms"', 2e-3
+    )
+    velocity_cycle: Annotated[float, CYCLE_Q] = optional(
+        "Velocity controller cycle.", '"125 us"', 125e-6
+    )
+    tcp_sensor: Literal["none", "position"] = optional(
+        "Second encoder near the tool.", '"none"', "none"
+    )
+    state_feedback: Annotated[
+        str | dict[str, float], SignalTable(PerSignal.GAIN, ("auto", "off"))
+    ] = optional(
+        "Active damping of the dominant mode: auto, off, or gains by state.", '"auto"', "auto"
+    )
+    setpoint_filter: SetpointFilterTable | None = optional(
+        'Filter behind the setpoint generator, or "none".', '"none"'
+    )
+    force_filters: list[ForceFilterTable] = Field(
+        default_factory=list, description="Filters in the set-force path.", max_length=8
+    )
+    minimum_bandwidth: Annotated[float | None, FREQUENCY_Q] = optional(
+        "What tuning must at least reach, closed velocity loop, -3 dB.", '"15 Hz"'
+    )
+
+    @field_validator("setpoint_filter", mode="before")
+    @classmethod
+    def _none_is_left_out(cls, value: object) -> object:
+        if isinstance(value, str) and value != "none":
+            raise Faults(
+                [("", f'got {describe(value)}, must be "none" or a table with kind and time')]
+            )
+        return None if value == "none" else value
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        ratio = self.position_cycle / self.velocity_cycle
+        if round(ratio) < 1 or abs(ratio - round(ratio)) > WHOLE_MULTIPLE * ratio:
+            message = (
+                f"got {self.position_cycle:g} s, {ratio:.6g} times velocity_cycle = "
+                f"{self.velocity_cycle:g} s; must be a whole multiple"
+            )
+            raise Faults([("position_cycle", message)])
+        return self
+
+
+class ProfileTable(Table):
+    """A machine profile for mtcommission; quantities are SI numbers or texts with a unit."""
+
+    schema_version: Literal[1] = Field(
+        alias="schema", description="Version of the format.", examples=["1"]
+    )
+    machine: MachineTable = Field(description="What the sheet calls the axis.")
+    plant: Annotated[ManipulatorTable | ModalTable, Field(discriminator="kind")] = Field(
+        description="The mechanics."
+    )
+    drive: DriveTable = Field(description="The motor as the axis feels it.")
+    moves: list[MoveTable] = Field(
+        description="One or more; the limits must serve all of them.",
+        min_length=1,
+        max_length=MOST_MOVES,
+    )
+    requirements: RequirementsTable = Field(description="What the axis must achieve.")
+    damping_optimal: DampingOptimalTable = Field(
+        default_factory=DampingOptimalTable, description="The damping-optimal control."
+    )
+    control: ControlTable = Field(default_factory=ControlTable, description="The cascade.")
+
+    @field_validator("schema_version", mode="before")
+    @classmethod
+    def _is_no_boolean(cls, value: object) -> object:
+        if isinstance(value, bool):  # True == 1 in Python
+            raise Faults([("", f"got {describe(value)}, must be 1")])
+        return value
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        spread = self.requirements.damping_spread
+        largest = max(damping_ratios(self.plant)) * (1.0 + spread)
+        if largest >= 1.0:
+            message = (
+                f"got {spread:g}, which raises a damping ratio to {largest:.3g} in the worst "
+                "corner; must stay < 1"
+            )
+            raise Faults([("requirements.damping_spread", message)])
+        return self

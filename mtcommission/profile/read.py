@@ -1,0 +1,219 @@
+"""Machine profile (TOML) -> Machine: units to SI, every fault at once, with file and line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.machine.machine import Machine
+from mtcommission.profile.build import build_machine
+from mtcommission.profile.faults import list_faults
+from mtcommission.profile.lines import find_key_lines
+from mtcommission.profile.model import ProfileTable
+from mtcommission.profile.plant_tables import ManipulatorTable, ModalTable
+from mtcommission.profile.syntax import load_toml
+from mtcommission.profile.values import Context, describe, find_close
+from mtcommission.units.axis_units import LINEAR, ROTARY
+from mtcommission.units.quantities import ANGLE, ANGULAR_VELOCITY, Dimension
+
+LARGEST_FILE = 1_000_000
+"""Bytes; a profile has a few thousand."""
+
+KINDS: Mapping[str, type[ManipulatorTable | ModalTable]] = {
+    "manipulator": ManipulatorTable,
+    "modal": ModalTable,
+}
+"""Kinds of plant and their keys."""
+
+
+def read_profile(path: Path | str) -> Machine:
+    """Return the machine that a profile file describes.
+
+    Parameters
+    ----------
+    path
+        TOML file in UTF-8, with or without byte order mark.
+
+    Returns
+    -------
+    Machine
+        SI.
+
+    Raises
+    ------
+    InputError
+        With every fault found.
+    """
+    return parse_profile(read_profile_text(path), where=str(path))
+
+
+def read_profile_text(path: Path | str) -> str:
+    """Return the text of a profile file, without byte order mark.
+
+    Parameters
+    ----------
+    path
+        TOML file in UTF-8.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read as text.
+    """
+    where = str(path)
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except FileNotFoundError as error:
+        raise _file_fault(where, "there is no such file; check the name") from error
+    except IsADirectoryError as error:
+        raise _file_fault(where, "is a directory; name a profile (.toml) in it") from error
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise _file_fault(where, f"cannot be read: {reason}") from error
+    if len(data) > LARGEST_FILE:
+        raise _file_fault(where, f"is larger than {LARGEST_FILE} bytes; that is no profile")
+    if b"\0" in data:
+        raise _file_fault(where, "is a binary or UTF-16 file; save the profile as UTF-8 text")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the profile as UTF-8 text"
+        raise InputError([Fault(where=where, line=line, message=message)]) from error
+
+
+def profile_text_hash(data: bytes) -> str:
+    """Return the SHA-256 of a profile's bytes, as 64 hexadecimal digits.
+
+    Parameters
+    ----------
+    data
+        The file as it is on disk.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> profile_text_hash(b"")[:8]
+    'e3b0c442'
+    """
+    return sha256(data).hexdigest()
+
+
+def parse_profile(text: str, *, where: str) -> Machine:
+    """Return the machine that a profile text describes.
+
+    Parameters
+    ----------
+    text
+        TOML.
+    where
+        Name for messages, e.g. the file name.
+
+    Returns
+    -------
+    Machine
+        SI.
+
+    Raises
+    ------
+    InputError
+        With every fault found, ordered by line.
+    """
+    if not text.strip():
+        message = "is empty; start from a shipped profile (mtcommission profiles list)"
+        raise InputError([Fault(where=where, line=1, message=message)])
+    parsed = load_toml(text, where=where)
+    data, wrong_kind = _mend_kind(parsed.data)
+    faults, lines = list(parsed.faults), find_key_lines(parsed.text)
+    if wrong_kind:
+        line = lines.line_of(("plant", "kind"))
+        faults.append(Fault(where=where, line=line, key="plant.kind", message=wrong_kind))
+    refused = {fault.line for fault in parsed.faults}
+    try:
+        table = ProfileTable.model_validate(data, context=_context(data))
+    except ValidationError as error:
+        found = list_faults(error, where=where, lines=lines)
+        # What stands in a line that is no TOML has been said already.
+        faults += [fault for fault in found if fault.line not in refused]
+        raise InputError(sorted(faults, key=lambda fault: fault.line)) from error
+    if faults:
+        raise InputError(faults)
+    return build_machine(table)
+
+
+def profile_schema() -> str:
+    """Return the JSON schema of profiles, as JSON text.
+
+    Returns
+    -------
+    str
+        Quantities carry their SI unit as ``x-unit`` and ``x-unit-rotary``.
+
+    Examples
+    --------
+    >>> json.loads(profile_schema())["title"]
+    'ProfileTable'
+    """
+    return json.dumps(ProfileTable.model_json_schema(by_alias=True), indent=2)
+
+
+def _file_fault(where: str, message: str) -> InputError:
+    return InputError([Fault(where=where, message=message)])
+
+
+def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """Return the data with the likeliest kind of plant, and what is wrong with the one given.
+
+    Without a kind nothing else in [plant] could be checked.
+    """
+    plant = data.get("plant")
+    given = plant.get("kind", "") if isinstance(plant, dict) else ""
+    if not isinstance(plant, dict) or (isinstance(given, str) and given in KINDS):
+        return data, ""
+    kind = find_close(given, KINDS) if isinstance(given, str) else ""
+    shared = {
+        name: sum(key in table.model_fields for key in plant) for name, table in KINDS.items()
+    }
+    kind = kind or max(shared, key=lambda name: shared[name])
+    if "kind" in plant:
+        wrong = f'got {describe(given)}, must be "manipulator" or "modal"; did you mean "{kind}"?'
+    else:
+        wrong = f'missing; add kind = "{kind}", to which the other keys belong'
+    return {**data, "plant": {**plant, "kind": kind}}, wrong
+
+
+def _context(data: Mapping[str, Any]) -> Context:
+    """Return what values depend on, from data that may still be wrong."""
+    machine, plant = data.get("machine"), data.get("plant")
+    is_rotary = isinstance(machine, dict) and machine.get("motion") == "rotary"
+    axis = ROTARY if is_rotary else LINEAR
+    position, velocity, force = axis.length, axis.velocity, axis.force
+    kind = plant.get("kind") if isinstance(plant, dict) else ""
+    states: dict[str, Dimension] = {}
+    if isinstance(plant, dict) and kind == "manipulator":
+        states = {"x_b": position, "x_s": position, "phi": ANGLE}
+        states |= {"v_b": velocity, "v_s": velocity, "v_phi": ANGULAR_VELOCITY, "F": force}
+    if isinstance(plant, dict) and kind == "modal":
+        modes = plant.get("modes")
+        tables = (
+            [mode for mode in modes if isinstance(mode, dict)] if isinstance(modes, list) else []
+        )
+        states = {"x": position, "v": velocity, "F": force}
+        for name in (mode.get("name") for mode in tables):
+            states |= {f"q_{name}": axis.modal_deflection, f"v_{name}": axis.modal_rate}
+    outputs = dict.fromkeys(("tcp", "encoder", "tcp_vibration"), position)
+    return Context(is_rotary=is_rotary, states=states, outputs=outputs)

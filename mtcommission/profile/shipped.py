@@ -1,0 +1,103 @@
+"""The example machines that come with the package."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from textwrap import wrap
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.profile.read import parse_profile, read_profile_text
+
+WIDTH = 80
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShippedProfile:
+    """An example machine.
+
+    Parameters
+    ----------
+    name
+        What ``profiles show`` and ``profiles copy`` take.
+    machine
+        What it describes.
+    text
+        The commented file.
+    """
+
+    name: str
+    machine: Machine
+    text: str
+
+
+def shipped_names() -> tuple[str, ...]:
+    """Return the names of the shipped profiles, in alphabetical order.
+
+    Examples
+    --------
+    >>> "milling-manipulator" in shipped_names()
+    True
+    """
+    return tuple(sorted(path.stem for path in _folder().glob("*.toml")))
+
+
+def read_shipped(name: str) -> ShippedProfile:
+    """Return a shipped profile.
+
+    Parameters
+    ----------
+    name
+        One of ``shipped_names()``; ``.toml`` at its end does not matter.
+
+    Returns
+    -------
+    ShippedProfile
+
+    Raises
+    ------
+    InputError
+        If there is no such profile.
+    """
+    known, wanted = shipped_names(), name.strip().removesuffix(".toml")
+    if wanted not in known:
+        close = get_close_matches(wanted, known, n=1)
+        hint = f"; did you mean {close[0]}?" if close else "."
+        message = f"no shipped profile {name!r}{hint} There are: {', '.join(known)}"
+        raise InputError([Fault(where="profiles", message=message)])
+    text = read_profile_text(_folder() / f"{wanted}.toml")
+    return ShippedProfile(
+        name=wanted, machine=parse_profile(text, where=f"{wanted}.toml"), text=text
+    )
+
+
+def describe_shipped(profile: ShippedProfile) -> str:
+    """Return name, machine and source of a shipped profile for a terminal of 80 columns.
+
+    Parameters
+    ----------
+    profile
+        From ``read_shipped``.
+
+    Returns
+    -------
+    str
+        Lines, the last one ended.
+    """
+    machine = profile.machine
+    modes = ", ".join(f"{frequency_hz(mode):.3g} Hz" for mode in flexible_modes(machine))
+    about = f"{machine.name}, axis {machine.axis} ({machine.motion.value}; modes at {modes})"
+    lines = [profile.name]
+    for sentence in (about, f"Source: {machine.source}"):
+        lines += wrap(sentence, WIDTH, initial_indent="    ", subsequent_indent="    ")
+    return "\n".join(lines) + "\n"
+
+
+def _folder() -> Path:
+    """Inside the package when installed from a wheel, beside it in a source tree."""
+    package = Path(__file__).parents[1]
+    installed = package / "profiles"
+    return installed if installed.is_dir() else package.parent / "profiles"

@@ -1,0 +1,1 @@
+"""MotionLimits + move -> Setpoint: what the control sends to the loop; only door to Ruckig."""

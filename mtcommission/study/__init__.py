@@ -1,0 +1,1 @@
+"""What the chosen limits do: verdict, robustness, comparison, and what would be attainable."""

@@ -1,0 +1,306 @@
+"""Where no limits meet the requirements: which requirement is in the way, and what could be met.
+
+Each requirement is relaxed alone, the others kept: if limits are found then, that requirement is
+an obstacle, and the value that those limits reach is what could be asked for instead. Where none
+helps alone, several hold the limits back together: as few as possible are then relaxed by one
+common factor, the least that is found to help.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from math import inf, isfinite, sqrt
+
+import numpy as np
+
+from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import jerk_steps
+from mtcommission.study.evaluate import Trial, judge
+
+CANDIDATES = 12
+"""Limits with the least residual of the landscape that are simulated, until one keeps the rest."""
+
+HALVINGS = 5
+"""Of the range between the bound asked for and the one that is surely met, logarithmic."""
+
+EASED = 1.0 + 1e-6
+"""The band with which least residuals are judged, over the residual itself."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attainable:
+    """What could be met in place of one requirement, all others kept.
+
+    Parameters
+    ----------
+    requirement
+        Name as in the verdict.
+    limit
+        What is asked for.
+    value
+        What was reached (the least that was found).
+    unit
+        SI unit of both.
+    limits
+        Acceleration and jerk that reach it.
+    together_with
+        Names of the requirements that must give way, too (own entries); empty if it helps alone.
+    """
+
+    requirement: str
+    limit: float
+    value: float
+    unit: str
+    limits: MotionLimits
+    together_with: tuple[str, ...] = ()
+
+
+def find_attainable(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    choice: Choice,
+    *,
+    settings: SearchSettings,
+) -> tuple[Attainable, ...]:
+    """Return what could be met in place of each requirement that stands in the way.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    choice
+        The search that met not all requirements; its landscape is used.
+    settings
+        Of the searches with a requirement relaxed.
+
+    Returns
+    -------
+    tuple of Attainable
+        Each one helps alone; where none does, those that must give way together. Empty if
+        not even that helps: then the force itself does not suffice.
+    """
+    residual = find_least_residual(machine, plant, tuned, choice)
+    found = [] if residual is None else [residual]
+    for relaxation in _relaxations(machine):
+        attained = _relax(machine, plant, tuned, relaxation, settings, known=choice.limits)
+        if attained is not None:
+            found.append(attained)
+    return tuple(found) or _find_together(machine, plant, tuned, settings)
+
+
+def find_least_residual(
+    machine: Machine, plant: Plant, tuned: TunedLoop, choice: Choice
+) -> Attainable | None:
+    """Return the least residual deviation of the landscape whose limits keep all the rest.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    choice
+        Its landscape is used.
+
+    Returns
+    -------
+    Attainable or None
+        None if no limits keep the other requirements, whatever the band.
+    """
+    a, t_j = (
+        axis.ravel() for axis in np.meshgrid(choice.acceleration, choice.jerk_time, indexing="ij")
+    )
+    ends = [jerk_steps(move, acceleration=a, jerk=a / t_j).duration for move in machine.moves]
+    earliest = np.max(ends, axis=0) + machine.control.moving_average_time
+    earliest += tuned.controller.reference_delay
+    possible = (choice.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
+    residual = np.where(possible, choice.residual_deviation.ravel(), inf)
+    best: Attainable | None = None
+    for i in np.argsort(residual, kind="stable")[: min(CANDIDATES, int(possible.sum()))]:
+        limits = MotionLimits(acceleration=_typed(a[i]), jerk=_typed(a[i] / t_j[i]))
+        trial = judge(machine, plant, tuned, "", "", limits)
+        band = EASED * trial.residual_deviation
+        if not isfinite(band) or (best is not None and band >= best.value):
+            continue
+        eased = judge(_with_band(machine, band), plant, tuned, "", "", limits)
+        if eased.assessment.is_met:
+            best = _attained(trial, "residual deviation")
+    return best
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Relaxation:
+    """A requirement by its name in the verdict, and the machine with another bound for it.
+
+    The search itself finds the least settling time; of peaks and forces it takes what it may.
+    """
+
+    requirement: str
+    bound: float
+    with_bound: Callable[[Machine, float], Machine]
+    is_searched: bool
+
+
+def _relaxations(machine: Machine) -> Iterator[_Relaxation]:
+    needs, drive = machine.requirements, machine.drive
+    if isfinite(needs.max_settling_time):
+        yield _Relaxation(
+            requirement="settling time",
+            bound=needs.max_settling_time,
+            with_bound=_with_settling_time,
+            is_searched=True,
+        )
+    for peak in needs.peaks:
+        yield _Relaxation(
+            requirement=f"peak {peak.name}",
+            bound=peak.bound,
+            with_bound=partial(_with_peak, peak.name),
+            is_searched=False,
+        )
+    if isfinite(drive.continuous_force):
+        yield _Relaxation(
+            requirement="RMS force",
+            bound=drive.continuous_force,
+            with_bound=_with_continuous_force,
+            is_searched=False,
+        )
+
+
+def _with_band(machine: Machine, bound: float) -> Machine:
+    return replace(machine, requirements=replace(machine.requirements, tcp_deviation=bound))
+
+
+def _with_settling_time(machine: Machine, bound: float) -> Machine:
+    return replace(machine, requirements=replace(machine.requirements, max_settling_time=bound))
+
+
+def _with_continuous_force(machine: Machine, bound: float) -> Machine:
+    return replace(machine, drive=replace(machine.drive, continuous_force=bound))
+
+
+def _with_peak(name: str, machine: Machine, bound: float) -> Machine:
+    needs = machine.requirements
+    peaks = tuple(replace(item, bound=bound) if item.name == name else item for item in needs.peaks)
+    return replace(machine, requirements=replace(needs, peaks=peaks))
+
+
+def _relax(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    relaxation: _Relaxation,
+    settings: SearchSettings,
+    *,
+    known: MotionLimits,
+) -> Attainable | None:
+    """The least value found for one requirement; None if dropping it does not help.
+
+    These searches are coarser than the one that found the known limits, which may do better.
+    """
+
+    def search(bound: float) -> Attainable | None:
+        eased = relaxation.with_bound(machine, bound)
+        found = choose_limits(eased, plant, tuned, settings=settings).limits
+        attained = [
+            _attained(judge(machine, plant, tuned, "", "", limits), relaxation.requirement)
+            for limits in (found, known)
+            if judge(eased, plant, tuned, "", "", limits).assessment.is_met
+        ]
+        return min(attained, key=lambda item: item.value, default=None)
+
+    best = search(inf)
+    if best is None or relaxation.is_searched:
+        return best
+    low = relaxation.bound
+    for _ in range(HALVINGS):
+        middle = sqrt(low * best.value)
+        found = search(middle)
+        if found is None:
+            low = middle
+        else:
+            best = found
+    return best
+
+
+LARGEST_FACTOR = 1e3
+"""By which requirements are relaxed together at most: what needs more is no requirement."""
+
+COMMON_HALVINGS = 6
+"""Of the range of the common factor, logarithmic: it is found to within 12 %."""
+
+
+def _find_together(
+    machine: Machine, plant: Plant, tuned: TunedLoop, settings: SearchSettings
+) -> tuple[Attainable, ...]:
+    """What could be met if several requirements give way by one factor; empty if nothing helps."""
+    relaxations = (_band_relaxation(machine), *_relaxations(machine))
+
+    def search(names: Sequence[str], factor: float) -> Trial | None:
+        eased = _eased(machine, [item for item in relaxations if item.requirement in names], factor)
+        limits = choose_limits(eased, plant, tuned, settings=settings).limits
+        trial = judge(eased, plant, tuned, "", "", limits)
+        return trial if trial.assessment.is_met else None
+
+    names = tuple(item.requirement for item in relaxations)
+    best = search(names, LARGEST_FACTOR)
+    if best is None:
+        return ()
+    for name in names:
+        fewer = tuple(other for other in names if other != name)
+        trial = search(fewer, LARGEST_FACTOR) if fewer else None
+        if trial is not None:
+            names, best = fewer, trial
+    low, high = 1.0, LARGEST_FACTOR
+    for _ in range(COMMON_HALVINGS):
+        factor = sqrt(low * high)
+        trial = search(names, factor)
+        if trial is None:
+            low = factor
+        else:
+            high, best = factor, trial
+    return tuple(
+        replace(
+            _attained(best, item.requirement),
+            limit=item.bound,
+            together_with=tuple(name for name in names if name != item.requirement),
+        )
+        for item in relaxations
+        if item.requirement in names
+    )
+
+
+def _band_relaxation(machine: Machine) -> _Relaxation:
+    return _Relaxation(
+        requirement="residual deviation",
+        bound=machine.requirements.tcp_deviation,
+        with_bound=_with_band,
+        is_searched=False,
+    )
+
+
+def _eased(machine: Machine, relaxations: Sequence[_Relaxation], factor: float) -> Machine:
+    """The machine with some bounds relaxed by a factor."""
+    for item in relaxations:
+        machine = item.with_bound(machine, factor * item.bound)
+    return machine
+
+
+def _attained(trial: Trial, requirement: str) -> Attainable:
+    check = next(item for item in trial.assessment.checks if item.name == requirement)
+    return Attainable(
+        requirement=requirement,
+        limit=check.limit,
+        value=check.value,
+        unit=check.unit,
+        limits=trial.limits,
+    )
+
+
+def _typed(value: float) -> float:
+    """Rounded to what is typed in."""
+    return float(f"{value:.3g}")

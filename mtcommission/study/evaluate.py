@@ -1,0 +1,169 @@
+"""Limits through the loop: every move in every corner, judged like a recommendation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
+from mtcommission.study.assess import Assessment, assess
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoveResult:
+    """One move with some limits, in every corner.
+
+    Parameters
+    ----------
+    setpoint
+        What the control sends.
+    responses
+        One for each corner, the nominal machine first.
+    """
+
+    setpoint: Setpoint
+    responses: tuple[LoopResponse, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """Named limits through the same loop, corners and judgement as the recommendation.
+
+    Parameters
+    ----------
+    name, source
+        What they are and who says so.
+    limits
+        Acceleration and jerk.
+    settling_time, residual_deviation, peak_deviation
+        Worst over moves and corners [s, m, m].
+    assessment
+        Verdict on every requirement.
+    """
+
+    name: str
+    source: str
+    limits: MotionLimits
+    settling_time: float
+    residual_deviation: float
+    peak_deviation: float
+    assessment: Assessment
+
+
+def run_moves(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple[MoveResult, ...]:
+    """Return every move with these limits, simulated in every corner.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its band and drive count.
+    tuned
+        The loop in every corner.
+    limits
+        Acceleration and jerk.
+
+    Returns
+    -------
+    tuple of MoveResult
+    """
+    time = machine.control.moving_average_time
+    setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
+    return run_setpoints(machine, tuned, setpoints)
+
+
+def run_setpoints(
+    machine: Machine, tuned: TunedLoop, setpoints: Sequence[Setpoint]
+) -> tuple[MoveResult, ...]:
+    """Return given setpoints, simulated in every corner.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its band and drive count.
+    tuned
+        The loop in every corner.
+    setpoints
+        One for each move, filters included.
+
+    Returns
+    -------
+    tuple of MoveResult
+    """
+    drive, band = machine.drive, machine.requirements.tcp_deviation
+    return tuple(
+        MoveResult(
+            setpoint=setpoint,
+            responses=tuple(
+                simulate(loop, lifted, setpoint, drive=drive, band=band)
+                for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+            ),
+        )
+        for setpoint in setpoints
+    )
+
+
+def judge(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    name: str,
+    source: str,
+    limits: MotionLimits,
+) -> Trial:
+    """Return what some limits do in the same loop, corners and judgement as all others.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    name, source
+        Of the limits.
+    limits
+        Acceleration and jerk.
+
+    Returns
+    -------
+    Trial
+    """
+    return judge_moves(machine, plant, tuned, name, source, run_moves(machine, tuned, limits))
+
+
+def judge_moves(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    name: str,
+    source: str,
+    moves: Sequence[MoveResult],
+) -> Trial:
+    """Return the same where the moves have been run already.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant, and the loop that the moves went through.
+    name, source
+        Of the limits.
+    moves
+        From ``run_moves`` or ``run_setpoints``; the first one's limits are the trial's.
+
+    Returns
+    -------
+    Trial
+    """
+    rows = [result.responses for result in moves]
+    everywhere = [response for row in rows for response in row]
+    return Trial(
+        name=name,
+        source=source,
+        limits=moves[0].setpoint.limits,
+        settling_time=max(response.settling_time for response in everywhere),
+        residual_deviation=max(response.residual_deviation for response in everywhere),
+        peak_deviation=max(response.peak_deviation for response in everywhere),
+        assessment=assess(machine, plant, tuned.corners, rows),
+    )

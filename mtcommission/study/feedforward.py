@@ -1,0 +1,201 @@
+"""What happens when the optimal control itself is fed forward and the loop only corrects.
+
+Users ask why they cannot simply use the optimum. Here the optimal set force goes to the drive
+at every velocity cycle (its mean over the cycle, so that no impulse is lost), the controllers
+compare with the optimal motion, and the machine is the nominal one or off by the spread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.model.sampled import SampledLoop, build_loop, lift_loop
+from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.corners import NOMINAL, Corner, corners, vary
+from mtcommission.machine.machine import Machine
+from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_evenly
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.setpoint.setpoint import Setpoint
+
+Array = NDArray[np.float64]
+
+USUAL_SPREAD = 0.05
+"""Frequency error shown where the profile states no spread [-] (empirical: measured
+eigenfrequencies are rarely better known)."""
+
+ROUNDING = 1e-6
+"""By how much the mean of a bang-bang force may exceed its limit without being saturation."""
+
+TAIL = 0.4
+"""How long the motion after t_f is followed [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FedForward:
+    """One optimal control fed forward, or a setpoint, on one machine.
+
+    Parameters
+    ----------
+    corner
+        The machine.
+    settling_time
+        Last time with the tool outside the band about the delayed motion wanted [s]; at least
+        the end of the motion.
+    residual_deviation, peak_deviation
+        Of the tool from the delayed motion wanted, after its end and ever [m].
+    saturated_share
+        Share of the move during which the correction found no force left [-].
+    """
+
+    corner: Corner
+    settling_time: float
+    residual_deviation: float
+    peak_deviation: float
+    saturated_share: float
+
+
+def feed_forward(
+    machine: Machine, plant: Plant, tuned: TunedLoop, solution: TimeOptimum | DampingOptimum
+) -> tuple[FedForward, ...]:
+    """Return what the fed-forward optimum does on the nominal machine and in its corners.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    solution
+        An optimal control of the nominal machine.
+
+    Returns
+    -------
+    tuple of FedForward
+        The nominal machine first; corners with ``USUAL_SPREAD`` where the profile states none.
+    """
+    places = _places(machine)
+    cycle = tuned.controller.velocity_cycle
+    count = ceil((solution.t_f + TAIL) / cycle)
+    wanted = sample_evenly(plant, solution.arcs, step=cycle, until=(count + 1) * cycle)
+    loops = [
+        build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)
+        for corner in places
+    ]
+    tool, saturated = _advance(plant, loops, wanted, limit=machine.drive.motion_force)
+    late = np.vstack([np.zeros(plant.order), wanted[:-2]]) @ plant.row("tcp")
+    t = np.arange(len(late)) * cycle
+    end = solution.t_f + cycle
+    found = []
+    for i, corner in enumerate(places):
+        deviation = np.abs(tool[:, i] - late)
+        outside = np.flatnonzero(deviation > machine.requirements.tcp_deviation)
+        last = float(t[outside[-1]]) if outside.size else 0.0
+        found.append(
+            FedForward(
+                corner=corner,
+                settling_time=inf if last == t[-1] else max(end, last),
+                residual_deviation=float(np.max(deviation[t >= end])),
+                peak_deviation=float(np.max(deviation)),
+                saturated_share=float(np.mean(saturated[t <= solution.t_f, i])),
+            )
+        )
+    return tuple(found)
+
+
+def follow_setpoint(
+    machine: Machine, plant: Plant, tuned: TunedLoop, setpoint: Setpoint
+) -> tuple[FedForward, ...]:
+    """Return what a setpoint does on the same machines, beside the fed-forward optima.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    setpoint
+        Of the recommended limits.
+
+    Returns
+    -------
+    tuple of FedForward
+        The nominal machine first.
+    """
+    found = []
+    for corner in _places(machine):
+        loop = build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)
+        response = simulate(
+            loop,
+            lift_loop(loop),
+            setpoint,
+            drive=machine.drive,
+            band=machine.requirements.tcp_deviation,
+        )
+        moving = response.t <= setpoint.duration
+        limit = machine.drive.motion_force * (1.0 - ROUNDING)
+        at_limit = response.saturated & (np.abs(response.force) >= limit)
+        found.append(
+            FedForward(
+                corner=corner,
+                settling_time=response.settling_time,
+                residual_deviation=response.residual_deviation,
+                peak_deviation=response.peak_deviation,
+                saturated_share=float(np.mean(at_limit[moving])),
+            )
+        )
+    return tuple(found)
+
+
+def _places(machine: Machine) -> Sequence[Corner]:
+    """The corners of a machine, with ``USUAL_SPREAD`` where its profile states none."""
+    places = corners(machine)
+    if places != (NOMINAL,):
+        return places
+    needs = replace(machine.requirements, frequency_spread=USUAL_SPREAD)
+    return corners(replace(machine, requirements=needs))
+
+
+def _advance(
+    plant: Plant, loops: Sequence[SampledLoop], wanted: Array, *, limit: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Tool position and saturation at every velocity cycle, shapes (n_samples, n_loops).
+
+    The force acts one velocity cycle late, so the controllers compare with the motion wanted
+    one cycle ago. All loops have the same states and advance together.
+    """
+    controller, n = loops[0].controller, plant.order
+    held, integrator = loops[0].held, loops[0].integrator
+    step = np.array([loop.step for loop in loops])
+    demand_row = np.array([loop.demand for loop in loops])
+    integration = np.array([loop.integration for loop in loops])
+    encoder = np.array([loop.plant.row("encoder") for loop in loops])
+    tool_row = np.array([loop.plant.row("tcp") for loop in loops])
+    # ∫ F_set over a cycle, from T F' = F_set - F and m v' = F.
+    momentum = np.zeros(n)
+    momentum[plant.force], momentum[plant.velocity] = plant.force_lag, plant.moving_mass
+    mean_force = np.diff(wanted @ momentum) / controller.velocity_cycle
+    late = np.vstack([np.zeros(n), wanted[:-1]])
+    position = late @ plant.row("encoder")
+    rate = late @ (plant.row("encoder") @ plant.A)
+    ahead = mean_force + late[:-1] @ controller.state_gains
+
+    X = np.zeros((len(loops), len(loops[0].states)))
+    correction = asked = np.zeros(len(loops))
+    tool = np.empty((len(mean_force), len(loops)))
+    saturated = np.zeros(tool.shape, dtype=np.bool_)
+    for i, force in enumerate(ahead):
+        if i % controller.cycles == 0:
+            error = position[i] - np.sum(encoder * X[:, :n], axis=1)
+            correction, asked = asked, controller.position_gain * error
+        tool[i] = np.sum(tool_row * X[:, :n], axis=1)
+        X[:, held], X[:, held + 1], X[:, held + 2] = correction, rate[i], force
+        demand = np.sum(demand_row * X, axis=1)
+        acting = np.clip(demand, -limit, limit)
+        increment = np.where(acting == demand, np.sum(integration * X, axis=1), 0.0)
+        saturated[i] = np.abs(demand) > limit * (1.0 + ROUNDING)
+        X = np.matmul(step, X[:, :, None])[:, :, 0]
+        X[:, integrator] += increment
+        X[:, integrator + 1] = acting
+    return tool, saturated

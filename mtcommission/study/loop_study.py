@@ -1,0 +1,142 @@
+"""What the loop does beside following the setpoint: disturbances, and what feed-forward costs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf
+
+from mtcommission.loop.model.controller import Controller, feedforward_delay
+from mtcommission.loop.simulate.disturbance import DisturbanceStep, push
+from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
+from mtcommission.machine.machine import Machine
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.evaluate import run_moves
+from mtcommission.study.loop_choice import LoopChoice
+
+PUSH_TIME = 0.3
+"""How long the answer to a step of force is followed [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PushedTool:
+    """The tool under a step of force, nominal machine.
+
+    Parameters
+    ----------
+    name
+        Which loop.
+    step
+        The answer.
+    """
+
+    name: str
+    step: DisturbanceStep
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JerkFeedforward:
+    """The recommended limits with some weight of the jerk feed-forward, worst case.
+
+    Parameters
+    ----------
+    weight
+        1 cancels the drive lag [-].
+    is_used
+        Whether everything else in the record uses this weight.
+    reference_delay
+        τ [s].
+    max_force
+        Largest |F_set| that the loop asks for [N].
+    settling_time, residual_deviation
+        [s, m].
+    """
+
+    weight: float
+    is_used: bool
+    reference_delay: float
+    max_force: float
+    settling_time: float
+    residual_deviation: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopStudy:
+    """All of it.
+
+    Parameters
+    ----------
+    pushed
+        The loop without and with state feedback, or the one there is.
+    jerk_feedforward
+        Without, with, and as the profile has it.
+    """
+
+    pushed: tuple[PushedTool, ...]
+    jerk_feedforward: tuple[JerkFeedforward, ...]
+
+
+def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> LoopStudy:
+    """Return the answer to a disturbance and the effect of the jerk feed-forward.
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+    loop
+        The loop that is used, and its variants.
+    limits
+        The recommended ones.
+
+    Returns
+    -------
+    LoopStudy
+    """
+    shown = [(variant.name, variant.tuned) for variant in loop.variants]
+    shown = shown or [("the loop that is used", loop.tuned)]
+    used = loop.tuned.controller.jerk_feedforward
+    return LoopStudy(
+        pushed=tuple(
+            PushedTool(name=name, step=push(tuned.loops[0], duration=PUSH_TIME))
+            for name, tuned in shown
+        ),
+        jerk_feedforward=tuple(
+            _with_jerk_feedforward(machine, loop.tuned, limits, weight=weight)
+            for weight in sorted({0.0, 1.0, used})
+        ),
+    )
+
+
+def _with_jerk_feedforward(
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits, *, weight: float
+) -> JerkFeedforward:
+    own = tuned.controller.jerk_feedforward
+    if weight != own:
+        controller = _reweighted(machine, tuned.controller, weight)
+        tuned = close_loop(corner_plants(machine), controller)
+    # Without a limit the force asked for is the linear one, which is what is compared.
+    strong = replace(machine, drive=replace(machine.drive, max_force=inf))
+    found = [
+        response for result in run_moves(strong, tuned, limits) for response in result.responses
+    ]
+    return JerkFeedforward(
+        weight=weight,
+        is_used=weight == own,
+        reference_delay=tuned.controller.reference_delay,
+        max_force=max(response.max_force for response in found),
+        settling_time=max(response.settling_time for response in found),
+        residual_deviation=max(response.residual_deviation for response in found),
+    )
+
+
+def _reweighted(machine: Machine, controller: Controller, weight: float) -> Controller:
+    """The same gains with another jerk feed-forward, and the delay that belongs to it."""
+    tau = controller.reference_delay
+    if machine.control.reference_delay is None:
+        tau = feedforward_delay(
+            position_cycle=controller.position_cycle,
+            velocity_cycle=controller.velocity_cycle,
+            force_lag=controller.force_lag,
+            jerk_feedforward=weight,
+            force_filters=controller.force_filters,
+        )
+    return replace(controller, jerk_feedforward=weight, reference_delay=tau)

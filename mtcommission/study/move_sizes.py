@@ -1,0 +1,195 @@
+"""From which step on limits hold: the same limits on smaller and larger moves.
+
+A velocity step below a²/j ends before a is reached. Its ramps are then shorter than a/j, so a
+ramp that was made to cancel a vibration no longer does; a larger move keeps the ramps but not
+the time between them. A moving average of one period cancels the vibration whatever the move:
+its zeros stand in the filter, not in the setpoint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.batch.settling import settle
+from mtcommission.loop.batch.tables import ResponseTables, build_tables
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
+
+Array = NDArray[np.float64]
+
+SMALLEST, LARGEST = 0.01, 3.0
+"""Sizes looked at, as shares of the profile's move [-] (design choice)."""
+
+SIZES = 96
+"""Between them, logarithmic: neighbours differ by 6 %, their ramps by 3 %."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetpointWay:
+    """Limits, perhaps behind a moving average, as they are typed in.
+
+    Parameters
+    ----------
+    name
+        Who gives them.
+    limits
+        Acceleration and jerk.
+    moving_average
+        Length of the control's setpoint filter [s]; 0 = none.
+    """
+
+    name: str
+    limits: MotionLimits
+    moving_average: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MoveSizes:
+    """One way of moving, on one move in many sizes.
+
+    Parameters
+    ----------
+    way
+        Limits and filter.
+    move
+        The profile's move.
+    size
+        Velocity step or distance, rising, shape (n,) [m/s or m].
+    settling_time, residual_deviation
+        Worst over the corners, shape (n,) [s, m].
+    full_from
+        Size from which the acceleration is reached at all [m/s or m]; inf if ``max_velocity``
+        forbids it at any distance.
+    kept_from, kept_to
+        Ends of the unbroken range about the profile's own size in which the band is kept
+        [m/s or m]; both nan if it is not kept at that size.
+    """
+
+    way: SetpointWay
+    move: Move
+    size: Array
+    settling_time: Array
+    residual_deviation: Array
+    full_from: float
+    kept_from: float
+    kept_to: float
+
+
+def vary_move_sizes(
+    machine: Machine, tuned: TunedLoop, ways: Sequence[SetpointWay]
+) -> tuple[MoveSizes, ...]:
+    """Return what limits do on smaller and larger moves than the profile's.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its moves and band count.
+    tuned
+        The loop in every corner.
+    ways
+        Limits and filters to be tried.
+
+    Returns
+    -------
+    tuple of MoveSizes
+        For each way, each move.
+    """
+    shares = np.geomspace(SMALLEST, LARGEST, SIZES)
+    shares[int(np.argmin(np.abs(shares - 1.0)))] = 1.0
+    found = []
+    for way in ways:
+        each = [_steps(way, move, shares) for move in machine.moves]
+        longest = max(float(steps.duration.max()) for steps in each)
+        tables = [
+            build_tables(loop, lifted, longest=longest, filtered=way.moving_average > 0.0)
+            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+        ]
+        for move, steps in zip(machine.moves, each, strict=True):
+            band = machine.requirements.tcp_deviation
+            found.append(_judge_sizes(way, move, shares, steps, tables, band=band))
+    return tuple(found)
+
+
+def resize(move: Move, share: float) -> Move:
+    """Return the same move with its velocity step or distance times a share [-]."""
+    if isinstance(move, VelocityStep):
+        return replace(move, velocity_step=share * move.velocity_step)
+    return replace(move, distance=share * move.distance)
+
+
+def full_size(way: SetpointWay, move: Move) -> float:
+    """Return the size from which a move reaches the acceleration [m/s or m].
+
+    v = a (t_j + T) for a velocity step, L = v (2 t_j + T) for a move from rest to rest, with
+    t_j = a/j and the length T of the moving average.
+
+    Parameters
+    ----------
+    way
+        Limits and filter.
+    move
+        Its kind counts, and its ``max_velocity``.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> limits = MotionLimits(acceleration=2.0, jerk=100.0)
+    >>> way = SetpointWay(name="x", limits=limits, moving_average=0.0)
+    >>> full_size(way, VelocityStep(velocity_step=0.1))  # a²/j [m/s]
+    0.04
+    """
+    ramp = way.limits.jerk_time
+    velocity = way.limits.acceleration * (ramp + way.moving_average)
+    if isinstance(move, VelocityStep):
+        return velocity
+    return velocity * (2.0 * ramp + way.moving_average) if velocity <= move.max_velocity else inf
+
+
+def _steps(way: SetpointWay, move: Move, shares: Array) -> JerkSteps:
+    a, j = np.array([way.limits.acceleration]), np.array([way.limits.jerk])
+    each = [jerk_steps(resize(move, float(share)), acceleration=a, jerk=j) for share in shares]
+    steps = JerkSteps(
+        times=np.vstack([item.times for item in each]),
+        steps=np.vstack([item.steps for item in each]),
+    )
+    return moving_average_steps(steps, time=way.moving_average) if way.moving_average else steps
+
+
+def _judge_sizes(
+    way: SetpointWay,
+    move: Move,
+    shares: Array,
+    steps: JerkSteps,
+    tables: Sequence[ResponseTables],
+    *,
+    band: float,
+) -> MoveSizes:
+    corners = [settle(table, steps, band=band) for table in tables]
+    residual = np.max([item.residual_deviation for item in corners], axis=0)
+    own = int(np.flatnonzero(shares == 1.0)[0])
+    full = move.velocity_step if isinstance(move, VelocityStep) else move.distance
+    size = full * shares
+    kept = residual <= band
+    broken = np.flatnonzero(~kept)
+    low = int(np.max(broken[broken < own], initial=-1)) + 1
+    high = int(np.min(broken[broken > own], initial=len(size))) - 1
+    return MoveSizes(
+        way=way,
+        move=move,
+        size=size,
+        settling_time=np.max([item.settling_time for item in corners], axis=0),
+        residual_deviation=residual,
+        full_from=full_size(way, move),
+        kept_from=float(size[low]) if kept[own] else nan,
+        kept_to=float(size[high]) if kept[own] else nan,
+    )

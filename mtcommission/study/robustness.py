@@ -1,0 +1,372 @@
+"""How the recommended limits fare where the machine or the typed values differ a little.
+
+Three views: thousands of machines drawn from the stated spread, all frequencies off by a common
+error, and small changes of each limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.batch.varied_response import VariedResponse, respond_to_variations
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.corners import corners
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import (
+    Variations,
+    as_variations,
+    draw_variations,
+    scale_variations,
+)
+from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import jerk_steps
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobustnessSettings:
+    """How closely to look.
+
+    Parameters
+    ----------
+    samples
+        Machines drawn from the stated spread (1000: half a second, and a share to within one
+        or two per cent; a study may take 10 000).
+    seed
+        Of the generator.
+    sample_cycles
+        Position cycles of all samples together: on slow moves fewer machines are drawn, so that
+        the time that it takes stays bounded; 100 at least.
+    frequency_range
+        Least range of the frequency error looked at, to either side [-]; the stated spread,
+        doubled, where that is more.
+    frequency_points
+        To either side.
+    """
+
+    samples: int = 1000
+    seed: int = 0
+    sample_cycles: int = 1_000_000
+    frequency_range: float = 0.1
+    frequency_points: int = 40
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MonteCarlo:
+    """Distribution of settling time and residual deviation over the stated spread.
+
+    Parameters
+    ----------
+    variations
+        The machines drawn.
+    settling_time, residual_deviation
+        Of the slowest move and the worst move, shape (n_samples,) [s, m]; inf: not settled.
+    share_met, share_in_band
+        Share of samples that keep all requirements, and the band alone [-].
+    seed
+        Of the generator.
+    """
+
+    variations: Variations
+    settling_time: Array
+    residual_deviation: Array
+    share_met: float
+    share_in_band: float
+    seed: int
+
+    @property
+    def worst(self) -> int:
+        """The sample with the largest residual deviation."""
+        return int(np.argmax(self.residual_deviation))
+
+    @property
+    def slowest(self) -> int:
+        """The sample with the longest settling time."""
+        return int(np.argmax(self.settling_time))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FrequencyError:
+    """What the same limits do where all eigenfrequencies are off by a common factor.
+
+    Parameters
+    ----------
+    factor
+        Frequencies over those of the profile, rising, shape (n,) [-].
+    settling_time, residual_deviation
+        Worst over moves and over the ends of payload and damping, shape (n,) [s, m].
+    kept_from, kept_to
+        Ends of the range about 1 within which every requirement is kept at all points [-];
+        both nan if not even at 1.
+    lost_below, lost_above
+        Requirements missed at the next point beyond either end; empty where that was not looked
+        at, or where there is no range.
+    """
+
+    factor: Array
+    settling_time: Array
+    residual_deviation: Array
+    kept_from: float
+    kept_to: float
+    lost_below: tuple[str, ...]
+    lost_above: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensitivity:
+    """What a small change costs, worst over moves and corners.
+
+    Parameters
+    ----------
+    change
+        What was changed, for the sheet.
+    settling_time, residual_deviation
+        After the change [s, m].
+    settling_change, residual_change
+        Relative to the unchanged ones [-]; inf or nan where a response does not settle.
+    is_met
+        Whether every requirement still holds.
+    """
+
+    change: str
+    settling_time: float
+    residual_deviation: float
+    settling_change: float
+    residual_change: float
+    is_met: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Robustness:
+    """All three views.
+
+    Parameters
+    ----------
+    monte_carlo
+        None where the profile states no spread and no range of payload: nothing to draw.
+    frequency_error, sensitivities
+        See the classes.
+    """
+
+    monte_carlo: MonteCarlo | None
+    frequency_error: FrequencyError
+    sensitivities: tuple[Sensitivity, ...]
+
+
+def examine_robustness(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    *,
+    settings: RobustnessSettings,
+) -> Robustness:
+    """Return how limits fare where machine or limits differ a little.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        The nominal machine, its plant and its loop.
+    limits
+        Acceleration and jerk.
+    settings
+        How closely to look.
+
+    Returns
+    -------
+    Robustness
+    """
+    monte_carlo = None
+    if len(corners(machine)) > 1:
+        monte_carlo = run_monte_carlo(
+            machine,
+            plant,
+            tuned,
+            limits,
+            samples=_affordable(machine, limits, settings),
+            seed=settings.seed,
+        )
+    return Robustness(
+        monte_carlo=monte_carlo,
+        frequency_error=find_frequency_error(machine, plant, tuned, limits, settings=settings),
+        sensitivities=find_sensitivities(machine, plant, tuned, limits),
+    )
+
+
+FEWEST_SAMPLES = 100
+"""However slow the moves (a share is then known to within some five per cent)."""
+
+
+def _affordable(machine: Machine, limits: MotionLimits, settings: RobustnessSettings) -> int:
+    """How many machines are drawn, by the length of the moves."""
+    a, j = np.array([limits.acceleration]), np.array([limits.jerk])
+    ends = [jerk_steps(move, acceleration=a, jerk=j).duration[0] for move in machine.moves]
+    cycles = float(np.sum(ends)) / machine.control.position_cycle
+    return max(min(settings.samples, int(settings.sample_cycles / cycles)), FEWEST_SAMPLES)
+
+
+def run_monte_carlo(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    *,
+    samples: int = 10_000,
+    seed: int = 0,
+) -> MonteCarlo:
+    """Return settling time and residual deviation over the stated spread.
+
+    Payload, frequency factor and damping factor are drawn uniformly and independently from
+    their stated ranges.
+
+    Parameters
+    ----------
+    machine, plant
+        The nominal machine and its plant.
+    tuned
+        Its loop; the controller is the same on every sample.
+    limits
+        Acceleration and jerk.
+    samples
+        How many machines.
+    seed
+        Of the generator.
+
+    Returns
+    -------
+    MonteCarlo
+    """
+    variations = draw_variations(machine, samples=samples, seed=seed)
+    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    band = machine.requirements.tcp_deviation
+    return MonteCarlo(
+        variations=variations,
+        settling_time=found.settling_time,
+        residual_deviation=found.residual_deviation,
+        share_met=float(np.mean(found.meets(machine))),
+        share_in_band=float(np.mean(found.residual_deviation <= band)),
+        seed=seed,
+    )
+
+
+def find_frequency_error(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    *,
+    settings: RobustnessSettings,
+) -> FrequencyError:
+    """Return settling time and residual deviation over a common error of all frequencies.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        The nominal machine, its plant and its loop.
+    limits
+        Acceleration and jerk.
+    settings
+        Range and number of points.
+
+    Returns
+    -------
+    FrequencyError
+    """
+    needs = machine.requirements
+    known = replace(machine, requirements=replace(needs, frequency_spread=0.0))
+    places = corners(known)
+    reach = max(settings.frequency_range, min(2.0 * needs.frequency_spread, 0.5))
+    middle = settings.frequency_points
+    factor = 1.0 + reach * np.linspace(-1.0, 1.0, 2 * middle + 1)
+    each = as_variations(places)
+    variations = Variations(
+        payload=np.tile(each.payload, len(factor)),
+        frequency_factor=np.repeat(factor, len(places)),
+        damping_factor=np.tile(each.damping_factor, len(factor)),
+    )
+    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    shape = (len(factor), len(places))
+    kept = np.all(found.meets(machine).reshape(shape), axis=1)
+    low, high = _stretch_about(kept, middle)
+    below = slice((low - 1) * len(places), low * len(places)) if low > 0 else slice(0)
+    above = slice((high + 1) * len(places), (high + 2) * len(places))
+    return FrequencyError(
+        factor=factor,
+        settling_time=found.settling_time.reshape(shape).max(axis=1),
+        residual_deviation=found.residual_deviation.reshape(shape).max(axis=1),
+        kept_from=float(factor[low]) if kept[middle] else np.nan,
+        kept_to=float(factor[high]) if kept[middle] else np.nan,
+        lost_below=found.missed(machine, below) if kept[middle] else (),
+        lost_above=found.missed(machine, above) if kept[middle] else (),
+    )
+
+
+def _stretch_about(kept: NDArray[np.bool_], middle: int) -> tuple[int, int]:
+    """First and last index of the unbroken stretch of kept points about the middle."""
+    before, after = kept[:middle][::-1], kept[middle + 1 :]
+    down = int(np.argmin(before)) if not before.all() else len(before)
+    up = int(np.argmin(after)) if not after.all() else len(after)
+    return middle - down, middle + up
+
+
+def find_sensitivities(
+    machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
+) -> tuple[Sensitivity, ...]:
+    """Return what small changes of limits and machine cost, in all corners.
+
+    Parameters
+    ----------
+    machine, plant
+        The nominal machine and its plant.
+    tuned
+        Its loop.
+    limits
+        Acceleration and jerk.
+
+    Returns
+    -------
+    tuple of Sensitivity
+        10 % more and less jerk and acceleration; all frequencies, in every corner, 1 % higher
+        and lower; 10 % less damping.
+    """
+    places = as_variations(corners(machine))
+    a, j = limits.acceleration, limits.jerk
+    cases = [
+        ("jerk +10 %", MotionLimits(acceleration=a, jerk=1.1 * j), places),
+        ("jerk -10 %", MotionLimits(acceleration=a, jerk=0.9 * j), places),
+        ("acceleration +10 %", MotionLimits(acceleration=1.1 * a, jerk=j), places),
+        ("acceleration -10 %", MotionLimits(acceleration=0.9 * a, jerk=j), places),
+        ("frequencies +1 %", limits, scale_variations(places, frequency=1.01)),
+        ("frequencies -1 %", limits, scale_variations(places, frequency=0.99)),
+        ("damping -10 %", limits, scale_variations(places, damping=0.9)),
+    ]
+    base = respond_to_variations(machine, plant, tuned, limits, variations=places)
+    return tuple(
+        _compare(
+            machine,
+            change,
+            base,
+            respond_to_variations(machine, plant, tuned, varied, variations=variations),
+        )
+        for change, varied, variations in cases
+    )
+
+
+def _compare(
+    machine: Machine, change: str, base: VariedResponse, found: VariedResponse
+) -> Sensitivity:
+    settling = float(found.settling_time.max())
+    residual = float(found.residual_deviation.max())
+    return Sensitivity(
+        change=change,
+        settling_time=settling,
+        residual_deviation=residual,
+        settling_change=settling / float(base.settling_time.max()) - 1.0,
+        residual_change=residual / float(base.residual_deviation.max()) - 1.0,
+        is_met=bool(found.meets(machine).all()),
+    )

@@ -1,0 +1,1 @@
+"""Every conversion factor, the symbols that people write, and the units of an axis."""

@@ -1,0 +1,93 @@
+"""What masses, forces and lengths are on an axis: a mass on a linear one, an inertia on a rotary.
+
+The one place that pairs the quantities of the two kinds of axis; units of messages follow from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mtcommission.units.quantities import (
+    ACCELERATION,
+    ANGLE,
+    ANGULAR_ACCELERATION,
+    ANGULAR_JERK,
+    ANGULAR_VELOCITY,
+    DAMPING,
+    FORCE,
+    INERTIA,
+    JERK,
+    LENGTH,
+    MASS,
+    MODAL_DEFLECTION,
+    MODAL_RATE,
+    PER_INERTIA,
+    PER_MASS,
+    ROTARY_DAMPING,
+    ROTARY_MODAL_DEFLECTION,
+    ROTARY_MODAL_RATE,
+    ROTARY_STIFFNESS,
+    STIFFNESS,
+    TORQUE,
+    VELOCITY,
+    Dimension,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measures:
+    """The quantities of one kind of axis, named as on the linear one.
+
+    Parameters
+    ----------
+    mass, force
+        What is moved, and what moves it.
+    length, velocity, acceleration, jerk
+        The motion and its rates.
+    stiffness, damping
+        Of a spring in the drive train; the velocity gain Kp is a damping, too.
+    gain
+        Share of a mode in a position, per mass.
+    modal_deflection, modal_rate
+        State q of q'' + 2 ζ ω q' + ω² q = F and its rate.
+    """
+
+    mass: Dimension
+    force: Dimension
+    length: Dimension
+    velocity: Dimension
+    acceleration: Dimension
+    jerk: Dimension
+    stiffness: Dimension
+    damping: Dimension
+    gain: Dimension
+    modal_deflection: Dimension
+    modal_rate: Dimension
+
+
+LINEAR = Measures(
+    mass=MASS,
+    force=FORCE,
+    length=LENGTH,
+    velocity=VELOCITY,
+    acceleration=ACCELERATION,
+    jerk=JERK,
+    stiffness=STIFFNESS,
+    damping=DAMPING,
+    gain=PER_MASS,
+    modal_deflection=MODAL_DEFLECTION,
+    modal_rate=MODAL_RATE,
+)
+ROTARY = Measures(
+    mass=INERTIA,
+    force=TORQUE,
+    length=ANGLE,
+    velocity=ANGULAR_VELOCITY,
+    acceleration=ANGULAR_ACCELERATION,
+    jerk=ANGULAR_JERK,
+    stiffness=ROTARY_STIFFNESS,
+    damping=ROTARY_DAMPING,
+    gain=PER_INERTIA,
+    modal_deflection=ROTARY_MODAL_DEFLECTION,
+    modal_rate=ROTARY_MODAL_RATE,
+)
