@@ -1,0 +1,7 @@
+"""What the program says, as data: kinds with typed values; one text per language and axis kind.
+
+message.py      a kind and its values: what results and records hold
+quantities.py   SI values -> numbers with an engineering unit
+catalogue.py    message -> text of a language, at the rim only
+texts/          the texts, in Fluent's format: ``texts/LANGUAGE/*.ftl``
+"""

@@ -1,0 +1,182 @@
+"""Message -> text: the catalogue of a language, spoken for one kind of axis.
+
+Texts are in Fluent's format (projectfluent.org). It was chosen over gettext because a text is
+found by its key instead of by an English sentence, because its places have names, and because it
+calls functions: ``{ LENGTH($band) }`` says in the catalogue which unit a value has, and prints
+it as µm on a linear axis and as arc seconds on a rotary one. Only the texts that are asked for are
+parsed: a command needs a few dozen out of a thousand.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from fluent.runtime import FluentBundle, FluentResource
+
+from mtcommission.messages.message import Message, Value
+from mtcommission.messages.quantities import Formatter
+
+TEXTS = Path(__file__).with_name("texts")
+
+LANGUAGES: Mapping[str, str] = MappingProxyType({"en": ".", "de": ","})
+"""Languages there are, and their decimal marks."""
+
+UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "LENGTH": ("m", "rad"),
+        "VELOCITY": ("m/s", "rad/s"),
+        "ACCELERATION": ("m/s^2", "rad/s^2"),
+        "JERK": ("m/s^3", "rad/s^3"),
+        "FORCE": ("N", "N m"),
+        "MASS": ("kg", "kg m^2"),
+        "STIFFNESS": ("N/m", "N m/rad"),
+        "DAMPING": ("N s/m", "N m s/rad"),
+        "COMPLIANCE": ("m/N", "rad/(N m)"),
+        "GAIN": ("1/kg", "1/(kg m^2)"),
+        "TIME": ("s", "s"),
+        "FREQUENCY": ("Hz", "Hz"),
+        "RATE": ("1/s", "1/s"),
+        "DECIBEL": ("dB", "dB"),
+        "DEGREE": ("°", "°"),
+    }
+)
+"""Functions of the texts for quantities: SI unit on a linear axis and on a rotary one."""
+
+_ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=", re.MULTILINE)
+_REFERENCE = re.compile(r"\{\s*(-?[a-z][\w-]*)")
+
+
+class Catalogue:
+    """The texts of one language for one kind of axis.
+
+    Parameters
+    ----------
+    language
+        One of ``LANGUAGES``.
+    rotary
+        Whether the axis turns: torque for force, degrees for metres.
+
+    Raises
+    ------
+    KeyError
+        There is no such language.
+    """
+
+    def __init__(self, language: str = "en", *, rotary: bool = False) -> None:
+        self.language, self.rotary = language, rotary
+        self.format = Formatter(rotary=rotary, decimal_mark=LANGUAGES[language])
+
+    def say(self, message: Message) -> str:
+        """Return the text of a message.
+
+        Raises
+        ------
+        KeyError
+            The catalogue has no such kind.
+        ValueError
+            The text asks for a value that the message lacks, or for one of another type.
+
+        Examples
+        --------
+        >>> Catalogue("de").say(Message("requirement-settling-time"))
+        'Einschwingzeit'
+        """
+        return self.text(message.kind, **message.values)
+
+    def text(self, kind: str, /, **values: Value) -> str:
+        """Return the text of a kind with values, as ``say`` does.
+
+        Examples
+        --------
+        >>> Catalogue("en", rotary=True).text("requirement-rms-force")
+        'RMS torque'
+        """
+        self._load(kind)
+        found = self._bundle.get_message(kind)
+        if found.value is None:
+            raise KeyError(kind)
+        axis = "rotary" if self.rotary else "linear"
+        spoken = {name: self._spoken(value) for name, value in values.items()}
+        text, faults = self._bundle.format_pattern(found.value, {**spoken, "axis": axis})
+        if faults:
+            raise ValueError(f"{self.language}: {kind}: {faults[0]}")
+        return str(text)
+
+    def has(self, kind: str) -> bool:
+        """Return whether there is a text of this kind."""
+        return kind in entries_of(self.language)
+
+    @cached_property
+    def _loaded(self) -> set[str]:
+        return set()
+
+    @cached_property
+    def _bundle(self) -> FluentBundle:
+        functions: dict[str, Callable[..., Any]] = {
+            name: self._quantity(units[self.rotary]) for name, units in UNITS.items()
+        }
+        functions |= {
+            "QUANTITY": lambda value, unit: self.format.quantity(_number(value), str(unit)),
+            "NUMBER": lambda value, digits=4: self.format.number(
+                _number(value) or 0.0, digits=int(digits)
+            ),
+            "SHARE": lambda value: self.format.percent_if_known(_number(value)),
+            "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
+            "TERM": self._term,
+        }
+        return FluentBundle([self.language], functions=functions, use_isolating=False)
+
+    def _quantity(self, unit: str) -> Callable[..., str]:
+        return lambda value: self.format.quantity(_number(value), unit)
+
+    def _term(self, key: object) -> str:
+        """A text named by a value, e.g. a requirement; one of the user's own stays as it is."""
+        return self.text(str(key)) if self.has(str(key)) else str(key)
+
+    def _spoken(self, value: Value) -> float | int | str:
+        """A value as Fluent takes it; messages inside are said, several joined by commas."""
+        if isinstance(value, Message):
+            return self.say(value)
+        if isinstance(value, tuple):
+            return ", ".join(str(self._spoken(inner)) for inner in value)
+        return "" if value is None else value
+
+    def _load(self, kind: str) -> None:
+        """Parse a text and those that it refers to."""
+        waiting = [kind]
+        while waiting:
+            name = waiting.pop()
+            if name in self._loaded:
+                continue
+            source = entries_of(self.language)[name]
+            self._bundle.add_resource(FluentResource(source))
+            self._loaded.add(name)
+            known = entries_of(self.language)
+            waiting += [other for other in _REFERENCE.findall(source) if other in known]
+
+
+@cache
+def entries_of(language: str) -> Mapping[str, str]:
+    """Return the source of each text of a language, by its key, unparsed."""
+    found: dict[str, str] = {}
+    for path in sorted((TEXTS / language).glob("*.ftl")):
+        found.update(_split(path.read_text(encoding="utf-8")))
+    return MappingProxyType(found)
+
+
+def _split(source: str) -> Iterator[tuple[str, str]]:
+    """The entries of a file: each begins at the margin, its further lines are indented."""
+    starts = [(match.start(), match[1]) for match in _ENTRY.finditer(source)]
+    ends = [start for start, _ in starts[1:]] + [len(source)]
+    for (start, key), end in zip(starts, ends, strict=True):
+        yield key, source[start:end]
+
+
+def _number(value: object) -> float | None:
+    """A number as Fluent hands it over; an empty text stands for one that is not known."""
+    return None if value == "" else float(value)  # type: ignore[arg-type]

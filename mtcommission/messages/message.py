@@ -1,0 +1,99 @@
+"""A message as data: its kind, and the values that its text speaks of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NoReturn, TypeAlias
+
+Value: TypeAlias = "float | int | str | bool | Message | tuple[Value, ...] | None"
+"""SI number, text of the user (names of modes, files), key of another text, or messages inside."""
+
+NO_VALUES: Mapping[str, Value] = MappingProxyType({})
+
+
+class Message:
+    """What is to be said: no words yet, they are in the catalogue of each language.
+
+    Parameters
+    ----------
+    kind
+        Key of the text in the catalogue, e.g. ``"frequency-spread-not-stated"``.
+    values
+        By name; SI numbers, texts, or messages. The catalogue knows the unit of each.
+
+    Examples
+    --------
+    >>> Message("kept-between", low=-0.05, high=0.1)
+    Message('kept-between', low=-0.05, high=0.1)
+    """
+
+    __slots__ = ("kind", "values")
+
+    kind: str
+    values: Mapping[str, Value]
+
+    def __init__(self, kind: str, /, **values: Value) -> None:
+        object.__setattr__(self, "kind", kind)
+        object.__setattr__(self, "values", MappingProxyType(values) if values else NO_VALUES)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"a message does not change: {name}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _again, (self.kind, dict(self.values))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Message):
+            return NotImplemented
+        return self.kind == other.kind and dict(self.values) == dict(other.values)
+
+    def __hash__(self) -> int:
+        return hash((self.kind, tuple(sorted(self.values.items(), key=lambda item: item[0]))))
+
+    def __repr__(self) -> str:
+        values = "".join(f", {name}={value!r}" for name, value in self.values.items())
+        return f"Message({self.kind!r}{values})"
+
+
+def _again(kind: str, values: dict[str, Value]) -> Message:
+    return Message(kind, **values)
+
+
+def to_json(value: Value) -> object:
+    """Return a value as the record holds it: ``{"message": kind, "values": {...}}``.
+
+    Examples
+    --------
+    >>> to_json(Message("bound-by", what=Message("force", share=0.9)))
+    {'message': 'bound-by', 'values': {'what': {'message': 'force', 'values': {'share': 0.9}}}}
+    """
+    if isinstance(value, Message):
+        values = {name: to_json(inner) for name, inner in value.values.items()}
+        return {"message": value.kind, "values": values}
+    return [to_json(inner) for inner in value] if isinstance(value, tuple) else value
+
+
+def from_json(entry: object) -> Value:
+    """Return what ``to_json`` was given.
+
+    Raises
+    ------
+    ValueError
+        No such entry.
+
+    Examples
+    --------
+    >>> from_json({"message": "force", "values": {"share": 0.9}})
+    Message('force', share=0.9)
+    """
+    if isinstance(entry, dict):
+        kind, values = entry.get("message"), entry.get("values")
+        if len(entry) != 2 or not isinstance(kind, str) or not isinstance(values, dict):
+            raise ValueError("must be {message: kind, values: {name: value}}")
+        return Message(kind, **{str(name): from_json(inner) for name, inner in values.items()})
+    if isinstance(entry, list):
+        return tuple(from_json(inner) for inner in entry)
+    if entry is None or isinstance(entry, (str, int, float)):
+        return entry
+    raise ValueError(f"must be a number, a text or a message, got {type(entry).__name__}")

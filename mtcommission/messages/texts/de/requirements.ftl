@@ -1,0 +1,11 @@
+requirement-residual-deviation = Restabweichung
+requirement-settling-time = Einschwingzeit
+requirement-set-force = { $axis ->
+    [rotary] Sollmoment
+   *[linear] Sollkraft
+}
+requirement-rms-force = { $axis ->
+    [rotary] Effektivmoment
+   *[linear] Effektivkraft
+}
+requirement-peak = Höchstwert { $signal }

@@ -1,0 +1,14 @@
+# What is required of a move; one name for each, everywhere.
+
+requirement-residual-deviation = residual deviation
+requirement-settling-time = settling time
+requirement-set-force = { $axis ->
+    [rotary] set torque
+   *[linear] set force
+}
+requirement-rms-force = { $axis ->
+    [rotary] RMS torque
+   *[linear] RMS force
+}
+# $signal: a state or output of the plant, as the profile spells it
+requirement-peak = peak { $signal }

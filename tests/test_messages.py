@@ -1,0 +1,132 @@
+"""Every message has a text in every language, for both kinds of axis, with the same values.
+
+If one of these fails, a user reads a key, an English sentence in a German sheet, or a force where
+the axis has a torque.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from fluent.syntax import FluentParser
+from fluent.syntax import ast as ftl
+from fluent.syntax.visitor import Visitor
+
+import mtcommission
+from mtcommission.messages.catalogue import LANGUAGES, UNITS, Catalogue, entries_of
+from mtcommission.messages.message import Message, from_json, to_json
+
+SOURCE = Path(mtcommission.__file__).parent
+FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "SHARE", "CHANGE", "TERM"}
+
+
+class _Places(Visitor):
+    """Values, functions and other texts that a text speaks of."""
+
+    def __init__(self) -> None:
+        self.values: set[str] = set()
+        self.functions: set[str] = set()
+        self.others: set[str] = set()
+
+    def visit_VariableReference(self, node: ftl.VariableReference) -> None:
+        self.values.add(node.id.name)
+
+    def visit_FunctionReference(self, node: ftl.FunctionReference) -> None:
+        self.functions.add(node.id.name)
+        self.generic_visit(node)
+
+    def visit_MessageReference(self, node: ftl.MessageReference) -> None:
+        self.others.add(node.id.name)
+
+
+def _places(language: str, kind: str) -> _Places:
+    places = _Places()
+    entry = FluentParser().parse_entry(entries_of(language)[kind])
+    assert isinstance(entry, ftl.Message | ftl.Term), f"{language}: {kind} is no Fluent text"
+    places.visit(entry)
+    for other in places.others:
+        inner = _places(language, other)
+        places.values |= inner.values
+        places.functions |= inner.functions
+    return places
+
+
+def _values(language: str, kind: str) -> set[str]:
+    return _places(language, kind).values - {"axis"}
+
+
+def _calls() -> Iterator[tuple[str, str, set[str]]]:
+    """Place, kind and names of values of every message that the source makes or says."""
+    for path in sorted(SOURCE.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Call) or not node.args:
+                continue
+            name = node.func.id if isinstance(node.func, ast.Name) else ""
+            method = node.func.attr if isinstance(node.func, ast.Attribute) else ""
+            first = node.args[0]
+            if (name == "Message" or method == "text") and isinstance(first, ast.Constant):
+                named = [keyword.arg for keyword in node.keywords]
+                if None not in named:
+                    yield f"{path.name}:{node.lineno}", str(first.value), {str(n) for n in named}
+
+
+def test_every_text_exists_in_every_language_with_the_same_values() -> None:
+    for language in LANGUAGES:
+        assert set(entries_of(language)) == set(entries_of("en")), language
+        for kind in entries_of("en"):
+            assert _values(language, kind) == _values("en", kind), f"{language}: {kind}"
+
+
+def test_every_text_calls_functions_that_there_are() -> None:
+    for language in LANGUAGES:
+        for kind in entries_of(language):
+            assert _places(language, kind).functions <= FUNCTIONS, f"{language}: {kind}"
+
+
+def test_no_file_of_texts_has_a_line_that_is_no_text() -> None:
+    for path in sorted((SOURCE / "messages" / "texts").rglob("*.ftl")):
+        junk = [
+            entry.content
+            for entry in FluentParser().parse(path.read_text(encoding="utf-8")).body
+            if isinstance(entry, ftl.Junk)
+        ]
+        assert not junk, f"{path.name}: {junk[0]}"
+
+
+def test_no_key_stands_in_two_files_of_a_language() -> None:
+    for language in LANGUAGES:
+        seen: dict[str, str] = {}
+        for path in sorted((SOURCE / "messages" / "texts" / language).glob("*.ftl")):
+            for entry in FluentParser().parse(path.read_text(encoding="utf-8")).body:
+                if isinstance(entry, ftl.Message | ftl.Term):
+                    key = entry.id.name
+                    assert key not in seen, f"{language}: {key} in {seen[key]} and {path.name}"
+                    seen[key] = path.name
+
+
+def test_every_message_that_the_source_makes_has_a_text_with_its_values() -> None:
+    for place, kind, values in _calls():
+        assert kind in entries_of("en"), f"{place}: no text for {kind}"
+        missing = _values("en", kind) - values
+        assert not missing, f"{place}: {kind} is said without {missing}"
+
+
+@pytest.mark.parametrize("rotary", [False, True], ids=["linear", "rotary"])
+@pytest.mark.parametrize("language", sorted(LANGUAGES))
+def test_every_text_can_be_said(language: str, *, rotary: bool) -> None:
+    catalogue = Catalogue(language, rotary=rotary)
+    for kind in entries_of(language):
+        if kind.startswith("-"):
+            continue
+        said = catalogue.text(kind, **dict.fromkeys(_values(language, kind), 1.5))
+        assert said, kind
+        assert "{" not in said, kind
+
+
+def test_a_message_survives_the_record() -> None:
+    inner = Message("requirement-peak", signal="v_phi")
+    message = Message("bound-by", first=inner, others=(inner, "a"), share=0.5, known=None)
+    assert from_json(to_json(message)) == message
