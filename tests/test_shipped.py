@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from mtcommission import cli, shipped
+from mtcommission import cli
+from mtcommission.profile import shipped
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
