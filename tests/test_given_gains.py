@@ -19,11 +19,13 @@ from mtcommission.machine.machine import (
     Modal,
     StateFeedback,
 )
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
-from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.study.loop_choice import Settings, settle_on_loop
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
+
+GERMAN = Catalogue("de")
 
 WANTED = TuningSettings()
 

@@ -20,7 +20,7 @@ from mtcommission.messages.catalogue import LANGUAGES, UNITS, Catalogue, entries
 from mtcommission.messages.message import Message, from_json, to_json
 
 SOURCE = Path(mtcommission.__file__).parent
-FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "SHARE", "CHANGE", "TERM"}
+FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "SHARE", "CHANGE", "SYMBOL"}
 
 
 class _Places(Visitor):

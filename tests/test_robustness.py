@@ -15,11 +15,11 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.corners import Corner, corners, vary
 from mtcommission.machine.machine import Control, Machine, Peak, Positioning, StateFeedback
 from mtcommission.machine.variations import Variations, as_variations, draw_variations
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.sheet.languages import find_labels
 from mtcommission.study.evaluate import judge
 from mtcommission.study.robustness import (
     FrequencyError,
@@ -267,7 +267,7 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
         "peak v_phi (where they are higher)"
     )
     assert f"off by {english}. Missed outside this range: {lost}. State requirements" in warning
-    translated = find_labels("de").say(warning)
+    translated = Catalogue("de").say(warning)
     assert german in translated
     lost = (
         "Restabweichung (wo sie tiefer liegen) und Sollkraft (wo sie höher liegen) und "
