@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import Quantity, Record
 from mtcommission.sheet.machine_part import datum, datum_name
@@ -62,7 +63,7 @@ def differences(before: Record, after: Record, words: Catalogue) -> Section:
     """
     motions = (before["machine"]["motion"], after["machine"]["motion"])
     if motions[0] != motions[1]:
-        message = f"got a {motions[0]} axis, must be {motions[1]} like the record to be printed"
+        message = Message("compared-with-other-motion", got=motions[0], wanted=motions[1])
         raise InputError([Fault(where="--compare", message=message)])
     text, profile = words.text, before["profile"]
     inputs = [change for change in _inputs(before, after, words) if change.is_changed]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import LANGUAGES
+from mtcommission.messages.message import Message
 
 
 def require_language(language: str) -> None:
@@ -20,6 +21,5 @@ def require_language(language: str) -> None:
         If there is no such language.
     """
     if language not in LANGUAGES:
-        allowed = ", ".join(LANGUAGES)
-        message = f'got "{language}", must be one of: {allowed}'
+        message = Message("unknown-language", language=language, allowed=tuple(LANGUAGES))
         raise InputError([Fault(where="--language", message=message)])

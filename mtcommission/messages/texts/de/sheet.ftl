@@ -446,3 +446,15 @@ signature-field-1 = Maschinennummer, Aufstellort
 signature-field-2 = An der Steuerung eingegeben (Datum, Name, Unterschrift)
 signature-field-3 = An der Maschine geprüft (Datum, Name, Unterschrift)
 signature-field-4 = Bemerkungen
+
+## Faults
+
+unknown-language = „{ $language }“ gibt es nicht; möglich: { $allowed }
+# $got, $wanted: linear or rotary
+compared-with-other-motion = die Achse ist { $got ->
+    [rotary] rotatorisch
+   *[linear] linear
+}, muss { $wanted ->
+    [rotary] rotatorisch
+   *[linear] linear
+} sein wie die des Protokolls, das gedruckt wird

@@ -446,3 +446,9 @@ signature-field-1 = Machine number, place
 signature-field-2 = Entered on the control (date, name, signature)
 signature-field-3 = Verified at the machine (date, name, signature)
 signature-field-4 = Remarks
+
+## Faults
+
+unknown-language = got "{ $language }", must be one of: { $allowed }
+# $got, $wanted: linear or rotary
+compared-with-other-motion = got a { $got } axis, must be { $wanted } like the record to be printed
