@@ -47,6 +47,7 @@ from mtcommission.machine.machine import (
     Requirements,
 )
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.messages.formula import find_symbols
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
@@ -59,7 +60,7 @@ from mtcommission.sheet.content import compose
 from mtcommission.sheet.diagram import text_size
 from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.format import THIN_SPACE, Formatter, motion_unit
-from mtcommission.sheet.formula import find_symbols, parse_formula
+from mtcommission.sheet.formula import parse_formula
 from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.sheet.labels_en import ENGLISH, Labels
 from mtcommission.sheet.model import Form, Formula, Paragraph, Preformatted, Table, Tone

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
-from mtcommission.sheet.formula import Expression
+from mtcommission.messages.formula import Expression
 from mtcommission.sheet.plot_model import Diagram, Plot
 
 
