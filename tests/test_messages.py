@@ -140,4 +140,4 @@ def test_every_outcome_tells_what_was_computed_and_survives_a_process() -> None:
         error = ComputationError(outcome, Message("requirement-peak", signal="v_b"))
         again = pickle.loads(pickle.dumps(error))
         assert str(again).startswith(f"{outcome.name.lower().replace('_', ' ')}: peak v_b: ")
-        assert ": Höchstwert v_phi: " in again.text(Catalogue("de"))
+        assert ": Höchstwert v_b: " in again.text(Catalogue("de"))
