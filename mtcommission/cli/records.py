@@ -45,7 +45,7 @@ def sheet(
         raise InputError([Fault(where=str(record), message=message)]) from error
     write_files(output, files)
     sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
-    raise typer.Exit(0 if loaded["assessment"]["met"] else 1)
+    raise typer.Exit(0 if loaded.assessment.met else 1)
 
 
 def export(

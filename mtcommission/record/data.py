@@ -9,7 +9,7 @@ from mtcommission.machine.machine import Machine, Manipulator, Modal, Move, Velo
 from mtcommission.machine.mechanics import frequency_hz
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.lines import ACCEPTED_DEFAULT, KeyPath, find_comments, find_key_lines
-from mtcommission.record.schema import Quantity
+from mtcommission.record.schema import Datum
 
 Row = tuple[str, float, str]
 """Key, value and SI unit."""
@@ -62,7 +62,7 @@ def list_assumptions(machine: Machine) -> list[str]:
     return found
 
 
-def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantity]:
+def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
     """Return every machine datum with its key, SI unit and source.
 
     Parameters
@@ -75,7 +75,7 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
 
     Returns
     -------
-    list of Quantity
+    list of Datum
         Data of plant and drive have the machine's source, moves and requirements the profile
         itself, unless a comment behind the value has one of the words ``DOUBTS``; what the
         profile does not state is a default.
@@ -94,7 +94,7 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
         if words in comment.lower()
     }
     return [
-        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, given, doubted))
+        Datum(key=key, value=value, unit=unit, source=_source(machine, key, given, doubted))
         for key, value, unit in rows
         if isfinite(value)
     ]
