@@ -45,16 +45,16 @@ def compose(record: Record, labels: Labels, *, before: Record | None = None) -> 
     InputError
         If the two records cannot be compared.
     """
-    f = formatter_of(record["machine"]["motion"], labels)
-    profile = record["profile"]
+    f = formatter_of(record.machine.motion, labels)
+    profile = record.profile
     changes = () if before is None else (differences(before, record, f),)
     return Document(
         language=labels.language,
         title=labels.title,
-        machine=record["machine"]["name"],
-        axis=f"{labels.axis} {record['machine']['axis']}",
-        identity=labels.identity.format(name=profile["name"], hash=profile["sha256"][:HASH_DIGITS]),
-        created=record["created"],
+        machine=record.machine.name,
+        axis=f"{labels.axis} {record.machine.axis}",
+        identity=labels.identity.format(name=profile.name, hash=profile.sha256[:HASH_DIGITS]),
+        created=record.created,
         disclaimer=labels.disclaimer,
         contents_heading=labels.contents,
         skip_link=labels.skip,

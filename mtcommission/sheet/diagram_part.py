@@ -18,22 +18,22 @@ SUMS = (132.0, 262.0, 448.0)
 
 def structure(record: Record, f: Formatter) -> Diagram:
     """Return position loop, velocity loop, feed-forward and state feedback with their values."""
-    text, part = f.labels, record["loop"]
-    has_feedback = bool(part["state_feedback"])
+    text, part = f.labels, record.loop
+    has_feedback = bool(part.state_feedback)
     wires = [*_forward_wires(), *_return_wires()]
     boxes = [*_forward_boxes(record, f), *_ahead_boxes(record, f)]
     boxes.append(_box(262 - 18, 182, 36, 28, "d/dt"))
     if has_feedback:
-        count = text.diagram_gains.format(count=len(part["state_feedback"]))
+        count = text.diagram_gains.format(count=len(part.state_feedback))
         boxes.append(_box(396, 168, 104, 44, text.diagram_observer, "K (x̂_ref − x̂)", count))
         wires += [_wire((448, BACK), (448, 212)), _wire((448, 168), (448, MAIN + R))]
     return Diagram(
         key="structure",
         caption=text.diagram_caption,
         alt=text.diagram_alt.format(
-            kv=f.quantity(part["Kv"], "1/s"),
-            kp=f.quantity(part["Kp"], motion_unit("N s/m", rotary=f.rotary)),
-            tn=f.quantity(part["Tn"], "s"),
+            kv=f.quantity(part.Kv, "1/s"),
+            kp=f.quantity(part.Kp, motion_unit("N s/m", rotary=f.rotary)),
+            tn=f.quantity(part.Tn, "s"),
             feedback=text.yes if has_feedback else text.no,
         ),
         width=WIDTH,
@@ -61,22 +61,20 @@ def _wire(*points: tuple[float, float]) -> Wire:
 
 
 def _forward_boxes(record: Record, f: Formatter) -> list[Box]:
-    text, part, plant = f.labels, record["loop"], record["plant"]
-    data = {item["key"]: item["value"] for item in record["data"]}
+    text, part, plant = f.labels, record.loop, record.plant
+    data = {item.key: item.value for item in record.data}
     lag = data.get("drive.force_lag")
-    force = f.quantity(record["optima"][0]["time"]["f_max"], plant["units"]["F"])
+    force = f.quantity(record.optima[0].time.f_max, plant.units["F"])
     top = MAIN - 24
     return [
-        _box(
-            34, top, 78, 48, text.diagram_delay, f"τ = {f.quantity(part['reference_delay'], 's')}"
-        ),
+        _box(34, top, 78, 48, text.diagram_delay, f"τ = {f.quantity(part.reference_delay, 's')}"),
         _box(
             154,
             top,
             88,
             48,
-            f"Kv = {f.quantity(part['Kv'], '1/s')}",
-            text.diagram_cycle.format(cycle=f.quantity(part["position_cycle"], "s")),
+            f"Kv = {f.quantity(part.Kv, '1/s')}",
+            text.diagram_cycle.format(cycle=f.quantity(part.position_cycle, "s")),
             _late(record, "position controller", f),
         ),
         _box(
@@ -85,9 +83,9 @@ def _forward_boxes(record: Record, f: Formatter) -> list[Box]:
             140,
             60,
             "Kp (1 + 1/(Tn s))",
-            f"Kp = {f.quantity(part['Kp'], motion_unit('N s/m', rotary=f.rotary))}",
-            f"Tn = {f.quantity(part['Tn'], 's')}, "
-            f"{text.diagram_cycle.format(cycle=f.quantity(part['velocity_cycle'], 's'))}",
+            f"Kp = {f.quantity(part.Kp, motion_unit('N s/m', rotary=f.rotary))}",
+            f"Tn = {f.quantity(part.Tn, 's')}, "
+            f"{text.diagram_cycle.format(cycle=f.quantity(part.velocity_cycle, 's'))}",
             _late(record, "velocity controller", f),
         ),
         _box(
@@ -105,18 +103,18 @@ def _forward_boxes(record: Record, f: Formatter) -> list[Box]:
             98,
             48,
             text.diagram_mechanics,
-            f"m = {f.quantity(plant['moving_mass'], motion_unit('kg', rotary=f.rotary))}",
-            text.diagram_modes.format(count=len(plant["modes"])),
+            f"m = {f.quantity(plant.moving_mass, motion_unit('kg', rotary=f.rotary))}",
+            text.diagram_modes.format(count=len(plant.modes)),
         ),
     ]
 
 
 def _ahead_boxes(record: Record, f: Formatter) -> list[Box]:
-    ahead = record["loop"]["feedforward"]
+    ahead = record.loop.feedforward
     velocity, acceleration, jerk = (
-        f.number(ahead[name]) for name in ("velocity", "acceleration", "jerk")
+        f.number(weight) for weight in (ahead.velocity, ahead.acceleration, ahead.jerk)
     )
-    mass = f.quantity(ahead["mass"], motion_unit("kg", rotary=f.rotary))
+    mass = f.quantity(ahead.mass, motion_unit("kg", rotary=f.rotary))
     return [
         _box(160, AHEAD - 17, 92, 34, f"× {velocity}", _late(record, "velocity ahead", f)),
         _box(
@@ -133,7 +131,7 @@ def _ahead_boxes(record: Record, f: Formatter) -> list[Box]:
 
 def _late(record: Record, path: str, f: Formatter) -> str:
     """Return how late a path acts, drive and filters included."""
-    totals = {entry["path"]: entry["total"] for entry in record["loop"]["delays"]}
+    totals = {entry.path: entry.total for entry in record.loop.delays}
     return f.labels.diagram_late.format(time=f.quantity(totals.get(path), "s"))
 
 

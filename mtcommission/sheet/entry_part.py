@@ -17,13 +17,13 @@ KV_UNIT = 1000.0 / 60.0
 def parameters(record: Record, f: Formatter) -> Section:
     """Return the parameters for the control, with empty columns."""
     text = f.labels
-    limits, kv = record["limits"]["recommended"], record["loop"]["Kv"]
+    limits, kv = record.limits.recommended, record.loop.Kv
     per_minute = (60.0 * kv, "1/min") if f.rotary else (kv / KV_UNIT, "(m/min)/mm")
     kv_text = f.with_unit(f.number(float(f"{per_minute[0]:.4g}")), per_minute[1])
     rows = [
-        (text.acceleration, acceleration(record, f), _other_unit(limits["acceleration"], "s²", f)),
-        (text.jerk, jerk(record, f), _other_unit(limits["jerk"], "s³", f)),
-        (text.jerk_time, f.quantity(limits["jerk_time"], "s"), ""),
+        (text.acceleration, acceleration(record, f), _other_unit(limits.acceleration, "s²", f)),
+        (text.jerk, jerk(record, f), _other_unit(limits.jerk, "s³", f)),
+        (text.jerk_time, f.quantity(limits.jerk_time, "s"), ""),
     ]
     for name, value in gain_rows(record, f):
         rows.append((name, value, kv_text if name == text.name("Kv") else ""))
@@ -51,8 +51,8 @@ def signatures(record: Record, f: Formatter) -> Section:
     """Return the block to be signed, with the values that are signed for."""
     text = f.labels
     values = text.signed_values.format(
-        machine=record["machine"]["name"],
-        axis=record["machine"]["axis"],
+        machine=record.machine.name,
+        axis=record.machine.axis,
         acceleration=acceleration(record, f),
         jerk=jerk(record, f),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from itertools import pairwise
 
 from mtcommission.record.schema import ArcEntry, OptimumEntry, Record
@@ -27,8 +28,8 @@ def certificates(record: Record, f: Formatter) -> Section:
     """Return certificates, assumptions, warnings and numerical settings."""
     text = f.labels
     tables: list[Block] = []
-    for number, optima in enumerate(record["optima"], start=1):
-        title = move_title(optima["move"], number, f)
+    for number, optima in enumerate(record.optima, start=1):
+        title = move_title(optima.move, number, f)
         for name, _, optimum in named_optima(optima, f):
             caption = text.certificate_caption.format(move=title, what=name)
             tables.append(_pairs(caption, text.quantity, _certificate_rows(optimum, f), f))
@@ -37,9 +38,9 @@ def certificates(record: Record, f: Formatter) -> Section:
         heading=text.evidence_heading,
         blocks=(
             Subheading(text=text.assumptions),
-            _sentences(record["assumptions"], Tone.PLAIN, f),
+            _sentences(record.assumptions, Tone.PLAIN, f),
             Subheading(text=text.warnings),
-            _sentences(record["warnings"], Tone.WARNING, f),
+            _sentences(record.warnings, Tone.WARNING, f),
             *tables,
             *settings(record, f),
         ),
@@ -48,11 +49,11 @@ def certificates(record: Record, f: Formatter) -> Section:
 
 def versions(record: Record, f: Formatter) -> Section:
     """Return program, libraries, hash and text of the profile."""
-    text, tool, profile = f.labels, record["tool"], record["profile"]
+    text, tool, profile = f.labels, record.tool, record.profile
     rows = [
-        (tool["name"], tool["version"]),
-        *tool["libraries"].items(),
-        (text.created, record["created"]),
+        (tool.name, tool.version),
+        *tool.libraries.items(),
+        (text.created, record.created),
     ]
     return Section(
         key="versions",
@@ -60,10 +61,8 @@ def versions(record: Record, f: Formatter) -> Section:
         blocks=(
             _pairs(text.versions_caption, text.program, rows, f),
             Paragraph(text=f"{text.hash_row}:"),
-            Paragraph(text=profile["sha256"], tone=Tone.CODE),
-            Preformatted(
-                caption=text.profile_caption.format(name=profile["name"]), text=profile["text"]
-            ),
+            Paragraph(text=profile.sha256, tone=Tone.CODE),
+            Preformatted(caption=text.profile_caption.format(name=profile.name), text=profile.text),
         ),
     )
 
@@ -71,31 +70,31 @@ def versions(record: Record, f: Formatter) -> Section:
 def _certificate_rows(optimum: OptimumEntry, f: Formatter) -> list[tuple[str, str]]:
     text = f.labels
     rows = [
-        (text.final_time, f.quantity(optimum["t_f"], "s")),
-        (text.method, text.say(optimum["method"])),
-        (text.switches, ", ".join(f.quantity(t, "s") for t in _changes(optimum["arcs"]))),
+        (text.final_time, f.quantity(optimum.t_f, "s")),
+        (text.method, text.say(optimum.method)),
+        (text.switches, ", ".join(f.quantity(t, "s") for t in _changes(optimum.arcs))),
         (text.largest_error, f.number(_largest_error(optimum), digits=2)),
     ]
-    if optimum["cost"] is not None:
-        rows.append((text.cost, f.quantity(optimum["cost"], "N^2 s")))
-    if optimum["weights"]:
-        rows.append((text.weights, _listed(optimum["weights"], f)))
-    for key, value in optimum["certificate"].items():
+    if optimum.cost is not None:
+        rows.append((text.cost, f.quantity(optimum.cost, "N^2 s")))
+    if optimum.weights:
+        rows.append((text.weights, _listed(optimum.weights, f)))
+    for key, value in asdict(optimum.certificate).items():
         rows.append((text.name(key), _evidence(key, value, f)))
     return [row for row in rows if row[1]]
 
 
 def _changes(arcs: list[ArcEntry]) -> list[float]:
     """Return when the kind of control changes [s]; arcs within the force bound run into another."""
-    return [arc["t_end"] for arc, after in pairwise(arcs) if arc["control"] != after["control"]]
+    return [arc.t_end for arc, after in pairwise(arcs) if arc.control != after.control]
 
 
 def _largest_error(optimum: OptimumEntry) -> float:
     return max(
         (
-            abs(error) / optimum["peaks"][state]
-            for state, error in optimum["terminal_error"].items()
-            if optimum["peaks"].get(state)
+            abs(error) / optimum.peaks[state]
+            for state, error in optimum.terminal_error.items()
+            if optimum.peaks.get(state)
         ),
         default=0.0,
     )

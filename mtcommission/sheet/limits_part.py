@@ -44,16 +44,16 @@ RECOMMENDED, ALTERNATIVE, RULE = 0, 1, 2
 
 def limits(record: Record, f: Formatter) -> Section:
     """Return the recommendation, what bound it and its alternatives."""
-    text, part = f.labels, record["limits"]
-    recommended = part["recommended"]
+    text, part = f.labels, record.limits
+    recommended = part.recommended
     head = (
         text.recommended,
         *_numbers(recommended, record, f),
-        _met(record["assessment"]["met"], f),
+        _met(record.assessment.met, f),
     )
     rows = [
-        (text.say(item["name"]), *_numbers(item, record, f), _met(item["meets_requirements"], f))
-        for item in part["alternatives"]
+        (text.say(item.name), *_numbers(item, record, f), _met(item.meets_requirements, f))
+        for item in part.alternatives
     ]
     table = Table(
         caption=text.alternatives_caption,
@@ -65,7 +65,7 @@ def limits(record: Record, f: Formatter) -> Section:
         key="limits",
         heading=text.limits_heading,
         blocks=(
-            Paragraph(text=text.values_bound_by.format(bound=text.say(recommended["bound_by"]))),
+            Paragraph(text=text.values_bound_by.format(bound=text.say(recommended.bound_by))),
             table,
             *_attainable(record, f),
             _machining_modes(record, f),
@@ -80,12 +80,12 @@ def _attainable(record: Record, f: Formatter) -> tuple[Table, ...]:
     rows = tuple(
         (
             capitalised(text.say(name_obstacle(item))),
-            f.quantity(item["limit"], item["unit"]),
-            f.quantity(item["value"], item["unit"]),
-            f.quantity(item["acceleration"], f"{length}/s^2"),
-            f.quantity(item["jerk"], f"{length}/s^3"),
+            f.quantity(item.limit, item.unit),
+            f.quantity(item.value, item.unit),
+            f.quantity(item.acceleration, f"{length}/s^2"),
+            f.quantity(item.jerk, f"{length}/s^3"),
         )
-        for item in record["limits"]["attainable"]
+        for item in record.limits.attainable
     )
     columns = name_and_numbers(text.check, heads, width=1.6)
     return (Table(caption=text.attainable_caption, columns=columns, rows=rows),) if rows else ()
@@ -106,19 +106,19 @@ def name_obstacle(item: AttainableEntry) -> str:
     >>> name_obstacle(item)
     'settling time, together with peak v_s'
     """
-    others = " and ".join(item.get("together_with", []))
-    return f"{item['requirement']}, together with {others}" if others else item["requirement"]
+    others = " and ".join(item.together_with)
+    return f"{item.requirement}, together with {others}" if others else item.requirement
 
 
 def _mode_bound(mode: ModeLimitsEntry, f: Formatter) -> str:
     """Return what bounds a machining mode, or why it has no values and what band it could have."""
     text = f.labels
-    if not mode["reason"]:
-        return text.say(mode["bound_by"])
-    words = text.say(mode["reason"])
-    if mode["attainable"] is None:
+    if not mode.reason:
+        return text.say(mode.bound_by)
+    words = text.say(mode.reason)
+    if mode.attainable is None:
         return words
-    least = f.quantity(mode["attainable"], motion_unit("m", rotary=f.rotary))
+    least = f.quantity(mode.attainable, motion_unit("m", rotary=f.rotary))
     return text.attainable_band.format(reason=words, band=least)
 
 
@@ -139,23 +139,23 @@ def _machining_modes(record: Record, f: Formatter) -> Table:
         ),
         rows=tuple(
             (
-                text.machining_names.get(mode["name"], mode["name"]),
-                f.quantity(mode["band"], length),
-                f.quantity(mode["acceleration"], f"{length}/s^2"),
-                f.quantity(mode["jerk"], f"{length}/s^3"),
-                f.quantity(mode["jerk_time"], "s"),
-                f.settling(mode["settling_time"]),
+                text.machining_names.get(mode.name, mode.name),
+                f.quantity(mode.band, length),
+                f.quantity(mode.acceleration, f"{length}/s^2"),
+                f.quantity(mode.jerk, f"{length}/s^3"),
+                f.quantity(mode.jerk_time, "s"),
+                f.settling(mode.settling_time),
                 _mode_bound(mode, f),
-                _met(mode["meets_requirements"], f),
+                _met(mode.meets_requirements, f),
             )
-            for mode in record["limits"]["modes"]
+            for mode in record.limits.modes
         ),
     )
 
 
 def rules(record: Record, f: Formatter) -> Section:
     """Return the comparison with the rules of thumb, as table and plot."""
-    text, part = f.labels, record["limits"]
+    text, part = f.labels, record.limits
     table = Table(
         caption=text.rules_caption,
         columns=(
@@ -165,18 +165,18 @@ def rules(record: Record, f: Formatter) -> Section:
         ),
         rows=tuple(
             (
-                text.say(item["name"]),
-                text.say(item["source"]),
+                text.say(item.name),
+                text.say(item.source),
                 *_numbers(item, record, f),
-                _met(item["meets_requirements"], f),
+                _met(item.meets_requirements, f),
             )
-            for item in part["rules"]
+            for item in part.rules
         ),
     )
     left_out = [
-        text.say(item["name"])
-        for item in [*part["alternatives"], *part["rules"]]
-        if item["settling_time"] is None or not item["residual_deviation"]
+        text.say(item.name)
+        for item in [*part.alternatives, *part.rules]
+        if item.settling_time is None or not item.residual_deviation
     ]
     note: tuple[Block, ...] = ()
     if left_out:
@@ -191,13 +191,13 @@ def rules(record: Record, f: Formatter) -> Section:
 
 def landscape(record: Record, f: Formatter) -> Section:
     """Return the map of settling times with the chosen point."""
-    text, part = f.labels, record["limits"]["landscape"]
-    recommended = record["limits"]["recommended"]
+    text, part = f.labels, record.limits.landscape
+    recommended = record.limits.recommended
     values = np.array(
-        [[np.nan if cell is None else cell for cell in row] for row in part["settling_time"]]
-    ).reshape(len(part["acceleration"]), len(part["jerk_time"]))
+        [[np.nan if cell is None else cell for cell in row] for row in part.settling_time]
+    ).reshape(len(part.acceleration), len(part.jerk_time))
     known = values[np.isfinite(values)]
-    a_axis, t_axis = np.array(part["acceleration"]), np.array(part["jerk_time"])
+    a_axis, t_axis = np.array(part.acceleration), np.array(part.jerk_time)
     a_scale = f.scale_for([a_axis], motion_unit("m/s^2", rotary=f.rotary))
     t_scale = f.scale_for([t_axis], "s")
     value_scale = f.scale_for([known], "s")
@@ -207,15 +207,15 @@ def landscape(record: Record, f: Formatter) -> Section:
         least=f.settling(float(known.min()) if known.size else None),
         most=f.settling(float(known.max()) if known.size else None),
         acceleration=acceleration(record, f),
-        jerk_time=f.quantity(recommended["jerk_time"], "s"),
+        jerk_time=f.quantity(recommended.jerk_time, "s"),
     )
     caption = text.landscape_caption
     if known.size < values.size:
         caption = text.hatched.format(caption=caption)
     chosen = Mark(
         label=text.chosen,
-        x=recommended["jerk_time"] / t_scale.size,
-        y=recommended["acceleration"] / a_scale.size,
+        x=recommended.jerk_time / t_scale.size,
+        y=recommended.acceleration / a_scale.size,
         style=RECOMMENDED,
     )
     heat_map = HeatMap(
@@ -237,20 +237,18 @@ def landscape(record: Record, f: Formatter) -> Section:
 
 def _borders(record: Record, t_size: float, a_size: float, f: Formatter) -> tuple[Contour, ...]:
     """Return the curves on which the residual fills the band, and the drive its limits."""
-    text, part, permitted = f.labels, record["limits"]["landscape"], band(record)
+    text, part, permitted = f.labels, record.limits.landscape, band(record)
     found = []
     if permitted is not None:
         shown = f.quantity(permitted, motion_unit("m", rotary=f.rotary))
         label = text.residual_border.format(band=shown)
-        found.append((label, RESIDUAL_BORDER, part["residual_deviation"], permitted))
-    found.append((text.usage_border, USAGE_BORDER, part["usage"], 1.0))
+        found.append((label, RESIDUAL_BORDER, part.residual_deviation, permitted))
+    found.append((text.usage_border, USAGE_BORDER, part.usage, 1.0))
     size = np.array([t_size, a_size])
     contours = []
     for label, style, grid, level in found:
         values = np.array([[np.nan if cell is None else cell for cell in row] for row in grid])
-        paths = trace(
-            np.array(part["jerk_time"]), np.array(part["acceleration"]), values, level=level
-        )
+        paths = trace(np.array(part.jerk_time), np.array(part.acceleration), values, level=level)
         if paths:
             scaled = tuple(path / size for path in paths)
             contours.append(Contour(label=label, style=style, paths=scaled))
@@ -290,16 +288,16 @@ def trace(x: Array, y: Array, values: Array, *, level: float) -> tuple[Array, ..
 
 def _comparison(record: Record, f: Formatter) -> tuple[PointPlot, ...]:
     """Return the plot of settling time against residual; nothing if no point has both."""
-    text, part, permitted = f.labels, record["limits"], band(record)
+    text, part, permitted = f.labels, record.limits, band(record)
     named: list[tuple[str, LimitsEntry | Alternative | RuleResult, int]] = [
-        (text.recommended, part["recommended"], RECOMMENDED),
-        *((text.say(item["name"]), item, ALTERNATIVE) for item in part["alternatives"]),
-        *((text.say(item["name"]), item, RULE) for item in part["rules"]),
+        (text.recommended, part.recommended, RECOMMENDED),
+        *((text.say(item.name), item, ALTERNATIVE) for item in part.alternatives),
+        *((text.say(item.name), item, RULE) for item in part.rules),
     ]
     points = [
-        (name, item["settling_time"], item["residual_deviation"], style)
+        (name, item.settling_time, item.residual_deviation, style)
         for name, item, style in named
-        if item["settling_time"] and item["residual_deviation"]
+        if item.settling_time and item.residual_deviation
     ]
     if not points or permitted is None:
         return ()
@@ -310,14 +308,14 @@ def _comparison(record: Record, f: Formatter) -> tuple[PointPlot, ...]:
         Mark(label=name, x=(t or 0.0) / t_scale.size, y=(e or 0.0) / e_scale.size, style=style)
         for name, t, e, style in points
     )
-    recommended = part["recommended"]
+    recommended = part.recommended
     return (
         PointPlot(
             key="comparison",
             caption=text.compare_caption,
             alt=text.compare_alt.format(
-                settling=f.settling(recommended["settling_time"]),
-                residual=f.quantity(recommended["residual_deviation"], length),
+                settling=f.settling(recommended.settling_time),
+                residual=f.quantity(recommended.residual_deviation, length),
             ),
             x_label=f"{text.settling_time} in {t_scale.unit}",
             y_label=f"{text.residual} in {e_scale.unit}",
@@ -353,13 +351,13 @@ def shown_jerk(acceleration: float, jerk: float, cycle: float, f: Formatter) -> 
 def _numbers(
     item: LimitsEntry | Alternative | RuleResult, record: Record, f: Formatter
 ) -> tuple[str, ...]:
-    length, cycle = motion_unit("m", rotary=f.rotary), record["loop"]["velocity_cycle"]
+    length, cycle = motion_unit("m", rotary=f.rotary), record.loop.velocity_cycle
     return (
-        f.quantity(item["acceleration"], f"{length}/s^2"),
-        shown_jerk(item["acceleration"], item["jerk"], cycle, f),
-        f.settling(item["settling_time"]),
-        f.quantity(item["residual_deviation"], length, missing=f.labels.not_settled),
-        f.quantity(item["peak_deviation"], length),
+        f.quantity(item.acceleration, f"{length}/s^2"),
+        shown_jerk(item.acceleration, item.jerk, cycle, f),
+        f.settling(item.settling_time),
+        f.quantity(item.residual_deviation, length, missing=f.labels.not_settled),
+        f.quantity(item.peak_deviation, length),
     )
 
 

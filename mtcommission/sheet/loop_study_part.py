@@ -15,7 +15,7 @@ USED, OTHER = 4, 1
 
 def loop_study(record: Record, f: Formatter) -> tuple[Block, ...]:
     """Return delays, disturbance response, effect of the jerk feed-forward, and corners."""
-    corners = (_corners(record, f),) if len(record["loop"]["corners"]) > 1 else ()
+    corners = (_corners(record, f),) if len(record.loop.corners) > 1 else ()
     return (
         *corners,
         _disturbance(record, f),
@@ -41,26 +41,26 @@ def _corners(record: Record, f: Formatter) -> Table:
         columns=tuple(Column(head=head, is_number=True) for head in heads),
         rows=tuple(
             (
-                f.quantity(corner["payload"], motion_unit("kg", rotary=f.rotary)),
-                f.percent(corner["frequency_factor"]),
-                f.percent(corner["damping_factor"]),
-                f.decibel(corner["gain_margin_db"]),
-                f.degree(corner["phase_margin_deg"]),
-                f.number(corner["sensitivity_peak"], digits=3),
-                f.quantity(corner["bandwidth_hz"], "Hz"),
-                f.quantity(corner["dynamic_stiffness"], motion_unit("N/m", rotary=f.rotary)),
+                f.quantity(corner.payload, motion_unit("kg", rotary=f.rotary)),
+                f.percent(corner.frequency_factor),
+                f.percent(corner.damping_factor),
+                f.decibel(corner.gain_margin_db),
+                f.degree(corner.phase_margin_deg),
+                f.number(corner.sensitivity_peak, digits=3),
+                f.quantity(corner.bandwidth_hz, "Hz"),
+                f.quantity(corner.dynamic_stiffness, motion_unit("N/m", rotary=f.rotary)),
             )
-            for corner in record["loop"]["corners"]
+            for corner in record.loop.corners
         ),
     )
 
 
 def _disturbance(record: Record, f: Formatter) -> LinePlot:
     """Return how the tool gives way to a step of force, for each loop that was compared."""
-    text, series = f.labels, record["loop"]["disturbance"]
-    used = {item["name"] for item in record["loop"]["variants"] if item["used"]}
-    t = np.array(series["t"])
-    curves = {name: np.array(values) for name, values in series["signals"].items()}
+    text, series = f.labels, record.loop.disturbance
+    used = {item.name for item in record.loop.variants if item.used}
+    t = np.array(series.t)
+    curves = {name: np.array(values) for name, values in series.signals.items()}
     t_scale = f.scale(float(t[-1]) if t.size else 0.0, "s")
     unit = "rad/(N m)" if f.rotary else "m/N"
     y_scale = f.scale_for(list(curves.values()), unit)
@@ -97,10 +97,10 @@ def _delays(record: Record, f: Formatter) -> Table:
         columns=name_and_numbers(text.path, heads, width=1.6),
         rows=tuple(
             (
-                text.say(entry["path"]),
-                *(f.quantity(entry[key] or None, "s") for key in keys),  # type: ignore[literal-required]
+                text.say(entry.path),
+                *(f.quantity(getattr(entry, key) or None, "s") for key in keys),
             )
-            for entry in record["loop"]["delays"]
+            for entry in record.loop.delays
         ),
     )
 
@@ -113,17 +113,15 @@ def _jerk_feedforward(record: Record, f: Formatter) -> Table:
         columns=name_and_numbers(text.jerk_weight, heads, width=1.4),
         rows=tuple(
             (
-                text.variant_used.format(name=f.number(entry["weight"]))
-                if entry["used"]
-                else f.number(entry["weight"]),
-                f.quantity(entry["reference_delay"], "s"),
-                f.quantity(entry["max_force"], record["plant"]["units"]["F"]),
-                f.settling(entry["settling_time"]),
-                f.quantity(entry["residual_deviation"], length, missing=text.not_settled),
+                text.variant_used.format(name=f.number(entry.weight))
+                if entry.used
+                else f.number(entry.weight),
+                f.quantity(entry.reference_delay, "s"),
+                f.quantity(entry.max_force, record.plant.units["F"]),
+                f.settling(entry.settling_time),
+                f.quantity(entry.residual_deviation, length, missing=text.not_settled),
             )
-            for entry in record["loop"]["jerk_feedforward"]
+            for entry in record.loop.jerk_feedforward
         ),
-        strong_rows=tuple(
-            k for k, entry in enumerate(record["loop"]["jerk_feedforward"]) if entry["used"]
-        ),
+        strong_rows=tuple(k for k, entry in enumerate(record.loop.jerk_feedforward) if entry.used),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from mtcommission.record.schema import Quantity, Record
+from mtcommission.record.schema import Datum, Record
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
 
@@ -17,16 +17,16 @@ LONGEST_SOURCE = 28
 
 def machine_data(record: Record, f: Formatter) -> Section:
     """Return the machine's data with their sources, and its modes."""
-    text, machine, sources = f.labels, record["machine"], long_sources(record)
-    data = [item for item in record["data"] if not item["key"].startswith(REQUIRED)]
+    text, machine, sources = f.labels, record.machine, long_sources(record)
+    data = [item for item in record.data if not item.key.startswith(REQUIRED)]
     title = Table(
         caption=text.rigid_caption,
         columns=(Column(head=text.quantity), Column(head=text.value, width=2.0)),
         rows=(
-            (text.machine_row, machine["name"]),
-            (text.axis_row, machine["axis"]),
+            (text.machine_row, machine.name),
+            (text.axis_row, machine.axis),
             (text.motion_row, text.rotary if f.rotary else text.linear),
-            (text.source, _numbered(machine["source"], sources, f)),
+            (text.source, _numbered(machine.source, sources, f)),
             *_rigid_rows(record, f),
         ),
     )
@@ -39,7 +39,7 @@ def machine_data(record: Record, f: Formatter) -> Section:
             *(
                 Paragraph(text=_numbered(source, sources, f), tone=Tone.NOTE)
                 for source in sources
-                if source != machine["source"]
+                if source != machine.source
             ),
             _modes(record, f),
         ),
@@ -49,7 +49,7 @@ def machine_data(record: Record, f: Formatter) -> Section:
 def requirements(record: Record, f: Formatter) -> Section:
     """Return the moves and what is required of them."""
     text = f.labels
-    data = [item for item in record["data"] if item["key"].startswith(REQUIRED)]
+    data = [item for item in record.data if item.key.startswith(REQUIRED)]
     return Section(
         key="requirements",
         heading=text.requirements_heading,
@@ -58,9 +58,9 @@ def requirements(record: Record, f: Formatter) -> Section:
 
 
 def _rigid_rows(record: Record, f: Formatter) -> tuple[tuple[str, str], ...]:
-    text, plant = f.labels, record["plant"]
-    mass = f.quantity(plant["moving_mass"], motion_unit("kg", rotary=f.rotary))
-    rank = text.of_states.format(rank=plant["controllability_rank"], count=len(plant["states"]))
+    text, plant = f.labels, record.plant
+    mass = f.quantity(plant.moving_mass, motion_unit("kg", rotary=f.rotary))
+    rank = text.of_states.format(rank=plant.controllability_rank, count=len(plant.states))
     return (
         (text.moving_mass, mass),
         (text.controllability, rank),
@@ -69,7 +69,7 @@ def _rigid_rows(record: Record, f: Formatter) -> tuple[tuple[str, str], ...]:
 
 def long_sources(record: Record) -> list[str]:
     """Return the sources too long to be repeated in each row; the first is number 1."""
-    named = [record["machine"]["source"], *(item["source"] for item in record["data"])]
+    named = [record.machine.source, *(item.source for item in record.data)]
     return [source for source in dict.fromkeys(named) if len(source) > LONGEST_SOURCE]
 
 
@@ -79,7 +79,7 @@ def _numbered(source: str, sources: list[str], f: Formatter) -> str:
     return f"[{sources.index(source) + 1}] {words}" if source in sources else words
 
 
-def _data_table(caption: str, data: list[Quantity], record: Record, f: Formatter) -> Table:
+def _data_table(caption: str, data: list[Datum], record: Record, f: Formatter) -> Table:
     text, sources = f.labels, long_sources(record)
 
     def cited(source: str) -> str:
@@ -100,18 +100,18 @@ def _data_table(caption: str, data: list[Quantity], record: Record, f: Formatter
         rows=tuple(
             (
                 datum_name(item, f),
-                datum(item, record["plant"]["units"], f),
-                item["key"],
-                cited(item["source"]),
+                datum(item, record.plant.units, f),
+                item.key,
+                cited(item.source),
             )
             for item in data
         ),
     )
 
 
-def datum_name(item: Quantity, f: Formatter) -> str:
+def datum_name(item: Datum, f: Formatter) -> str:
     """Return the name of a datum, with the number of its move or the name of its mode."""
-    *path, last = item["key"].split(".")
+    *path, last = item.key.split(".")
     name = f.labels.name(last)
     number = re.fullmatch(r"moves\[(\d+)\]", ".".join(path))
     if number:
@@ -123,16 +123,16 @@ def datum_name(item: Quantity, f: Formatter) -> str:
     return name
 
 
-def datum(item: Quantity, units: dict[str, str], f: Formatter) -> str:
+def datum(item: Datum, units: dict[str, str], f: Formatter) -> str:
     """Return the value of a datum with its unit; ``units`` are those of the plant's signals."""
-    key, value = item["key"], item["value"]
+    key, value = item.key, item.value
     if isinstance(value, str):
         return value
     if key.endswith(("_spread", "damping_ratio")):
         return f.percent(value)
     if key.startswith("requirements.peaks."):
-        return f.quantity(value, units.get(key.rpartition(".")[2], item["unit"]))
-    return f.quantity(value, item["unit"])
+        return f.quantity(value, units.get(key.rpartition(".")[2], item.unit))
+    return f.quantity(value, item.unit)
 
 
 def _modes(record: Record, f: Formatter) -> Table:
@@ -149,12 +149,12 @@ def _modes(record: Record, f: Formatter) -> Table:
         ),
         rows=tuple(
             (
-                mode["name"],
-                f.quantity(mode["frequency_hz"], "Hz"),
-                f.percent(mode["damping_ratio"]),
-                f.quantity(mode["tcp_gain"], per_mass),
-                f.quantity(mode["measured_gain"], per_mass),
+                mode.name,
+                f.quantity(mode.frequency_hz, "Hz"),
+                f.percent(mode.damping_ratio),
+                f.quantity(mode.tcp_gain, per_mass),
+                f.quantity(mode.measured_gain, per_mass),
             )
-            for mode in record["plant"]["modes"]
+            for mode in record.plant.modes
         ),
     )

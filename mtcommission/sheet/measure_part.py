@@ -15,7 +15,7 @@ def measurements(record: Record, f: Formatter) -> Section:
     """Return the measurements that confirm the record, with empty fields."""
     text = f.labels
     rows = [*_structure(record, f), *_loop(record, f)]
-    for number, move in enumerate(record["moves"], start=1):
+    for number, move in enumerate(record.moves, start=1):
         rows += _motion(record, move, text.move.format(number=number), f)
     heads = (text.measured, text.difference, text.measured_by)
     table = Table(
@@ -30,7 +30,7 @@ def measurements(record: Record, f: Formatter) -> Section:
         is_form=True,
     )
     titles = "; ".join(
-        move_title(move["move"], number, f) for number, move in enumerate(record["moves"], start=1)
+        move_title(move.move, number, f) for number, move in enumerate(record.moves, start=1)
     )
     return Section(
         key="measurements",
@@ -46,65 +46,65 @@ def measurements(record: Record, f: Formatter) -> Section:
 
 def _structure(record: Record, f: Formatter) -> list[Row]:
     """Mass, and frequency and damping of each mode, with the spread that the limits allow for."""
-    text, plant = f.labels, record["plant"]
-    mass = f.quantity(plant["moving_mass"], motion_unit("kg", rotary=f.rotary))
+    text, plant = f.labels, record.plant
+    mass = f.quantity(plant.moving_mass, motion_unit("kg", rotary=f.rotary))
     rows = [(text.moving_mass, mass, "–")]
     spreads = {
-        item["key"]: item["value"]
-        for item in record["data"]
-        if item["key"].endswith("_spread") and isinstance(item["value"], float | int)
+        item.key: item.value
+        for item in record.data
+        if item.key.endswith("_spread") and isinstance(item.value, float | int)
     }
 
     def permitted(key: str) -> str:
         spread = spreads.get(f"requirements.{key}")
         return f"± {f.percent(float(spread))}" if spread else "–"
 
-    for mode in plant["modes"]:
+    for mode in plant.modes:
         frequency, damping = (
-            text.of_mode.format(name=name, mode=mode["name"])
+            text.of_mode.format(name=name, mode=mode.name)
             for name in (text.frequency, text.damping_ratio)
         )
         rows += [
-            (frequency, f.quantity(mode["frequency_hz"], "Hz"), permitted("frequency_spread")),
-            (damping, f.percent(mode["damping_ratio"]), permitted("damping_spread")),
+            (frequency, f.quantity(mode.frequency_hz, "Hz"), permitted("frequency_spread")),
+            (damping, f.percent(mode.damping_ratio), permitted("damping_spread")),
         ]
     return rows
 
 
 def _loop(record: Record, f: Formatter) -> list[Row]:
-    text, part = f.labels, record["loop"]
+    text, part = f.labels, record.loop
     return [
-        (text.gain_margin, f.decibel(part["gain_margin_db"]), "–"),
-        (text.phase_margin, f.degree(part["phase_margin_deg"]), "–"),
-        (text.bandwidth, f.quantity(part["bandwidth_hz"], "Hz"), "–"),
+        (text.gain_margin, f.decibel(part.gain_margin_db), "–"),
+        (text.phase_margin, f.degree(part.phase_margin_deg), "–"),
+        (text.bandwidth, f.quantity(part.bandwidth_hz, "Hz"), "–"),
     ]
 
 
 def _motion(record: Record, move: MoveEntry, name: str, f: Formatter) -> list[Row]:
     """Nominal values of one move; what is permitted is the requirement itself."""
-    text, response, units = f.labels, move["response"], record["plant"]["units"]
+    text, response, units = f.labels, move.response, record.plant.units
     length = motion_unit("m", rotary=f.rotary)
-    limits = {check["name"]: check["limit"] for check in record["assessment"]["checks"]}
+    limits = {check.name: check.limit for check in record.assessment.checks}
     rows = [
         (
             text.settling_time,
-            f.settling(response["settling_time"]),
+            f.settling(response.settling_time),
             f.quantity(limits.get("settling time"), "s"),
         ),
         (
             text.residual,
-            f.quantity(response["residual_deviation"], length, missing=text.not_settled),
+            f.quantity(response.residual_deviation, length, missing=text.not_settled),
             f.quantity(band(record), length),
         ),
-        (text.peak_deviation, f.quantity(response["peak_deviation"], length), "–"),
+        (text.peak_deviation, f.quantity(response.peak_deviation, length), "–"),
         (
             text.max_force,
-            f.quantity(response["max_force"], units["F"]),
+            f.quantity(response.max_force, units["F"]),
             f.quantity(limits.get("set force"), units["F"]),
         ),
         (
             text.rms_force,
-            f.quantity(response["rms_force"], units["F"]),
+            f.quantity(response.rms_force, units["F"]),
             f.quantity(limits.get("RMS force"), units["F"]),
         ),
     ]

@@ -60,41 +60,37 @@ class Curve:
 def motions(record: Record, f: Formatter) -> Section:
     """Return plots and tables of each move."""
     text = f.labels
-    delay = f.quantity(record["loop"]["reference_delay"], "s")
+    delay = f.quantity(record.loop.reference_delay, "s")
     blocks: list[Block] = [Paragraph(text=text.motion_note.format(delay=delay), tone=Tone.NOTE)]
-    for number, (optima, move) in enumerate(
-        zip(record["optima"], record["moves"], strict=True), start=1
-    ):
-        title = move_title(move["move"], number, f)
+    for number, (optima, move) in enumerate(zip(record.optima, record.moves, strict=True), start=1):
+        title = move_title(move.move, number, f)
         blocks.append(Subheading(text=title))
         blocks.append(Paragraph(text=reference_sentence(record, number, f)))
         short = text.move.format(number=number)
         blocks += [_amplitudes(move, short, f), *_segments(move, short, f)]
         blocks.extend(_plots(record, optima, move, number, short, f))
         blocks.append(_peaks(record, optima, move, short, f))
-        blocks.extend(
-            Paragraph(text=text.say(remark), tone=Tone.NOTE) for remark in optima["remarks"]
-        )
+        blocks.extend(Paragraph(text=text.say(remark), tone=Tone.NOTE) for remark in optima.remarks)
     return Section(key="motions", heading=text.motion_heading, blocks=tuple(blocks))
 
 
 def first_look(record: Record, f: Formatter) -> LinePlot:
     """Return acceleration and deviation of the first move, for the first page."""
-    text, move = f.labels, record["moves"][0]
-    plans = _panels(record, record["optima"][0], move, f)
-    t_scale = f.scale(move["series"]["t"][-1], "s")
+    text, move = f.labels, record.moves[0]
+    plans = _panels(record, record.optima[0], move, f)
+    t_scale = f.scale(move.series.t[-1], "s")
     own = {text.setpoint, text.response}
     panels = tuple(
         _panel([c for c in curves if c.label in own], name, unit, t_scale.size, f, borders)
         for name, unit, curves, borders in (plans[1], plans[-1])
     )
-    response = move["response"]
+    response = move.response
     return LinePlot(
         key="first-look",
-        caption=text.first_look_caption.format(move=move_title(move["move"], 1, f)),
+        caption=text.first_look_caption.format(move=move_title(move.move, 1, f)),
         alt=text.first_look_alt.format(
-            peak=f.quantity(response["peak_deviation"], motion_unit("m", rotary=f.rotary)),
-            settling=f.settling(response["settling_time"]),
+            peak=f.quantity(response.peak_deviation, motion_unit("m", rotary=f.rotary)),
+            settling=f.settling(response.settling_time),
         ),
         x_label=f"{text.time} in {t_scale.unit}",
         x_is_log=False,
@@ -107,9 +103,9 @@ def named_optima(optima: OptimaEntry, f: Formatter) -> list[tuple[str, int, Opti
     """Return the optima that there are, with name and line style."""
     text = f.labels
     found = (
-        (text.time_optimal, TIME_OPTIMAL, optima["time"]),
-        (text.constrained, CONSTRAINED, optima["constrained"]),
-        (text.damping_optimal, DAMPING_OPTIMAL, optima["damping"]),
+        (text.time_optimal, TIME_OPTIMAL, optima.time),
+        (text.constrained, CONSTRAINED, optima.constrained),
+        (text.damping_optimal, DAMPING_OPTIMAL, optima.damping),
     )
     return [(name, style, item) for name, style, item in found if item is not None]
 
@@ -148,8 +144,8 @@ def _plots(
     record: Record, optima: OptimaEntry, move: MoveEntry, number: int, title: str, f: Formatter
 ) -> tuple[LinePlot, LinePlot]:
     """Return two plots over the same time: what the drive does, and what the machine does."""
-    text, response = f.labels, move["response"]
-    end = max([move["series"]["t"][-1], *(item["t_f"] for *_, item in named_optima(optima, f))])
+    text, response = f.labels, move.response
+    end = max([move.series.t[-1], *(item.t_f for *_, item in named_optima(optima, f))])
     t_scale = f.scale(end, "s")
     plans = [plan for plan in _panels(record, optima, move, f) if plan[2]]
 
@@ -163,9 +159,9 @@ def _plots(
             caption=caption.format(move=title),
             alt=text.motion_alt.format(
                 signals=", ".join(panel.y_label for panel in panels),
-                force=f.quantity(response["max_force"], record["plant"]["units"]["F"]),
-                peak=f.quantity(response["peak_deviation"], record["plant"]["units"]["tcp"]),
-                settling=f.settling(response["settling_time"]),
+                force=f.quantity(response.max_force, record.plant.units["F"]),
+                peak=f.quantity(response.peak_deviation, record.plant.units["tcp"]),
+                settling=f.settling(response.settling_time),
             ),
             x_label=f"{text.time} in {t_scale.unit}",
             x_is_log=False,
@@ -184,9 +180,9 @@ PanelPlan = tuple[str, str, list[Curve], tuple[float, ...]]
 
 def _panels(record: Record, optima: OptimaEntry, move: MoveEntry, f: Formatter) -> list[PanelPlan]:
     """Return name, unit, curves and limits of each panel, from top to bottom."""
-    text, plant = f.labels, record["plant"]
-    units, mass = plant["units"], plant["moving_mass"]
-    speed = rigid_velocity(plant["states"])
+    text, plant = f.labels, record.plant
+    units, mass = plant.units, plant.moving_mass
+    speed = rigid_velocity(plant.states)
     a_unit = motion_unit("m/s^2", rotary=f.rotary)
 
     def curves(signal: str, *, factor: float = 1.0) -> list[Curve]:
@@ -194,7 +190,7 @@ def _panels(record: Record, optima: OptimaEntry, move: MoveEntry, f: Formatter) 
             Curve(
                 label=name,
                 style=style,
-                series=item["series"],
+                series=item.series,
                 signal=signal,
                 factor=factor,
                 is_stepped=signal == "F_set",
@@ -205,32 +201,30 @@ def _panels(record: Record, optima: OptimaEntry, move: MoveEntry, f: Formatter) 
             Curve(
                 label=text.response,
                 style=RESPONSE,
-                series=move["series"],
+                series=move.series,
                 signal=signal,
                 factor=factor,
                 is_stepped=signal == "F_set",
             )
         )
-        return [curve for curve in found if curve.signal in curve.series["signals"]]
+        return [curve for curve in found if curve.signal in curve.series.signals]
 
     def setpoint(signal: str) -> list[Curve]:
-        curve = Curve(label=text.setpoint, style=SETPOINT, series=move["series"], signal=signal)
-        return [curve] if signal in move["series"]["signals"] else []
+        curve = Curve(label=text.setpoint, style=SETPOINT, series=move.series, signal=signal)
+        return [curve] if signal in move.series.signals else []
 
-    force = optima["time"]["f_max"]
+    force = optima.time.f_max
     plans: list[PanelPlan] = [
         (text.names["F_set"], units["F"], curves("F_set"), (force, -force)),
         (text.acceleration, a_unit, setpoint("a_ref") + curves("F", factor=1.0 / mass), ()),
         (text.velocity, units[speed], setpoint("v_ref") + curves(speed), ()),
     ]
-    for rate in flexible_rates(plant["states"]):
-        bound = optima["constrained"]["limits"].get(rate) if optima["constrained"] else None
+    for rate in flexible_rates(plant.states):
+        bound = optima.constrained.limits.get(rate) if optima.constrained else None
         borders = () if bound is None else (bound, -bound)
         plans.append((text.signal(rate), units[rate], curves(rate), borders))
     permitted = band(record)
-    deviation = [
-        Curve(label=text.response, style=RESPONSE, series=move["series"], signal="deviation")
-    ]
+    deviation = [Curve(label=text.response, style=RESPONSE, series=move.series, signal="deviation")]
     plans.append((text.signal("tcp_vibration"), units["tcp"], curves("tcp_vibration"), ()))
     limits = () if permitted is None else (permitted, -permitted)
     plans.append((text.deviation, units["tcp"], deviation, limits))
@@ -256,11 +250,11 @@ def _panel(
     f: Formatter,
     limits: tuple[float, ...],
 ) -> Panel:
-    arrays = [np.array(curve.series["signals"][curve.signal]) * curve.factor for curve in curves]
+    arrays = [np.array(curve.series.signals[curve.signal]) * curve.factor for curve in curves]
     scale = f.scale_for(arrays, unit)
     lines = []
     for curve, values in zip(curves, arrays, strict=True):
-        x, y = thin_out(np.array(curve.series["t"]) / t_size, values / scale.size)
+        x, y = thin_out(np.array(curve.series.t) / t_size, values / scale.size)
         lines.append(
             Line(label=curve.label, x=x, y=y, style=curve.style, is_stepped=curve.is_stepped)
         )
@@ -269,15 +263,15 @@ def _panel(
 
 
 def _peaks(record: Record, optima: OptimaEntry, move: MoveEntry, title: str, f: Formatter) -> Table:
-    text, units = f.labels, record["plant"]["units"]
+    text, units = f.labels, record.plant.units
     named = named_optima(optima, f)
     rows = tuple(
         (
             text.signal(signal),
-            *(f.quantity(item["peaks"].get(signal), units[signal]) for *_, item in named),
+            *(f.quantity(item.peaks.get(signal), units[signal]) for *_, item in named),
             f.quantity(peak, units[signal]),
         )
-        for signal, peak in move["response"]["peaks"].items()
+        for signal, peak in move.response.peaks.items()
     )
     heads = [*(name for name, *_ in named), text.response]
     return Table(
@@ -295,13 +289,13 @@ def _amplitudes(move: MoveEntry, title: str, f: Formatter) -> Table:
         columns=(Column(head=text.mode), Column(head=text.amplitude, is_number=True)),
         rows=tuple(
             (name, f.quantity(value, length))
-            for name, value in move["response"]["mode_amplitudes"].items()
+            for name, value in move.response.mode_amplitudes.items()
         ),
     )
 
 
 def _segments(move: MoveEntry, title: str, f: Formatter) -> tuple[Block, ...]:
-    text, setpoint = f.labels, move["setpoint"]
+    text, setpoint = f.labels, move.setpoint
     table = Table(
         caption=text.setpoint_caption.format(move=title),
         columns=(
@@ -312,13 +306,13 @@ def _segments(move: MoveEntry, title: str, f: Formatter) -> tuple[Block, ...]:
         rows=tuple(
             (
                 str(number),
-                f.quantity(segment["duration"], "s"),
-                f.quantity(segment["jerk"], motion_unit("m/s^3", rotary=f.rotary)),
+                f.quantity(segment.duration, "s"),
+                f.quantity(segment.jerk, motion_unit("m/s^3", rotary=f.rotary)),
             )
-            for number, segment in enumerate(setpoint["segments"], start=1)
+            for number, segment in enumerate(setpoint.segments, start=1)
         ),
     )
-    if not setpoint["moving_average"]:
+    if not setpoint.moving_average:
         return (table,)
-    average = f.quantity(setpoint["moving_average"], "s")
+    average = f.quantity(setpoint.moving_average, "s")
     return (table, Paragraph(text=text.moving_average.format(time=average), tone=Tone.NOTE))

@@ -27,10 +27,10 @@ CURVE = 4
 
 def robustness(record: Record, f: Formatter) -> Section:
     """Return corners, frequency error, drawn machines, and what small changes cost."""
-    text, drawn = f.labels, record["robustness"]["monte_carlo"]
+    text, drawn = f.labels, record.robustness.monte_carlo
     corners = (
-        _corners(move, move_title(move["move"], number, f), record["plant"]["units"]["F"], f)
-        for number, move in enumerate(record["moves"], start=1)
+        _corners(move, move_title(move.move, number, f), record.plant.units["F"], f)
+        for number, move in enumerate(record.moves, start=1)
     )
     found: tuple[Block, ...] = (Paragraph(text=text.nothing_drawn, tone=Tone.NOTE),)
     if drawn is not None:
@@ -53,17 +53,17 @@ def _corners(move: MoveEntry, title: str, force_unit: str, f: Formatter) -> Tabl
     length = motion_unit("m", rotary=f.rotary)
     rows = tuple(
         (
-            f.quantity(corner["payload"], motion_unit("kg", rotary=f.rotary)),
-            f.percent(corner["frequency_factor"]),
-            f.percent(corner["damping_factor"]),
-            f.settling(corner["settling_time"]),
-            f.quantity(corner["residual_deviation"], length, missing=text.not_settled),
-            f.quantity(corner["peak_deviation"], length),
-            f.quantity(corner["max_force"], force_unit),
-            f.quantity(corner["rms_force"], force_unit),
-            text.yes if corner["saturated"] else text.no,
+            f.quantity(corner.payload, motion_unit("kg", rotary=f.rotary)),
+            f.percent(corner.frequency_factor),
+            f.percent(corner.damping_factor),
+            f.settling(corner.settling_time),
+            f.quantity(corner.residual_deviation, length, missing=text.not_settled),
+            f.quantity(corner.peak_deviation, length),
+            f.quantity(corner.max_force, force_unit),
+            f.quantity(corner.rms_force, force_unit),
+            text.yes if corner.saturated else text.no,
         )
-        for corner in move["corners"]
+        for corner in move.corners
     )
     heads = (
         text.payload,
@@ -81,18 +81,18 @@ def _corners(move: MoveEntry, title: str, force_unit: str, f: Formatter) -> Tabl
         columns=tuple(Column(head=head, is_number=head != text.saturated) for head in heads),
         rows=rows,
         strong_rows=tuple(
-            i for i, corner in enumerate(move["corners"]) if corner["settling_time"] is None
+            i for i, corner in enumerate(move.corners) if corner.settling_time is None
         ),
     )
 
 
 def kept_sentence(record: Record, f: Formatter) -> str:
     """Return between which frequency errors every requirement is kept."""
-    text, error = f.labels, record["robustness"]["frequency_error"]
-    low, high = error["kept_from"], error["kept_to"]
+    text, error = f.labels, record.robustness.frequency_error
+    low, high = error.kept_from, error.kept_to
     if low is None or high is None:
         return text.kept_nowhere
-    ends = zip((low, high), (error["factor"][0], error["factor"][-1]), strict=True)
+    ends = zip((low, high), (error.factor[0], error.factor[-1]), strict=True)
     shown = []
     for end, tried in ends:
         value = f.signed_percent(end - 1.0)
@@ -103,14 +103,14 @@ def kept_sentence(record: Record, f: Formatter) -> str:
 
 def _frequency_error(record: Record, f: Formatter) -> tuple[Block, ...]:
     """Return the curves over the frequency error; where one has no point, why it is missing."""
-    text, error = f.labels, record["robustness"]["frequency_error"]
+    text, error = f.labels, record.robustness.frequency_error
     residual, settling = (
-        np.array([np.nan if value is None else value for value in error[key]])
-        for key in ("residual_deviation", "settling_time")
+        np.array([np.nan if value is None else value for value in values])
+        for values in (error.residual_deviation, error.settling_time)
     )
     tried = {
-        "low": f.signed_percent(error["factor"][0] - 1.0),
-        "high": f.signed_percent(error["factor"][-1] - 1.0),
+        "low": f.signed_percent(error.factor[0] - 1.0),
+        "high": f.signed_percent(error.factor[-1] - 1.0),
     }
     if not np.isfinite(residual).any():
         return (Paragraph(text=text.no_error_curves.format(**tried), tone=Tone.NOTE),)
@@ -123,7 +123,7 @@ def _frequency_error(record: Record, f: Formatter) -> tuple[Block, ...]:
 def _frequency_plot(record: Record, residual: Array, settling: Array, f: Formatter) -> LinePlot:
     """Return residual deviation and, where it has points, settling time over the error."""
     text, permitted = f.labels, band(record)
-    x = 100.0 * (np.array(record["robustness"]["frequency_error"]["factor"]) - 1.0)
+    x = 100.0 * (np.array(record.robustness.frequency_error.factor) - 1.0)
     length = motion_unit("m", rotary=f.rotary)
     limits = () if permitted is None else (permitted,)
     panels = [_panel(text.residual, text.recommended, x, residual, length, limits, f)]
@@ -163,10 +163,9 @@ def _panel(
 def _drawn(record: Record, drawn: MonteCarloEntry, f: Formatter) -> tuple[Block, ...]:
     """Return what was drawn, the distribution, and the worst machines."""
     text = f.labels
-    quantities = ((text.settling_time, "settling_time"), (text.residual, "residual_deviation"))
     histograms = [
-        _histogram(key, name, drawn[key], f)  # type: ignore[literal-required]
-        for name, key in quantities
+        _histogram("settling_time", text.settling_time, drawn.settling_time, f),
+        _histogram("residual_deviation", text.residual, drawn.residual_deviation, f),
     ]
     return (
         Paragraph(text=drawn_sentence(drawn, f)),
@@ -179,25 +178,25 @@ def _drawn(record: Record, drawn: MonteCarloEntry, f: Formatter) -> tuple[Block,
 def drawn_sentence(drawn: MonteCarloEntry, f: Formatter) -> str:
     """Return how many machines were drawn and how many of them keep the requirements."""
     return f.labels.drawn.format(
-        samples=f.number(drawn["samples"]),
-        seed=drawn["seed"],
-        met=f.percent(drawn["share_met"]),
-        band=f.percent(drawn["share_in_band"]),
+        samples=f.number(drawn.samples),
+        seed=drawn.seed,
+        met=f.percent(drawn.share_met),
+        band=f.percent(drawn.share_in_band),
     )
 
 
 def _quantiles(drawn: MonteCarloEntry, f: Formatter) -> Table:
     text = f.labels
-    settling, residual = drawn["settling_time"], drawn["residual_deviation"]
+    settling, residual = drawn.settling_time, drawn.residual_deviation
     rows = []
-    for slow, far in zip(settling["quantiles"], residual["quantiles"], strict=True):
-        name = {0.0: text.least, 1.0: text.largest}.get(slow["share"])
-        share = name or text.share_of_machines.format(share=f.percent(slow["share"]))
+    for slow, far in zip(settling.quantiles, residual.quantiles, strict=True):
+        name = {0.0: text.least, 1.0: text.largest}.get(slow.share)
+        share = name or text.share_of_machines.format(share=f.percent(slow.share))
         rows.append(
             (
                 share,
-                f.quantity(slow["value"], settling["unit"], missing=text.not_settled),
-                f.quantity(far["value"], residual["unit"], missing=text.not_settled),
+                f.quantity(slow.value, settling.unit, missing=text.not_settled),
+                f.quantity(far.value, residual.unit, missing=text.not_settled),
             )
         )
     return Table(
@@ -213,11 +212,11 @@ def _quantiles(drawn: MonteCarloEntry, f: Formatter) -> Table:
 
 def _histogram(key: str, name: str, values: DistributionEntry, f: Formatter) -> LinePlot | None:
     """Return how many machines lie where; None where all are alike or none settles."""
-    text, edges = f.labels, np.array(values["histogram"]["edges"])
+    text, edges = f.labels, np.array(values.histogram.edges)
     if edges.size < 3:
         return None
-    counts = np.array(values["histogram"]["counts"], dtype=np.float64)
-    scale = f.scale_for([edges], values["unit"])
+    counts = np.array(values.histogram.counts, dtype=np.float64)
+    scale = f.scale_for([edges], values.unit)
     x = np.concatenate([edges[:1], edges]) / scale.size
     y = np.concatenate([[0.0], counts, [0.0]])
     line = Line(label=text.machines, x=x, y=y, style=CURVE, is_stepped=True)
@@ -226,10 +225,10 @@ def _histogram(key: str, name: str, values: DistributionEntry, f: Formatter) -> 
         key=f"histogram-{key}",
         caption=text.histogram_caption.format(name=name),
         alt=text.histogram_alt.format(
-            low=f.quantity(edges[0], values["unit"]),
-            high=f.quantity(edges[-1], values["unit"]),
+            low=f.quantity(edges[0], values.unit),
+            high=f.quantity(edges[-1], values.unit),
             most=f.number(counts[fullest]),
-            place=f.quantity((edges[fullest] + edges[fullest + 1]) / 2, values["unit"]),
+            place=f.quantity((edges[fullest] + edges[fullest + 1]) / 2, values.unit),
         ),
         x_label=f"{name} in {scale.unit}",
         x_is_log=False,
@@ -240,7 +239,7 @@ def _histogram(key: str, name: str, values: DistributionEntry, f: Formatter) -> 
 
 def _extremes(drawn: MonteCarloEntry, f: Formatter) -> Table:
     text, length = f.labels, motion_unit("m", rotary=f.rotary)
-    named = ((text.worst_machine, drawn["worst"]), (text.slowest_machine, drawn["slowest"]))
+    named = ((text.worst_machine, drawn.worst), (text.slowest_machine, drawn.slowest))
     heads = (
         text.payload,
         text.frequencies,
@@ -254,11 +253,11 @@ def _extremes(drawn: MonteCarloEntry, f: Formatter) -> Table:
         rows=tuple(
             (
                 name,
-                f.quantity(sample["payload"], motion_unit("kg", rotary=f.rotary)),
-                f.percent(sample["frequency_factor"]),
-                f.percent(sample["damping_factor"]),
-                f.settling(sample["settling_time"]),
-                f.quantity(sample["residual_deviation"], length, missing=text.not_settled),
+                f.quantity(sample.payload, motion_unit("kg", rotary=f.rotary)),
+                f.percent(sample.frequency_factor),
+                f.percent(sample.damping_factor),
+                f.settling(sample.settling_time),
+                f.quantity(sample.residual_deviation, length, missing=text.not_settled),
             )
             for name, sample in named
         ),
@@ -281,13 +280,13 @@ def _sensitivities(record: Record, f: Formatter) -> Table:
         ),
         rows=tuple(
             (
-                text.say(item["change"]),
-                f.settling(item["settling_time"]),
-                share(item["settling_change"]),
-                f.quantity(item["residual_deviation"], length, missing=text.not_settled),
-                share(item["residual_change"]),
-                text.yes if item["meets_requirements"] else text.no,
+                text.say(item.change),
+                f.settling(item.settling_time),
+                share(item.settling_change),
+                f.quantity(item.residual_deviation, length, missing=text.not_settled),
+                share(item.residual_change),
+                text.yes if item.meets_requirements else text.no,
             )
-            for item in record["robustness"]["sensitivities"]
+            for item in record.robustness.sensitivities
         ),
     )

@@ -18,32 +18,30 @@ JOINT = re.compile(r", with |, | and ")
 
 def rule(record: Record, f: Formatter) -> Section:
     """Return the rule in words and formulas, its symbols, and the calculation by hand."""
-    text, part = f.labels, record["limits"]["rule"]
+    text, part = f.labels, record.limits.rule
     return Section(
         key="rule",
         heading=text.rule_heading,
         blocks=(
-            Paragraph(text=text.say(part["text"])),
+            Paragraph(text=text.say(part.text)),
             Paragraph(text=_result(record, f)),
-            *_formulas(part["formula"], f),
+            *_formulas(part.formula, f),
             _symbols(record, f),
             _steps(record, f),
-            Paragraph(
-                text=text.rule_valid.format(range=text.say(part["valid_for"])), tone=Tone.NOTE
-            ),
-            *(Paragraph(text=text.say(line), tone=Tone.WARNING) for line in part["warnings"]),
+            Paragraph(text=text.rule_valid.format(range=text.say(part.valid_for)), tone=Tone.NOTE),
+            *(Paragraph(text=text.say(line), tone=Tone.WARNING) for line in part.warnings),
         ),
     )
 
 
 def _result(record: Record, f: Formatter) -> str:
-    text, part, length = f.labels, record["limits"]["rule"], motion_unit("m", rotary=f.rotary)
+    text, part, length = f.labels, record.limits.rule, motion_unit("m", rotary=f.rotary)
     return text.rule_result.format(
-        acceleration=f.quantity(part["acceleration"], f"{length}/s^2"),
-        jerk=f.quantity(part["jerk"], f"{length}/s^3"),
-        chosen=text.say(part["chosen"]),
-        bound=text.say(part["bound_by"]),
-        residual=f.quantity(part["predicted_residual"], length, missing=text.not_settled),
+        acceleration=f.quantity(part.acceleration, f"{length}/s^2"),
+        jerk=f.quantity(part.jerk, f"{length}/s^3"),
+        chosen=text.say(part.chosen),
+        bound=text.say(part.bound_by),
+        residual=f.quantity(part.predicted_residual, length, missing=text.not_settled),
     )
 
 
@@ -108,39 +106,39 @@ def _spoken(formula: Formula, f: Formatter) -> Formula:
 
 def _symbols(record: Record, f: Formatter) -> Table:
     """Return what each letter of the rule means, with its value on this axis."""
-    text, part, loop = f.labels, record["limits"]["rule"], record["loop"]
-    length, force = motion_unit("m", rotary=f.rotary), record["plant"]["units"]["F"]
+    text, part, loop = f.labels, record.limits.rule, record.loop
+    length, force = motion_unit("m", rotary=f.rotary), record.plant.units["F"]
     mass, per_mass = motion_unit("kg", rotary=f.rotary), motion_unit("1/kg", rotary=f.rotary)
-    data = {item["key"]: item["value"] for item in record["data"]}
-    lag, modes = data.get("drive.force_lag"), record["plant"]["modes"]
+    data = {item.key: item.value for item in record.data}
+    lag, modes = data.get("drive.force_lag"), record.plant.modes
     names = text.rule_symbols
     rows = [
-        ("a", names["a"], f.quantity(part["acceleration"], f"{length}/s^2")),
-        ("j", names["j"], f.quantity(part["jerk"], f"{length}/s^3")),
-        ("t_j", names["t_j"], f.quantity(part["jerk_time"], "s")),
+        ("a", names["a"], f.quantity(part.acceleration, f"{length}/s^2")),
+        ("j", names["j"], f.quantity(part.jerk, f"{length}/s^3")),
+        ("t_j", names["t_j"], f.quantity(part.jerk_time, "s")),
         ("band", names["band"], f.quantity(band(record), length)),
-        ("F", names["F"], f.quantity(record["optima"][0]["time"]["f_max"], force)),
+        ("F", names["F"], f.quantity(record.optima[0].time.f_max, force)),
         ("v", names["v"], _velocities(record, f)),
         *((("L", names["L"], distances),) if (distances := _distances(record, f)) else ()),
-        ("m", names["m"], f.quantity(record["plant"]["moving_mass"], mass)),
-        ("m_ff", names["m_ff"], f.quantity(loop["feedforward"].get("mass"), mass)),
+        ("m", names["m"], f.quantity(record.plant.moving_mass, mass)),
+        ("m_ff", names["m_ff"], f.quantity(loop.feedforward.mass, mass)),
         ("T", names["T"], f.quantity(lag if isinstance(lag, float) else None, "s")),
-        ("T_p", text.position_cycle, f.quantity(loop["position_cycle"], "s")),
-        ("T_v", text.velocity_cycle, f.quantity(loop["velocity_cycle"], "s")),
-        ("Kv", text.name("Kv"), f.quantity(loop["Kv"], "1/s")),
-        ("Kp", text.name("Kp"), f.quantity(loop["Kp"], motion_unit("N s/m", rotary=f.rotary))),
-        ("Tn", text.name("Tn"), f.quantity(loop["Tn"], "s")),
-        ("f", names["f"], "; ".join(f.quantity(m["frequency_hz"], "Hz") for m in modes)),
+        ("T_p", text.position_cycle, f.quantity(loop.position_cycle, "s")),
+        ("T_v", text.velocity_cycle, f.quantity(loop.velocity_cycle, "s")),
+        ("Kv", text.name("Kv"), f.quantity(loop.Kv, "1/s")),
+        ("Kp", text.name("Kp"), f.quantity(loop.Kp, motion_unit("N s/m", rotary=f.rotary))),
+        ("Tn", text.name("Tn"), f.quantity(loop.Tn, "s")),
+        ("f", names["f"], "; ".join(f.quantity(m.frequency_hz, "Hz") for m in modes)),
         ("omega", names["omega"], "2π f"),
-        ("zeta", names["zeta"], "; ".join(f.percent(m["damping_ratio"]) for m in modes)),
+        ("zeta", names["zeta"], "; ".join(f.percent(m.damping_ratio) for m in modes)),
         ("g", names["g"], "; ".join(f.quantity(_share(m), per_mass) for m in modes)),
-        ("c", names["c"], "; ".join(f.quantity(m["measured_gain"], per_mass) for m in modes)),
+        ("c", names["c"], "; ".join(f.quantity(m.measured_gain, per_mass) for m in modes)),
         ("R", names["R"], "–"),
         ("x", names["x"], "–"),
         ("i", names["i"], "–"),
     ]
     return Table(
-        caption=text.rule_symbols_caption.format(modes="; ".join(m["name"] for m in modes)),
+        caption=text.rule_symbols_caption.format(modes="; ".join(m.name for m in modes)),
         columns=(
             Column(head=text.symbol, width=0.6, is_formula=True),
             Column(head=text.meaning, width=2.6),
@@ -153,7 +151,7 @@ def _symbols(record: Record, f: Formatter) -> Table:
 def _velocities(record: Record, f: Formatter) -> str:
     """Return the change or the limit of velocity of each move; a dash where there is none."""
     unit = motion_unit("m/s", rotary=f.rotary)
-    moves = (entry["move"] for entry in record["moves"])
+    moves = (entry.move for entry in record.moves)
     speeds = (move.get("velocity_step", move.get("max_velocity")) for move in moves)
     return "; ".join(f.quantity(speed, unit) for speed in speeds)
 
@@ -161,12 +159,12 @@ def _velocities(record: Record, f: Formatter) -> str:
 def _distances(record: Record, f: Formatter) -> str:
     """Return the length of each positioning move; empty if there is none."""
     unit = motion_unit("m", rotary=f.rotary)
-    moves = (entry["move"] for entry in record["moves"])
+    moves = (entry.move for entry in record.moves)
     return "; ".join(f.quantity(move["distance"], unit) for move in moves if "distance" in move)
 
 
 def _share(mode: ModeEntry) -> float:
-    tool, encoder = mode["tcp_gain"], mode["measured_gain"]
+    tool, encoder = mode.tcp_gain, mode.measured_gain
     return max(abs(tool), abs(tool - encoder))
 
 
@@ -182,11 +180,11 @@ def _steps(record: Record, f: Formatter) -> Table:
         ),
         rows=tuple(
             (
-                text.say(step["name"]),
-                _how(step["formula"], f),
-                _value(step["value"], step["unit"], f),
+                text.say(step.name),
+                _how(step.formula, f),
+                _value(step.value, step.unit, f),
             )
-            for step in record["limits"]["rule"]["steps"]
+            for step in record.limits.rule.steps
         ),
     )
 

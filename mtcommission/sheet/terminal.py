@@ -77,29 +77,27 @@ class Summary:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield title, verdict, values and the small plot."""
         record = self.record
-        f = formatter_of(record["machine"]["motion"], self.labels)
+        f = formatter_of(record.machine.motion, self.labels)
         text = f.labels
 
         def plain(words: str, style: str = "") -> Text:
             # A Text is never read as markup, whatever the machine is called.
             return Text(_speak(words, options.encoding), style=style)
 
-        is_met = record["assessment"]["met"]
-        machine = record["machine"]
-        yield plain(f"{machine['name']}, {text.axis} {machine['axis']}", "bold")
+        is_met = record.assessment.met
+        machine = record.machine
+        yield plain(f"{machine.name}, {text.axis} {machine.axis}", "bold")
         verdict = text.verdict_met if is_met else text.verdict_not_met
         yield plain(verdict, "bold green" if is_met else "bold red")
-        for warning in record["warnings"]:
+        for warning in record.warnings:
             yield plain(text.warning.format(warning=text.say(warning)), "yellow")
-        if record["assessment"]["obstacle"]:
-            yield plain(text.obstacle.format(obstacle=text.say(record["assessment"]["obstacle"])))
+        if record.assessment.obstacle:
+            yield plain(text.obstacle.format(obstacle=text.say(record.assessment.obstacle)))
         table = Table.grid(padding=(0, 2))
         for name, value in summary_rows(record, f):
             table.add_row(plain(name), plain(value, "bold"))
         yield table
-        yield plain(
-            text.values_bound_by.format(bound=text.say(record["limits"]["recommended"]["bound_by"]))
-        )
+        yield plain(text.values_bound_by.format(bound=text.say(record.limits.recommended.bound_by)))
         for sentence in further_sentences(record, f):
             yield plain(sentence)
         yield from (plain(line) for line in _small_plot(record, f, is_ascii=options.ascii_only))
@@ -108,29 +106,29 @@ class Summary:
 
 def summary_rows(record: Record, f: Formatter) -> list[tuple[str, str]]:
     """Return the values of the summary, as the sheet prints them."""
-    text, limits = f.labels, record["limits"]["recommended"]
+    text, limits = f.labels, record.limits.recommended
     return [
         (text.acceleration, acceleration(record, f)),
         (text.jerk, jerk(record, f)),
-        (text.jerk_time, f.quantity(limits["jerk_time"], "s")),
-        (text.settling_time, f.settling(limits["settling_time"])),
+        (text.jerk_time, f.quantity(limits.jerk_time, "s")),
+        (text.settling_time, f.settling(limits.settling_time)),
         (text.residual, residual_against_band(record, f)),
     ]
 
 
 def further_sentences(record: Record, f: Formatter) -> list[str]:
     """Return what could be met instead, the reference, and the robustness, as on the sheet."""
-    text, drawn = f.labels, record["robustness"]["monte_carlo"]
+    text, drawn = f.labels, record.robustness.monte_carlo
     could_be_met = [
         text.could_be_met.format(
             requirement=text.say(name_obstacle(item)),
-            value=f.quantity(item["value"], item["unit"]),
-            limit=f.quantity(item["limit"], item["unit"]),
+            value=f.quantity(item.value, item.unit),
+            limit=f.quantity(item.limit, item.unit),
         )
-        for item in record["limits"]["attainable"]
+        for item in record.limits.attainable
     ]
     # A warning of a narrow range has said already how far the frequencies may be off.
-    is_said = bool(record["robustness"]["warnings"])
+    is_said = bool(record.robustness.warnings)
     return [
         *could_be_met,
         reference_sentence(record, slowest_move(record), f),
@@ -169,12 +167,12 @@ def draw_dots(y: Array) -> list[str]:
 def _small_plot(record: Record, f: Formatter, *, is_ascii: bool) -> list[str]:
     """Return the acceleration setpoint of the slowest move over time, with its caption."""
     number = slowest_move(record)
-    move = record["moves"][number - 1]
-    t, y = np.array(move["series"]["t"]), np.array(move["series"]["signals"]["a_ref"])
-    title = move_title(move["move"], number, f)
-    end = f.quantity(move["setpoint"]["duration"], "s")
+    move = record.moves[number - 1]
+    t, y = np.array(move.series.t), np.array(move.series.signals["a_ref"])
+    title = move_title(move.move, number, f)
+    end = f.quantity(move.setpoint.duration, "s")
     caption = f.labels.sparkline.format(move=title, duration=end)
-    shown = t <= 1.02 * move["setpoint"]["duration"]
+    shown = t <= 1.02 * move.setpoint.duration
     grid = np.linspace(0.0, float(t[shown][-1]), 2 * COLUMNS)
     values = np.interp(grid, t, y)
     if not is_ascii:

@@ -12,21 +12,21 @@ from mtcommission.sheet.plot_model import LinePlot
 
 def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:
     """Return verdict, values to enter, result and checks, with a picture of the first move."""
-    text, limits = f.labels, record["limits"]["recommended"]
-    assessment = record["assessment"]
-    detail = text.values_bound_by.format(bound=text.say(limits["bound_by"]))
-    if assessment["obstacle"]:
-        detail = f"{text.obstacle.format(obstacle=text.say(assessment['obstacle']))}. {detail}"
+    text, limits = f.labels, record.limits.recommended
+    assessment = record.assessment
+    detail = text.values_bound_by.format(bound=text.say(limits.bound_by))
+    if assessment.obstacle:
+        detail = f"{text.obstacle.format(obstacle=text.say(assessment.obstacle))}. {detail}"
     headline = Headline(
-        is_met=assessment["met"],
-        verdict=text.verdict_met if assessment["met"] else text.verdict_not_met,
+        is_met=assessment.met,
+        verdict=text.verdict_met if assessment.met else text.verdict_not_met,
         detail=detail,
         values=(
             BigValue(label=text.acceleration, value=acceleration(record, f), aside="a"),
             BigValue(label=text.jerk, value=jerk(record, f), aside="j"),
             BigValue(
                 label=text.jerk_time,
-                value=f.quantity(limits["jerk_time"], "s"),
+                value=f.quantity(limits.jerk_time, "s"),
                 aside="a / j",
             ),
         ),
@@ -36,7 +36,7 @@ def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:
         heading=text.verdict_heading,
         blocks=(
             Paragraph(
-                text=text.data_source.format(source=text.say_if_known(record["machine"]["source"])),
+                text=text.data_source.format(source=text.say_if_known(record.machine.source)),
                 tone=Tone.NOTE,
             ),
             headline,
@@ -44,7 +44,7 @@ def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:
             _result(record, f),
             Paragraph(text=reference_sentence(record, slowest_move(record), f)),
             Paragraph(text=text.reference_note, tone=Tone.NOTE),
-            _checks(assessment["checks"], f),
+            _checks(assessment.checks, f),
             picture,
         ),
     )
@@ -52,21 +52,21 @@ def verdict(record: Record, f: Formatter, *, picture: LinePlot) -> Section:
 
 def acceleration(record: Record, f: Formatter) -> str:
     """Return the recommended acceleration limit with its unit."""
-    value = record["limits"]["recommended"]["acceleration"]
+    value = record.limits.recommended.acceleration
     return f.quantity(value, motion_unit("m/s^2", rotary=f.rotary))
 
 
 def jerk(record: Record, f: Formatter) -> str:
     """Return the recommended jerk limit with its unit."""
-    value = record["limits"]["recommended"]["jerk"]
+    value = record.limits.recommended.jerk
     return f.quantity(value, motion_unit("m/s^3", rotary=f.rotary))
 
 
 def band(record: Record) -> float | None:
     """Return the permitted TCP deviation [m or rad]; None where the record does not state it."""
-    for item in record["data"]:
-        if item["key"] == "requirements.tcp_deviation" and isinstance(item["value"], float | int):
-            return float(item["value"])
+    for item in record.data:
+        if item.key == "requirements.tcp_deviation" and isinstance(item.value, float | int):
+            return float(item.value)
     return None
 
 
@@ -102,13 +102,13 @@ def reference_sentence(record: Record, number: int, f: Formatter) -> str:
     -------
     str
     """
-    text, move = f.labels, record["moves"][number - 1]
-    title = move_title(move["move"], number, f)
-    best = record["optima"][number - 1]["time"]
-    least, bound = best["t_f"], best["certificate"].get("t_f_lower_bound")
-    settling, optimal = move["response"]["settling_time"], f.quantity(least, "s")
-    bounded = record["optima"][number - 1]["constrained"]
-    if best["method"] == "composed" and isinstance(bound, float):
+    text, move = f.labels, record.moves[number - 1]
+    title = move_title(move.move, number, f)
+    best = record.optima[number - 1].time
+    least, bound = best.t_f, getattr(best.certificate, "t_f_lower_bound", None)
+    settling, optimal = move.response.settling_time, f.quantity(least, "s")
+    bounded = record.optima[number - 1].constrained
+    if best.method == "composed" and isinstance(bound, float):
         optimal = text.reference_composed.format(optimum=optimal, bound=f.quantity(bound, "s"))
     if settling is None:
         return text.reference_unsettled.format(move=title, optimum=optimal)
@@ -124,22 +124,22 @@ def reference_sentence(record: Record, number: int, f: Formatter) -> str:
     if bounded is None:
         return sentence
     held = text.reference_bounded.format(
-        optimum=f.quantity(bounded["t_f"], "s"),
-        change=f.signed_percent(settling / bounded["t_f"] - 1.0),
+        optimum=f.quantity(bounded.t_f, "s"),
+        change=f.signed_percent(settling / bounded.t_f - 1.0),
     )
     return f"{sentence} {held}"
 
 
 def slowest_move(record: Record) -> int:
     """Return the number of the move that settles last, counted from 1."""
-    times = [move["response"]["settling_time"] for move in record["moves"]]
+    times = [move.response.settling_time for move in record.moves]
     return 1 + max(range(len(times)), key=lambda i: inf if times[i] is None else times[i] or 0.0)
 
 
 def residual_against_band(record: Record, f: Formatter) -> str:
     """Return the worst residual deviation as a share of the band."""
     text, permitted = f.labels, band(record)
-    residual = record["limits"]["recommended"]["residual_deviation"]
+    residual = record.limits.recommended.residual_deviation
     length = motion_unit("m", rotary=f.rotary)
     shown = f.quantity(permitted, length)
     if residual is None:
@@ -159,9 +159,9 @@ def capitalised(words: str) -> str:
 def _warnings(record: Record, f: Formatter) -> tuple[Paragraph, ...]:
     """Return the warnings on which the verdict hangs, and how many more there are."""
     text = f.labels
-    told = (*record["loop"]["warnings"], *record["robustness"]["warnings"])
+    told = (*record.loop.warnings, *record.robustness.warnings)
     lines = [text.say(line) for line in told]
-    others = [line for line in record["warnings"] if line not in told]
+    others = [line for line in record.warnings if line not in told]
     if others:
         form = text.further_warnings if told else text.warning_count
         lines.append(form.format(count=len(others)))
@@ -169,15 +169,15 @@ def _warnings(record: Record, f: Formatter) -> tuple[Paragraph, ...]:
 
 
 def _result(record: Record, f: Formatter) -> Table:
-    text, limits = f.labels, record["limits"]["recommended"]
+    text, limits = f.labels, record.limits.recommended
     length = motion_unit("m", rotary=f.rotary)
     return Table(
         caption=text.result_caption,
         columns=(Column(head=text.quantity), Column(head=text.value, width=2.0)),
         rows=(
-            (text.settling_time, f.settling(limits["settling_time"])),
+            (text.settling_time, f.settling(limits.settling_time)),
             (text.residual, residual_against_band(record, f)),
-            (text.peak_deviation, f.quantity(limits["peak_deviation"], length)),
+            (text.peak_deviation, f.quantity(limits.peak_deviation, length)),
         ),
     )
 
@@ -186,11 +186,11 @@ def _checks(checks: list[Check], f: Formatter) -> Table:
     text = f.labels
     rows = tuple(
         (
-            capitalised(text.say(check["name"])),
-            f.quantity(check["value"], check["unit"], missing=text.not_settled),
-            f.quantity(check["limit"], check["unit"]),
-            text.met if check["met"] else text.not_met,
-            text.say(check["where"]),
+            capitalised(text.say(check.name)),
+            f.quantity(check.value, check.unit, missing=text.not_settled),
+            f.quantity(check.limit, check.unit),
+            text.met if check.met else text.not_met,
+            text.say(check.where),
         )
         for check in checks
     )
@@ -204,5 +204,5 @@ def _checks(checks: list[Check], f: Formatter) -> Table:
             Column(head=text.where, width=2.0),
         ),
         rows=rows,
-        strong_rows=tuple(i for i, check in enumerate(checks) if not check["met"]),
+        strong_rows=tuple(i for i, check in enumerate(checks) if not check.met),
     )
