@@ -144,12 +144,12 @@ def parse_profile(text: str, *, where: str) -> Machine:
     faults, lines = list(parsed.faults), find_key_lines(parsed.text)
     if wrong_kind:
         line = lines.line_of(("plant", "kind"))
-        message = Message("verbatim", text=wrong_kind)
-        faults.append(Fault(where=where, line=line, key="plant.kind", message=message))
+        said = Message("verbatim", text=wrong_kind)
+        faults.append(Fault(where=where, line=line, key="plant.kind", message=said))
     for path, wrong_key in _misspelt(parsed.data):
         line = lines.line_of(path)
-        message = Message("verbatim", text=wrong_key)
-        faults.append(Fault(where=where, line=line, key=show_key(path), message=message))
+        said = Message("verbatim", text=wrong_key)
+        faults.append(Fault(where=where, line=line, key=show_key(path), message=said))
     refused = {fault.line for fault in parsed.faults}
     try:
         table = ProfileTable.model_validate(data, context=_context(data))
