@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import reduce
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import NoReturn
 from cattrs import BaseValidationError
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.record.schema import SCHEMA, Record
 from mtcommission.record.shape import WrongFormError, find_faults, to_entry, to_plain
 
@@ -68,37 +70,44 @@ def load_record(path: Path) -> Record:
     try:
         data = json.loads(path.read_text("utf-8"), parse_constant=_refuse)
     except (OSError, ValueError, RecursionError) as error:
-        message = f"not a record of mtcommission run: {error}"
-        raise InputError([Fault(where=str(path), message=message)]) from error
+        raise _fault(path, Message("record-not-readable", why=str(error))) from error
     missing = sorted({"schema", "checksum"} - (data.keys() if isinstance(data, dict) else set()))
     if missing:
-        message = f"not a record of mtcommission run: {', '.join(missing)} missing"
-        raise InputError([Fault(where=str(path), message=message)])
+        raise _fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
     if data["schema"] != SCHEMA:
-        message = (
-            f"record schema {data['schema']!r}, this version reads {SCHEMA}; "
-            "run the profile again, or print it with the version that wrote it"
-        )
-        raise InputError([Fault(where=str(path), key="schema", message=message)])
-    try:
-        record, wrong = to_entry(data, Record), []
-    except (WrongFormError, BaseValidationError) as error:
-        record, wrong = None, list(islice(find_faults(error), MOST_NAMED + 1))
-    named = "".join(f"; {one}" for one in wrong[:MOST_NAMED])
-    named += "; and more" if len(wrong) > MOST_NAMED else ""
+        is_earlier = isinstance(data["schema"], int) and data["schema"] < SCHEMA
+        kind = "record-of-earlier-schema" if is_earlier else "record-of-other-schema"
+        given = json.dumps(data["schema"])
+        raise _fault(path, Message(kind, given=given, read=SCHEMA), "schema")
+    record, wrong = _read(data)
     if data["checksum"] != find_checksum(data):
-        message = (
-            "its contents are not those that mtcommission run wrote: it was edited or damaged"
-            f"{named}; change the profile instead, and run it again"
-        )
-        raise InputError([Fault(where=str(path), key="checksum", message=message)])
+        raise _fault(path, _named("record-edited", wrong), "checksum")
     if record is None:
-        message = (
-            f"another version of mtcommission wrote it{named}; run the profile again, or use "
-            "that version"
-        )
-        raise InputError([Fault(where=str(path), message=message)])
+        raise _fault(path, _named("record-of-other-version", wrong))
     return record
+
+
+def _read(data: object) -> tuple[Record | None, list[Message]]:
+    """The record, or what is of another form in it."""
+    try:
+        return to_entry(data, Record), []
+    except (WrongFormError, BaseValidationError) as error:
+        return None, list(islice(find_faults(error), MOST_NAMED + 1))
+
+
+def _named(kind: str, wrong: Sequence[Message]) -> Message:
+    """A message that tells the first wrong places, and whether there are more."""
+    if not wrong:
+        return Message(kind)
+    shown = list(wrong[:MOST_NAMED])
+    if len(wrong) > MOST_NAMED:
+        shown.append(Message("record-has-more-wrong"))
+    told = reduce(lambda first, then: Message("record-both", first=first, then=then), shown)
+    return Message(f"{kind}-where", wrong=told)
+
+
+def _fault(path: Path, message: Message, key: str = "") -> InputError:
+    return InputError([Fault(where=str(path), key=key, message=message)])
 
 
 def _refuse(constant: str) -> NoReturn:

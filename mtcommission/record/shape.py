@@ -17,6 +17,8 @@ from cattrs import ClassValidationError, Converter, IterableValidationError
 from cattrs.cols import list_structure_factory, mapping_structure_factory
 from cattrs.gen import make_dict_structure_fn
 
+from mtcommission.messages.message import Message
+
 Entry = TypeVar("Entry")
 
 SHOWN = 40
@@ -24,7 +26,19 @@ SHOWN = 40
 
 
 class WrongFormError(ValueError):
-    """A value of JSON is of another form than the entry's."""
+    """A value of JSON is of another form than the entry's.
+
+    Parameters
+    ----------
+    got
+        The value, as a text or as what it is.
+    expected
+        Key of the form's name in the catalogue.
+    """
+
+    def __init__(self, got: Message | str, expected: str) -> None:
+        super().__init__(got, expected)
+        self.message = Message("record-got", got=got, expected=Message(expected))
 
 
 def to_plain(entry: object) -> Any:
@@ -60,7 +74,7 @@ def to_entry(value: object, form: type[Entry]) -> Entry:
     return _CONVERTER.structure(value, form)
 
 
-def find_faults(error: Exception, *, key: str = "") -> Iterator[str]:
+def find_faults(error: Exception, *, key: str = "") -> Iterator[Message]:
     """Yield each place that was of another form, with what was got.
 
     Parameters
@@ -72,14 +86,15 @@ def find_faults(error: Exception, *, key: str = "") -> Iterator[str]:
 
     Yields
     ------
-    str
+    Message
 
     Examples
     --------
+    >>> from mtcommission.messages.catalogue import Catalogue
     >>> try:
     ...     to_entry({"a": [1.0, "x"]}, dict[str, list[float]])
     ... except BaseValidationError as error:
-    ...     list(find_faults(error))
+    ...     [Catalogue().say(fault) for fault in find_faults(error)]
     ["a[2]: got 'x', expected a number"]
     """
     if isinstance(error, ClassValidationError):
@@ -91,7 +106,7 @@ def find_faults(error: Exception, *, key: str = "") -> Iterator[str]:
             below = f"{key}[{index + 1}]" if isinstance(index, int) else f"{key}.{index}"
             yield from find_faults(inner, key=below.removeprefix("."))
     else:
-        yield f"{key or 'record'}: {_fault(error)}"
+        yield Message("record-wrong-at", key=key or "record", fault=_fault(error))
 
 
 def entry_of(form: type[Entry], /, *sources: object, **given: object) -> Entry:
@@ -143,22 +158,18 @@ def _held(value: object) -> object:
     return [_held(item) for item in value] if isinstance(value, tuple | list) else value
 
 
-def _fault(error: Exception) -> str:
+def _fault(error: Exception) -> Message:
     if isinstance(error, WrongFormError):
-        return str(error)
-    return "missing" if isinstance(error, KeyError) else "of no form that is known here"
+        return error.message
+    return Message("record-missing" if isinstance(error, KeyError) else "record-of-no-known-form")
 
 
 def _wrong(value: object, expected: str) -> WrongFormError:
-    shown = repr(value)
-    match value:
-        case None:
-            shown = "null"
-        case dict() | list():
-            shown = "an object" if isinstance(value, dict) else "an array"
-        case _ if len(shown) > SHOWN:
-            shown = f"{shown[:SHOWN]}..."
-    return WrongFormError(f"got {shown}, expected {expected}")
+    if isinstance(value, dict | list):
+        form = "json-object" if isinstance(value, dict) else "json-array"
+        return WrongFormError(Message(form), expected)
+    shown = "null" if value is None else repr(value)
+    return WrongFormError(shown if len(shown) <= SHOWN else f"{shown[:SHOWN]}...", expected)
 
 
 def _plain(form: type, expected: str) -> Callable[[object, Any], object]:
@@ -174,13 +185,13 @@ def _number(value: object, _: Any) -> float:
     if value is None:
         return nan
     if type(value) not in (float, int):
-        raise _wrong(value, "a number")
+        raise _wrong(value, "json-number")
     return value  # type: ignore[return-value]
 
 
 def _number_or_null(value: object, form: Any) -> float | None:
     if type(value) not in (float, int, NoneType):
-        raise _wrong(value, "a number or null")
+        raise _wrong(value, "json-number-or-null")
     return None if value is None else _number(value, form)
 
 
@@ -188,7 +199,7 @@ def _number_or_text(value: object, form: Any) -> float | str:
     if isinstance(value, str):
         return value
     if type(value) not in (float, int):
-        raise _wrong(value, "a number or a text")
+        raise _wrong(value, "json-number-or-text")
     return _number(value, form)
 
 
@@ -221,19 +232,19 @@ def _converter() -> Converter:
     made.register_structure_hook(float | None, _number_or_null)
     made.register_structure_hook(float | str, _number_or_text)
     for form, expected in (
-        (int, "a whole number"),
-        (str, "a text"),
-        (bool, "true or false"),
+        (int, "json-whole-number"),
+        (str, "json-text"),
+        (bool, "json-boolean"),
     ):
         made.register_structure_hook(form, _plain(form, expected))
     made.register_structure_hook_factory(
-        is_dataclass, _strictly(dict, "an object", make_dict_structure_fn)
+        is_dataclass, _strictly(dict, "json-object", make_dict_structure_fn)
     )
     made.register_structure_hook_factory(
-        _is_a(dict), _strictly(dict, "an object", mapping_structure_factory)
+        _is_a(dict), _strictly(dict, "json-object", mapping_structure_factory)
     )
     made.register_structure_hook_factory(
-        _is_a(list), _strictly(list, "an array", list_structure_factory)
+        _is_a(list), _strictly(list, "json-array", list_structure_factory)
     )
     return made
 
