@@ -13,7 +13,6 @@ from typing import ClassVar, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.errors import Outcome
 from mtcommission.machine.datum import datum
 from mtcommission.machine.ranges import FREQUENCIES, MODE_GAINS, RATIOS
 from mtcommission.messages.message import Message
@@ -21,6 +20,9 @@ from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension
 
 Array = NDArray[np.float64]
+
+Misfit = tuple[str, Message]
+"""Key of a profile, below the table that it belongs to, and what is wrong with its value."""
 
 EQUAL_POLE_TOLERANCE = 1e-6
 """Relative distance of two poles below which they count as one (empirical: beyond it the
@@ -64,11 +66,11 @@ class FlexibleMode:
         zeta, omega = self.damping_ratio, self.natural_frequency
         return complex(-zeta * omega, omega * sqrt(1.0 - zeta**2))
 
-    def find_faults(self) -> list[tuple[str, str]]:
+    def find_faults(self) -> list[Misfit]:
         """Return key and message of what cannot be."""
         if 0.0 <= self.damping_ratio < 1.0:
             return []
-        return [("damping_ratio", f"got {self.damping_ratio:g}, must be >= 0 and < 1")]
+        return [("damping_ratio", Message("damping-ratio-beyond-one", got=self.damping_ratio))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,21 +128,24 @@ class Mechanics(Protocol):
     def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
         """Return what a mode moves without payload over that with it [-], shape of payload."""
 
-    def find_faults(self) -> list[tuple[str, str]]:
+    def find_faults(self) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
 
     def assumptions(self) -> tuple[Message, ...]:
         """Return what the kind assumes beyond the profile."""
 
 
-def find_equal_poles(modes: Sequence[FlexibleMode]) -> Iterator[tuple[int, str]]:
+def find_equal_poles(modes: Sequence[FlexibleMode]) -> Iterator[tuple[int, Message]]:
     """Yield the place of each mode that has the poles of an earlier one, and what is wrong."""
     for place, mode in enumerate(modes):
         for other in modes[:place]:
             if abs(mode.pole - other.pole) <= EQUAL_POLE_TOLERANCE * abs(mode.pole):
-                yield place, f"modes {other.name} and {mode.name} at {mode.frequency_hz:.6g} Hz"
-
-
-def equal_pole_fault(what: str) -> str:
-    """Return the message of a fault for two modes with the same poles."""
-    return f"{what}: {Outcome.EQUAL_POLES.value}"
+                yield (
+                    place,
+                    Message(
+                        "modes-at-one-frequency",
+                        one=other.name,
+                        other=mode.name,
+                        frequency=mode.frequency_hz,
+                    ),
+                )

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from mtcommission.machine.datum import datum
 from mtcommission.machine.mechanics import (
     FlexibleMode,
+    Misfit,
     ModeStates,
-    equal_pole_fault,
     find_equal_poles,
 )
 from mtcommission.machine.ranges import (
@@ -159,33 +159,27 @@ class Manipulator:
         J = self.rotary_inertia
         return np.asarray(J / (J + payload * payload_radius**2))
 
-    def find_faults(self) -> list[tuple[str, str]]:
+    def find_faults(self) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
         faults = []
         if self.lever_arm == 0.0:
-            faults.append(
-                (
-                    "lever_arm",
-                    "got 0, but the force must turn the tower; "
-                    'give the arm, or describe the axis as kind = "modal"',
-                )
-            )
-        for key, damping, critical, unit in (
-            ("base_damping", self.base_damping,
-             2.0 * sqrt(self.base_stiffness * self.base_mass), "N s/m"),
-            ("rotary_damping", self.rotary_damping,
-             2.0 * sqrt(self.rotary_stiffness * self.rotary_inertia), "N m s/rad"),
+            faults.append(("lever_arm", Message("lever-arm-zero")))
+        for key, damping, stiffness, mass, unit in (
+            ("base_damping", self.base_damping, self.base_stiffness, self.base_mass, "N s/m"),
+            ("rotary_damping", self.rotary_damping, self.rotary_stiffness, self.rotary_inertia,
+             "N m s/rad"),
         ):  # fmt: skip
+            critical = 2.0 * sqrt(stiffness * mass)
             if damping >= critical:
-                faults.append(
-                    (
-                        key,
-                        f"got {damping:g} {unit}, a damping ratio of "
-                        f"{damping / critical:.3g}; must be < {critical:.4g} {unit} (ratio 1)",
-                    )
+                ratio = damping / critical
+                message = Message(
+                    "damping-beyond-critical", got=damping, ratio=ratio, most=critical, unit=unit
                 )
+                faults.append((key, message))
         equal = () if faults else find_equal_poles(self.modes)
-        return faults + [("rotary_stiffness", equal_pole_fault(what)) for _, what in equal]
+        return faults + [
+            ("rotary_stiffness", Message("equal-poles", modes=modes)) for _, modes in equal
+        ]
 
     def assumptions(self) -> tuple[Message, ...]:
         """Return where the tool is taken to stand; the paper does not say."""

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from mtcommission.machine.datum import data_array, datum
 from mtcommission.machine.mechanics import (
     FlexibleMode,
+    Misfit,
     ModeStates,
-    equal_pole_fault,
     find_equal_poles,
 )
 from mtcommission.machine.ranges import MASSES
@@ -81,16 +81,16 @@ class Modal:
         """Return 1: a payload leaves the modes as they are."""
         return np.ones_like(payload)
 
-    def find_faults(self) -> list[tuple[str, str]]:
+    def find_faults(self) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
         names = [mode.name for mode in self.modes]
         faults = [
-            (f"modes.{place}.name", f'got "{name}" twice, names must differ')
+            (f"modes.{place}.name", Message("mode-named-twice", name=name))
             for place, name in enumerate(names)
             if name in names[:place]
         ]
         return faults + [
-            (f"modes.{place}.frequency", equal_pole_fault(what))
+            (f"modes.{place}.frequency", Message("equal-poles", modes=what))
             for place, what in find_equal_poles(self.modes)
         ]
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode, find_equal_poles
+from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 
@@ -267,8 +268,9 @@ def build_plant(machine: Machine) -> Plant:
 def _check_modes(modes: tuple[FlexibleMode, ...], placed: tuple[PlantMode, ...]) -> None:
     for mode in placed:
         if mode.scale == 0.0:
-            detail = f"mode {mode.name} is not driven by the force (lever arm 0)"
-            raise ComputationError(Outcome.NOT_CONTROLLABLE, detail)
+            raise ComputationError(
+                Outcome.NOT_CONTROLLABLE, Message("mode-not-driven", mode=mode.name)
+            )
     for _, detail in find_equal_poles(modes):
         raise ComputationError(Outcome.EQUAL_POLES, detail)
 

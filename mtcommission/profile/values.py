@@ -20,6 +20,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from mtcommission.machine.ranges import AxisRange, Range
+from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import LARGEST, Dimension, parse_quantity
 
@@ -37,9 +38,9 @@ class Faults(ValueError):
         Dotted key below the value ("" for the value itself) and message.
     """
 
-    def __init__(self, items: Sequence[tuple[str, str]]) -> None:
+    def __init__(self, items: Sequence[tuple[str, str | Message]]) -> None:
         self.items = tuple(items)
-        super().__init__("; ".join(message for _, message in self.items))
+        super().__init__(self.items)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
