@@ -35,19 +35,12 @@ from mtcommission.limits.commissioning_rule.rule import (
 )
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import (
-    Control,
-    Drive,
-    FlexibleMode,
-    Machine,
-    Modal,
-    Modes,
-    Positioning,
-    Requirements,
-)
+from mtcommission.machine.machine import Control, Drive, Machine, Modes, Positioning, Requirements
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names

@@ -9,7 +9,6 @@ from importlib.metadata import version
 from mtcommission import __version__
 from mtcommission.commission import Commissioning
 from mtcommission.limits.optima import Optima
-from mtcommission.machine.machine import Manipulator
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.comparisons import comparison_entry
 from mtcommission.record.data import describe_move, list_assumptions, list_data
@@ -61,10 +60,7 @@ def build_record(
         created=created,
         profile=profile,
         machine=entry_of(
-            MachineEntry,
-            machine,
-            motion=machine.motion.value,
-            kind="manipulator" if isinstance(machine.mechanics, Manipulator) else "modal",
+            MachineEntry, machine, motion=machine.motion.value, kind=machine.mechanics.kind
         ),
         data=list_data(machine, plant, profile.text),
         settings=_settings_entry(commissioning),
