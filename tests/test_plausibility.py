@@ -5,18 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from mtcommission.machine.machine import (
-    Control,
-    FlexibleMode,
-    Machine,
-    Manipulator,
-    Modal,
-    Modes,
-    Motion,
-    Positioning,
-    VelocityStep,
-)
+from mtcommission.machine.machine import Control, Machine, Modes, Motion, Positioning, VelocityStep
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.plausibility import check_patience, check_plausibility
+from mtcommission.plant.manipulator import Manipulator
+from mtcommission.plant.modal import Modal
 from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
 from tests.machines import paper_machine, random_modal_machine

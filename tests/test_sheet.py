@@ -46,8 +46,8 @@ from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.comparisons import continuous_entry
 from mtcommission.record.data import list_assumptions, list_data
-from mtcommission.record.expected import find_unexpected
-from mtcommission.record.schema import Record
+from mtcommission.record.schema import AssessmentPart, Check, Record
+from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.diagram import text_size
@@ -64,12 +64,18 @@ from .sheet_record import (
     example_record,
     extreme_record,
     five_moves_record,
+    on_json,
     retuned,
     rotary_record,
     unsettled_record,
 )
 
 ENGLISH, GERMAN = Catalogue("en"), Catalogue("de")
+
+compose, print_html, print_pdf, summarise = map(
+    on_json, (compose, print_html, print_pdf, summarise)
+)
+further_sentences, summary_rows = map(on_json, (further_sentences, summary_rows))
 
 RECORDS = {
     "example": example_record,
@@ -223,7 +229,8 @@ def test_thinning_keeps_both_ends_and_every_extreme(count, seed):
 @pytest.mark.parametrize("name", RECORDS)
 def test_the_records_of_these_tests_are_records(name):
     """Printed from another form than a run writes, a sheet would prove nothing."""
-    assert list(find_unexpected(RECORDS[name](), Record)) == []
+    record = RECORDS[name]()
+    assert to_plain(to_entry(record, Record)) == record
 
 
 # content
@@ -240,9 +247,7 @@ def block_text(block) -> str:
     if isinstance(block, Table):
         heads = " | ".join(column.head for column in block.columns)
         rows = (" | ".join(map(plain, row)) for row in block.rows)
-        return "\n  ".join(
-            [block.caption, heads, *rows]
-        )
+        return "\n  ".join([block.caption, heads, *rows])
     if isinstance(block, LinePlot):
         panels = [
             f"{panel.y_label}: {', '.join(line.label for line in panel.lines)}"
@@ -410,8 +415,8 @@ def test_an_approximation_outside_the_band_at_its_end_has_not_settled(last, sett
     )
     sampled = SimpleNamespace(settling_time=0.1, residual_deviation=1e-6)
     found = continuous_entry(continuous, sampled, band=1e-6)
-    assert found["settling_time"] == (0.2 if settles else None)
-    assert found["settling_difference"] == (pytest.approx(1.0) if settles else None)
+    assert found.settling_time == (0.2 if settles else None)
+    assert found.settling_difference == (pytest.approx(1.0) if settles else None)
 
 
 def test_a_map_without_any_value_still_spans_its_axes():
@@ -443,12 +448,12 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia():
 def test_a_rotary_axis_has_torques_and_moments_of_inertia_on_the_terminal_too():
     """Its table said kg·m² and N·m, the verdict below "set force" and "payload 0.2 kg"."""
     where = "move 1, payload 0.2 kg, frequencies x 0.97"
-    check = {"name": "set force", "value": 21.7, "limit": 800.0, "unit": "N m", "met": True}
-    part = {
-        "moves": [],
-        "assessment": {"checks": [{**check, "where": where}]},
-        "warnings": ["drive.max_force: 800 N m; the full force bends the tool"],
-    }
+    check = Check(name="set force", value=21.7, limit=800.0, unit="N m", met=True, where=where)
+    part = SimpleNamespace(
+        moves=[],
+        assessment=AssessmentPart(met=True, checks=[check], obstacle=""),
+        warnings=["drive.max_force: 800 N m; the full force bends the tool"],
+    )
     said = {}
     for name in ("rotary-table", "milling-manipulator"):
         screen = Console(file=StringIO(), width=200)
@@ -973,7 +978,7 @@ def test_german_knows_data_assumptions_loop_and_rule_of_every_example_machine(na
     (tmp_path / "profile.toml").write_text(read_shipped(name).text, encoding="utf-8")
     machine = read_profile(tmp_path / "profile.toml")
     for item in list_data(machine, build_plant(machine), read_shipped(name).text):
-        last = item["key"].rpartition(".")[2]
+        last = item.key.rpartition(".")[2]
         assert GERMAN.name(last) != last
     plant, tuned = build_plant(machine), tune_loop(machine)
     rule = apply_commissioning_rule(machine, plant, tuned)

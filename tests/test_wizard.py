@@ -21,13 +21,14 @@ from hypothesis import strategies as st
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings
-from mtcommission.machine.machine import Manipulator, Modal
-from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.plant.manipulator import Manipulator
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, profile_text_hash, read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.data import list_data
 from mtcommission.record.schema import Profile
+from mtcommission.record.shape import to_plain
 from mtcommission.study.loop_choice import Settings
 from mtcommission.wizard.axis_units import (
     MODAL,
@@ -182,7 +183,7 @@ def test_papers_record_is_the_shipped_one(tmp_path: Path) -> None:
             name="p", sha256=profile_text_hash(path.read_bytes()), text=path.read_text("utf-8")
         )
         record = build_record(found, profile=profile, created="2026-01-02", warnings=[])
-        numbers.append(list(_numbers(record)))
+        numbers.append(list(_numbers(to_plain(record))))
     assert numbers[0] == numbers[1]
     assert len(numbers[0]) > 20_000
 
@@ -216,7 +217,7 @@ def test_measured_frequencies_give_stiffness_and_damping(tmp_path: Path) -> None
         "50 Hz\n3 %\n60 N/um\n72\n0,05\n\n1\n20 mm\n30 m/min\n\n\n5 um\n" + "\n" * 12,
     )
     machine = read_profile(tmp_path / "tower.toml")
-    found = [(frequency_hz(m), m.damping_ratio) for m in flexible_modes(machine)]
+    found = [(m.frequency_hz, m.damping_ratio) for m in machine.mechanics.modes]
     assert np.allclose(found, [(50.0, 0.03), (72.0, 0.05)], rtol=1e-9)
     text = (tmp_path / "tower.toml").read_text("utf-8")
     assert "#   base_frequency = 50 Hz" in text
@@ -258,8 +259,8 @@ def test_two_masses_have_the_frequency_response_of_their_modal_form(
 def test_pair_of_masses_from_a_file_of_answers(tmp_path: Path) -> None:
     from_answers(tmp_path / "pair.toml", PAIR_TOML)
     machine = read_profile(tmp_path / "pair.toml")
-    (mode,) = flexible_modes(machine)
-    assert frequency_hz(mode) == pytest.approx(30.0 * sqrt(1.0 + 6.0 / 2.0))
+    (mode,) = machine.mechanics.modes
+    assert mode.frequency_hz == pytest.approx(30.0 * sqrt(1.0 + 6.0 / 2.0))
     assert machine.requirements.frequency_spread == 0.0  # as a profile that leaves it out
     assert build_plant(machine).order == 5
 
@@ -293,9 +294,7 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     path = tmp_path / "p.toml"
     _, said = talk(path, PAPER)
     text, machine = path.read_text("utf-8"), read_profile(path)
-    sources = {
-        item["key"]: item["source"] for item in list_data(machine, build_plant(machine), text)
-    }
+    sources = {item.key: item.source for item in list_data(machine, build_plant(machine), text)}
     accepted = ("drive.static_load", "requirements.frequency_spread", "requirements.damping_spread")
     for key in accepted:
         assert sources[key] == "default accepted, not measured"
@@ -764,7 +763,7 @@ def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
         "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 12,
     )
     machine = read_profile(tmp_path / "m.toml")
-    assert [mode.name for mode in flexible_modes(machine)] == ["beam", "ram"]
+    assert [mode.name for mode in machine.mechanics.modes] == ["beam", "ram"]
     assert len(machine.moves) == 2
     data = tomllib.loads((tmp_path / "m.toml").read_text("utf-8"))
     assert to_answers(data)["wizard.way"] == MODAL

@@ -48,7 +48,7 @@ def sheet(
         ) from error
     write_files(output, files)
     sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
-    raise typer.Exit(0 if loaded["assessment"]["met"] else 1)
+    raise typer.Exit(0 if loaded.assessment.met else 1)
 
 
 def export(

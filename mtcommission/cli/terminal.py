@@ -243,48 +243,48 @@ def describe_limits(
     machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[str]
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
-    words, length, best = _words(machine), machine.axis_units.length.si, part["recommended"]
+    words, length, best = _words(machine), machine.axis_units.length.si, part.recommended
     printed, said = words.format, words.say
     table = _table("Limits", "a", "j", "Settling", "Residual", "Peak", "Met")
     entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
     entries = [("recommended", best, met)]
-    for mode in part["modes"]:
-        name = f"{mode['name']} ({printed.quantity(mode['band'], length)})"
-        entries.append((name, mode, mode["meets_requirements"]))
-    for other in (*part["alternatives"], *part["rules"]):
-        entries.append((other["name"], other, other["meets_requirements"]))
+    for mode in part.modes:
+        name = f"{mode.name} ({printed.quantity(mode.band, length)})"
+        entries.append((name, mode, mode.meets_requirements))
+    for other in (*part.alternatives, *part.rules):
+        entries.append((other.name, other, other.meets_requirements))
     for name, entry, keeps in entries:
         table.add_row(
             escape(name),
-            printed.quantity(entry["acceleration"], f"{length}/s^2"),
-            printed.quantity(entry["jerk"], f"{length}/s^3"),
-            printed.quantity(entry["settling_time"], "s", missing="not settled"),
-            printed.quantity(entry["residual_deviation"], length, missing="not settled"),
-            printed.quantity(entry["peak_deviation"], length),
+            printed.quantity(entry.acceleration, f"{length}/s^2"),
+            printed.quantity(entry.jerk, f"{length}/s^3"),
+            printed.quantity(entry.settling_time, "s", missing="not settled"),
+            printed.quantity(entry.residual_deviation, length, missing="not settled"),
+            printed.quantity(entry.peak_deviation, length),
             "yes" if keeps else "no",
         )
-    rule = part["rule"]
+    rule = part.rule
     return Group(
         _heading("Limits"),
-        Text(f"Bound by: {said(best['bound_by'])}."),
+        Text(f"Bound by: {said(best.bound_by)}."),
         table,
         Text(
-            f"By hand, with the commissioning rule ({rule['chosen']}): "
-            f"a = {printed.quantity(rule['acceleration'], f'{length}/s^2')}, "
-            f"j = {printed.quantity(rule['jerk'], f'{length}/s^3')}."
+            f"By hand, with the commissioning rule ({rule.chosen}): "
+            f"a = {printed.quantity(rule.acceleration, f'{length}/s^2')}, "
+            f"j = {printed.quantity(rule.jerk, f'{length}/s^3')}."
         ),
         *(
             Text(_hold_sentence(item, printed, length))
-            for item in part["move_sizes"]
-            if item["way"] == "recommended"
+            for item in part.move_sizes
+            if item.way == "recommended"
         ),
         *(
             Text(
                 f"In the way: {said(name_obstacle(item))}; instead of "
-                f"{printed.quantity(item['limit'], item['unit'])} could be met: "
-                f"{printed.quantity(item['value'], item['unit'])}."
+                f"{printed.quantity(item.limit, item.unit)} could be met: "
+                f"{printed.quantity(item.value, item.unit)}."
             )
-            for item in part["attainable"]
+            for item in part.attainable
         ),
         *_warnings(words, warnings),
     )
@@ -292,18 +292,18 @@ def describe_limits(
 
 def _hold_sentence(item: MoveSizesEntry, printed: Formatter, length: str) -> str:
     """Between which sizes of a move the recommendation keeps the band."""
-    is_step = "velocity_step" in item["move"]
+    is_step = "velocity_step" in item.move
     unit, kind = (f"{length}/s", "velocity steps") if is_step else (length, "distances")
-    reached = printed.quantity(item["full_from"], unit, missing="no size")
-    if item["kept_from"] is None:
+    reached = printed.quantity(item.full_from, unit, missing="no size")
+    if item.kept_from is None:
         return (
-            f"With {kind} of {printed.quantity(item['own'], unit)} the recommended limits leave "
+            f"With {kind} of {printed.quantity(item.own, unit)} the recommended limits leave "
             "more than the permitted deviation."
         )
     return (
         f"The recommended limits stay within the permitted deviation for {kind} from "
-        f"{printed.quantity(item['kept_from'], unit)} to "
-        f"{printed.quantity(item['kept_to'], unit)}; the acceleration limit is reached from "
+        f"{printed.quantity(item.kept_from, unit)} to "
+        f"{printed.quantity(item.kept_to, unit)}; the acceleration limit is reached from "
         f"{reached} on."
     )
 
@@ -314,37 +314,37 @@ def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
     printed = words.format
     mass, length, force = axis.mass.si, axis.length.si, axis.force.si
     table = _table("Move", "Corner", "Settling", "Residual", "Peak", "F_set")
-    for number, move in enumerate(part["moves"], start=1):
-        for index, response in enumerate(move["corners"]):
+    for number, move in enumerate(part.moves, start=1):
+        for index, response in enumerate(move.corners):
             corner = (
                 "nominal"
                 if index == 0
-                else f"{printed.quantity(response['payload'], mass)}, "
-                f"f x {response['frequency_factor']:g}, zeta x {response['damping_factor']:g}"
+                else f"{printed.quantity(response.payload, mass)}, "
+                f"f x {response.frequency_factor:g}, zeta x {response.damping_factor:g}"
             )
-            wanted = printed.quantity(response["max_force"], force)
+            wanted = printed.quantity(response.max_force, force)
             table.add_row(
                 str(number),
                 corner,
-                printed.quantity(response["settling_time"], "s", missing="not settled"),
-                printed.quantity(response["residual_deviation"], length, missing="not settled"),
-                printed.quantity(response["peak_deviation"], length),
-                f"{wanted} saturated" if response["saturated"] else wanted,
+                printed.quantity(response.settling_time, "s", missing="not settled"),
+                printed.quantity(response.residual_deviation, length, missing="not settled"),
+                printed.quantity(response.peak_deviation, length),
+                f"{wanted} saturated" if response.saturated else wanted,
             )
-    verdict = _verdict(words, part["assessment"])
-    warnings = _warnings(words, part["warnings"])
+    verdict = _verdict(words, part.assessment)
+    warnings = _warnings(words, part.warnings)
     return Group(_heading("Response of the loop"), table, *verdict, *warnings)
 
 
 def _verdict(words: Catalogue, assessment: AssessmentPart) -> list[RenderableType]:
     printed, said, lines = words.format, words.say, list[RenderableType]()
-    for check in assessment["checks"]:
-        value = printed.quantity(check["value"], check["unit"], missing="not settled")
-        limit = printed.quantity(check["limit"], check["unit"])
-        word, style = ("met", "green") if check["met"] else ("NOT MET", "red")
+    for check in assessment.checks:
+        value = printed.quantity(check.value, check.unit, missing="not settled")
+        limit = printed.quantity(check.limit, check.unit)
+        word, style = ("met", "green") if check.met else ("NOT MET", "red")
         lines.append(
             Text(
-                f"{word}: {said(check['name'])} {value}, allowed {limit} ({said(check['where'])})",
+                f"{word}: {said(check.name)} {value}, allowed {limit} ({said(check.where)})",
                 style=style,
             )
         )

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from math import inf, isfinite, log
 
 from mtcommission.machine.machine import (
-    FlexibleMode,
     Machine,
-    Manipulator,
     Motion,
     VelocityStep,
     moving_mass,
 )
-from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.units.quantities import convert_to
 
@@ -74,7 +72,8 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
 
     Examples
     --------
-    >>> from mtcommission.machine.machine import Drive, Modal, Modes, Requirements, VelocityStep
+    >>> from mtcommission.machine.machine import Drive, Modes, Requirements, VelocityStep
+    >>> from mtcommission.plant.modal import Modal
     >>> axis = Machine(name="a", axis="X", source="example",
     ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",
     ...         natural_frequency=250.0, damping_ratio=0.5, tcp_gain=0.01),)),
@@ -84,9 +83,9 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
     >>> [remark.key for remark in check_plausibility(axis)]
     ['plant.modes[1]']
     """
-    modes = flexible_modes(machine)
+    modes = enumerate(machine.mechanics.modes)
     return (
-        *(remark for i, mode in enumerate(modes) for remark in _check_mode(machine, mode, i)),
+        *(remark for i, mode in modes for remark in _check_mode(machine, mode, i)),
         *_check_drive(machine),
         *_check_moves(machine),
         *_check_requirements(machine),
@@ -109,17 +108,17 @@ def check_patience(machine: Machine) -> tuple[Remark, ...]:
         velocity cycle is at least 20 us.
     """
     remarks = []
-    for i, mode in enumerate(flexible_modes(machine)):
+    for i, mode in enumerate(machine.mechanics.modes):
         decay = mode.damping_ratio * mode.natural_frequency
         ringing = log(100.0) / decay if decay > 0.0 else inf
         if ringing > LONGEST_RINGING:
             lasts = f"for {ringing:.3g} s until 1 % is left" if decay > 0.0 else "for ever"
             message = (
-                f"mode {mode.name}: {frequency_hz(mode):.3g} Hz at a damping ratio of "
+                f"mode {mode.name}: {mode.frequency_hz:.3g} Hz at a damping ratio of "
                 f"{mode.damping_ratio:.3g} rings {lasts}; limits, simulate and run follow it that "
                 "long and may take minutes"
             )
-            remarks.append(Remark(key=_mode_key(machine, i), message=message))
+            remarks.append(Remark(key=machine.mechanics.mode_key(i), message=message))
     cycle = machine.control.velocity_cycle
     if cycle < SHORTEST_VELOCITY_CYCLE:
         message = (
@@ -130,15 +129,9 @@ def check_patience(machine: Machine) -> tuple[Remark, ...]:
     return tuple(remarks)
 
 
-def _mode_key(machine: Machine, index: int) -> str:
-    is_manipulator = isinstance(machine.mechanics, Manipulator)
-    return "plant" if is_manipulator else f"plant.modes[{index + 1}]"
-
-
 def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> list[Remark]:
-    is_manipulator = isinstance(machine.mechanics, Manipulator)
-    key = _mode_key(machine, index)
-    f, zeta, control = frequency_hz(mode), mode.damping_ratio, machine.control
+    key = machine.mechanics.mode_key(index)
+    f, zeta, control = mode.frequency_hz, mode.damping_ratio, machine.control
     low, high = DAMPING_RATIOS
     remarks = []
 
@@ -171,7 +164,8 @@ def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> list[Remark
     if mode.tcp_gain == 0.0 and mode.measured_gain == 0.0:
         add("neither tool nor encoder sees it; it costs time in the optimum for nothing")
     reach = max(abs(mode.tcp_gain), abs(mode.measured_gain)) * moving_mass(machine)
-    if not is_manipulator and reach > GAIN_RATIO:
+    # Only a gain that was stated itself can have the wrong unit.
+    if key != "plant" and reach > GAIN_RATIO:
         add(f"its gain is {reach:.3g} times 1/moving_mass; check the unit of the gains")
     return [*remarks, *_check_deflection(machine, mode, key=key)]
 

@@ -25,17 +25,17 @@ def comparisons(record: Record, words: Catalogue) -> Section:
     text = words.text
     blocks: list[Block] = [Paragraph(text=text("comparison-note"), tone=Tone.NOTE)]
     for number, (move, entry) in enumerate(
-        zip(record["moves"], record["comparisons"], strict=True), start=1
+        zip(record.moves, record.comparisons, strict=True), start=1
     ):
         short = text("move", number=number)
-        blocks.append(Subheading(text=move_title(move["move"], number, words)))
-        blocks.append(_controls(record, entry["controls"], short, words))
-        blocks += _told(text("claims"), entry["claims"], words)
-        if entry["fed_forward"]:
-            blocks.append(_fed_forward(entry["fed_forward"], short, words))
-        blocks += _told(text("why-not"), entry["why_not_the_optimum"], words)
-        sampled = settling(move["response"]["settling_time"], words)
-        check = _continuous_check(entry["continuous"], sampled, words)
+        blocks.append(Subheading(text=move_title(move.move, number, words)))
+        blocks.append(_controls(record, entry.controls, short, words))
+        blocks += _told(text("claims"), entry.claims, words)
+        if entry.fed_forward:
+            blocks.append(_fed_forward(entry.fed_forward, short, words))
+        blocks += _told(text("why-not"), entry.why_not_the_optimum, words)
+        sampled = settling(move.response.settling_time, words)
+        check = _continuous_check(entry.continuous, sampled, words)
         blocks.append(Paragraph(text=check, tone=Tone.NOTE))
     return Section(key="comparisons", heading=text("comparison-heading"), blocks=tuple(blocks))
 
@@ -51,15 +51,15 @@ def _told(lead: str, sentences: list[str], words: Catalogue) -> tuple[Block, ...
 def _continuous_check(found: ContinuousEntry, sampled: str, words: Catalogue) -> str:
     """Return what the continuous approximation says; one that does not settle has no numbers."""
     text, f = words.text, words.format
-    if found["settling_time"] is None:
+    if found.settling_time is None:
         return text("continuous-unsettled", sampled=sampled)
     return text(
         "continuous-check",
-        settling=settling(found["settling_time"], words),
-        residual=f.axis(found["residual_deviation"], "m"),
+        settling=settling(found.settling_time, words),
+        residual=f.axis(found.residual_deviation, "m"),
         sampled=sampled,
-        settling_difference=_difference(found["settling_difference"], words),
-        residual_difference=_difference(found["residual_difference"], words),
+        settling_difference=_difference(found.settling_difference, words),
+        residual_difference=_difference(found.residual_difference, words),
     )
 
 
@@ -68,8 +68,8 @@ def _difference(share: float | None, words: Catalogue) -> str:
 
 
 def _controls(record: Record, controls: list[ComparedEntry], move: str, words: Catalogue) -> Table:
-    text, f, units = words.text, words.format, record["plant"]["units"]
-    rates = flexible_rates(record["plant"]["states"])
+    text, f, units = words.text, words.format, record.plant.units
+    rates = flexible_rates(record.plant.states)
     force = units["F"]
     heads = (
         text("transfer-time"),
@@ -81,13 +81,13 @@ def _controls(record: Record, controls: list[ComparedEntry], move: str, words: C
     )
     rows = tuple(
         (
-            words.say(control["name"]),
-            settling(control["transfer_time"], words),
-            f.signed_percent(control["overshoot"]).removeprefix("+"),
-            *(f.quantity(control["peaks"].get(rate), units[rate]) for rate in rates),
-            f.quantity(control["max_force"], force),
-            f.quantity(control["heat"], "N^2 m^2 s" if words.rotary else "N^2 s"),
-            f.quantity(control["work"], "J"),
+            words.say(control.name),
+            settling(control.transfer_time, words),
+            f.signed_percent(control.overshoot).removeprefix("+"),
+            *(f.quantity(control.peaks.get(rate), units[rate]) for rate in rates),
+            f.quantity(control.max_force, force),
+            f.quantity(control.heat, "N^2 m^2 s" if words.rotary else "N^2 s"),
+            f.quantity(control.work, "J"),
         )
         for control in controls
     )
@@ -114,14 +114,14 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) ->
         columns=name_and_numbers(text("control"), heads, width=1.4),
         rows=tuple(
             (
-                words.say(entry["control"]),
-                f.axis(entry["payload"], "kg"),
-                f.percent(entry["frequency_factor"]),
-                f.percent(entry["damping_factor"]),
-                settling(entry["settling_time"], words),
-                residual(entry["residual_deviation"], words),
-                f.axis(entry["peak_deviation"], "m"),
-                f.percent(entry["saturated_share"]),
+                words.say(entry.control),
+                f.axis(entry.payload, "kg"),
+                f.percent(entry.frequency_factor),
+                f.percent(entry.damping_factor),
+                settling(entry.settling_time, words),
+                residual(entry.residual_deviation, words),
+                f.axis(entry.peak_deviation, "m"),
+                f.percent(entry.saturated_share),
             )
             for entry in entries
         ),

@@ -44,17 +44,17 @@ def compose(record: Record, language: str = "en", *, before: Record | None = Non
     InputError
         If the two records cannot be compared.
     """
-    words = Catalogue(language, rotary=record["machine"]["motion"] == "rotary")
+    words = Catalogue(language, rotary=record.machine.motion == "rotary")
     text = words.text
-    profile = record["profile"]
+    profile = record.profile
     changes = () if before is None else (differences(before, record, words),)
     return Document(
         language=language,
         title=text("title"),
-        machine=record["machine"]["name"],
-        axis=f"{text('axis')} {record['machine']['axis']}",
-        identity=text("identity", name=profile["name"], hash=profile["sha256"][:HASH_DIGITS]),
-        created=record["created"],
+        machine=record.machine.name,
+        axis=f"{text('axis')} {record.machine.axis}",
+        identity=text("identity", name=profile.name, hash=profile.sha256[:HASH_DIGITS]),
+        created=record.created,
         disclaimer=text("disclaimer"),
         contents_heading=text("contents"),
         skip_link=text("skip"),

@@ -18,13 +18,13 @@ SUMS = (132.0, 262.0, 448.0)
 
 def structure(record: Record, words: Catalogue) -> Diagram:
     """Return position loop, velocity loop, feed-forward and state feedback with their values."""
-    text, f, part = words.text, words.format, record["loop"]
-    has_feedback = bool(part["state_feedback"])
+    text, f, part = words.text, words.format, record.loop
+    has_feedback = bool(part.state_feedback)
     wires = [*_forward_wires(), *_return_wires()]
     boxes = [*_forward_boxes(record, words), *_ahead_boxes(record, words)]
     boxes.append(_box(262 - 18, 182, 36, 28, "d/dt"))
     if has_feedback:
-        count = text("diagram-gains", count=len(part["state_feedback"]))
+        count = text("diagram-gains", count=len(part.state_feedback))
         boxes.append(_box(396, 168, 104, 44, text("diagram-observer"), "K (x̂_ref − x̂)", count))
         wires += [_wire((448, BACK), (448, 212)), _wire((448, 168), (448, MAIN + R))]
     return Diagram(
@@ -32,9 +32,9 @@ def structure(record: Record, words: Catalogue) -> Diagram:
         caption=text("diagram-caption"),
         alt=text(
             "diagram-alt",
-            kv=f.quantity(part["Kv"], "1/s"),
-            kp=f.axis(part["Kp"], "N s/m"),
-            tn=f.quantity(part["Tn"], "s"),
+            kv=f.quantity(part.Kv, "1/s"),
+            kp=f.axis(part.Kp, "N s/m"),
+            tn=f.quantity(part.Tn, "s"),
             feedback=text("yes") if has_feedback else text("no"),
         ),
         width=WIDTH,
@@ -62,10 +62,10 @@ def _wire(*points: tuple[float, float]) -> Wire:
 
 
 def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
-    text, f, part, plant = words.text, words.format, record["loop"], record["plant"]
-    data = {item["key"]: item["value"] for item in record["data"]}
+    text, f, part, plant = words.text, words.format, record.loop, record.plant
+    data = {item.key: item.value for item in record.data}
     lag = data.get("drive.force_lag")
-    force = f.quantity(record["optima"][0]["time"]["f_max"], plant["units"]["F"])
+    force = f.quantity(record.optima[0].time.f_max, plant.units["F"])
     top = MAIN - 24
     return [
         _box(
@@ -74,15 +74,15 @@ def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
             78,
             48,
             text("diagram-delay"),
-            f"τ = {f.quantity(part['reference_delay'], 's')}",
+            f"τ = {f.quantity(part.reference_delay, 's')}",
         ),
         _box(
             154,
             top,
             88,
             48,
-            f"Kv = {f.quantity(part['Kv'], '1/s')}",
-            text("diagram-cycle", cycle=f.quantity(part["position_cycle"], "s")),
+            f"Kv = {f.quantity(part.Kv, '1/s')}",
+            text("diagram-cycle", cycle=f.quantity(part.position_cycle, "s")),
             _late(record, "position controller", words),
         ),
         _box(
@@ -91,9 +91,9 @@ def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
             140,
             60,
             "Kp (1 + 1/(Tn s))",
-            f"Kp = {f.axis(part['Kp'], 'N s/m')}",
-            f"Tn = {f.quantity(part['Tn'], 's')}, "
-            f"{text('diagram-cycle', cycle=f.quantity(part['velocity_cycle'], 's'))}",
+            f"Kp = {f.axis(part.Kp, 'N s/m')}",
+            f"Tn = {f.quantity(part.Tn, 's')}, "
+            f"{text('diagram-cycle', cycle=f.quantity(part.velocity_cycle, 's'))}",
             _late(record, "velocity controller", words),
         ),
         _box(
@@ -111,19 +111,19 @@ def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
             98,
             48,
             text("diagram-mechanics"),
-            f"m = {f.axis(plant['moving_mass'], 'kg')}",
-            text("diagram-modes", count=len(plant["modes"])),
+            f"m = {f.axis(plant.moving_mass, 'kg')}",
+            text("diagram-modes", count=len(plant.modes)),
         ),
     ]
 
 
 def _ahead_boxes(record: Record, words: Catalogue) -> list[Box]:
     f = words.format
-    ahead = record["loop"]["feedforward"]
+    ahead = record.loop.feedforward
     velocity, acceleration, jerk = (
-        f.number(ahead[name]) for name in ("velocity", "acceleration", "jerk")
+        f.number(weight) for weight in (ahead.velocity, ahead.acceleration, ahead.jerk)
     )
-    mass = f.axis(ahead["mass"], "kg")
+    mass = f.axis(ahead.mass, "kg")
     return [
         _box(160, AHEAD - 17, 92, 34, f"× {velocity}", _late(record, "velocity ahead", words)),
         _box(
@@ -140,7 +140,7 @@ def _ahead_boxes(record: Record, words: Catalogue) -> list[Box]:
 
 def _late(record: Record, path: str, words: Catalogue) -> str:
     """Return how late a path acts, drive and filters included."""
-    totals = {entry["path"]: entry["total"] for entry in record["loop"]["delays"]}
+    totals = {entry.path: entry.total for entry in record.loop.delays}
     return words.text("diagram-late", time=words.format.quantity(totals.get(path), "s"))
 
 

@@ -9,7 +9,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import Quantity, Record
+from mtcommission.record.schema import Datum, Record
 from mtcommission.sheet.machine_part import datum, datum_name
 from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import decibel, degree, settling
@@ -61,19 +61,19 @@ def differences(before: Record, after: Record, words: Catalogue) -> Section:
     InputError
         If one axis is linear and the other rotary.
     """
-    motions = (before["machine"]["motion"], after["machine"]["motion"])
+    motions = (before.machine.motion, after.machine.motion)
     if motions[0] != motions[1]:
         message = Message("compared-with-other-motion", got=motions[0], wanted=motions[1])
         raise InputError([Fault(where="--compare", message=message)])
-    text, profile = words.text, before["profile"]
+    text, profile = words.text, before.profile
     inputs = [change for change in _inputs(before, after, words) if change.is_changed]
     sources = text(
         "compared-with",
-        machine=before["machine"]["name"],
-        axis_name=before["machine"]["axis"],
-        created=before["created"],
-        name=profile["name"],
-        hash=profile["sha256"],
+        machine=before.machine.name,
+        axis_name=before.machine.axis,
+        created=before.created,
+        name=profile.name,
+        hash=profile.sha256,
     )
     return Section(
         key="differences",
@@ -108,37 +108,37 @@ def _table(caption: str, changes: Iterable[Change], words: Catalogue) -> Table:
 def _inputs(before: Record, after: Record, words: Catalogue) -> list[Change]:
     text = words.text
     rows = [
-        _words(name, before["machine"][key], after["machine"][key], words)
+        _words(name, getattr(before.machine, key), getattr(after.machine, key), words)
         for name, key in (
             (text("machine-row"), "name"),
             (text("axis-row"), "axis"),
             (text("source"), "source"),
         )
     ]
-    old = {item["key"]: item for item in before["data"]}
-    new = {item["key"]: item for item in after["data"]}
+    old = {item.key: item for item in before.data}
+    new = {item.key: item for item in after.data}
     # In the order of the sheet, then what has gone.
     named = new | {key: item for key, item in old.items() if key not in new}
     rows += [
         _datum_change(item, (old.get(key), new.get(key)), (before, after), words)
         for key, item in named.items()
     ]
-    tools = (before["tool"]["version"], after["tool"]["version"])
+    tools = (before.tool.version, after.tool.version)
     return [*rows, _words(text("version"), *tools, words)]
 
 
 def _datum_change(
-    named: Quantity,
-    items: tuple[Quantity | None, Quantity | None],
+    named: Datum,
+    items: tuple[Datum | None, Datum | None],
     records: tuple[Record, Record],
     words: Catalogue,
 ) -> Change:
     shown = [
-        words.text("not-stated") if item is None else datum(item, record["plant"]["units"], words)
+        words.text("not-stated") if item is None else datum(item, record.plant.units, words)
         for item, record in zip(items, records, strict=True)
     ]
     name = datum_name(named, words)
-    before, after = (None if item is None else item["value"] for item in items)
+    before, after = (None if item is None else item.value for item in items)
     if isinstance(before, float | int) and isinstance(after, float | int):
         return _numbers(name, (before, after), (shown[0], shown[1]), words)
     return _words(name, shown[0], shown[1], words)
@@ -146,40 +146,34 @@ def _datum_change(
 
 def _limits(before: Record, after: Record, words: Catalogue) -> list[Change]:
     text = words.text
-    old, new = before["limits"]["recommended"], after["limits"]["recommended"]
+    old, new = before.limits.recommended, after.limits.recommended
     return [
-        _of_axis(text("acceleration"), (old["acceleration"], new["acceleration"]), "m/s^2", words),
-        _of_axis(text("jerk"), (old["jerk"], new["jerk"]), "m/s^3", words),
-        _quantity(text("jerk-time"), (old["jerk_time"], new["jerk_time"]), "s", words),
-        _words(
-            text("bound-by-column"), words.say(old["bound_by"]), words.say(new["bound_by"]), words
-        ),
+        _of_axis(text("acceleration"), (old.acceleration, new.acceleration), "m/s^2", words),
+        _of_axis(text("jerk"), (old.jerk, new.jerk), "m/s^3", words),
+        _quantity(text("jerk-time"), (old.jerk_time, new.jerk_time), "s", words),
+        _words(text("bound-by-column"), words.say(old.bound_by), words.say(new.bound_by), words),
     ]
 
 
 def _result(before: Record, after: Record, words: Catalogue) -> list[Change]:
-    text, parts = words.text, (before["assessment"], after["assessment"])
-    old, new = before["limits"]["recommended"], after["limits"]["recommended"]
-    verdicts = [text("yes") if part["met"] else text("no") for part in parts]
+    text, parts = words.text, (before.assessment, after.assessment)
+    old, new = before.limits.recommended, after.limits.recommended
+    verdicts = [text("yes") if part.met else text("no") for part in parts]
     rows = [
         _words(text("verdict-met"), verdicts[0], verdicts[1], words),
-        _settling(text("settling-time"), (old["settling_time"], new["settling_time"]), words),
-        _of_axis(
-            text("residual"), (old["residual_deviation"], new["residual_deviation"]), "m", words
-        ),
-        _of_axis(
-            text("peak-deviation"), (old["peak_deviation"], new["peak_deviation"]), "m", words
-        ),
+        _settling(text("settling-time"), (old.settling_time, new.settling_time), words),
+        _of_axis(text("residual"), (old.residual_deviation, new.residual_deviation), "m", words),
+        _of_axis(text("peak-deviation"), (old.peak_deviation, new.peak_deviation), "m", words),
     ]
-    moves = zip(before["moves"], after["moves"], before["optima"], after["optima"], strict=False)
+    moves = zip(before.moves, after.moves, before.optima, after.optima, strict=False)
     for number, (was, now, reference, optimum) in enumerate(moves, start=1):
-        titles = [move_title(move["move"], number, words) for move in (was, now)]
+        titles = [move_title(move.move, number, words) for move in (was, now)]
         if titles[0] != titles[1]:
             rows.append(_words(text("move", number=number), titles[0], titles[1], words))
             continue
-        settled = (was["response"]["settling_time"], now["response"]["settling_time"])
-        forces = (was["response"]["max_force"], now["response"]["max_force"])
-        times = (reference["time"]["t_f"], optimum["time"]["t_f"])
+        settled = (was.response.settling_time, now.response.settling_time)
+        forces = (was.response.max_force, now.response.max_force)
+        times = (reference.time.t_f, optimum.time.t_f)
         rows += [
             _settling(f"{titles[1]}: {text('settling-time')}, {text('nominal')}", settled, words),
             _of_axis(f"{titles[1]}: {text('max-force')}, {text('nominal')}", forces, "N", words),
@@ -191,26 +185,24 @@ def _result(before: Record, after: Record, words: Catalogue) -> list[Change]:
 
 
 def _loop(before: Record, after: Record, words: Catalogue) -> list[Change]:
-    text, old, new = words.text, before["loop"], after["loop"]
+    text, old, new = words.text, before.loop, after.loop
     both = (old, new)
     rows = [
-        _quantity(words.name("Kv"), (old["Kv"], new["Kv"]), "1/s", words),
-        _of_axis(words.name("Kp"), (old["Kp"], new["Kp"]), "N s/m", words),
-        _quantity(words.name("Tn"), (old["Tn"], new["Tn"]), "s", words),
-        _quantity(
-            text("reference-delay"), (old["reference_delay"], new["reference_delay"]), "s", words
-        ),
+        _quantity(words.name("Kv"), (old.Kv, new.Kv), "1/s", words),
+        _of_axis(words.name("Kp"), (old.Kp, new.Kp), "N s/m", words),
+        _quantity(words.name("Tn"), (old.Tn, new.Tn), "s", words),
+        _quantity(text("reference-delay"), (old.reference_delay, new.reference_delay), "s", words),
     ]
-    feedback = [text("yes") if part["state_feedback"] else text("no") for part in both]
+    feedback = [text("yes") if part.state_feedback else text("no") for part in both]
     rows.append(_words(text("state-feedback-used"), feedback[0], feedback[1], words))
     for name, key, show in (
         (text("gain-margin"), "gain_margin_db", decibel),
         (text("phase-margin"), "phase_margin_deg", degree),
     ):
-        margins = [part["worst_corner"].get(key) for part in both]
+        margins = [getattr(part.worst_corner, key) for part in both]
         shown = [show(value, words) for value in margins]
         rows.append(_words(f"{name}, {text('worst-corner')}", shown[0], shown[1], words))
-    bandwidths = (old["bandwidth_hz"], new["bandwidth_hz"])
+    bandwidths = (old.bandwidth_hz, new.bandwidth_hz)
     return [*rows, _quantity(text("bandwidth"), bandwidths, "Hz", words)]
 
 

@@ -17,17 +17,17 @@ KV_UNIT = 1000.0 / 60.0
 def parameters(record: Record, words: Catalogue) -> Section:
     """Return the parameters for the control, with empty columns."""
     text, f = words.text, words.format
-    limits, kv = record["limits"]["recommended"], record["loop"]["Kv"]
+    limits, kv = record.limits.recommended, record.loop.Kv
     per_minute = (60.0 * kv, "1/min") if words.rotary else (kv / KV_UNIT, "(m/min)/mm")
     kv_text = f.with_unit(f.number(float(f"{per_minute[0]:.4g}")), per_minute[1])
     rows = [
         (
             text("acceleration"),
             acceleration(record, words),
-            _other_unit(limits["acceleration"], "s²", words),
+            _other_unit(limits.acceleration, "s²", words),
         ),
-        (text("jerk"), jerk(record, words), _other_unit(limits["jerk"], "s³", words)),
-        (text("jerk-time"), f.quantity(limits["jerk_time"], "s"), ""),
+        (text("jerk"), jerk(record, words), _other_unit(limits.jerk, "s³", words)),
+        (text("jerk-time"), f.quantity(limits.jerk_time, "s"), ""),
     ]
     for name, value in gain_rows(record, words):
         rows.append((name, value, kv_text if name == words.name("Kv") else ""))
@@ -56,8 +56,8 @@ def signatures(record: Record, words: Catalogue) -> Section:
     text = words.text
     values = text(
         "signed-values",
-        machine=record["machine"]["name"],
-        axis_name=record["machine"]["axis"],
+        machine=record.machine.name,
+        axis_name=record.machine.axis,
         acceleration=acceleration(record, words),
         jerk=jerk(record, words),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from itertools import pairwise
 
 from mtcommission.messages.catalogue import Catalogue
@@ -27,8 +28,8 @@ def certificates(record: Record, words: Catalogue) -> Section:
     """Return certificates, assumptions, warnings and numerical settings."""
     text = words.text
     tables: list[Block] = []
-    for number, optima in enumerate(record["optima"], start=1):
-        title = move_title(optima["move"], number, words)
+    for number, optima in enumerate(record.optima, start=1):
+        title = move_title(optima.move, number, words)
         for name, _, optimum in named_optima(optima, words):
             caption = text("certificate-caption", move=title, what=name)
             tables.append(
@@ -39,9 +40,9 @@ def certificates(record: Record, words: Catalogue) -> Section:
         heading=text("evidence-heading"),
         blocks=(
             Subheading(text=text("assumptions")),
-            _sentences(record["assumptions"], Tone.PLAIN, words),
+            _sentences(record.assumptions, Tone.PLAIN, words),
             Subheading(text=text("warnings")),
-            _sentences(record["warnings"], Tone.WARNING, words),
+            _sentences(record.warnings, Tone.WARNING, words),
             *tables,
             *settings(record, words),
         ),
@@ -50,11 +51,11 @@ def certificates(record: Record, words: Catalogue) -> Section:
 
 def versions(record: Record, words: Catalogue) -> Section:
     """Return program, libraries, hash and text of the profile."""
-    text, tool, profile = words.text, record["tool"], record["profile"]
+    text, tool, profile = words.text, record.tool, record.profile
     rows = [
-        (tool["name"], tool["version"]),
-        *tool["libraries"].items(),
-        (text("created"), record["created"]),
+        (tool.name, tool.version),
+        *tool.libraries.items(),
+        (text("created"), record.created),
     ]
     return Section(
         key="versions",
@@ -62,10 +63,8 @@ def versions(record: Record, words: Catalogue) -> Section:
         blocks=(
             _pairs(text("versions-caption"), text("program"), rows, words),
             Paragraph(text=f"{text('hash-row')}:"),
-            Paragraph(text=profile["sha256"], tone=Tone.CODE),
-            Preformatted(
-                caption=text("profile-caption", name=profile["name"]), text=profile["text"]
-            ),
+            Paragraph(text=profile.sha256, tone=Tone.CODE),
+            Preformatted(caption=text("profile-caption", name=profile.name), text=profile.text),
         ),
     )
 
@@ -73,31 +72,31 @@ def versions(record: Record, words: Catalogue) -> Section:
 def _certificate_rows(optimum: OptimumEntry, words: Catalogue) -> list[tuple[str, str]]:
     text, f = words.text, words.format
     rows = [
-        (text("final-time"), f.quantity(optimum["t_f"], "s")),
-        (text("method"), words.say(optimum["method"])),
-        (text("switches"), ", ".join(f.quantity(t, "s") for t in _changes(optimum["arcs"]))),
+        (text("final-time"), f.quantity(optimum.t_f, "s")),
+        (text("method"), words.say(optimum.method)),
+        (text("switches"), ", ".join(f.quantity(t, "s") for t in _changes(optimum.arcs))),
         (text("largest-error"), f.number(_largest_error(optimum), digits=2)),
     ]
-    if optimum["cost"] is not None:
-        rows.append((text("cost"), f.quantity(optimum["cost"], "N^2 s")))
-    if optimum["weights"]:
-        rows.append((text("weights"), _listed(optimum["weights"], words)))
-    for key, value in optimum["certificate"].items():
+    if optimum.cost is not None:
+        rows.append((text("cost"), f.quantity(optimum.cost, "N^2 s")))
+    if optimum.weights:
+        rows.append((text("weights"), _listed(optimum.weights, words)))
+    for key, value in asdict(optimum.certificate).items():
         rows.append((words.name(key), _evidence(key, value, words)))
     return [row for row in rows if row[1]]
 
 
 def _changes(arcs: list[ArcEntry]) -> list[float]:
     """Return when the kind of control changes [s]; arcs within the force bound run into another."""
-    return [arc["t_end"] for arc, after in pairwise(arcs) if arc["control"] != after["control"]]
+    return [arc.t_end for arc, after in pairwise(arcs) if arc.control != after.control]
 
 
 def _largest_error(optimum: OptimumEntry) -> float:
     return max(
         (
-            abs(error) / optimum["peaks"][state]
-            for state, error in optimum["terminal_error"].items()
-            if optimum["peaks"].get(state)
+            abs(error) / optimum.peaks[state]
+            for state, error in optimum.terminal_error.items()
+            if optimum.peaks.get(state)
         ),
         default=0.0,
     )

@@ -46,20 +46,20 @@ RECOMMENDED, ALTERNATIVE, RULE = 0, 1, 2
 
 def limits(record: Record, words: Catalogue) -> Section:
     """Return the recommendation, what bound it and its alternatives."""
-    text, part = words.text, record["limits"]
-    recommended = part["recommended"]
+    text, part = words.text, record.limits
+    recommended = part.recommended
     head = (
         text("recommended"),
         *_numbers(recommended, record, words),
-        _met(record["assessment"]["met"], words),
+        _met(record.assessment.met, words),
     )
     rows = [
         (
-            words.say(item["name"]),
+            words.say(item.name),
             *_numbers(item, record, words),
-            _met(item["meets_requirements"], words),
+            _met(item.meets_requirements, words),
         )
-        for item in part["alternatives"]
+        for item in part.alternatives
     ]
     table = Table(
         caption=text("alternatives-caption"),
@@ -71,7 +71,7 @@ def limits(record: Record, words: Catalogue) -> Section:
         key="limits",
         heading=text("limits-heading"),
         blocks=(
-            Paragraph(text=text("values-bound-by", bound=words.say(recommended["bound_by"]))),
+            Paragraph(text=text("values-bound-by", bound=words.say(recommended.bound_by))),
             table,
             *_attainable(record, words),
             _machining_modes(record, words),
@@ -86,12 +86,12 @@ def _attainable(record: Record, words: Catalogue) -> tuple[Table, ...]:
     rows = tuple(
         (
             capitalised(words.say(name_obstacle(item))),
-            f.quantity(item["limit"], item["unit"]),
-            f.quantity(item["value"], item["unit"]),
-            f.axis(item["acceleration"], "m/s^2"),
-            f.axis(item["jerk"], "m/s^3"),
+            f.quantity(item.limit, item.unit),
+            f.quantity(item.value, item.unit),
+            f.axis(item.acceleration, "m/s^2"),
+            f.axis(item.jerk, "m/s^3"),
         )
-        for item in record["limits"]["attainable"]
+        for item in record.limits.attainable
     )
     columns = name_and_numbers(text("check"), heads, width=1.6)
     return (Table(caption=text("attainable-caption"), columns=columns, rows=rows),) if rows else ()
@@ -112,19 +112,19 @@ def name_obstacle(item: AttainableEntry) -> str:
     >>> name_obstacle(item)
     'settling time, together with peak v_s'
     """
-    others = " and ".join(item.get("together_with", []))
-    return f"{item['requirement']}, together with {others}" if others else item["requirement"]
+    others = " and ".join(item.together_with)
+    return f"{item.requirement}, together with {others}" if others else item.requirement
 
 
 def _mode_bound(mode: ModeLimitsEntry, words: Catalogue) -> str:
     """Return what bounds a machining mode, or why it has no values and what band it could have."""
     text, f = words.text, words.format
-    if not mode["reason"]:
-        return words.say(mode["bound_by"])
-    reason = words.say(mode["reason"])
-    if mode["attainable"] is None:
+    if not mode.reason:
+        return words.say(mode.bound_by)
+    reason = words.say(mode.reason)
+    if mode.attainable is None:
         return reason
-    least = f.axis(mode["attainable"], "m")
+    least = f.axis(mode.attainable, "m")
     return text("attainable-band", reason=reason, band=least)
 
 
@@ -151,23 +151,23 @@ def _machining_modes(record: Record, words: Catalogue) -> Table:
         ),
         rows=tuple(
             (
-                words.known(f"machining-{mode['name']}", mode["name"]),
-                f.axis(mode["band"], "m"),
-                f.axis(mode["acceleration"], "m/s^2"),
-                f.axis(mode["jerk"], "m/s^3"),
-                f.quantity(mode["jerk_time"], "s"),
-                settling(mode["settling_time"], words),
+                words.known(f"machining-{mode.name}", mode.name),
+                f.axis(mode.band, "m"),
+                f.axis(mode.acceleration, "m/s^2"),
+                f.axis(mode.jerk, "m/s^3"),
+                f.quantity(mode.jerk_time, "s"),
+                settling(mode.settling_time, words),
                 _mode_bound(mode, words),
-                _met(mode["meets_requirements"], words),
+                _met(mode.meets_requirements, words),
             )
-            for mode in record["limits"]["modes"]
+            for mode in record.limits.modes
         ),
     )
 
 
 def rules(record: Record, words: Catalogue) -> Section:
     """Return the comparison with the rules of thumb, as table and plot."""
-    text, part = words.text, record["limits"]
+    text, part = words.text, record.limits
     table = Table(
         caption=text("rules-caption"),
         columns=(
@@ -177,18 +177,18 @@ def rules(record: Record, words: Catalogue) -> Section:
         ),
         rows=tuple(
             (
-                words.say(item["name"]),
-                words.say(item["source"]),
+                words.say(item.name),
+                words.say(item.source),
                 *_numbers(item, record, words),
-                _met(item["meets_requirements"], words),
+                _met(item.meets_requirements, words),
             )
-            for item in part["rules"]
+            for item in part.rules
         ),
     )
     left_out = [
-        words.say(item["name"])
-        for item in [*part["alternatives"], *part["rules"]]
-        if item["settling_time"] is None or not item["residual_deviation"]
+        words.say(item.name)
+        for item in [*part.alternatives, *part.rules]
+        if item.settling_time is None or not item.residual_deviation
     ]
     note: tuple[Block, ...] = ()
     if left_out:
@@ -203,13 +203,13 @@ def rules(record: Record, words: Catalogue) -> Section:
 
 def landscape(record: Record, words: Catalogue) -> Section:
     """Return the map of settling times with the chosen point."""
-    text, f, part = words.text, words.format, record["limits"]["landscape"]
-    recommended = record["limits"]["recommended"]
+    text, f, part = words.text, words.format, record.limits.landscape
+    recommended = record.limits.recommended
     values = np.array(
-        [[np.nan if cell is None else cell for cell in row] for row in part["settling_time"]]
-    ).reshape(len(part["acceleration"]), len(part["jerk_time"]))
+        [[np.nan if cell is None else cell for cell in row] for row in part.settling_time]
+    ).reshape(len(part.acceleration), len(part.jerk_time))
     known = values[np.isfinite(values)]
-    a_axis, t_axis = np.array(part["acceleration"]), np.array(part["jerk_time"])
+    a_axis, t_axis = np.array(part.acceleration), np.array(part.jerk_time)
     a_scale = f.scale_for([a_axis], motion_unit("m/s^2", rotary=words.rotary))
     t_scale = f.scale_for([t_axis], "s")
     value_scale = f.scale_for([known], "s")
@@ -220,15 +220,15 @@ def landscape(record: Record, words: Catalogue) -> Section:
         least=settling(float(known.min()) if known.size else None, words),
         most=settling(float(known.max()) if known.size else None, words),
         acceleration=acceleration(record, words),
-        jerk_time=f.quantity(recommended["jerk_time"], "s"),
+        jerk_time=f.quantity(recommended.jerk_time, "s"),
     )
     caption = text("landscape-caption")
     if known.size < values.size:
         caption = text("hatched", caption=caption)
     chosen = Mark(
         label=text("chosen"),
-        x=recommended["jerk_time"] / t_scale.size,
-        y=recommended["acceleration"] / a_scale.size,
+        x=recommended.jerk_time / t_scale.size,
+        y=recommended.acceleration / a_scale.size,
         style=RECOMMENDED,
     )
     heat_map = HeatMap(
@@ -250,20 +250,18 @@ def landscape(record: Record, words: Catalogue) -> Section:
 
 def _borders(record: Record, t_size: float, a_size: float, words: Catalogue) -> tuple[Contour, ...]:
     """Return the curves on which the residual fills the band, and the drive its limits."""
-    text, f, part, permitted = words.text, words.format, record["limits"]["landscape"], band(record)
+    text, f, part, permitted = words.text, words.format, record.limits.landscape, band(record)
     found = []
     if permitted is not None:
         shown = f.axis(permitted, "m")
         label = text("residual-border", band=shown)
-        found.append((label, RESIDUAL_BORDER, part["residual_deviation"], permitted))
-    found.append((text("usage-border"), USAGE_BORDER, part["usage"], 1.0))
+        found.append((label, RESIDUAL_BORDER, part.residual_deviation, permitted))
+    found.append((text("usage-border"), USAGE_BORDER, part.usage, 1.0))
     size = np.array([t_size, a_size])
     contours = []
     for label, style, grid, level in found:
         values = np.array([[np.nan if cell is None else cell for cell in row] for row in grid])
-        paths = trace(
-            np.array(part["jerk_time"]), np.array(part["acceleration"]), values, level=level
-        )
+        paths = trace(np.array(part.jerk_time), np.array(part.acceleration), values, level=level)
         if paths:
             scaled = tuple(path / size for path in paths)
             contours.append(Contour(label=label, style=style, paths=scaled))
@@ -303,16 +301,16 @@ def trace(x: Array, y: Array, values: Array, *, level: float) -> tuple[Array, ..
 
 def _comparison(record: Record, words: Catalogue) -> tuple[PointPlot, ...]:
     """Return the plot of settling time against residual; nothing if no point has both."""
-    text, f, part, permitted = words.text, words.format, record["limits"], band(record)
+    text, f, part, permitted = words.text, words.format, record.limits, band(record)
     named: list[tuple[str, LimitsEntry | Alternative | RuleResult, int]] = [
-        (text("recommended"), part["recommended"], RECOMMENDED),
-        *((words.say(item["name"]), item, ALTERNATIVE) for item in part["alternatives"]),
-        *((words.say(item["name"]), item, RULE) for item in part["rules"]),
+        (text("recommended"), part.recommended, RECOMMENDED),
+        *((words.say(item.name), item, ALTERNATIVE) for item in part.alternatives),
+        *((words.say(item.name), item, RULE) for item in part.rules),
     ]
     points = [
-        (name, item["settling_time"], item["residual_deviation"], style)
+        (name, item.settling_time, item.residual_deviation, style)
         for name, item, style in named
-        if item["settling_time"] and item["residual_deviation"]
+        if item.settling_time and item.residual_deviation
     ]
     if not points or permitted is None:
         return ()
@@ -322,15 +320,15 @@ def _comparison(record: Record, words: Catalogue) -> tuple[PointPlot, ...]:
         Mark(label=name, x=(t or 0.0) / t_scale.size, y=(e or 0.0) / e_scale.size, style=style)
         for name, t, e, style in points
     )
-    recommended = part["recommended"]
+    recommended = part.recommended
     return (
         PointPlot(
             key="comparison",
             caption=text("compare-caption"),
             alt=text(
                 "compare-alt",
-                settling=settling(recommended["settling_time"], words),
-                residual=f.axis(recommended["residual_deviation"], "m"),
+                settling=settling(recommended.settling_time, words),
+                residual=f.axis(recommended.residual_deviation, "m"),
             ),
             x_label=text("in-unit", name=text("settling-time"), unit=t_scale.unit),
             y_label=text("in-unit", name=text("residual"), unit=e_scale.unit),
@@ -374,13 +372,13 @@ def _numbers(
     item: LimitsEntry | Alternative | RuleResult, record: Record, words: Catalogue
 ) -> tuple[str, ...]:
     f = words.format
-    cycle = record["loop"]["velocity_cycle"]
+    cycle = record.loop.velocity_cycle
     return (
-        f.axis(item["acceleration"], "m/s^2"),
-        shown_jerk(item["acceleration"], item["jerk"], cycle, words),
-        settling(item["settling_time"], words),
-        residual(item["residual_deviation"], words),
-        f.axis(item["peak_deviation"], "m"),
+        f.axis(item.acceleration, "m/s^2"),
+        shown_jerk(item.acceleration, item.jerk, cycle, words),
+        settling(item.settling_time, words),
+        residual(item.residual_deviation, words),
+        f.axis(item.peak_deviation, "m"),
     )
 
 

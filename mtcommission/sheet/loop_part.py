@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import hypot, pi
+from dataclasses import asdict
+from math import hypot, isfinite, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,11 +35,11 @@ OPEN, CLOSED = 4, 1
 
 def loop(record: Record, words: Catalogue) -> Section:
     """Return gains, margins, frequency response and poles."""
-    text, part = words.text, record["loop"]
-    sentences = [text("sensors", names=", ".join(map(words.say, part["sensors"])))]
-    if part["observer"]["states"]:
-        sentences.append(text("observed", names=", ".join(map(symbol, part["observer"]["states"]))))
-    if not part["state_feedback"]:
+    text, part = words.text, record.loop
+    sentences = [text("sensors", names=", ".join(map(words.say, part.sensors)))]
+    if part.observer.states:
+        sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
+    if not part.state_feedback:
         sentences.append(text("no-state-feedback"))
     gains = Table(
         caption=text("gains-caption"),
@@ -49,10 +50,10 @@ def loop(record: Record, words: Catalogue) -> Section:
         rows=gain_rows(record, words),
     )
     remarks: tuple[Block, ...] = ()
-    if part["remarks"]:
+    if part.remarks:
         remarks = (
             Subheading(text=text("remarks")),
-            Bullets(items=tuple(map(words.say, part["remarks"]))),
+            Bullets(items=tuple(map(words.say, part.remarks))),
         )
     return Section(
         key="loop",
@@ -73,64 +74,64 @@ def loop(record: Record, words: Catalogue) -> Section:
 
 def gain_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
     """Return name and value of every gain, delay and cycle."""
-    text, f, part, units = words.text, words.format, record["loop"], record["plant"]["units"]
+    text, f, part, units = words.text, words.format, record.loop, record.plant.units
     mass = motion_unit("kg", rotary=words.rotary)
     rows = [
-        (words.name("Kv"), f.quantity(part["Kv"], "1/s")),
-        (words.name("Kp"), f.axis(part["Kp"], "N s/m")),
-        (words.name("Tn"), f.quantity(part["Tn"], "s")),
-        (text("reference-delay"), f.quantity(part["reference_delay"], "s")),
+        (words.name("Kv"), f.quantity(part.Kv, "1/s")),
+        (words.name("Kp"), f.axis(part.Kp, "N s/m")),
+        (words.name("Tn"), f.quantity(part.Tn, "s")),
+        (text("reference-delay"), f.quantity(part.reference_delay, "s")),
     ]
-    for name, value in part["feedforward"].items():
+    for name, value in asdict(part.feedforward).items():
         unit = mass if "mass" in name else ""
         rows.append((text("feedforward", name=words.say(name)), f.quantity(value, unit)))
-    for state, gain in part["state_feedback"].items():
+    for state, gain in part.state_feedback.items():
         unit = f"{units['F']}/({units[state]})" if state in units else ""
         rows.append((text("state-feedback", name=symbol(state)), f.quantity(gain, unit)))
-    rows.append((text("position-cycle"), f.quantity(part["position_cycle"], "s")))
-    rows.append((text("velocity-cycle"), f.quantity(part["velocity_cycle"], "s")))
+    rows.append((text("position-cycle"), f.quantity(part.position_cycle, "s")))
+    rows.append((text("velocity-cycle"), f.quantity(part.velocity_cycle, "s")))
     return tuple(rows)
 
 
 def _margins(record: Record, words: Catalogue) -> Table:
-    text, f, part = words.text, words.format, record["loop"]
-    worst = part["worst_corner"]
-    peak = worst.get("sensitivity_peak")
+    text, f, part = words.text, words.format, record.loop
+    worst = part.worst_corner
+    peak = worst.sensitivity_peak
     rows = (
         (
             text("gain-margin"),
-            decibel(part["gain_margin_db"], words),
-            decibel(worst.get("gain_margin_db"), words),
+            decibel(part.gain_margin_db, words),
+            decibel(worst.gain_margin_db, words),
         ),
-        (text("gain-margin-up"), decibel(part["gain_margin_up_db"], words), "–"),
-        (text("gain-margin-down"), decibel(part["gain_margin_down_db"], words), "–"),
+        (text("gain-margin-up"), decibel(part.gain_margin_up_db, words), "–"),
+        (text("gain-margin-down"), decibel(part.gain_margin_down_db, words), "–"),
         (
             text("phase-margin"),
-            degree(part["phase_margin_deg"], words),
-            degree(worst.get("phase_margin_deg"), words),
+            degree(part.phase_margin_deg, words),
+            degree(worst.phase_margin_deg, words),
         ),
         (
             text("sensitivity-peak"),
-            f.number(part["sensitivity_peak"], digits=3),
-            "–" if peak is None else f.number(peak, digits=3),
+            f.number(part.sensitivity_peak, digits=3),
+            f.number(peak, digits=3) if isfinite(peak) else "–",
         ),
         (
             text("bandwidth"),
-            f.quantity(part["bandwidth_hz"], "Hz"),
-            f.quantity(worst.get("bandwidth_hz"), "Hz"),
+            f.quantity(part.bandwidth_hz, "Hz"),
+            f.quantity(worst.bandwidth_hz, "Hz"),
         ),
         (
             text("dynamic-stiffness"),
             _stiffness(part, words),
-            f.axis(worst.get("dynamic_stiffness"), "N/m"),
+            f.axis(worst.dynamic_stiffness, "N/m"),
         ),
         *(
             (
                 text("damping-of", mode=mode),
                 f.percent(damping),
-                f.percent_if_known(part["worst_mode_damping"].get(mode)),
+                f.percent_if_known(part.worst_mode_damping.get(mode)),
             )
-            for mode, damping in part["mode_damping"].items()
+            for mode, damping in part.mode_damping.items()
         ),
     )
     return Table(
@@ -146,30 +147,28 @@ def _margins(record: Record, words: Catalogue) -> Table:
 
 def _variants(record: Record, words: Catalogue) -> tuple[Table, ...]:
     """Return the loops that were compared side by side; nothing if there was no choice."""
-    text, f, variants = words.text, words.format, record["loop"]["variants"]
+    text, f, variants = words.text, words.format, record.loop.variants
     if len(variants) < 2:
         return ()
-    force = record["plant"]["units"]["F"]
+    force = record.plant.units["F"]
     rows = [
-        (text("gain-margin"), *(decibel(item["gain_margin_db"], words) for item in variants)),
-        (text("phase-margin"), *(degree(item["phase_margin_deg"], words) for item in variants)),
-        (text("sensitivity-peak"), *(f.number(i["sensitivity_peak"], digits=3) for i in variants)),
-        (text("bandwidth"), *(f.quantity(item["bandwidth_hz"], "Hz") for item in variants)),
+        (text("gain-margin"), *(decibel(item.gain_margin_db, words) for item in variants)),
+        (text("phase-margin"), *(degree(item.phase_margin_deg, words) for item in variants)),
+        (text("sensitivity-peak"), *(f.number(i.sensitivity_peak, digits=3) for i in variants)),
+        (text("bandwidth"), *(f.quantity(item.bandwidth_hz, "Hz") for item in variants)),
         (text("dynamic-stiffness"), *(_stiffness(item, words) for item in variants)),
     ]
-    for mode in record["plant"]["modes"]:
-        name = mode["name"]
-        dampings = (f.percent(item["mode_damping"][name]) for item in variants)
+    for mode in record.plant.modes:
+        name = mode.name
+        dampings = (f.percent(item.mode_damping[name]) for item in variants)
         rows.append((text("damping-of", mode=name), *dampings))
     rows += [
-        (text("settling-time"), *(settling(item["settling_time"], words) for item in variants)),
-        (text("residual"), *(f.axis(item["residual_deviation"], "m") for item in variants)),
-        (text("max-force"), *(f.quantity(item["max_force"], force) for item in variants)),
+        (text("settling-time"), *(settling(item.settling_time, words) for item in variants)),
+        (text("residual"), *(f.axis(item.residual_deviation, "m") for item in variants)),
+        (text("max-force"), *(f.quantity(item.max_force, force) for item in variants)),
     ]
     heads = (
-        text("variant-used", name=words.say(item["name"]))
-        if item["used"]
-        else words.say(item["name"])
+        text("variant-used", name=words.say(item.name)) if item.used else words.say(item.name)
         for item in variants
     )
     return (
@@ -185,15 +184,15 @@ def _stiffness(part: LoopPart | VariantEntry, words: Catalogue) -> str:
     f = words.format
     return words.text(
         "stiffness-at",
-        stiffness=f.axis(part["dynamic_stiffness"], "N/m"),
-        frequency=f.quantity(part["weakest_frequency_hz"], "Hz"),
+        stiffness=f.axis(part.dynamic_stiffness, "N/m"),
+        frequency=f.quantity(part.weakest_frequency_hz, "Hz"),
     )
 
 
 def _bode(record: Record, words: Catalogue) -> LinePlot:
-    text, f, part = words.text, words.format, record["loop"]
-    frequency = np.array(part["bode"]["t"])
-    signals = {name: np.array(values) for name, values in part["bode"]["signals"].items()}
+    text, f, part = words.text, words.format, record.loop
+    frequency = np.array(part.bode.t)
+    signals = {name: np.array(values) for name, values in part.bode.signals.items()}
     # Whole turns are added so that the phase begins between -360 and 0 degrees.
     phase = signals["open_loop_deg"] - 360.0 * np.ceil(signals["open_loop_deg"][0] / 360.0)
 
@@ -205,9 +204,9 @@ def _bode(record: Record, words: Catalogue) -> LinePlot:
         caption=text("bode-caption"),
         alt=text(
             "bode-alt",
-            gain=decibel(part["gain_margin_db"], words),
-            phase=degree(part["phase_margin_deg"], words),
-            bandwidth=f.quantity(part["bandwidth_hz"], "Hz"),
+            gain=decibel(part.gain_margin_db, words),
+            phase=degree(part.phase_margin_deg, words),
+            bandwidth=f.quantity(part.bandwidth_hz, "Hz"),
         ),
         x_label=text("in-unit", name=text("frequency"), unit="Hz"),
         x_is_log=True,
@@ -234,7 +233,7 @@ def _poles(record: Record, words: Catalogue) -> Table:
     """Return one row for each real pole and each pair."""
     text, f = words.text, words.format
     upper = sorted(
-        ((real, imaginary) for real, imaginary in record["loop"]["poles"] if imaginary >= 0.0),
+        ((real, imaginary) for real, imaginary in record.loop.poles if imaginary >= 0.0),
         key=lambda pole: -pole[0],
     )
     rows = []

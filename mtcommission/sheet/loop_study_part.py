@@ -16,7 +16,7 @@ USED, OTHER = 4, 1
 
 def loop_study(record: Record, words: Catalogue) -> tuple[Block, ...]:
     """Return delays, disturbance response, effect of the jerk feed-forward, and corners."""
-    corners = (_corners(record, words),) if len(record["loop"]["corners"]) > 1 else ()
+    corners = (_corners(record, words),) if len(record.loop.corners) > 1 else ()
     return (
         *corners,
         _disturbance(record, words),
@@ -42,26 +42,26 @@ def _corners(record: Record, words: Catalogue) -> Table:
         columns=tuple(Column(head=head, is_number=True) for head in heads),
         rows=tuple(
             (
-                f.axis(corner["payload"], "kg"),
-                f.percent(corner["frequency_factor"]),
-                f.percent(corner["damping_factor"]),
-                decibel(corner["gain_margin_db"], words),
-                degree(corner["phase_margin_deg"], words),
-                f.number(corner["sensitivity_peak"], digits=3),
-                f.quantity(corner["bandwidth_hz"], "Hz"),
-                f.axis(corner["dynamic_stiffness"], "N/m"),
+                f.axis(corner.payload, "kg"),
+                f.percent(corner.frequency_factor),
+                f.percent(corner.damping_factor),
+                decibel(corner.gain_margin_db, words),
+                degree(corner.phase_margin_deg, words),
+                f.number(corner.sensitivity_peak, digits=3),
+                f.quantity(corner.bandwidth_hz, "Hz"),
+                f.axis(corner.dynamic_stiffness, "N/m"),
             )
-            for corner in record["loop"]["corners"]
+            for corner in record.loop.corners
         ),
     )
 
 
 def _disturbance(record: Record, words: Catalogue) -> LinePlot:
     """Return how the tool gives way to a step of force, for each loop that was compared."""
-    text, f, series = words.text, words.format, record["loop"]["disturbance"]
-    used = {item["name"] for item in record["loop"]["variants"] if item["used"]}
-    t = np.array(series["t"])
-    curves = {name: np.array(values) for name, values in series["signals"].items()}
+    text, f, series = words.text, words.format, record.loop.disturbance
+    used = {item.name for item in record.loop.variants if item.used}
+    t = np.array(series.t)
+    curves = {name: np.array(values) for name, values in series.signals.items()}
     t_scale = f.scale(float(t[-1]) if t.size else 0.0, "s")
     unit = "rad/(N m)" if words.rotary else "m/N"
     y_scale = f.scale_for(list(curves.values()), unit)
@@ -100,10 +100,10 @@ def _delays(record: Record, words: Catalogue) -> Table:
         columns=name_and_numbers(text("path"), heads, width=1.6),
         rows=tuple(
             (
-                words.say(entry["path"]),
-                *(f.quantity(entry[key] or None, "s") for key in keys),  # type: ignore[literal-required]
+                words.say(entry.path),
+                *(f.quantity(getattr(entry, key) or None, "s") for key in keys),
             )
-            for entry in record["loop"]["delays"]
+            for entry in record.loop.delays
         ),
     )
 
@@ -116,17 +116,15 @@ def _jerk_feedforward(record: Record, words: Catalogue) -> Table:
         columns=name_and_numbers(text("jerk-weight"), heads, width=1.4),
         rows=tuple(
             (
-                text("variant-used", name=f.number(entry["weight"]))
-                if entry["used"]
-                else f.number(entry["weight"]),
-                f.quantity(entry["reference_delay"], "s"),
-                f.quantity(entry["max_force"], record["plant"]["units"]["F"]),
-                settling(entry["settling_time"], words),
-                residual(entry["residual_deviation"], words),
+                text("variant-used", name=f.number(entry.weight))
+                if entry.used
+                else f.number(entry.weight),
+                f.quantity(entry.reference_delay, "s"),
+                f.quantity(entry.max_force, record.plant.units["F"]),
+                settling(entry.settling_time, words),
+                residual(entry.residual_deviation, words),
             )
-            for entry in record["loop"]["jerk_feedforward"]
+            for entry in record.loop.jerk_feedforward
         ),
-        strong_rows=tuple(
-            k for k, entry in enumerate(record["loop"]["jerk_feedforward"]) if entry["used"]
-        ),
+        strong_rows=tuple(k for k, entry in enumerate(record.loop.jerk_feedforward) if entry.used),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Quantity, Record
+from mtcommission.record.schema import Datum, Record
 from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
 
 REQUIRED = ("requirements.", "moves")
@@ -17,16 +17,16 @@ LONGEST_SOURCE = 28
 
 def machine_data(record: Record, words: Catalogue) -> Section:
     """Return the machine's data with their sources, and its modes."""
-    text, machine, sources = words.text, record["machine"], long_sources(record)
-    data = [item for item in record["data"] if not item["key"].startswith(REQUIRED)]
+    text, machine, sources = words.text, record.machine, long_sources(record)
+    data = [item for item in record.data if not item.key.startswith(REQUIRED)]
     title = Table(
         caption=text("rigid-caption"),
         columns=(Column(head=text("quantity")), Column(head=text("value"), width=2.0)),
         rows=(
-            (text("machine-row"), machine["name"]),
-            (text("axis-row"), machine["axis"]),
+            (text("machine-row"), machine.name),
+            (text("axis-row"), machine.axis),
             (text("motion-row"), text("rotary") if words.rotary else text("linear")),
-            (text("source"), _numbered(machine["source"], sources, words)),
+            (text("source"), _numbered(machine.source, sources, words)),
             *_rigid_rows(record, words),
         ),
     )
@@ -39,7 +39,7 @@ def machine_data(record: Record, words: Catalogue) -> Section:
             *(
                 Paragraph(text=_numbered(source, sources, words), tone=Tone.NOTE)
                 for source in sources
-                if source != machine["source"]
+                if source != machine.source
             ),
             _modes(record, words),
         ),
@@ -49,7 +49,7 @@ def machine_data(record: Record, words: Catalogue) -> Section:
 def requirements(record: Record, words: Catalogue) -> Section:
     """Return the moves and what is required of them."""
     text = words.text
-    data = [item for item in record["data"] if item["key"].startswith(REQUIRED)]
+    data = [item for item in record.data if item.key.startswith(REQUIRED)]
     return Section(
         key="requirements",
         heading=text("requirements-heading"),
@@ -58,9 +58,9 @@ def requirements(record: Record, words: Catalogue) -> Section:
 
 
 def _rigid_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
-    text, f, plant = words.text, words.format, record["plant"]
-    mass = f.axis(plant["moving_mass"], "kg")
-    rank = text("of-states", rank=plant["controllability_rank"], count=len(plant["states"]))
+    text, f, plant = words.text, words.format, record.plant
+    mass = f.axis(plant.moving_mass, "kg")
+    rank = text("of-states", rank=plant.controllability_rank, count=len(plant.states))
     return (
         (text("moving-mass"), mass),
         (text("controllability"), rank),
@@ -69,7 +69,7 @@ def _rigid_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]
 
 def long_sources(record: Record) -> list[str]:
     """Return the sources too long to be repeated in each row; the first is number 1."""
-    named = [record["machine"]["source"], *(item["source"] for item in record["data"])]
+    named = [record.machine.source, *(item.source for item in record.data)]
     return [source for source in dict.fromkeys(named) if len(source) > LONGEST_SOURCE]
 
 
@@ -79,7 +79,7 @@ def _numbered(source: str, sources: list[str], words: Catalogue) -> str:
     return f"[{sources.index(source) + 1}] {said}" if source in sources else said
 
 
-def _data_table(caption: str, data: list[Quantity], record: Record, words: Catalogue) -> Table:
+def _data_table(caption: str, data: list[Datum], record: Record, words: Catalogue) -> Table:
     text, sources = words.text, long_sources(record)
 
     def cited(source: str) -> str:
@@ -100,18 +100,18 @@ def _data_table(caption: str, data: list[Quantity], record: Record, words: Catal
         rows=tuple(
             (
                 datum_name(item, words),
-                datum(item, record["plant"]["units"], words),
-                item["key"],
-                cited(item["source"]),
+                datum(item, record.plant.units, words),
+                item.key,
+                cited(item.source),
             )
             for item in data
         ),
     )
 
 
-def datum_name(item: Quantity, words: Catalogue) -> str:
+def datum_name(item: Datum, words: Catalogue) -> str:
     """Return the name of a datum, with the number of its move or the name of its mode."""
-    *path, last = item["key"].split(".")
+    *path, last = item.key.split(".")
     name = words.name(last)
     number = re.fullmatch(r"moves\[(\d+)\]", ".".join(path))
     if number:
@@ -123,17 +123,17 @@ def datum_name(item: Quantity, words: Catalogue) -> str:
     return name
 
 
-def datum(item: Quantity, units: dict[str, str], words: Catalogue) -> str:
+def datum(item: Datum, units: dict[str, str], words: Catalogue) -> str:
     """Return the value of a datum with its unit; ``units`` are those of the plant's signals."""
     f = words.format
-    key, value = item["key"], item["value"]
+    key, value = item.key, item.value
     if isinstance(value, str):
         return value
     if key.endswith(("_spread", "damping_ratio")):
         return f.percent(value)
     if key.startswith("requirements.peaks."):
-        return f.quantity(value, units.get(key.rpartition(".")[2], item["unit"]))
-    return f.quantity(value, item["unit"])
+        return f.quantity(value, units.get(key.rpartition(".")[2], item.unit))
+    return f.quantity(value, item.unit)
 
 
 def _modes(record: Record, words: Catalogue) -> Table:
@@ -149,12 +149,12 @@ def _modes(record: Record, words: Catalogue) -> Table:
         ),
         rows=tuple(
             (
-                mode["name"],
-                f.quantity(mode["frequency_hz"], "Hz"),
-                f.percent(mode["damping_ratio"]),
-                f.axis(mode["tcp_gain"], "1/kg"),
-                f.axis(mode["measured_gain"], "1/kg"),
+                mode.name,
+                f.quantity(mode.frequency_hz, "Hz"),
+                f.percent(mode.damping_ratio),
+                f.axis(mode.tcp_gain, "1/kg"),
+                f.axis(mode.measured_gain, "1/kg"),
             )
-            for mode in record["plant"]["modes"]
+            for mode in record.plant.modes
         ),
     )

@@ -62,12 +62,10 @@ class Curve:
 def motions(record: Record, words: Catalogue) -> Section:
     """Return plots and tables of each move."""
     text, f = words.text, words.format
-    delay = f.quantity(record["loop"]["reference_delay"], "s")
+    delay = f.quantity(record.loop.reference_delay, "s")
     blocks: list[Block] = [Paragraph(text=text("motion-note", delay=delay), tone=Tone.NOTE)]
-    for number, (optima, move) in enumerate(
-        zip(record["optima"], record["moves"], strict=True), start=1
-    ):
-        title = move_title(move["move"], number, words)
+    for number, (optima, move) in enumerate(zip(record.optima, record.moves, strict=True), start=1):
+        title = move_title(move.move, number, words)
         blocks.append(Subheading(text=title))
         blocks.append(Paragraph(text=reference_sentence(record, number, words)))
         short = text("move", number=number)
@@ -75,29 +73,29 @@ def motions(record: Record, words: Catalogue) -> Section:
         blocks.extend(_plots(record, optima, move, number, short, words))
         blocks.append(_peaks(record, optima, move, short, words))
         blocks.extend(
-            Paragraph(text=words.say(remark), tone=Tone.NOTE) for remark in optima["remarks"]
+            Paragraph(text=words.say(remark), tone=Tone.NOTE) for remark in optima.remarks
         )
     return Section(key="motions", heading=text("motion-heading"), blocks=tuple(blocks))
 
 
 def first_look(record: Record, words: Catalogue) -> LinePlot:
     """Return acceleration and deviation of the first move, for the first page."""
-    text, f, move = words.text, words.format, record["moves"][0]
-    plans = _panels(record, record["optima"][0], move, words)
-    t_scale = f.scale(move["series"]["t"][-1], "s")
+    text, f, move = words.text, words.format, record.moves[0]
+    plans = _panels(record, record.optima[0], move, words)
+    t_scale = f.scale(move.series.t[-1], "s")
     own = {text("setpoint"), text("response")}
     panels = tuple(
         _panel([c for c in curves if c.label in own], name, unit, t_scale.size, words, borders)
         for name, unit, curves, borders in (plans[1], plans[-1])
     )
-    response = move["response"]
+    response = move.response
     return LinePlot(
         key="first-look",
-        caption=text("first-look-caption", move=move_title(move["move"], 1, words)),
+        caption=text("first-look-caption", move=move_title(move.move, 1, words)),
         alt=text(
             "first-look-alt",
-            peak=f.axis(response["peak_deviation"], "m"),
-            settling=settling(response["settling_time"], words),
+            peak=f.axis(response.peak_deviation, "m"),
+            settling=settling(response.settling_time, words),
         ),
         x_label=text("in-unit", name=text("time"), unit=t_scale.unit),
         x_is_log=False,
@@ -110,9 +108,9 @@ def named_optima(optima: OptimaEntry, words: Catalogue) -> list[tuple[str, int, 
     """Return the optima that there are, with name and line style."""
     text = words.text
     found = (
-        (text("time-optimal"), TIME_OPTIMAL, optima["time"]),
-        (text("constrained"), CONSTRAINED, optima["constrained"]),
-        (text("damping-optimal"), DAMPING_OPTIMAL, optima["damping"]),
+        (text("time-optimal"), TIME_OPTIMAL, optima.time),
+        (text("constrained"), CONSTRAINED, optima.constrained),
+        (text("damping-optimal"), DAMPING_OPTIMAL, optima.damping),
     )
     return [(name, style, item) for name, style, item in found if item is not None]
 
@@ -151,8 +149,8 @@ def _plots(
     record: Record, optima: OptimaEntry, move: MoveEntry, number: int, title: str, words: Catalogue
 ) -> tuple[LinePlot, LinePlot]:
     """Return two plots over the same time: what the drive does, and what the machine does."""
-    text, f, response = words.text, words.format, move["response"]
-    end = max([move["series"]["t"][-1], *(item["t_f"] for *_, item in named_optima(optima, words))])
+    text, f, response = words.text, words.format, move.response
+    end = max([move.series.t[-1], *(item.t_f for *_, item in named_optima(optima, words))])
     t_scale = f.scale(end, "s")
     plans = [plan for plan in _panels(record, optima, move, words) if plan[2]]
 
@@ -167,9 +165,9 @@ def _plots(
             alt=text(
                 "motion-alt",
                 signals=", ".join(panel.y_label for panel in panels),
-                force=f.quantity(response["max_force"], record["plant"]["units"]["F"]),
-                peak=f.quantity(response["peak_deviation"], record["plant"]["units"]["tcp"]),
-                settling=settling(response["settling_time"], words),
+                force=f.quantity(response.max_force, record.plant.units["F"]),
+                peak=f.quantity(response.peak_deviation, record.plant.units["tcp"]),
+                settling=settling(response.settling_time, words),
             ),
             x_label=text("in-unit", name=text("time"), unit=t_scale.unit),
             x_is_log=False,
@@ -190,9 +188,9 @@ def _panels(
     record: Record, optima: OptimaEntry, move: MoveEntry, words: Catalogue
 ) -> list[PanelPlan]:
     """Return name, unit, curves and limits of each panel, from top to bottom."""
-    text, plant = words.text, record["plant"]
-    units, mass = plant["units"], plant["moving_mass"]
-    speed = rigid_velocity(plant["states"])
+    text, plant = words.text, record.plant
+    units, mass = plant.units, plant.moving_mass
+    speed = rigid_velocity(plant.states)
     a_unit = motion_unit("m/s^2", rotary=words.rotary)
 
     def curves(signal: str, *, factor: float = 1.0) -> list[Curve]:
@@ -200,7 +198,7 @@ def _panels(
             Curve(
                 label=name,
                 style=style,
-                series=item["series"],
+                series=item.series,
                 signal=signal,
                 factor=factor,
                 is_stepped=signal == "F_set",
@@ -211,31 +209,31 @@ def _panels(
             Curve(
                 label=text("response"),
                 style=RESPONSE,
-                series=move["series"],
+                series=move.series,
                 signal=signal,
                 factor=factor,
                 is_stepped=signal == "F_set",
             )
         )
-        return [curve for curve in found if curve.signal in curve.series["signals"]]
+        return [curve for curve in found if curve.signal in curve.series.signals]
 
     def setpoint(signal: str) -> list[Curve]:
-        curve = Curve(label=text("setpoint"), style=SETPOINT, series=move["series"], signal=signal)
-        return [curve] if signal in move["series"]["signals"] else []
+        curve = Curve(label=text("setpoint"), style=SETPOINT, series=move.series, signal=signal)
+        return [curve] if signal in move.series.signals else []
 
-    force = optima["time"]["f_max"]
+    force = optima.time.f_max
     plans: list[PanelPlan] = [
         (words.name("F_set"), units["F"], curves("F_set"), (force, -force)),
         (text("acceleration"), a_unit, setpoint("a_ref") + curves("F", factor=1.0 / mass), ()),
         (text("velocity"), units[speed], setpoint("v_ref") + curves(speed), ()),
     ]
-    for rate in flexible_rates(plant["states"]):
-        bound = optima["constrained"]["limits"].get(rate) if optima["constrained"] else None
+    for rate in flexible_rates(plant.states):
+        bound = optima.constrained.limits.get(rate) if optima.constrained else None
         borders = () if bound is None else (bound, -bound)
         plans.append((words.name(rate), units[rate], curves(rate), borders))
     permitted = band(record)
     deviation = [
-        Curve(label=text("response"), style=RESPONSE, series=move["series"], signal="deviation")
+        Curve(label=text("response"), style=RESPONSE, series=move.series, signal="deviation")
     ]
     plans.append((words.name("tcp_vibration"), units["tcp"], curves("tcp_vibration"), ()))
     limits = () if permitted is None else (permitted, -permitted)
@@ -263,11 +261,11 @@ def _panel(
     limits: tuple[float, ...],
 ) -> Panel:
     f = words.format
-    arrays = [np.array(curve.series["signals"][curve.signal]) * curve.factor for curve in curves]
+    arrays = [np.array(curve.series.signals[curve.signal]) * curve.factor for curve in curves]
     scale = f.scale_for(arrays, unit)
     lines = []
     for curve, values in zip(curves, arrays, strict=True):
-        x, y = thin_out(np.array(curve.series["t"]) / t_size, values / scale.size)
+        x, y = thin_out(np.array(curve.series.t) / t_size, values / scale.size)
         lines.append(
             Line(label=curve.label, x=x, y=y, style=curve.style, is_stepped=curve.is_stepped)
         )
@@ -282,15 +280,15 @@ def _panel(
 def _peaks(
     record: Record, optima: OptimaEntry, move: MoveEntry, title: str, words: Catalogue
 ) -> Table:
-    text, f, units = words.text, words.format, record["plant"]["units"]
+    text, f, units = words.text, words.format, record.plant.units
     named = named_optima(optima, words)
     rows = tuple(
         (
             words.name(signal),
-            *(f.quantity(item["peaks"].get(signal), units[signal]) for *_, item in named),
+            *(f.quantity(item.peaks.get(signal), units[signal]) for *_, item in named),
             f.quantity(peak, units[signal]),
         )
-        for signal, peak in move["response"]["peaks"].items()
+        for signal, peak in move.response.peaks.items()
     )
     heads = [*(name for name, *_ in named), text("response")]
     return Table(
@@ -306,14 +304,13 @@ def _amplitudes(move: MoveEntry, title: str, words: Catalogue) -> Table:
         caption=text("amplitudes-caption", move=title),
         columns=(Column(head=text("mode")), Column(head=text("amplitude"), is_number=True)),
         rows=tuple(
-            (name, f.axis(value, "m"))
-            for name, value in move["response"]["mode_amplitudes"].items()
+            (name, f.axis(value, "m")) for name, value in move.response.mode_amplitudes.items()
         ),
     )
 
 
 def _segments(move: MoveEntry, title: str, words: Catalogue) -> tuple[Block, ...]:
-    text, f, setpoint = words.text, words.format, move["setpoint"]
+    text, f, setpoint = words.text, words.format, move.setpoint
     table = Table(
         caption=text("setpoint-caption", move=title),
         columns=(
@@ -324,13 +321,13 @@ def _segments(move: MoveEntry, title: str, words: Catalogue) -> tuple[Block, ...
         rows=tuple(
             (
                 str(number),
-                f.quantity(segment["duration"], "s"),
-                f.axis(segment["jerk"], "m/s^3"),
+                f.quantity(segment.duration, "s"),
+                f.axis(segment.jerk, "m/s^3"),
             )
-            for number, segment in enumerate(setpoint["segments"], start=1)
+            for number, segment in enumerate(setpoint.segments, start=1)
         ),
     )
-    if not setpoint["moving_average"]:
+    if not setpoint.moving_average:
         return (table,)
-    average = f.quantity(setpoint["moving_average"], "s")
+    average = f.quantity(setpoint.moving_average, "s")
     return (table, Paragraph(text=text("moving-average", time=average), tone=Tone.NOTE))

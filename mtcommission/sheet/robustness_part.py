@@ -29,12 +29,10 @@ CURVE = 4
 
 def robustness(record: Record, words: Catalogue) -> Section:
     """Return corners, frequency error, drawn machines, and what small changes cost."""
-    text, drawn = words.text, record["robustness"]["monte_carlo"]
+    text, drawn = words.text, record.robustness.monte_carlo
     corners = (
-        _corners(
-            move, move_title(move["move"], number, words), record["plant"]["units"]["F"], words
-        )
-        for number, move in enumerate(record["moves"], start=1)
+        _corners(move, move_title(move.move, number, words), record.plant.units["F"], words)
+        for number, move in enumerate(record.moves, start=1)
     )
     found: tuple[Block, ...] = (Paragraph(text=text("nothing-drawn"), tone=Tone.NOTE),)
     if drawn is not None:
@@ -56,17 +54,17 @@ def _corners(move: MoveEntry, title: str, force_unit: str, words: Catalogue) -> 
     text, f = words.text, words.format
     rows = tuple(
         (
-            f.axis(corner["payload"], "kg"),
-            f.percent(corner["frequency_factor"]),
-            f.percent(corner["damping_factor"]),
-            settling(corner["settling_time"], words),
-            residual(corner["residual_deviation"], words),
-            f.axis(corner["peak_deviation"], "m"),
-            f.quantity(corner["max_force"], force_unit),
-            f.quantity(corner["rms_force"], force_unit),
-            text("yes") if corner["saturated"] else text("no"),
+            f.axis(corner.payload, "kg"),
+            f.percent(corner.frequency_factor),
+            f.percent(corner.damping_factor),
+            settling(corner.settling_time, words),
+            residual(corner.residual_deviation, words),
+            f.axis(corner.peak_deviation, "m"),
+            f.quantity(corner.max_force, force_unit),
+            f.quantity(corner.rms_force, force_unit),
+            text("yes") if corner.saturated else text("no"),
         )
-        for corner in move["corners"]
+        for corner in move.corners
     )
     heads = (
         text("payload"),
@@ -84,18 +82,18 @@ def _corners(move: MoveEntry, title: str, force_unit: str, words: Catalogue) -> 
         columns=tuple(Column(head=head, is_number=head != text("saturated")) for head in heads),
         rows=rows,
         strong_rows=tuple(
-            i for i, corner in enumerate(move["corners"]) if corner["settling_time"] is None
+            i for i, corner in enumerate(move.corners) if corner.settling_time is None
         ),
     )
 
 
 def kept_sentence(record: Record, words: Catalogue) -> str:
     """Return between which frequency errors every requirement is kept."""
-    text, f, error = words.text, words.format, record["robustness"]["frequency_error"]
-    low, high = error["kept_from"], error["kept_to"]
+    text, f, error = words.text, words.format, record.robustness.frequency_error
+    low, high = error.kept_from, error.kept_to
     if low is None or high is None:
         return text("kept-nowhere")
-    ends = zip((low, high), (error["factor"][0], error["factor"][-1]), strict=True)
+    ends = zip((low, high), (error.factor[0], error.factor[-1]), strict=True)
     shown = []
     for end, tried in ends:
         value = f.signed_percent(end - 1.0)
@@ -106,14 +104,14 @@ def kept_sentence(record: Record, words: Catalogue) -> str:
 
 def _frequency_error(record: Record, words: Catalogue) -> tuple[Block, ...]:
     """Return the curves over the frequency error; where one has no point, why it is missing."""
-    text, f, error = words.text, words.format, record["robustness"]["frequency_error"]
+    text, f, error = words.text, words.format, record.robustness.frequency_error
     residual, settling = (
-        np.array([np.nan if value is None else value for value in error[key]])
-        for key in ("residual_deviation", "settling_time")
+        np.array([np.nan if value is None else value for value in values])
+        for values in (error.residual_deviation, error.settling_time)
     )
     tried = {
-        "low": f.signed_percent(error["factor"][0] - 1.0),
-        "high": f.signed_percent(error["factor"][-1] - 1.0),
+        "low": f.signed_percent(error.factor[0] - 1.0),
+        "high": f.signed_percent(error.factor[-1] - 1.0),
     }
     if not np.isfinite(residual).any():
         return (Paragraph(text=text("no-error-curves", **tried), tone=Tone.NOTE),)
@@ -126,7 +124,7 @@ def _frequency_error(record: Record, words: Catalogue) -> tuple[Block, ...]:
 def _frequency_plot(record: Record, residual: Array, settling: Array, words: Catalogue) -> LinePlot:
     """Return residual deviation and, where it has points, settling time over the error."""
     text, f, permitted = words.text, words.format, band(record)
-    x = 100.0 * (np.array(record["robustness"]["frequency_error"]["factor"]) - 1.0)
+    x = 100.0 * (np.array(record.robustness.frequency_error.factor) - 1.0)
     length = motion_unit("m", rotary=words.rotary)
     limits = () if permitted is None else (permitted,)
     panels = [_panel(text("residual"), text("recommended"), x, residual, length, limits, words)]
@@ -176,13 +174,9 @@ def _panel(
 def _drawn(record: Record, drawn: MonteCarloEntry, words: Catalogue) -> tuple[Block, ...]:
     """Return what was drawn, the distribution, and the worst machines."""
     text = words.text
-    quantities = (
-        (text("settling-time"), "settling_time"),
-        (text("residual"), "residual_deviation"),
-    )
     histograms = [
-        _histogram(key, name, drawn[key], words)  # type: ignore[literal-required]
-        for name, key in quantities
+        _histogram("settling_time", text("settling-time"), drawn.settling_time, words),
+        _histogram("residual_deviation", text("residual"), drawn.residual_deviation, words),
     ]
     return (
         Paragraph(text=drawn_sentence(drawn, words)),
@@ -197,25 +191,25 @@ def drawn_sentence(drawn: MonteCarloEntry, words: Catalogue) -> str:
     f = words.format
     return words.text(
         "drawn",
-        samples=f.number(drawn["samples"]),
-        seed=drawn["seed"],
-        met=f.percent(drawn["share_met"]),
-        band=f.percent(drawn["share_in_band"]),
+        samples=f.number(drawn.samples),
+        seed=drawn.seed,
+        met=f.percent(drawn.share_met),
+        band=f.percent(drawn.share_in_band),
     )
 
 
 def _quantiles(drawn: MonteCarloEntry, words: Catalogue) -> Table:
     text, f = words.text, words.format
-    settling, residual = drawn["settling_time"], drawn["residual_deviation"]
+    settling, residual = drawn.settling_time, drawn.residual_deviation
     rows = []
-    for slow, far in zip(settling["quantiles"], residual["quantiles"], strict=True):
-        name = {0.0: text("least"), 1.0: text("largest")}.get(slow["share"])
-        share = name or text("share-of-machines", share=f.percent(slow["share"]))
+    for slow, far in zip(settling.quantiles, residual.quantiles, strict=True):
+        name = {0.0: text("least"), 1.0: text("largest")}.get(slow.share)
+        share = name or text("share-of-machines", share=f.percent(slow.share))
         rows.append(
             (
                 share,
-                f.quantity(slow["value"], settling["unit"], missing=text("not-settled")),
-                f.quantity(far["value"], residual["unit"], missing=text("not-settled")),
+                f.quantity(slow.value, settling.unit, missing=text("not-settled")),
+                f.quantity(far.value, residual.unit, missing=text("not-settled")),
             )
         )
     return Table(
@@ -231,11 +225,11 @@ def _quantiles(drawn: MonteCarloEntry, words: Catalogue) -> Table:
 
 def _histogram(key: str, name: str, values: DistributionEntry, words: Catalogue) -> LinePlot | None:
     """Return how many machines lie where; None where all are alike or none settles."""
-    text, f, edges = words.text, words.format, np.array(values["histogram"]["edges"])
+    text, f, edges = words.text, words.format, np.array(values.histogram.edges)
     if edges.size < 3:
         return None
-    counts = np.array(values["histogram"]["counts"], dtype=np.float64)
-    scale = f.scale_for([edges], values["unit"])
+    counts = np.array(values.histogram.counts, dtype=np.float64)
+    scale = f.scale_for([edges], values.unit)
     x = np.concatenate([edges[:1], edges]) / scale.size
     y = np.concatenate([[0.0], counts, [0.0]])
     line = Line(label=text("machines"), x=x, y=y, style=CURVE, is_stepped=True)
@@ -245,10 +239,10 @@ def _histogram(key: str, name: str, values: DistributionEntry, words: Catalogue)
         caption=text("histogram-caption", name=name),
         alt=text(
             "histogram-alt",
-            low=f.quantity(edges[0], values["unit"]),
-            high=f.quantity(edges[-1], values["unit"]),
+            low=f.quantity(edges[0], values.unit),
+            high=f.quantity(edges[-1], values.unit),
             most=f.number(counts[fullest]),
-            place=f.quantity((edges[fullest] + edges[fullest + 1]) / 2, values["unit"]),
+            place=f.quantity((edges[fullest] + edges[fullest + 1]) / 2, values.unit),
         ),
         x_label=words.text("in-unit", name=name, unit=scale.unit),
         x_is_log=False,
@@ -259,7 +253,7 @@ def _histogram(key: str, name: str, values: DistributionEntry, words: Catalogue)
 
 def _extremes(drawn: MonteCarloEntry, words: Catalogue) -> Table:
     text, f = words.text, words.format
-    named = ((text("worst-machine"), drawn["worst"]), (text("slowest-machine"), drawn["slowest"]))
+    named = ((text("worst-machine"), drawn.worst), (text("slowest-machine"), drawn.slowest))
     heads = (
         text("payload"),
         text("frequencies"),
@@ -273,11 +267,11 @@ def _extremes(drawn: MonteCarloEntry, words: Catalogue) -> Table:
         rows=tuple(
             (
                 name,
-                f.axis(sample["payload"], "kg"),
-                f.percent(sample["frequency_factor"]),
-                f.percent(sample["damping_factor"]),
-                settling(sample["settling_time"], words),
-                residual(sample["residual_deviation"], words),
+                f.axis(sample.payload, "kg"),
+                f.percent(sample.frequency_factor),
+                f.percent(sample.damping_factor),
+                settling(sample.settling_time, words),
+                residual(sample.residual_deviation, words),
             )
             for name, sample in named
         ),
@@ -300,13 +294,13 @@ def _sensitivities(record: Record, words: Catalogue) -> Table:
         ),
         rows=tuple(
             (
-                words.say(item["change"]),
-                settling(item["settling_time"], words),
-                share(item["settling_change"]),
-                residual(item["residual_deviation"], words),
-                share(item["residual_change"]),
-                text("yes") if item["meets_requirements"] else text("no"),
+                words.say(item.change),
+                settling(item.settling_time, words),
+                share(item.settling_change),
+                residual(item.residual_deviation, words),
+                share(item.residual_change),
+                text("yes") if item.meets_requirements else text("no"),
             )
-            for item in record["robustness"]["sensitivities"]
+            for item in record.robustness.sensitivities
         ),
     )

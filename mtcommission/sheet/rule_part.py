@@ -21,31 +21,31 @@ JOINT = re.compile(r", with |, | and ")
 
 def rule(record: Record, words: Catalogue) -> Section:
     """Return the rule in words and formulas, its symbols, and the calculation by hand."""
-    text, part = words.text, record["limits"]["rule"]
+    text, part = words.text, record.limits.rule
     return Section(
         key="rule",
         heading=text("rule-heading"),
         blocks=(
-            Paragraph(text=words.say(part["text"])),
+            Paragraph(text=words.say(part.text)),
             Paragraph(text=_result(record, words)),
-            *_formulas(part["formula"], words),
+            *_formulas(part.formula, words),
             _symbols(record, words),
             _steps(record, words),
-            Paragraph(text=text("rule-valid", range=words.say(part["valid_for"])), tone=Tone.NOTE),
-            *(Paragraph(text=words.say(line), tone=Tone.WARNING) for line in part["warnings"]),
+            Paragraph(text=text("rule-valid", range=words.say(part.valid_for)), tone=Tone.NOTE),
+            *(Paragraph(text=words.say(line), tone=Tone.WARNING) for line in part.warnings),
         ),
     )
 
 
 def _result(record: Record, words: Catalogue) -> str:
-    f, part = words.format, record["limits"]["rule"]
+    f, part = words.format, record.limits.rule
     return words.text(
         "rule-result",
-        acceleration=f.axis(part["acceleration"], "m/s^2"),
-        jerk=f.axis(part["jerk"], "m/s^3"),
-        chosen=words.say(part["chosen"]),
-        bound=words.say(part["bound_by"]),
-        residual=residual(part["predicted_residual"], words),
+        acceleration=f.axis(part.acceleration, "m/s^2"),
+        jerk=f.axis(part.jerk, "m/s^3"),
+        chosen=words.say(part.chosen),
+        bound=words.say(part.bound_by),
+        residual=residual(part.predicted_residual, words),
     )
 
 
@@ -110,40 +110,40 @@ def _spoken(formula: Formula, words: Catalogue) -> Formula:
 
 def _symbols(record: Record, words: Catalogue) -> Table:
     """Return what each letter of the rule means, with its value on this axis."""
-    text, f, part, loop = words.text, words.format, record["limits"]["rule"], record["loop"]
-    data = {item["key"]: item["value"] for item in record["data"]}
-    lag, modes = data.get("drive.force_lag"), record["plant"]["modes"]
+    text, f, part, loop = words.text, words.format, record.limits.rule, record.loop
+    data = {item.key: item.value for item in record.data}
+    lag, modes = data.get("drive.force_lag"), record.plant.modes
 
     def means(letter: str) -> str:
         return text(f"rule-symbol-{letter.replace('_', '-')}")
 
     rows = [
-        ("a", means("a"), f.axis(part["acceleration"], "m/s^2")),
-        ("j", means("j"), f.axis(part["jerk"], "m/s^3")),
-        ("t_j", means("t_j"), f.quantity(part["jerk_time"], "s")),
+        ("a", means("a"), f.axis(part.acceleration, "m/s^2")),
+        ("j", means("j"), f.axis(part.jerk, "m/s^3")),
+        ("t_j", means("t_j"), f.quantity(part.jerk_time, "s")),
         ("band", means("band"), f.axis(band(record), "m")),
-        ("F", means("F"), f.axis(record["optima"][0]["time"]["f_max"], "N")),
+        ("F", means("F"), f.axis(record.optima[0].time.f_max, "N")),
         ("v", means("v"), _velocities(record, words)),
         *((("L", means("L"), distances),) if (distances := _distances(record, words)) else ()),
-        ("m", means("m"), f.axis(record["plant"]["moving_mass"], "kg")),
-        ("m_ff", means("m_ff"), f.axis(loop["feedforward"].get("mass"), "kg")),
+        ("m", means("m"), f.axis(record.plant.moving_mass, "kg")),
+        ("m_ff", means("m_ff"), f.axis(loop.feedforward.mass, "kg")),
         ("T", means("T"), f.quantity(lag if isinstance(lag, float) else None, "s")),
-        ("T_p", text("position-cycle"), f.quantity(loop["position_cycle"], "s")),
-        ("T_v", text("velocity-cycle"), f.quantity(loop["velocity_cycle"], "s")),
-        ("Kv", words.name("Kv"), f.quantity(loop["Kv"], "1/s")),
-        ("Kp", words.name("Kp"), f.axis(loop["Kp"], "N s/m")),
-        ("Tn", words.name("Tn"), f.quantity(loop["Tn"], "s")),
-        ("f", means("f"), "; ".join(f.quantity(m["frequency_hz"], "Hz") for m in modes)),
+        ("T_p", text("position-cycle"), f.quantity(loop.position_cycle, "s")),
+        ("T_v", text("velocity-cycle"), f.quantity(loop.velocity_cycle, "s")),
+        ("Kv", words.name("Kv"), f.quantity(loop.Kv, "1/s")),
+        ("Kp", words.name("Kp"), f.axis(loop.Kp, "N s/m")),
+        ("Tn", words.name("Tn"), f.quantity(loop.Tn, "s")),
+        ("f", means("f"), "; ".join(f.quantity(m.frequency_hz, "Hz") for m in modes)),
         ("omega", means("omega"), "2π f"),
-        ("zeta", means("zeta"), "; ".join(f.percent(m["damping_ratio"]) for m in modes)),
+        ("zeta", means("zeta"), "; ".join(f.percent(m.damping_ratio) for m in modes)),
         ("g", means("g"), "; ".join(f.axis(_share(m), "1/kg") for m in modes)),
-        ("c", means("c"), "; ".join(f.axis(m["measured_gain"], "1/kg") for m in modes)),
+        ("c", means("c"), "; ".join(f.axis(m.measured_gain, "1/kg") for m in modes)),
         ("R", means("R"), "–"),
         ("x", means("x"), "–"),
         ("i", means("i"), "–"),
     ]
     return Table(
-        caption=text("rule-symbols-caption", modes="; ".join(m["name"] for m in modes)),
+        caption=text("rule-symbols-caption", modes="; ".join(m.name for m in modes)),
         columns=(
             Column(head=text("symbol"), width=0.6),
             Column(head=text("meaning"), width=2.6),
@@ -155,21 +155,21 @@ def _symbols(record: Record, words: Catalogue) -> Table:
 
 def _velocities(record: Record, words: Catalogue) -> str:
     """Return the change or the limit of velocity of each move; a dash where there is none."""
-    moves = (entry["move"] for entry in record["moves"])
+    moves = (entry.move for entry in record.moves)
     speeds = (move.get("velocity_step", move.get("max_velocity")) for move in moves)
     return "; ".join(words.format.axis(speed, "m/s") for speed in speeds)
 
 
 def _distances(record: Record, words: Catalogue) -> str:
     """Return the length of each positioning move; empty if there is none."""
-    moves = (entry["move"] for entry in record["moves"])
+    moves = (entry.move for entry in record.moves)
     return "; ".join(
         words.format.axis(move["distance"], "m") for move in moves if "distance" in move
     )
 
 
 def _share(mode: ModeEntry) -> float:
-    tool, encoder = mode["tcp_gain"], mode["measured_gain"]
+    tool, encoder = mode.tcp_gain, mode.measured_gain
     return max(abs(tool), abs(tool - encoder))
 
 
@@ -185,11 +185,11 @@ def _steps(record: Record, words: Catalogue) -> Table:
         ),
         rows=tuple(
             (
-                words.say(step["name"]),
-                _how(step["formula"], words),
-                _value(step["value"], step["unit"], words),
+                words.say(step.name),
+                _how(step.formula, words),
+                _value(step.value, step.unit, words),
             )
-            for step in record["limits"]["rule"]["steps"]
+            for step in record.limits.rule.steps
         ),
     )
 

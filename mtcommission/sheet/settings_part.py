@@ -25,10 +25,10 @@ UNITS: Mapping[str, str] = MappingProxyType(
 def settings(record: Record, words: Catalogue) -> tuple[Table, ...]:
     """Return one table for each group of settings that the record names before the dot."""
     groups: dict[str, dict[str, float | str]] = {}
-    for key, value in record["settings"].items():
+    for key, value in record.settings.items():
         group, _, name = key.rpartition(".")
         groups.setdefault(group, {})[name] = value
-    for name, count in record["limits"]["search"].items():
+    for name, count in record.limits.search.items():
         groups.setdefault("search", {})[name] = count
     return tuple(_table(names, [groups[name] for name in names], words) for names in _alike(groups))
 

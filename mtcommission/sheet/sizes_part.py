@@ -26,14 +26,14 @@ STYLES = {"recommended": 4, "commissioning rule": 1, "moving average": 2}
 
 def move_sizes(record: Record, words: Catalogue) -> tuple[Section, ...]:
     """Return from which size on limits hold, move by move; nothing where nothing was tried."""
-    text, entries = words.text, record["limits"]["move_sizes"]
+    text, entries = words.text, record.limits.move_sizes
     if not entries:
         return ()
     blocks: list[Block] = [Paragraph(text=text("sizes-note"), tone=Tone.NOTE)]
-    for number, move in enumerate(record["moves"], start=1):
-        ways = [entry for entry in entries if entry["move"] == move["move"]]
+    for number, move in enumerate(record.moves, start=1):
+        ways = [entry for entry in entries if entry.move == move.move]
         if ways:
-            title = move_title(move["move"], number, words)
+            title = move_title(move.move, number, words)
             short = text("move", number=number)
             blocks.append(Subheading(text=title))
             blocks.append(_table(record, ways, short, words))
@@ -43,24 +43,24 @@ def move_sizes(record: Record, words: Catalogue) -> tuple[Section, ...]:
 
 def _unit(entry: MoveSizesEntry, words: Catalogue) -> str:
     length = motion_unit("m", rotary=words.rotary)
-    return f"{length}/s" if "velocity_step" in entry["move"] else length
+    return f"{length}/s" if "velocity_step" in entry.move else length
 
 
 def _table(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalogue) -> Table:
     text, f = words.text, words.format
-    cycle = record["loop"]["velocity_cycle"]
+    cycle = record.loop.velocity_cycle
 
     def row(entry: MoveSizesEntry) -> tuple[str, ...]:
-        a, j, unit = entry["acceleration"], entry["jerk"], _unit(entry, words)
-        low, high = entry["kept_from"], entry["kept_to"]
+        a, j, unit = entry.acceleration, entry.jerk, _unit(entry, words)
+        low, high = entry.kept_from, entry.kept_to
         return (
-            words.say(entry["way"]),
+            words.say(entry.way),
             f.axis(a, "m/s^2"),
             text("no-jerk-limit") if j is None else shown_jerk(a, j, cycle, words),
-            f.quantity(entry["moving_average"] or None, "s"),
-            f.quantity(entry["full_from"], unit, missing=text("never")),
-            _end(low, entry["size"][0], "or-less", unit, words),
-            _end(high, entry["size"][-1], "or-more", unit, words),
+            f.quantity(entry.moving_average or None, "s"),
+            f.quantity(entry.full_from, unit, missing=text("never")),
+            _end(low, entry.size[0], "or-less", unit, words),
+            _end(high, entry.size[-1], "or-more", unit, words),
         )
 
     heads = (
@@ -89,24 +89,24 @@ def _plot(
 ) -> LinePlot:
     text, f, permitted, unit = words.text, words.format, band(record), _unit(ways[0], words)
     length = motion_unit("m", rotary=words.rotary)
-    sizes = [np.array(entry["size"]) for entry in ways]
+    sizes = [np.array(entry.size) for entry in ways]
     found = [
-        np.array([np.nan if value is None else value for value in entry["residual_deviation"]])
+        np.array([np.nan if value is None else value for value in entry.residual_deviation])
         for entry in ways
     ]
     x_scale, y_scale = f.scale_for(sizes, unit), f.scale(permitted or 1e-6, length)
     lines = tuple(
         Line(
-            label=words.say(entry["way"]),
+            label=words.say(entry.way),
             x=size[np.isfinite(y)] / x_scale.size,
             y=y[np.isfinite(y)] / y_scale.size,
-            style=STYLES.get(entry["way"], 0),
+            style=STYLES.get(entry.way, 0),
         )
         for entry, size, y in zip(ways, sizes, found, strict=True)
     )
     shown = f.axis(permitted, "m")
     borders = () if permitted is None else (Border(label=shown, y=permitted / y_scale.size),)
-    what = words.name("velocity_step" if "velocity_step" in ways[0]["move"] else "distance")
+    what = words.name("velocity_step" if "velocity_step" in ways[0].move else "distance")
     return LinePlot(
         key=f"sizes-{number}",
         caption=text("sizes-plot-caption", move=title),

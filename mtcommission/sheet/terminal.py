@@ -78,29 +78,27 @@ class Summary:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield title, verdict, values and the small plot."""
         record = self.record
-        words = Catalogue(self.language, rotary=record["machine"]["motion"] == "rotary")
+        words = Catalogue(self.language, rotary=record.machine.motion == "rotary")
         text = words.text
 
         def plain(line: str, style: str = "") -> Text:
             # A Text is never read as markup, whatever the machine is called.
             return Text(_speak(line, options.encoding), style=style)
 
-        is_met = record["assessment"]["met"]
-        machine = record["machine"]
-        yield plain(f"{machine['name']}, {text('axis')} {machine['axis']}", "bold")
+        is_met = record.assessment.met
+        machine = record.machine
+        yield plain(f"{machine.name}, {text('axis')} {machine.axis}", "bold")
         verdict = text("verdict-met") if is_met else text("verdict-not-met")
         yield plain(verdict, "bold green" if is_met else "bold red")
-        for warning in record["warnings"]:
+        for warning in record.warnings:
             yield plain(text("warning", warning=words.say(warning)), "yellow")
-        if record["assessment"]["obstacle"]:
-            yield plain(text("obstacle", obstacle=words.say(record["assessment"]["obstacle"])))
+        if record.assessment.obstacle:
+            yield plain(text("obstacle", obstacle=words.say(record.assessment.obstacle)))
         table = Table.grid(padding=(0, 2))
         for name, value in summary_rows(record, words):
             table.add_row(plain(name), plain(value, "bold"))
         yield table
-        yield plain(
-            text("values-bound-by", bound=words.say(record["limits"]["recommended"]["bound_by"]))
-        )
+        yield plain(text("values-bound-by", bound=words.say(record.limits.recommended.bound_by)))
         for sentence in further_sentences(record, words):
             yield plain(sentence)
         yield from (plain(line) for line in _small_plot(record, words, is_ascii=options.ascii_only))
@@ -109,30 +107,30 @@ class Summary:
 
 def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, str]]:
     """Return the values of the summary, as the sheet prints them."""
-    text, f, limits = words.text, words.format, record["limits"]["recommended"]
+    text, f, limits = words.text, words.format, record.limits.recommended
     return [
         (text("acceleration"), acceleration(record, words)),
         (text("jerk"), jerk(record, words)),
-        (text("jerk-time"), f.quantity(limits["jerk_time"], "s")),
-        (text("settling-time"), settling(limits["settling_time"], words)),
+        (text("jerk-time"), f.quantity(limits.jerk_time, "s")),
+        (text("settling-time"), settling(limits.settling_time, words)),
         (text("residual"), residual_against_band(record, words)),
     ]
 
 
 def further_sentences(record: Record, words: Catalogue) -> list[str]:
     """Return what could be met instead, the reference, and the robustness, as on the sheet."""
-    text, f, drawn = words.text, words.format, record["robustness"]["monte_carlo"]
+    text, f, drawn = words.text, words.format, record.robustness.monte_carlo
     could_be_met = [
         text(
             "could-be-met",
             requirement=words.say(name_obstacle(item)),
-            value=f.quantity(item["value"], item["unit"]),
-            limit=f.quantity(item["limit"], item["unit"]),
+            value=f.quantity(item.value, item.unit),
+            limit=f.quantity(item.limit, item.unit),
         )
-        for item in record["limits"]["attainable"]
+        for item in record.limits.attainable
     ]
     # A warning of a narrow range has said already how far the frequencies may be off.
-    is_said = bool(record["robustness"]["warnings"])
+    is_said = bool(record.robustness.warnings)
     return [
         *could_be_met,
         reference_sentence(record, slowest_move(record), words),
@@ -172,12 +170,12 @@ def _small_plot(record: Record, words: Catalogue, *, is_ascii: bool) -> list[str
     """Return the acceleration setpoint of the slowest move over time, with its caption."""
     f = words.format
     number = slowest_move(record)
-    move = record["moves"][number - 1]
-    t, y = np.array(move["series"]["t"]), np.array(move["series"]["signals"]["a_ref"])
-    title = move_title(move["move"], number, words)
-    end = f.quantity(move["setpoint"]["duration"], "s")
+    move = record.moves[number - 1]
+    t, y = np.array(move.series.t), np.array(move.series.signals["a_ref"])
+    title = move_title(move.move, number, words)
+    end = f.quantity(move.setpoint.duration, "s")
     caption = words.text("sparkline", move=title, duration=end)
-    shown = t <= 1.02 * move["setpoint"]["duration"]
+    shown = t <= 1.02 * move.setpoint.duration
     grid = np.linspace(0.0, float(t[shown][-1]), 2 * COLUMNS)
     values = np.interp(grid, t, y)
     if not is_ascii:

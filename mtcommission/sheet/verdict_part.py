@@ -13,21 +13,21 @@ from mtcommission.sheet.values import settling
 
 def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
     """Return verdict, values to enter, result and checks, with a picture of the first move."""
-    text, f, limits = words.text, words.format, record["limits"]["recommended"]
-    assessment = record["assessment"]
-    detail = text("values-bound-by", bound=words.say(limits["bound_by"]))
-    if assessment["obstacle"]:
-        detail = f"{text('obstacle', obstacle=words.say(assessment['obstacle']))}. {detail}"
+    text, f, limits = words.text, words.format, record.limits.recommended
+    assessment = record.assessment
+    detail = text("values-bound-by", bound=words.say(limits.bound_by))
+    if assessment.obstacle:
+        detail = f"{text('obstacle', obstacle=words.say(assessment.obstacle))}. {detail}"
     headline = Headline(
-        is_met=assessment["met"],
-        verdict=text("verdict-met") if assessment["met"] else text("verdict-not-met"),
+        is_met=assessment.met,
+        verdict=text("verdict-met") if assessment.met else text("verdict-not-met"),
         detail=detail,
         values=(
             BigValue(label=text("acceleration"), value=acceleration(record, words), aside="a"),
             BigValue(label=text("jerk"), value=jerk(record, words), aside="j"),
             BigValue(
                 label=text("jerk-time"),
-                value=f.quantity(limits["jerk_time"], "s"),
+                value=f.quantity(limits.jerk_time, "s"),
                 aside="a / j",
             ),
         ),
@@ -37,7 +37,7 @@ def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
         heading=text("verdict-heading"),
         blocks=(
             Paragraph(
-                text=text("data-source", source=words.say(record["machine"]["source"])),
+                text=text("data-source", source=words.say(record.machine.source)),
                 tone=Tone.NOTE,
             ),
             headline,
@@ -45,7 +45,7 @@ def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
             _result(record, words),
             Paragraph(text=reference_sentence(record, slowest_move(record), words)),
             Paragraph(text=text("reference-note"), tone=Tone.NOTE),
-            _checks(assessment["checks"], words),
+            _checks(assessment.checks, words),
             picture,
         ),
     )
@@ -53,21 +53,21 @@ def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
 
 def acceleration(record: Record, words: Catalogue) -> str:
     """Return the recommended acceleration limit with its unit."""
-    value = record["limits"]["recommended"]["acceleration"]
+    value = record.limits.recommended.acceleration
     return words.format.axis(value, "m/s^2")
 
 
 def jerk(record: Record, words: Catalogue) -> str:
     """Return the recommended jerk limit with its unit."""
-    value = record["limits"]["recommended"]["jerk"]
+    value = record.limits.recommended.jerk
     return words.format.axis(value, "m/s^3")
 
 
 def band(record: Record) -> float | None:
     """Return the permitted TCP deviation [m or rad]; None where the record does not state it."""
-    for item in record["data"]:
-        if item["key"] == "requirements.tcp_deviation" and isinstance(item["value"], float | int):
-            return float(item["value"])
+    for item in record.data:
+        if item.key == "requirements.tcp_deviation" and isinstance(item.value, float | int):
+            return float(item.value)
     return None
 
 
@@ -103,13 +103,13 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
     -------
     str
     """
-    text, f, move = words.text, words.format, record["moves"][number - 1]
-    title = move_title(move["move"], number, words)
-    best = record["optima"][number - 1]["time"]
-    least, bound = best["t_f"], best["certificate"].get("t_f_lower_bound")
-    settling, optimal = move["response"]["settling_time"], f.quantity(least, "s")
-    bounded = record["optima"][number - 1]["constrained"]
-    if best["method"] == "composed" and isinstance(bound, float):
+    text, f, move = words.text, words.format, record.moves[number - 1]
+    title = move_title(move.move, number, words)
+    best = record.optima[number - 1].time
+    least, bound = best.t_f, getattr(best.certificate, "t_f_lower_bound", None)
+    settling, optimal = move.response.settling_time, f.quantity(least, "s")
+    bounded = record.optima[number - 1].constrained
+    if best.method == "composed" and isinstance(bound, float):
         optimal = text("reference-composed", optimum=optimal, bound=f.quantity(bound, "s"))
     if settling is None:
         return text("reference-unsettled", move=title, optimum=optimal)
@@ -126,22 +126,22 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
         return sentence
     held = text(
         "reference-bounded",
-        optimum=f.quantity(bounded["t_f"], "s"),
-        change=f.signed_percent(settling / bounded["t_f"] - 1.0),
+        optimum=f.quantity(bounded.t_f, "s"),
+        change=f.signed_percent(settling / bounded.t_f - 1.0),
     )
     return f"{sentence} {held}"
 
 
 def slowest_move(record: Record) -> int:
     """Return the number of the move that settles last, counted from 1."""
-    times = [move["response"]["settling_time"] for move in record["moves"]]
+    times = [move.response.settling_time for move in record.moves]
     return 1 + max(range(len(times)), key=lambda i: inf if times[i] is None else times[i] or 0.0)
 
 
 def residual_against_band(record: Record, words: Catalogue) -> str:
     """Return the worst residual deviation as a share of the band."""
     text, f, permitted = words.text, words.format, band(record)
-    residual = record["limits"]["recommended"]["residual_deviation"]
+    residual = record.limits.recommended.residual_deviation
     shown = f.axis(permitted, "m")
     if residual is None:
         return text("no-residual", band=shown)
@@ -160,23 +160,23 @@ def capitalised(words: str) -> str:
 def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
     """Return the warnings on which the verdict hangs, and how many more there are."""
     text = words.text
-    told = (*record["loop"]["warnings"], *record["robustness"]["warnings"])
+    told = (*record.loop.warnings, *record.robustness.warnings)
     lines = [words.say(line) for line in told]
-    others = [line for line in record["warnings"] if line not in told]
+    others = [line for line in record.warnings if line not in told]
     if others:
         lines.append(text("further-warnings" if told else "warning-count", count=len(others)))
     return tuple(Paragraph(text=line, tone=Tone.WARNING) for line in lines)
 
 
 def _result(record: Record, words: Catalogue) -> Table:
-    text, f, limits = words.text, words.format, record["limits"]["recommended"]
+    text, f, limits = words.text, words.format, record.limits.recommended
     return Table(
         caption=text("result-caption"),
         columns=(Column(head=text("quantity")), Column(head=text("value"), width=2.0)),
         rows=(
-            (text("settling-time"), settling(limits["settling_time"], words)),
+            (text("settling-time"), settling(limits.settling_time, words)),
             (text("residual"), residual_against_band(record, words)),
-            (text("peak-deviation"), f.axis(limits["peak_deviation"], "m")),
+            (text("peak-deviation"), f.axis(limits.peak_deviation, "m")),
         ),
     )
 
@@ -185,11 +185,11 @@ def _checks(checks: list[Check], words: Catalogue) -> Table:
     text, f = words.text, words.format
     rows = tuple(
         (
-            capitalised(words.say(check["name"])),
-            f.quantity(check["value"], check["unit"], missing=text("not-settled")),
-            f.quantity(check["limit"], check["unit"]),
-            text("met") if check["met"] else text("not-met"),
-            words.say(check["where"]),
+            capitalised(words.say(check.name)),
+            f.quantity(check.value, check.unit, missing=text("not-settled")),
+            f.quantity(check.limit, check.unit),
+            text("met") if check.met else text("not-met"),
+            words.say(check.where),
         )
         for check in checks
     )
@@ -203,5 +203,5 @@ def _checks(checks: list[Check], words: Catalogue) -> Table:
             Column(head=text("where"), width=2.0),
         ),
         rows=rows,
-        strong_rows=tuple(i for i, check in enumerate(checks) if not check["met"]),
+        strong_rows=tuple(i for i, check in enumerate(checks) if not check.met),
     )
