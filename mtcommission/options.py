@@ -292,10 +292,10 @@ def final_time_origin(machine: Machine, request: OptimalRequest) -> Message | No
     if request.kind == "time":
         return None
     if request.t_f:
-        return Message("optimal-final-time-of-option")
+        return Message("terminal-final-time-of-option")
     if machine.damping_optimal.t_f:
-        return Message("optimal-final-time-of-profile")
-    return Message("optimal-final-time-by-default", factor=DAMPING_TIME_FACTOR)
+        return Message("terminal-final-time-of-profile")
+    return Message("terminal-final-time-by-default", factor=DAMPING_TIME_FACTOR)
 
 
 def read_bound(plant: Plant, text: str, faults: list[Fault]) -> Bound:

@@ -75,9 +75,8 @@ def run(
     print_written(output, files)
     file = shlex.quote(str(output / "record.json"))
     following = say("cli-next-export", record=file)
-    sys.stdout.write(
-        f"{following}\n{' ' * (following.index(':') + 2)}{say('cli-list-of-controls')}\n"
-    )
+    indent = " " * (following.index(":") + 2)
+    sys.stdout.write(f"{following}\n{indent}{say('cli-list-of-controls')}\n")
     raise typer.Exit(0 if record["assessment"]["met"] else 1)
 
 

@@ -34,7 +34,3 @@ cli-written = geschrieben: { $files }
 cli-next-export = weiter: mtcommission export { $record } --control NAME
 cli-list-of-controls = (--control ? nennt die Steuerungen)
 cli-failed-cases = { $count } gescheitert
-
-optimal-final-time-of-option = das von --t-f
-optimal-final-time-of-profile = das des Profils (damping_optimal.t_f)
-optimal-final-time-by-default = das { PLAIN($factor, digits: 6) }-Fache von t_f,min: weder --t-f noch das Profil gibt eines an

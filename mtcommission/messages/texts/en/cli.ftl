@@ -37,7 +37,3 @@ cli-written = written: { $files }
 cli-next-export = next: mtcommission export { $record } --control NAME
 cli-list-of-controls = (--control ? lists the controls)
 cli-failed-cases = { $count } failed
-
-optimal-final-time-of-option = that of --t-f
-optimal-final-time-of-profile = that of the profile (damping_optimal.t_f)
-optimal-final-time-by-default = { PLAIN($factor, digits: 6) } times t_f,min: neither --t-f nor the profile gives one
