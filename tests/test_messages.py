@@ -46,7 +46,7 @@ class _Places(Visitor):
 
 def _places(language: str, kind: str) -> _Places:
     places = _Places()
-    entry = FluentParser().parse_entry(entries_of(language)[kind])
+    entry = FluentParser().parse_entry(f"{kind} = {entries_of(language)[kind]}")
     assert isinstance(entry, ftl.Message | ftl.Term), f"{language}: {kind} is no Fluent text"
     places.visit(entry)
     for other in places.others:

@@ -140,7 +140,7 @@ def describe_optimum(
     for name, unit, peak in zip(
         plant.signals, plant.signal_units, solution.peaks.tolist(), strict=True
     ):
-        error = f"{spoken.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""
+        error = f"{spoken.format.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""
         peaks.add_row(name, spoken.format.quantity(peak, unit), error)
     first = Message(
         "terminal-final-time",
@@ -170,7 +170,7 @@ def describe_optimum(
 
 
 def _ms(spoken: Catalogue, seconds: float) -> str:
-    return f"{spoken.plain(1e3 * seconds, 6, 'f')} ms"
+    return f"{spoken.format.plain(1e3 * seconds, 6, 'f')} ms"
 
 
 def _law_line(solution: TimeOptimum) -> Message:
