@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from math import ceil
 from pathlib import Path
 from typing import Any
@@ -14,15 +13,12 @@ import pytest
 from mtcommission.cli.terminal import describe_limits, show
 from mtcommission.commission import Commissioning, commission
 from mtcommission.machine.machine import Motion
+from mtcommission.messages.quantities import Formatter
 from mtcommission.profile.read import read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, load_record
 from mtcommission.record.limits import limits_part
 from mtcommission.record.schema import Profile, Record
-from mtcommission.sheet.content import compose
-from mtcommission.sheet.format import Formatter
-from mtcommission.sheet.labels_de import GERMAN
-from mtcommission.sheet.labels_en import Labels
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -128,7 +124,7 @@ def test_terminal_shows_the_peak_of_every_row(
     machine, part = found.machine, limits_part(found)
     show(describe_limits(machine, part, met=True, warnings=[]))
     unit = "m" if machine.motion is Motion.LINEAR else "rad"
-    printed = Formatter(rotary=unit == "rad", labels=Labels())
+    printed = Formatter(rotary=unit == "rad")
     rows = [line.split("  ") for line in capsys.readouterr().out.splitlines()]
     peaks = [
         found.recommended.peak_deviation,
@@ -149,10 +145,3 @@ def test_recommendation_beats_every_rule_that_meets_the_requirements(record: Rec
         if rule.meets_requirements:
             assert rule.settling_time is not None
             assert rule.settling_time >= 0.99 * best
-
-
-def test_the_german_sheet_has_a_sentence_for_every_sentence_of_the_record(record: Record) -> None:
-    """A sentence without one would stand in English, marked, amid a German sheet."""
-    shown = json.dumps(asdict(compose(record, GERMAN)), default=str, ensure_ascii=False)
-    mark = GERMAN.original.removeprefix("{text}")
-    assert mark.strip() not in shown, shown[: shown.find(mark)][-200:]

@@ -21,11 +21,11 @@ from mtcommission.machine.variations import (
     draw_variations,
     vary,
 )
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.sheet.languages import find_labels
 from mtcommission.study.evaluate import judge
 from mtcommission.study.robustness import (
     FrequencyError,
@@ -273,7 +273,7 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
         "peak v_phi (where they are higher)"
     )
     assert f"off by {english}. Missed outside this range: {lost}. State requirements" in warning
-    translated = find_labels("de").say(warning)
+    translated = Catalogue("de").say(warning)
     assert german in translated
     lost = (
         "Restabweichung (wo sie tiefer liegen) und Sollkraft (wo sie höher liegen) und "

@@ -55,9 +55,9 @@ def run(
     from mtcommission.record.build import build_record
     from mtcommission.record.files import dump_json
     from mtcommission.sheet import print_html, print_pdf, summarise
-    from mtcommission.sheet.languages import find_labels
+    from mtcommission.sheet.languages import require_language
 
-    find_labels(language)
+    require_language(language)
     with show_stage() as progress:
         found = commission(machine, progress=progress)
     record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))

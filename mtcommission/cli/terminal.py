@@ -16,6 +16,8 @@ from rich.text import Text
 
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import Formatter
 from mtcommission.optimal.solution import (
     TIGHT_GAP,
     DampingOptimum,
@@ -33,8 +35,6 @@ from mtcommission.record.schema import (
     RuleResult,
     SimulationPart,
 )
-from mtcommission.sheet.format import Formatter, formatter_of
-from mtcommission.sheet.labels_en import ENGLISH
 from mtcommission.sheet.limits_part import name_obstacle
 
 WIDTH = 80
@@ -71,9 +71,9 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) ->
     -------
     Group
     """
-    printed, axis = _formatter(machine), machine.axis_units
+    words, axis = _words(machine), machine.axis_units
     length, force = axis.length.si, axis.force.si
-    said = printed.labels.say
+    printed, said = words.format, words.say
     modes = _table(
         "Mode", "Frequency", "Damping ratio", said("Tool per force, static"), "Seen by encoder"
     )
@@ -109,7 +109,7 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) ->
         limits,
         Text(f"Controllable: Kalman rank {rank} of {plant.order} states."),
     ]
-    parts += _warnings(printed, warnings)
+    parts += _warnings(words, warnings)
     if not warnings:
         parts.append(Text("No warnings."))
     return Group(*parts)
@@ -119,7 +119,7 @@ def describe_optimum(
     machine: Machine, plant: Plant, solution: TimeOptimum | DampingOptimum, *, origin: str = ""
 ) -> Group:
     """Return arcs, peaks and proof of an optimal control; ``origin`` tells what chose its t_f."""
-    printed = _formatter(machine)
+    printed = _words(machine).format
     arcs = _table("Arc", "From", "To", "F_set")
     # Interior control is kept in many short pieces; to the reader they are one arc.
     joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
@@ -243,8 +243,8 @@ def describe_limits(
     machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[str]
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
-    printed, length = _formatter(machine), machine.axis_units.length.si
-    said, best = printed.labels.say, part.recommended
+    words, length, best = _words(machine), machine.axis_units.length.si, part.recommended
+    printed, said = words.format, words.say
     table = _table("Limits", "a", "j", "Settling", "Residual", "Peak", "Met")
     entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
     entries = [("recommended", best, met)]
@@ -286,7 +286,7 @@ def describe_limits(
             )
             for item in part.attainable
         ),
-        *_warnings(printed, warnings),
+        *_warnings(words, warnings),
     )
 
 
@@ -310,7 +310,8 @@ def _hold_sentence(item: MoveSizesEntry, printed: Formatter, length: str) -> str
 
 def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
     """Return the worst response of each move and the verdict."""
-    printed, axis = _formatter(machine), machine.axis_units
+    words, axis = _words(machine), machine.axis_units
+    printed = words.format
     mass, length, force = axis.mass.si, axis.length.si, axis.force.si
     table = _table("Move", "Corner", "Settling", "Residual", "Peak", "F_set")
     for number, move in enumerate(part.moves, start=1):
@@ -330,13 +331,13 @@ def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
                 printed.quantity(response.peak_deviation, length),
                 f"{wanted} saturated" if response.saturated else wanted,
             )
-    verdict = _verdict(printed, part.assessment)
-    warnings = _warnings(printed, part.warnings)
+    verdict = _verdict(words, part.assessment)
+    warnings = _warnings(words, part.warnings)
     return Group(_heading("Response of the loop"), table, *verdict, *warnings)
 
 
-def _verdict(printed: Formatter, assessment: AssessmentPart) -> list[RenderableType]:
-    said, lines = printed.labels.say, list[RenderableType]()
+def _verdict(words: Catalogue, assessment: AssessmentPart) -> list[RenderableType]:
+    printed, said, lines = words.format, words.say, list[RenderableType]()
     for check in assessment.checks:
         value = printed.quantity(check.value, check.unit, missing="not settled")
         limit = printed.quantity(check.limit, check.unit)
@@ -350,8 +351,8 @@ def _verdict(printed: Formatter, assessment: AssessmentPart) -> list[RenderableT
     return lines
 
 
-def _warnings(printed: Formatter, warnings: Sequence[str]) -> list[Text]:
-    return [Text(f"Warning: {printed.labels.say(line)}", style="yellow") for line in warnings]
+def _warnings(words: Catalogue, warnings: Sequence[str]) -> list[Text]:
+    return [Text(f"Warning: {words.say(line)}", style="yellow") for line in warnings]
 
 
 def _heading(text: str) -> Text:
@@ -365,5 +366,5 @@ def _table(*columns: str) -> Table:
     return table
 
 
-def _formatter(machine: Machine) -> Formatter:
-    return formatter_of(machine.motion.value, ENGLISH)
+def _words(machine: Machine) -> Catalogue:
+    return Catalogue(rotary=machine.motion.value == "rotary")
