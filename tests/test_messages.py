@@ -18,11 +18,13 @@ from fluent.syntax.visitor import Visitor
 
 import mtcommission
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.catalogue import LANGUAGES, UNITS, Catalogue, entries_of
+from mtcommission.messages.catalogue import LANGUAGES, Catalogue, entries_of
+from mtcommission.messages.functions import functions_of
 from mtcommission.messages.message import Message, from_json, to_json
+from mtcommission.messages.quantities import Formatter
 
 SOURCE = Path(mtcommission.__file__).parent
-FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "PLAIN", "SHARE", "CHANGE", "SYMBOL"}
+FUNCTIONS = set(functions_of(Formatter()))
 
 
 class _Places(Visitor):

@@ -10,43 +10,22 @@ parsed: a command needs a few dozen out of a thousand.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 from fluent.runtime import FluentBundle, FluentResource
 from fluent.runtime.types import FluentNone, FluentNumber, fluent_number
 
+from mtcommission.messages.functions import functions_of
 from mtcommission.messages.message import Message, Value
-from mtcommission.messages.quantities import Formatter, symbol
+from mtcommission.messages.quantities import Formatter
 
 TEXTS = Path(__file__).with_name("texts")
 
 LANGUAGES: Mapping[str, str] = MappingProxyType({"en": ".", "de": ","})
 """Languages there are, and their decimal marks."""
-
-UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "LENGTH": ("m", "rad"),
-        "VELOCITY": ("m/s", "rad/s"),
-        "ACCELERATION": ("m/s^2", "rad/s^2"),
-        "JERK": ("m/s^3", "rad/s^3"),
-        "FORCE": ("N", "N m"),
-        "MASS": ("kg", "kg m^2"),
-        "STIFFNESS": ("N/m", "N m/rad"),
-        "DAMPING": ("N s/m", "N m s/rad"),
-        "COMPLIANCE": ("m/N", "rad/(N m)"),
-        "GAIN": ("1/kg", "1/(kg m^2)"),
-        "TIME": ("s", "s"),
-        "FREQUENCY": ("Hz", "Hz"),
-        "RATE": ("1/s", "1/s"),
-        "DECIBEL": ("dB", "dB"),
-        "DEGREE": ("°", "°"),
-    }
-)
-"""Functions of the texts for quantities: SI unit on a linear axis and on a rotary one."""
 
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=[ ]*(.*(?:\n(?:[ }].*|(?=\n)))*)", re.MULTILINE)
 """A text begins at the margin; its further lines are indented, the last may close a bracket."""
@@ -168,25 +147,8 @@ class Catalogue:
 @cache
 def _texts_of(language: str, rotary: bool) -> tuple[FluentBundle, set[str]]:
     """The texts parsed so far, and their keys; every catalogue of this kind shares them."""
-    form = Formatter(rotary=rotary, decimal_mark=LANGUAGES[language])
-    functions: dict[str, Callable[..., Any]] = {
-        name: _quantity(form, units[rotary]) for name, units in UNITS.items()
-    }
-    functions |= {
-        "QUANTITY": lambda value, unit: form.quantity(_number(value), str(unit)),
-        "NUMBER": lambda value, digits=4: form.number(_number(value) or 0.0, digits=int(digits)),
-        "PLAIN": lambda value, digits=4, style="g": form.plain(
-            _number(value) or 0.0, int(digits), str(style)
-        ),
-        "SHARE": lambda value: form.percent_if_known(_number(value)),
-        "CHANGE": lambda value: form.signed_percent(_number(value) or 0.0),
-        "SYMBOL": lambda name: symbol(str(name)),
-    }
+    functions = functions_of(Formatter(rotary=rotary, decimal_mark=LANGUAGES[language]))
     return FluentBundle([language], functions=functions, use_isolating=False), set()
-
-
-def _quantity(form: Formatter, unit: str) -> Callable[..., str]:
-    return lambda value: form.quantity(_number(value), unit)
 
 
 @cache
@@ -197,8 +159,3 @@ def entries_of(language: str) -> Mapping[str, str]:
         entries = _ENTRY.findall(path.read_text(encoding="utf-8"))
         found.update((key, text.strip()) for key, text in entries)
     return MappingProxyType(found)
-
-
-def _number(value: object) -> float | None:
-    """A number as Fluent hands it over; an empty text stands for one that is not known."""
-    return None if value == "" else float(value)  # type: ignore[arg-type]
