@@ -20,7 +20,7 @@ from fluent.runtime import FluentBundle, FluentResource
 from fluent.runtime.types import FluentNone, FluentNumber, fluent_number
 
 from mtcommission.messages.message import Message, Value
-from mtcommission.messages.quantities import Formatter, symbol
+from mtcommission.messages.quantities import DIGITS, Formatter, symbol
 
 TEXTS = Path(__file__).with_name("texts")
 
@@ -47,6 +47,9 @@ UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
     }
 )
 """Functions of the texts for quantities: SI unit on a linear axis and on a rotary one."""
+
+PER_SI: Mapping[str, float] = MappingProxyType({"": 1.0, "ms": 1e3, "us": 1e6, "%": 100.0})
+"""Units in which a text may ask for a plain number, and how many make one of SI."""
 
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=", re.MULTILINE)
 _NO_WORD = re.compile(r"[^a-zA-Z0-9]+")
@@ -132,6 +135,16 @@ class Catalogue:
         form = {"q": "mode-deflection", "v": "mode-rate"}.get(coordinate)
         return self.known(kind, self.text(form, mode=mode) if form and mode else last)
 
+    def plain(self, value: float, digits: int, style: str) -> str:
+        """Return a number as Python's format prints it, with the language's decimal mark.
+
+        Examples
+        --------
+        >>> Catalogue("de").plain(1.25, 1, "e")
+        '1,2e+00'
+        """
+        return f"{value:.{digits}{style}}".replace(".", self.format.decimal_mark)
+
     def has(self, kind: str) -> bool:
         """Return whether there is a text of this kind."""
         return kind in entries_of(self.language)
@@ -150,8 +163,9 @@ class Catalogue:
             "NUMBER": lambda value, digits=4: self.format.number(
                 _number(value) or 0.0, digits=int(digits)
             ),
-            "PLAIN": lambda value, digits=4: f"{_number(value) or 0.0:.{int(digits)}g}".replace(
-                ".", self.format.decimal_mark
+            "PLAIN": self._plain,
+            "SI": lambda value, quantity, digits=4: (
+                f"{self._plain(value, digits)} {UNITS[str(quantity)][self.rotary]}"
             ),
             "SHARE": lambda value: self.format.percent_if_known(_number(value)),
             "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
@@ -161,6 +175,13 @@ class Catalogue:
 
     def _quantity(self, unit: str) -> Callable[..., str]:
         return lambda value: self.format.quantity(_number(value), unit)
+
+    def _plain(
+        self, value: object, digits: object = DIGITS, unit: str = "", style: object = "g"
+    ) -> str:
+        """A number as people type it, in a unit that the text writes."""
+        number = PER_SI[unit] * (_number(value) or 0.0)
+        return self.plain(number, int(str(digits)), str(style))
 
     def _spoken(self, value: Value) -> float | str | FluentNumber | FluentNone:
         """A value as Fluent takes it; messages inside are said, several joined by commas."""
