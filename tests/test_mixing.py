@@ -26,12 +26,12 @@ def base(tuned: TunedLoop) -> MixedMode:
 
 
 def mixed(tuned: TunedLoop) -> tuple[MixedMode, ...]:
-    return find_mixed_modes(tuned.loops[0].plant, tuned.lifted[0], tuned.nominal.mode_damping)
+    return find_mixed_modes(tuned.loops[0], tuned.nominal.mode_damping)
 
 
 def test_a_deflected_base_rings_as_the_sentence_says(tuned: TunedLoop, base: MixedMode) -> None:
     """What is left late of the base's motion is damped far less than its own pole says."""
-    plant, lifted = tuned.loops[0].plant, tuned.lifted[0]
+    plant, lifted = tuned.loops[0].plant, tuned.loops[0].lifted
     state = np.zeros(len(lifted.A))
     deflection = plant.modes[0].deflection
     state[lifted.states.index(f"plant.{plant.states[deflection]}")] = 1.0
@@ -56,7 +56,7 @@ def test_a_deflected_base_rings_as_the_sentence_says(tuned: TunedLoop, base: Mix
 
 def test_shares_are_those_of_the_loop_in_observer_errors(tuned: TunedLoop, base: MixedMode) -> None:
     """Wrong shares would name the wrong poles; here the left vectors come from A transposed."""
-    plant, lifted = tuned.loops[0].plant, tuned.lifted[0]
+    plant, lifted = tuned.loops[0].plant, tuned.loops[0].lifted
     turn = np.eye(len(lifted.A))
     for name in plant.states:
         if f"observer.{name}" in lifted.states:

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from mtcommission import cli
-from mtcommission.profile import shipped
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -18,6 +17,7 @@ from mtcommission.machine.machine import Modal, Motion, StateFeedback
 from mtcommission.machine.mechanics import flexible_modes, frequency_hz
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.plant.plant import build_plant
+from mtcommission.profile import shipped
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
 from mtcommission.study.evaluate import judge

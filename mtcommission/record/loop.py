@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from mtcommission.commission import Commissioning
 from mtcommission.loop.analysis.analysis import LoopAnalysis
 from mtcommission.loop.analysis.frequency import FrequencyResponse
+from mtcommission.loop.model.assembly import LiftedLoop
 from mtcommission.loop.model.controller import Controller, filter_delay
-from mtcommission.loop.model.sampled import LiftedLoop
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.plant.plant import Plant
@@ -39,8 +39,8 @@ PUSH_STEP = 0.5e-3
 def loop_part(commissioning: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant = commissioning.tuned, commissioning.plant
-    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.lifted[0]
-    mixed = find_mixed_modes(plant, lifted, nominal.mode_damping)
+    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.loops[0].lifted
+    mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return LoopPart(
         Kv=controller.position_gain,
         Kp=controller.velocity_gain,

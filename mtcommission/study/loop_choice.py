@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
+from typing import Any
 
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
@@ -74,6 +75,11 @@ class LoopChoice:
 
     tuned: TunedLoop
     variants: tuple[LoopVariant, ...]
+
+    @property
+    def model(self) -> Any:
+        """The loop as a ``control.StateSpace`` to go on with, e.g. ``control.bode_plot``."""
+        return self.tuned.model
 
 
 def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:

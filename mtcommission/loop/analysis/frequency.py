@@ -2,7 +2,9 @@
 
 The loop is cut at F_set. Everything at the velocity cycle is exact in z = exp(i ω T_v); the
 position path is taken in its base band, that is, the images of its slower sampling are left
-out (they lie above 1/(2 T_p) and are attenuated by the hold and the plant).
+out (they lie above 1/(2 T_p) and are attenuated by the hold and the plant). python-control gives
+the same to 1e-9 from ``diagram.build_open_loop`` (tested) in 40 ms instead of the 0.1 ms that one
+more gain takes here: tuning asks for some hundred.
 
 The grid is refined where something is read off it: at crossings and at the highest peaks.
 """
@@ -15,7 +17,7 @@ from math import exp, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.analysis.answers import (
+from mtcommission.loop.analysis.block_responses import (
     Answers,
     Blocks,
     Sight,

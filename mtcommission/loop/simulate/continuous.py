@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
+from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import (
     Controller,
     filter_polynomials,
     reference_state,
 )
-from mtcommission.loop.model.sampled import INPUTS
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
-from mtcommission.loop.analysis.answers import Answers, answer_on_grid
+from mtcommission.loop.analysis.block_responses import Answers, answer_on_grid
 from mtcommission.loop.analysis.frequency import (
     FrequencyResponse,
     close,
@@ -16,8 +17,8 @@ from mtcommission.loop.analysis.frequency import (
     open_loop,
     refine,
 )
+from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.model.sampled import LiftedLoop, SampledLoop, build_loop, lift_loop
 from mtcommission.machine.corners import Corner, corners, vary
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant, build_plant
@@ -88,7 +89,7 @@ class TunedLoop:
         With every gain resolved.
     corners
         The nominal machine first.
-    loops, lifted, responses, analyses
+    loops, responses, analyses
         One for each corner.
     remarks
         What was chosen, by which rule, and what could not be done; sentences for the sheet.
@@ -99,11 +100,18 @@ class TunedLoop:
     controller: Controller
     corners: tuple[Corner, ...]
     loops: tuple[SampledLoop, ...]
-    lifted: tuple[LiftedLoop, ...]
     responses: tuple[FrequencyResponse, ...]
     analyses: tuple[LoopAnalysis, ...]
     remarks: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+
+    @property
+    def model(self) -> Any:
+        """The nominal loop as a ``control.StateSpace``, see ``build_model``."""
+        from mtcommission.loop.model.diagram import build_model  # python-control takes a second
+
+        plant = self.loops[0].plant
+        return build_model(plant, self.controller, model=plant)
 
     @property
     def nominal(self) -> LoopAnalysis:
@@ -236,7 +244,6 @@ class _Closed:
     """The loop in one corner."""
 
     loop: SampledLoop
-    lifted: LiftedLoop
     response: FrequencyResponse
     analysis: LoopAnalysis
 
@@ -245,9 +252,7 @@ def _close_on(
     plant: Plant, controller: Controller, response: FrequencyResponse, *, model: Plant
 ) -> _Closed:
     loop = build_loop(plant, controller, model=model)
-    lifted = lift_loop(loop)
-    analysis = analyse_loop(plant, response, lifted)
-    return _Closed(loop=loop, lifted=lifted, response=response, analysis=analysis)
+    return _Closed(loop=loop, response=response, analysis=analyse_loop(loop, response))
 
 
 def _gather(bench: CornerPlants, controller: Controller, closed: Sequence[_Closed]) -> TunedLoop:
@@ -255,7 +260,6 @@ def _gather(bench: CornerPlants, controller: Controller, closed: Sequence[_Close
         controller=controller,
         corners=bench.corners,
         loops=tuple(item.loop for item in closed),
-        lifted=tuple(item.lifted for item in closed),
         responses=tuple(item.response for item in closed),
         analyses=tuple(item.analysis for item in closed),
         remarks=(),

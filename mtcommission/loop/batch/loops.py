@@ -1,18 +1,14 @@
-"""The loops of thousands of machines at once, which differ in their plants alone.
+"""What the machines of a batch do not share, and what they do: their plants, and one setpoint.
 
-The plants are discretised in one go (Taylor series, converged to rounding at the velocity
-cycle) and lifted to the position cycle; the controller's rows are the same for all.
+The plants are discretised in one go (Taylor series, converged to rounding at the velocity cycle).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.sampled import SampledLoop
-from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.machine import Machine, Manipulator
 from mtcommission.machine.variations import Variations
 from mtcommission.plant.plant import Plant
@@ -25,70 +21,27 @@ TAYLOR_TERMS = 18
 typical axes (below 0.5) reach rounding."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class VariedLoops:
-    """Loops of many samples at the position cycle, without the kept setpoint samples.
+def discretise_variations(
+    machine: Machine, plant: Plant, step: float, *, variations: Variations, part: slice
+) -> tuple[Array, Array]:
+    """Return the zero-order-hold discretisations (A, B) of varied plants over one step.
 
     Parameters
     ----------
-    rows
-        Shape (n_samples, n + (n_signals + 1) cycles, n). The first n rows are A in X⁺ = A X plus
-        what the setpoint hands down; then each signal at each velocity cycle, as rows over X;
-        then the tool position. One product is faster than three.
-    """
-
-    rows: Array
-
-
-def build_loops(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    *,
-    variations: Variations,
-    part: slice,
-    signals: Array,
-) -> VariedLoops:
-    """Return the loops of some samples.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        The nominal machine, its plant and its loop; the controller is the same on all samples.
+    machine, plant
+        Nominal.
+    step
+        [s].
     variations
         The machines.
     part
         Which of them.
-    signals
-        Rows over the loop's state (``own_size`` columns), shape (n_signals, n).
 
     Returns
     -------
-    VariedLoops
+    (A, B)
+        Shapes (n_samples, n, n), (n_samples, n).
     """
-    loop = tuned.loops[0]
-    n, z, size = plant.order, loop.integrator, own_size(loop)
-    A, B = _discretise_all(machine, plant, tuned, variations, part)
-    cycle = np.repeat(loop.step[None, :size, :size], len(A), axis=0)
-    cycle[:, :n, :n], cycle[:, :n, z + 1] = A, B
-    cycle[:, z] += loop.integration[:size]
-    cycle[:, z + 1] = loop.demand[:size]
-    seen = np.vstack([signals, loop.observation[:1, :size]])
-    rows = np.repeat(seen[None], len(A), axis=0)
-    pieces = []
-    for _ in range(loop.controller.cycles):
-        pieces.append(rows)
-        rows = rows @ cycle
-    lifted = np.linalg.matrix_power(cycle, loop.controller.cycles)
-    lifted[:, loop.held :] = loop.handed_down[:, :size]
-    seen_rows = np.stack(pieces, axis=2).reshape(len(A), -1, size)
-    return VariedLoops(rows=np.concatenate([lifted, seen_rows], axis=1))
-
-
-def _discretise_all(
-    machine: Machine, plant: Plant, tuned: TunedLoop, variations: Variations, part: slice
-) -> tuple[Array, Array]:
-    """Zero-order-hold plants of the samples over a velocity cycle, (n_samples, n, n), (…, n)."""
     payload = variations.payload[part]
     s, d = variations.frequency_factor[part], variations.damping_factor[part]
     n = plant.order
@@ -100,7 +53,7 @@ def _discretise_all(
         joint[:, mode.rate, mode.deflection] *= s**2 * loosened
         joint[:, mode.rate, mode.rate] *= s * d * loosened
         joint[:, mode.rate, plant.force] *= loosened
-    joint *= tuned.controller.velocity_cycle
+    joint *= step
     eye = np.eye(n + 1)
     result = np.broadcast_to(eye, joint.shape)
     for k in range(TAYLOR_TERMS, 0, -1):
@@ -115,11 +68,6 @@ def _inertia_ratio(machine: Machine, mode: str, payload: Array) -> Array:
         return np.ones_like(payload)
     J = mechanics.rotary_inertia
     return np.asarray(J / (J + payload * machine.requirements.payload_radius**2))
-
-
-def own_size(loop: SampledLoop) -> int:
-    """Return the number of loop states without the kept setpoint samples, which end it."""
-    return loop.held + len(loop.handed_down)
 
 
 def hand_down(loop: SampledLoop, setpoint: Setpoint, cycles: int) -> Array:
@@ -139,7 +87,7 @@ def hand_down(loop: SampledLoop, setpoint: Setpoint, cycles: int) -> Array:
     ndarray
         Shape (cycles, 3), in the units of ``loop.handed_down``.
     """
-    rows = loop.handed_down[:, own_size(loop) :]
+    rows = loop.handed_down[:, loop.own_size :]
     kept = (rows.shape[1] - 4) // 4
     T_p = loop.controller.position_cycle
     times = np.arange(-kept, cycles, dtype=np.float64) * T_p
