@@ -202,7 +202,7 @@ def _velocity_cycle(
     error = held[0] + held[1] - plant.row("encoder") @ plant.A @ P
     integrated = error
     if controller.reference_model_time:
-        # Only the correction passes the model: the velocity ahead already arrives in time.
+        # Only the correction passes the model: the fed-forward velocity already arrives in time.
         share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
         step[modelled] += share * (held[0] - unit[modelled])
         integrated = error + unit[modelled] - held[0]
@@ -230,7 +230,7 @@ def _position_cycle(
     force = wanted @ delayed - 0.5 * (T_p - controller.velocity_cycle) * rate
     force[2] += controller.acceleration_feedforward * m
     force[3] += controller.jerk_feedforward * m * controller.force_lag
-    ahead = np.vstack(
+    by_setpoint = np.vstack(
         [
             controller.position_gain * position,
             controller.velocity_feedforward * delayed[1],
@@ -239,8 +239,8 @@ def _position_cycle(
         ]
     )
     rows = np.zeros((len(HELD), size + 4))
-    rows[:, size:] = ahead[:, :4]
-    rows[:, size - 4 * delays : size] = ahead[:, 4:]
+    rows[:, size:] = by_setpoint[:, :4]
+    rows[:, size - 4 * delays : size] = by_setpoint[:, 4:]
     rows[0, : plant.order] = -controller.position_gain * plant.row("encoder")
     return rows
 

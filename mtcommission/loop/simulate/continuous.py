@@ -98,8 +98,10 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
         _delay(held, "v_asked", "v_held"),
         _delay(arrival, "v_ref", "v_late"),
         _velocity_controller(controller),
-        control.ss([], [], [], [force], name="ahead", inputs=list(INPUTS), outputs=["f_ahead"]),
-        _delay(held, "f_ahead", "f_held"),
+        control.ss(
+            [], [], [], [force], name="feedforward", inputs=list(INPUTS), outputs=["f_fed_forward"]
+        ),
+        _delay(held, "f_fed_forward", "f_held"),
         control.ss([], [], [], [state], name="target", inputs=list(INPUTS), outputs=["f_target"]),
         _delay(arrival, "f_target", "f_state"),
         control.summing_junction(

@@ -18,11 +18,11 @@ from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TunedLoop,
     TuningSettings,
-    answer_corners,
     close_loop,
     close_within_margins,
     corner_plants,
     describe_margins,
+    scan_corners,
 )
 from mtcommission.machine.machine import Machine
 
@@ -195,10 +195,10 @@ def _close_by_rule(machine: Machine, bench: CornerPlants, settings: TuningSettin
     _require_damping(bench)
     free = replace(machine.control, velocity_gain=None, position_gain=None, integral_time=None)
     by_rule = replace(machine, control=free)
-    answers = answer_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
+    scanned = scan_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
     for fraction in fractions(settings, start=1.0, end=LEAST_FRACTION):
         controller = build_cascade(by_rule, bench.model, fraction=fraction)
-        found = close_within_margins(bench, controller, answers, settings=settings)
+        found = close_within_margins(bench, controller, scanned, settings=settings)
         if found is not None:
             return found
     softest = close_loop(bench, controller)

@@ -12,10 +12,10 @@ from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TunedLoop,
     TuningSettings,
-    answer_corners,
     close_within_margins,
     describe_margins,
     has_margins,
+    scan_corners,
 )
 from mtcommission.machine.corners import NOMINAL
 from mtcommission.machine.machine import Machine
@@ -160,11 +160,11 @@ def _name_cure(
     """The largest value of each given gain that keeps the margins, the others as they are."""
     given = machine.control
     fixed = replace(machine, control=replace(given, velocity_gain=controller.velocity_gain))
-    answers = answer_corners(bench, controller)
+    scanned = scan_corners(bench, controller)
 
     def keeps(**gains: float) -> bool:
         changed = replace(fixed, control=replace(fixed.control, **gains))  # type: ignore[arg-type]
-        found = close_within_margins(bench, build(changed), answers, settings=settings)
+        found = close_within_margins(bench, build(changed), scanned, settings=settings)
         return found is not None
 
     cures = []

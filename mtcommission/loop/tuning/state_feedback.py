@@ -37,7 +37,7 @@ def is_seen(mode: PlantMode, sensors: tuple[str, ...]) -> bool:
     return mode.measured_gain != 0.0 or ("tcp" in sensors and mode.tcp_gain != 0.0)
 
 
-def dominant_mode(
+def most_resonant_mode(
     plant: Plant, sensors: tuple[str, ...], damping: tuple[float, ...]
 ) -> PlantMode | None:
     """Return the visible mode that resonates most at the tool; None if none is visible.

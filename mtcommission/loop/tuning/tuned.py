@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
-from mtcommission.loop.analysis.block_responses import Answers, answer_on_grid
+from mtcommission.loop.analysis.block_responses import BlockResponses, scan_blocks_on_grid
 from mtcommission.loop.analysis.frequency import (
     FrequencyResponse,
     close,
@@ -190,7 +190,7 @@ def close_loop(
 def close_within_margins(
     bench: CornerPlants,
     controller: Controller,
-    answers: Sequence[Answers],
+    scanned: Sequence[BlockResponses],
     *,
     settings: TuningSettings,
 ) -> TunedLoop | None:
@@ -200,8 +200,8 @@ def close_within_margins(
     ----------
     bench, controller
         As for ``close_loop``; corners behind the first one that fails are not looked at.
-    answers
-        From ``answer_corners`` with the same cycles, sensors and observer.
+    scanned
+        From ``scan_corners`` with the same cycles, sensors and observer.
     settings
         Required margins.
 
@@ -211,7 +211,7 @@ def close_within_margins(
         Without remarks and warnings.
     """
     closed = []
-    for plant, known in zip(bench.plants, answers, strict=True):
+    for plant, known in zip(bench.plants, scanned, strict=True):
         cut = open_loop(controller, known)
         # Refinement keeps every frequency: a peak that is too high now stays too high.
         if cut.sensitivity_peak > settings.sensitivity_peak:
@@ -223,7 +223,7 @@ def close_within_margins(
     return _gather(bench, controller, closed)
 
 
-def answer_corners(bench: CornerPlants, controller: Controller) -> tuple[Answers, ...]:
+def scan_corners(bench: CornerPlants, controller: Controller) -> tuple[BlockResponses, ...]:
     """Return what all controllers with the same cycles, sensors and observer share.
 
     Parameters
@@ -233,10 +233,10 @@ def answer_corners(bench: CornerPlants, controller: Controller) -> tuple[Answers
 
     Returns
     -------
-    tuple of Answers
+    tuple of BlockResponses
         One for each corner.
     """
-    return tuple(answer_on_grid(plant, controller) for plant in bench.plants)
+    return tuple(scan_blocks_on_grid(plant, controller) for plant in bench.plants)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -33,17 +33,17 @@ from mtcommission.loop.tuning.judgement import (
 from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
     design_observer,
-    dominant_mode,
     is_seen,
+    most_resonant_mode,
 )
 from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TunedLoop,
     TuningSettings,
-    answer_corners,
     close_loop,
     close_within_margins,
     corner_plants,
+    scan_corners,
 )
 from mtcommission.machine.machine import Machine, StateFeedback
 from mtcommission.plant.plant import Plant, PlantMode
@@ -181,7 +181,7 @@ def _compare_feedback(
         if unseen
         else ""
     )
-    mode = dominant_mode(bench.model, sensors, plain.least_own_damping)
+    mode = most_resonant_mode(bench.model, sensors, plain.least_own_damping)
     if mode is None:
         return Variants(plain=_noted(plain, f"No state feedback.{blind}"), feedback=None)
     before = float(plain.nominal.mode_damping[bench.model.modes.index(mode)])
@@ -233,14 +233,14 @@ def _with_each_weight(
     largest = build_cascade(machine, bench.model, fraction=settings.largest_fraction)
     least = plain.controller.velocity_gain * settings.reduction**2
     end = least / largest.velocity_gain * settings.largest_fraction
-    answers = answer_corners(bench, replace(largest, observer=observer))
+    scanned = scan_corners(bench, replace(largest, observer=observer))
     for weight in settings.mode_weights:
         for fraction in fractions(settings, start=settings.largest_fraction, end=end):
             cascade = build_cascade(machine, bench.model, fraction=fraction)
             controller = add_state_feedback(
                 machine, bench.model, cascade, mode, weight=weight, observer=observer
             )
-            found = close_within_margins(bench, controller, answers, settings=settings)
+            found = close_within_margins(bench, controller, scanned, settings=settings)
             if found is not None:
                 yield replace(found, remarks=explain_cascade(machine, controller))
                 break
