@@ -10,7 +10,8 @@ import pytest
 from mtcommission.loop.tuning.mixing import MixedMode, explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import StateFeedback
-from mtcommission.sheet.labels_de import GERMAN
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import THIN_SPACE
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
@@ -88,10 +89,11 @@ def test_clear_modes_need_no_sentence() -> None:
 
 
 def test_sentence_is_complete_in_both_languages(base: MixedMode) -> None:
-    """The German sheet would fall back to English in the middle of a page."""
+    """The German sheet would speak of other poles than the English one."""
     (sentence,) = explain_mixing([base])
-    assert "22.9 Hz, which hold 26 %" in sentence
-    assert "ring at 93.4 Hz with 0.286" in sentence
-    german = GERMAN.say(sentence)
+    english = Catalogue().say(sentence).replace(THIN_SPACE, " ")
+    assert "22.9 Hz, which hold 26 %" in english
+    assert "ring at 93.4 Hz with 0.286" in english
+    german = Catalogue("de").say(sentence).replace(THIN_SPACE, " ")
     assert "26 % der Eigenform" in german
     assert "bei 93,4 Hz mit 0,286" in german

@@ -31,6 +31,7 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from tests.independent_loop import axis_of, profile_of, quiet_copy, run
@@ -257,7 +258,7 @@ def test_given_gains_are_used_as_given_and_poor_ones_warned() -> None:
     gains = tuned.controller
     assert (gains.position_gain, gains.velocity_gain, gains.integral_time) == (95.0, 150e3, 15e-3)
     assert tuned.nominal.is_stable
-    assert any("margins are poor" in text for text in tuned.warnings)
+    assert "loop-given-gains-poor" in [item.kind for item in tuned.warnings]
 
 
 def test_good_given_gains_are_not_warned() -> None:
@@ -421,4 +422,5 @@ def test_failed_design_of_the_state_feedback_is_said(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(state_feedback, "observer_gains", fail)
     found = tune_variants(paper_machine(), settings=WANTED)
     assert found.feedback is None
-    assert "its design failed (observer: ill-conditioned)" in found.plain.remarks[-1]
+    said = Catalogue().say(found.plain.remarks[-1])
+    assert "its design failed (observer: ill-conditioned)" in said

@@ -128,6 +128,12 @@ class Catalogue:
             "PLAIN": lambda value, digits=4: f"{_number(value) or 0.0:.{int(digits)}g}".replace(
                 ".", self.format.decimal_mark
             ),
+            "FIXED": lambda value, decimals: f"{_number(value) or 0.0:.{int(decimals)}f}".replace(
+                ".", self.format.decimal_mark
+            ),
+            "PERCENT": lambda value: self.format.with_unit(
+                f"{100.0 * (_number(value) or 0.0):.0f}", "%"
+            ),
             "SHARE": lambda value: self.format.percent_if_known(_number(value)),
             "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
             "TERM": self._term,

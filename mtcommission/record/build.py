@@ -15,7 +15,7 @@ from mtcommission.record.comparisons import comparison_entry
 from mtcommission.record.data import describe_move, list_assumptions, list_data
 from mtcommission.record.files import find_checksum
 from mtcommission.record.limits import limits_part
-from mtcommission.record.loop import loop_part
+from mtcommission.record.loop import loop_part, say_in_english
 from mtcommission.record.moves import assessment_part, move_entry
 from mtcommission.record.optima import optimum_entry
 from mtcommission.record.robustness import robustness_part
@@ -68,7 +68,11 @@ def build_record(
         data=list_data(machine, plant, profile["text"]),
         settings=_settings_entry(commissioning),
         assumptions=list_assumptions(machine),
-        warnings=[*warnings, *commissioning.tuned.warnings, *robustness["warnings"]],
+        warnings=[
+            *warnings,
+            *say_in_english(machine, commissioning.tuned.warnings),
+            *robustness["warnings"],
+        ],
         plant=_plant_entry(plant),
         optima=[_optima_entry(plant, item) for item in commissioning.optima],
         limits=limits_part(commissioning),

@@ -14,6 +14,9 @@ from mtcommission.loop.model.assembly import LiftedLoop
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Machine, Motion
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
@@ -38,7 +41,7 @@ PUSH_STEP = 0.5e-3
 
 def loop_part(commissioning: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
-    tuned, plant = commissioning.tuned, commissioning.plant
+    tuned, plant, machine = commissioning.tuned, commissioning.plant, commissioning.machine
     controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.loops[0].lifted
     mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return LoopPart(
@@ -80,9 +83,15 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         disturbance=_disturbance_entry(commissioning.loop_study),
         jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
         bode=_bode(tuned.responses[0]),
-        remarks=[*tuned.remarks, *explain_mixing(mixed)],
-        warnings=list(tuned.warnings),
+        remarks=say_in_english(machine, [*tuned.remarks, *explain_mixing(mixed)]),
+        warnings=say_in_english(machine, tuned.warnings),
     )
+
+
+def say_in_english(machine: Machine, messages: Sequence[Message]) -> list[str]:
+    """Return messages as the record holds them."""
+    catalogue = Catalogue(rotary=machine.motion is Motion.ROTARY)
+    return [catalogue.say(message) for message in messages]
 
 
 def _observer_entry(plant: Plant, controller: Controller) -> ObserverEntry:

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from mtcommission.loop.simulate.response import LoopResponse
-from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.corners import Corner
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
+from mtcommission.record.loop import say_in_english
 from mtcommission.record.optima import finite_or_none, series_entry
 from mtcommission.record.schema import (
     AssessmentPart,
@@ -129,7 +130,7 @@ def simulation_part(
         response=entries[0]["response"],
         corners=entries[0]["corners"],
         moves=entries,
-        warnings=list(tuned.warnings),
+        warnings=say_in_english(machine, tuned.warnings),
         assessment=assessment_part(verdict),
     )
 

@@ -139,7 +139,7 @@ def _blocks_of_the_velocity_cycle(
         outputs=["tcp", "encoder", "rate", *(f"state_{k}" for k in range(plant.order))],
         states=[f"plant.{name}" for name in plant.states],
     ).sample(T_v, "zoh")
-    # Only the correction passes the reference model: the fed-forward velocity arrives in time as it is.
+    # Only the correction passes the reference model: the fed-forward velocity arrives in time.
     integral = _block(
         ["modelled", "velocity", "rate"],
         ["integral"],

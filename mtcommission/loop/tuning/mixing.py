@@ -10,6 +10,7 @@ import numpy as np
 
 from mtcommission.loop.analysis.analysis import Array, ComplexArray, share_out, unfold
 from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import PlantMode
 
 CLEARLY_LESS = 0.8
@@ -89,8 +90,8 @@ def find_mixed_modes(loop: SampledLoop, damping: Array) -> tuple[MixedMode, ...]
     return tuple(found)
 
 
-def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[str, ...]:
-    """Return one sentence for each mode.
+def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[Message, ...]:
+    """Return one remark for each mode.
 
     Parameters
     ----------
@@ -99,13 +100,18 @@ def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[str, ...]:
 
     Returns
     -------
-    tuple of str
+    tuple of Message
     """
     return tuple(
-        f"Mode {item.name} and the servo mix in the closed loop: the damping ratio shown is that "
-        f"of the poles at {item.shown.frequency_hz:.3g} Hz, which hold "
-        f"{100.0 * item.shown.share:.0f} % of the mode; {100.0 * item.larger.share:.0f} % of it "
-        f"ring at {item.larger.frequency_hz:.3g} Hz with {item.larger.damping_ratio:.3g}."
+        Message(
+            "loop-mixed-mode",
+            mode=item.name,
+            shown_frequency=item.shown.frequency_hz,
+            shown_share=item.shown.share,
+            larger_share=item.larger.share,
+            larger_frequency=item.larger.frequency_hz,
+            larger_damping=item.larger.damping_ratio,
+        )
         for item in mixed
     )
 

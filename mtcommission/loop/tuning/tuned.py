@@ -21,6 +21,7 @@ from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
 from mtcommission.machine.corners import Corner, corners, vary
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 
 
@@ -92,9 +93,9 @@ class TunedLoop:
     loops, responses, analyses
         One for each corner.
     remarks
-        What was chosen, by which rule, and what could not be done; sentences for the sheet.
+        What was chosen, by which rule, and what could not be done.
     warnings
-        What is poor about the loop; sentences that belong beside the verdict.
+        What is poor about the loop; belongs beside the verdict.
     """
 
     controller: Controller
@@ -102,8 +103,8 @@ class TunedLoop:
     loops: tuple[SampledLoop, ...]
     responses: tuple[FrequencyResponse, ...]
     analyses: tuple[LoopAnalysis, ...]
-    remarks: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
+    remarks: tuple[Message, ...]
+    warnings: tuple[Message, ...] = ()
 
     @property
     def model(self) -> Any:
@@ -161,8 +162,8 @@ def close_loop(
     bench: CornerPlants,
     controller: Controller,
     *,
-    remarks: tuple[str, ...] = (),
-    warnings: tuple[str, ...] = (),
+    remarks: tuple[Message, ...] = (),
+    warnings: tuple[Message, ...] = (),
 ) -> TunedLoop:
     """Return the controller on the machine in every corner, analysed.
 
@@ -288,8 +289,8 @@ def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
     )
 
 
-def describe_margins(analyses: Sequence[LoopAnalysis]) -> str:
-    """Return the worst margins over some corners as words.
+def describe_margins(analyses: Sequence[LoopAnalysis]) -> Message:
+    """Return the worst margins over some corners.
 
     Parameters
     ----------
@@ -298,9 +299,11 @@ def describe_margins(analyses: Sequence[LoopAnalysis]) -> str:
 
     Returns
     -------
-    str
+    Message
     """
-    gain = min(analysis.gain_margin_db for analysis in analyses)
-    phase = min(analysis.phase_margin_deg for analysis in analyses)
-    peak = max(analysis.sensitivity_peak for analysis in analyses)
-    return f"{gain:.3g} dB, {phase:.3g} degrees, sensitivity peak {peak:.3g} (worst corner)"
+    return Message(
+        "loop-margins",
+        gain=min(analysis.gain_margin_db for analysis in analyses),
+        phase=min(analysis.phase_margin_deg for analysis in analyses),
+        peak=max(analysis.sensitivity_peak for analysis in analyses),
+    )
