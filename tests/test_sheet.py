@@ -35,7 +35,6 @@ from mtcommission.limits.commissioning_rule.rule import (
 )
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.corners import NOMINAL, Corner
 from mtcommission.machine.machine import (
     Control,
     Drive,
@@ -47,6 +46,7 @@ from mtcommission.machine.machine import (
     Requirements,
 )
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile

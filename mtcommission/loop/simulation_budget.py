@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.corners import corners
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.machine.variations import corners
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 

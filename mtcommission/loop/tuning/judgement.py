@@ -18,8 +18,8 @@ from mtcommission.loop.tuning.tuned import (
     has_margins,
     scan_corners,
 )
-from mtcommission.machine.corners import NOMINAL, Corner
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 
 LOWERED = 0.9

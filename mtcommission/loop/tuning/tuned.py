@@ -19,8 +19,8 @@ from mtcommission.loop.analysis.frequency import (
 )
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
-from mtcommission.machine.corners import Corner, corners, vary
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 
