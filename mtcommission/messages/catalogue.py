@@ -107,6 +107,16 @@ class Catalogue:
             raise ValueError(f"{self.language}: {kind}: {faults[0]}")
         return str(text)
 
+    def plain(self, value: float, digits: int, style: str) -> str:
+        """Return a number as Python's format prints it, with the language's decimal mark.
+
+        Examples
+        --------
+        >>> Catalogue("de").plain(1.25, 1, "e")
+        '1,2e+00'
+        """
+        return f"{value:.{digits}{style}}".replace(".", self.format.decimal_mark)
+
     def has(self, kind: str) -> bool:
         """Return whether there is a text of this kind."""
         return kind in entries_of(self.language)
@@ -125,8 +135,8 @@ class Catalogue:
             "NUMBER": lambda value, digits=4: self.format.number(
                 _number(value) or 0.0, digits=int(digits)
             ),
-            "PLAIN": lambda value, digits=4: f"{_number(value) or 0.0:.{int(digits)}g}".replace(
-                ".", self.format.decimal_mark
+            "PLAIN": lambda value, digits=4, style="g": self.plain(
+                _number(value) or 0.0, int(digits), str(style)
             ),
             "FIXED": lambda value, decimals: f"{_number(value) or 0.0:.{int(decimals)}f}".replace(
                 ".", self.format.decimal_mark
