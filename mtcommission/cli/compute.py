@@ -185,7 +185,6 @@ def limits(
     from mtcommission.commission import commission
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_part
-    from mtcommission.record.loop import say_in_english
     from mtcommission.record.robustness import warn_of_narrow_range
 
     with show_stage() as progress:
@@ -195,7 +194,7 @@ def limits(
         write_text(json_file, dump_json(part))
     if json_file != "-":
         narrow = warn_of_narrow_range(machine, found.robustness.frequency_error)
-        warnings = [*say_in_english(machine, found.tuned.warnings), *narrow]
+        warnings = [*found.tuned.warnings, *narrow]
         show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if met else 1)
 

@@ -65,18 +65,11 @@ def check(
         raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
     from mtcommission.cli.terminal import describe_machine, show
     from mtcommission.loop.tuning.tuning import check_loop
-    from mtcommission.machine.machine import Motion
-    from mtcommission.messages.catalogue import Catalogue
     from mtcommission.plant.plant import build_plant
     from mtcommission.profile.read import read_profile
 
     machine = read_profile(profile)
-    say = Catalogue(rotary=machine.motion is Motion.ROTARY).say
-    warnings = [
-        *list_warnings(machine),
-        *list_delays(machine),
-        *map(say, check_loop(machine)),
-    ]
+    warnings = [*list_warnings(machine), *list_delays(machine), *check_loop(machine)]
     show(describe_machine(machine, build_plant(machine), warnings))
 
 

@@ -60,7 +60,7 @@ def show(content: RenderableType) -> None:
     console.print(content)
 
 
-def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) -> Group:
+def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message | str]) -> Group:
     """Return modes, rigid-body limits and warnings of a profile.
 
     Parameters
@@ -255,7 +255,7 @@ def _touch_lines(solution: TimeOptimum) -> list[Message]:
 
 
 def describe_limits(
-    machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[str]
+    machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[Message | str]
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
     spoken, length = _words(machine), machine.axis_units.length.si
@@ -379,8 +379,11 @@ def _verdict(
     return lines
 
 
-def _warnings(spoken: Catalogue, said: Callable[[str], str], warnings: Sequence[str]) -> list[Text]:
-    lines = [spoken.text("terminal-warning", warning=said(line)) for line in warnings]
+def _warnings(
+    spoken: Catalogue, said: Callable[[str], str], warnings: Sequence[Message | str]
+) -> list[Text]:
+    spoken_lines = [said(line) if isinstance(line, str) else line for line in warnings]
+    lines = [spoken.text("terminal-warning", warning=line) for line in spoken_lines]
     return [Text(line, style="yellow") for line in lines]
 
 

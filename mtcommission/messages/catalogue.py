@@ -138,9 +138,6 @@ class Catalogue:
             "PLAIN": lambda value, digits=4, style="g": self.plain(
                 _number(value) or 0.0, int(digits), str(style)
             ),
-            "FIXED": lambda value, decimals: f"{_number(value) or 0.0:.{int(decimals)}f}".replace(
-                ".", self.format.decimal_mark
-            ),
             "PERCENT": lambda value: self.format.with_unit(
                 f"{100.0 * (_number(value) or 0.0):.0f}", "%"
             ),

@@ -2,8 +2,8 @@ loop-two-sentences = { $first } { $second }
 loop-one-or-other = { $first } oder { $second }
 
 loop-kp-symmetrical-optimum = Kp nach dem symmetrischen Optimum, m / (2 T_σ).
-loop-kp-lowered = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { FIXED($fraction, decimals: 2) } (gesenkt, bis die Reserven eingehalten sind).
-loop-kp-raised = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { FIXED($fraction, decimals: 2) } (die Zustandsrückführung lässt mehr zu).
+loop-kp-lowered = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (gesenkt, bis die Reserven eingehalten sind).
+loop-kp-raised = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (die Zustandsrückführung lässt mehr zu).
 loop-tn-yaskawa = Tn = 4 m / Kp (Untergrenze nach Yaskawa für den Geschwindigkeitsregelkreis).
 loop-kv-damping-one = Kv = Kp / (4 m): Dämpfungsgrad 1 des Geschwindigkeitsregelkreises.
 loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindigkeitsreglertakt + der Teil der Kraftverzögerung, den die Ruckvorsteuerung übrig lässt + die Filter, damit Vorsteuerung und Regelung zusammentreffen.

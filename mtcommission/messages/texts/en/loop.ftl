@@ -7,8 +7,8 @@ loop-one-or-other = { $first } or { $second }
 # By which rule a gain was chosen
 loop-kp-symmetrical-optimum = Kp by the symmetrical optimum, m / (2 T_σ).
 # $fraction: of the optimum
-loop-kp-lowered = Kp by the symmetrical optimum, m / (2 T_σ) × { FIXED($fraction, decimals: 2) } (lowered until the margins hold).
-loop-kp-raised = Kp by the symmetrical optimum, m / (2 T_σ) × { FIXED($fraction, decimals: 2) } (the state feedback allows more).
+loop-kp-lowered = Kp by the symmetrical optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (lowered until the margins hold).
+loop-kp-raised = Kp by the symmetrical optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (the state feedback allows more).
 loop-tn-yaskawa = Tn = 4 m / Kp (Yaskawa's lower bound for the speed loop).
 loop-kv-damping-one = Kv = Kp / (4 m): speed loop damping 1.
 loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle + the force lag that the jerk feed-forward leaves + the filters, so that feed-forward and feedback meet.
