@@ -10,16 +10,11 @@ import pytest
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import check_loop, tune_loop, tune_variants
-from mtcommission.machine.machine import (
-    FilterKind,
-    FlexibleMode,
-    ForceFilter,
-    Machine,
-    Modal,
-    StateFeedback,
-)
+from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, StateFeedback
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.loop_choice import Settings, settle_on_loop
 from tests.independent_loop import quiet_copy

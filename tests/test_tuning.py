@@ -23,7 +23,6 @@ from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
     Machine,
-    Modal,
     StateFeedback,
     StateGain,
     TcpSensor,
@@ -32,6 +31,7 @@ from mtcommission.machine.machine import (
 )
 from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from tests.independent_loop import axis_of, profile_of, quiet_copy, run

@@ -34,42 +34,26 @@ loop-takes-damping = Der Regelkreis entdämpft die Eigenform { $mode }: ihr Däm
 loop-cure = Die Reserven wären eingehalten mit { $gains }, alle anderen Vorgaben unverändert
 loop-no-cure = Keine Verstärkung allein behebt das; ohne Vorgaben werden sie eingestellt
 loop-cure-kv = Kv bis { NUMBER($value) } 1/s
-loop-cure-kp = Kp bis { NUMBER($value) } { loop-damping-unit }
-loop-cure-tn = Tn ab { TIME($value) }
-loop-damping-unit = { $axis ->
+loop-cure-kp = Kp bis { NUMBER($value) } { $axis ->
     [rotary] N m s/rad
    *[linear] N s/m
 }
+loop-cure-tn = Tn ab { TIME($value) }
 
-loop-unstable = mit Kv = { NUMBER($Kv) } 1/s, Kp = { NUMBER($Kp) } { loop-damping-unit }, Tn = { PLAIN($Tn) } s an { $corner }. { $cure }
+loop-unstable = mit Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { PLAIN($Tn) } s an { $corner }. { $cure }
 loop-nominal-machine = der Nennmaschine
-loop-corner-payload = Zuladung { $axis ->
-    [rotary] { NUMBER($value) } kg m²
-   *[linear] { NUMBER($value) } kg
-}
+loop-corner-payload = Zuladung { SI($value, "MASS") }
 loop-corner-frequencies = Frequenzen × { NUMBER($value) }
 loop-corner-damping = Dämpfung × { NUMBER($value) }
-loop-no-margins = bei Kp = { NUMBER($Kp) } { loop-damping-unit }, { PERCENT($share) } des symmetrischen Optimums, sind es { $margins }
+loop-no-margins = bei Kp = { SI($Kp, "DAMPING") }, { PERCENT($share) } des symmetrischen Optimums, sind es { $margins }
 loop-mode-without-damping = Eigenform { $mode } ({ PLAIN($frequency) } Hz) hat den Dämpfungsgrad 0
 loop-hidden-states = Zustandsrückführung von { $states }
 loop-observer-failed = Beobachter: { $error }
 loop-gains-failed = Verstärkungen für die Eigenform { $mode }: { $error }
 
-budget-full-force = Bewegung { $move } dauert mindestens { PLAIN($time, digits: 3) } s mit { PLAIN($force) } { $axis ->
-    [rotary] N m
-   *[linear] N
-} an { PLAIN($mass) } { $axis ->
-    [rotary] kg m^2
-   *[linear] kg
-}; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { NUMBER($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }
-budget-limits = { $reason } { PLAIN($acceleration) } { $axis ->
-    [rotary] rad/s^2
-   *[linear] m/s^2
-} und eine Rampe von { PLAIN($jerk_time) } s, womit eine Bewegung { PLAIN($time) } s dauert; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { PLAIN($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }; { $remedy }
-budget-rule-asks = für ein Band von { PLAIN($band, digits: 3) } { $axis ->
-    [rotary] rad
-   *[linear] m
-} verlangt die Inbetriebnahmeregel
+budget-full-force = Bewegung { $move } dauert mindestens { PLAIN($time, digits: 3) } s mit { SI($force, "FORCE") } an { SI($mass, "MASS") }; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { NUMBER($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }
+budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } und eine Rampe von { PLAIN($jerk_time) } s, womit eine Bewegung { PLAIN($time) } s dauert; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { PLAIN($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }; { $remedy }
+budget-rule-asks = für ein Band von { SI($band, "LENGTH", digits: 3) } verlangt die Inbetriebnahmeregel
 budget-check-band = die Einheit von tcp_deviation prüfen
 budget-asked-for = verlangt sind
 budget-check-options = die Einheiten von --acceleration und --jerk prüfen

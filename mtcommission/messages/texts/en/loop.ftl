@@ -41,23 +41,19 @@ loop-takes-damping = The loop takes damping from mode { $mode }: its damping rat
 loop-cure = The margins would hold with { $gains }, all other given values as they are
 loop-no-cure = No single gain cures that; leave the gains out to have them tuned
 loop-cure-kv = Kv up to { NUMBER($value) } 1/s
-loop-cure-kp = Kp up to { NUMBER($value) } { loop-damping-unit }
-loop-cure-tn = Tn from { TIME($value) } on
-loop-damping-unit = { $axis ->
+loop-cure-kp = Kp up to { NUMBER($value) } { $axis ->
     [rotary] N m s/rad
    *[linear] N s/m
 }
+loop-cure-tn = Tn from { TIME($value) } on
 
 # Details of outcomes that end the tuning
-loop-unstable = with Kv = { NUMBER($Kv) } 1/s, Kp = { NUMBER($Kp) } { loop-damping-unit }, Tn = { PLAIN($Tn) } s on { $corner }. { $cure }
+loop-unstable = with Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { PLAIN($Tn) } s on { $corner }. { $cure }
 loop-nominal-machine = the nominal machine
-loop-corner-payload = payload { $axis ->
-    [rotary] { NUMBER($value) } kg m²
-   *[linear] { NUMBER($value) } kg
-}
+loop-corner-payload = payload { SI($value, "MASS") }
 loop-corner-frequencies = frequencies × { NUMBER($value) }
 loop-corner-damping = damping × { NUMBER($value) }
-loop-no-margins = at Kp = { NUMBER($Kp) } { loop-damping-unit }, { PERCENT($share) } of the symmetrical optimum, they are { $margins }
+loop-no-margins = at Kp = { SI($Kp, "DAMPING") }, { PERCENT($share) } of the symmetrical optimum, they are { $margins }
 loop-mode-without-damping = mode { $mode } ({ PLAIN($frequency) } Hz) has damping ratio 0
 loop-hidden-states = state feedback of { $states }
 # $error: what the solver said
@@ -65,21 +61,9 @@ loop-observer-failed = observer: { $error }
 loop-gains-failed = gains for mode { $mode }: { $error }
 
 # What a move costs: more velocity cycles than are followed
-budget-full-force = move { $move } takes at least { PLAIN($time, digits: 3) } s with { PLAIN($force) } { $axis ->
-    [rotary] N m
-   *[linear] N
-} on { PLAIN($mass) } { $axis ->
-    [rotary] kg m^2
-   *[linear] kg
-}; in { $corners } corner(s) all moves together are { NUMBER($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most
-budget-limits = { $reason } { PLAIN($acceleration) } { $axis ->
-    [rotary] rad/s^2
-   *[linear] m/s^2
-} and a ramp of { PLAIN($jerk_time) } s, with which a move takes { PLAIN($time) } s; in { $corners } corner(s) all moves together are { PLAIN($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most; { $remedy }
-budget-rule-asks = to keep a band of { PLAIN($band, digits: 3) } { $axis ->
-    [rotary] rad
-   *[linear] m
-} the commissioning rule asks for
+budget-full-force = move { $move } takes at least { PLAIN($time, digits: 3) } s with { SI($force, "FORCE") } on { SI($mass, "MASS") }; in { $corners } corner(s) all moves together are { NUMBER($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most
+budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } and a ramp of { PLAIN($jerk_time) } s, with which a move takes { PLAIN($time) } s; in { $corners } corner(s) all moves together are { PLAIN($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most; { $remedy }
+budget-rule-asks = to keep a band of { SI($band, "LENGTH", digits: 3) } the commissioning rule asks for
 budget-check-band = check the unit of tcp_deviation
 budget-asked-for = asked for are
 budget-check-options = check the units of --acceleration and --jerk
