@@ -30,6 +30,7 @@ from mtcommission.cli.inputs import (
 )
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.messages.message import Message
 
 
 def run(
@@ -196,7 +197,7 @@ def limits(
         write_text(json_file, dump_json(part))
     if json_file != "-":
         narrow = warn_of_narrow_range(machine, found.robustness.frequency_error)
-        warnings = [*found.tuned.warnings, *narrow]
+        warnings: list[Message | str] = [*found.tuned.warnings, *narrow]
         show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if met else 1)
 
