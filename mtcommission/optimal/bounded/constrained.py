@@ -13,34 +13,27 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, VelocityStep
-from mtcommission.optimal.bounded.accept import GAP, Found
-from mtcommission.optimal.bounded.cruise_lengthened import cruise_periods, lengthened_cruise
-from mtcommission.optimal.bounded.dual import dual_value
-from mtcommission.optimal.bounded.exact import solve_exactly
-from mtcommission.optimal.bounded.force import force_sequence, swift_plant, tight_force_bound
-from mtcommission.optimal.bounded.grid import solve_grid_time
-from mtcommission.optimal.bounded.layout import first_sight
-from mtcommission.optimal.bounded.measure import adjoint_before, stretches
+from mtcommission.optimal.bounded.lengthened_cruise import cruise_periods, lengthened_cruise
+from mtcommission.optimal.bounded.mesh.plan import first_features
+from mtcommission.optimal.bounded.newton.exact import solve_exactly
 from mtcommission.optimal.bounded.problem import (
     BoundedProblem,
     all_bounds,
     bounded_problem,
     bounds_text,
 )
+from mtcommission.optimal.bounded.program.grid import solve_grid_time
+from mtcommission.optimal.bounded.proof.accepted import Found
+from mtcommission.optimal.bounded.proof.dual_point import adjoint_before, stretches
+from mtcommission.optimal.bounded.proof.dual_value import dual_value
 from mtcommission.optimal.bounded.search import search
+from mtcommission.optimal.bounded.tight_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound, Certificate, TimeOptimum, TouchPoint
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-MANY_PERIODS = 120.0
-"""Periods of a cruise from which on a shorter one is solved first: before, a mesh over the whole
-move costs less (measured on the paper's machine)."""
-
-SAME_TIME = 1e-7
-"""Relative distance at which a zero of σ and a switching time count as the same."""
 
 
 def solve_bounded_time_optimal(
@@ -106,9 +99,9 @@ def solve_bounded_time_optimal(
 
 def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
     """Return the optimum from a mesh over the whole move, or from a shorter cruise."""
-    long = cruise_periods(problem) > MANY_PERIODS
+    long = cruise_periods(problem) > problem.settings.search.many_periods
     first = lengthened_cruise(problem) if long else _over_all(problem, t_free=t_free)
-    if first is not None and first.gap <= GAP:
+    if first is not None and first.gap <= problem.settings.proof.gap:
         return first
     second = _over_all(problem, t_free=t_free) if long else lengthened_cruise(problem)
     found = [one for one in (first, second) if one is not None]
@@ -118,7 +111,7 @@ def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
 def _over_all(problem: BoundedProblem, *, t_free: float) -> Found | None:
     """Return the optimum from a mesh over the whole move, or None where that does not converge."""
     try:
-        return search(problem, first_sight(problem, solve_grid_time(problem, t_free=t_free)))
+        return search(problem, first_features(problem, solve_grid_time(problem, t_free=t_free)))
     except ComputationError as error:
         if error.outcome is not Outcome.NO_CONVERGENCE:
             raise
@@ -219,14 +212,14 @@ def _certificate(problem: BoundedProblem, found: Found) -> Certificate:
         relative_gap=found.gap,
         adjoint_initial=factor * initial,
         switching_slopes=np.array(slopes),
-        switching_law_holds=found.exact and _law_holds(found, zeros),
+        switching_law_holds=found.exact and _law_holds(problem, found, zeros),
         terminal_jacobian_rank=-1,
         terminal_jacobian_condition=nan,
     )
 
 
-def _law_holds(found: Found, zeros: Array) -> bool:
+def _law_holds(problem: BoundedProblem, found: Found, zeros: Array) -> bool:
     """Return whether σ changes sign off the boundary arcs just where the force switches."""
     ends = found.t_f - np.array([0.0, *(arc.t_end for arc in found.motion.arcs)])
     distance = np.abs(zeros[:, np.newaxis] - ends).min(axis=1)
-    return bool(np.all(distance < SAME_TIME * found.t_f))
+    return bool(np.all(distance < problem.settings.proof.same_time * found.t_f))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Positioning, VelocityStep
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.bounded.motion import follow
+from mtcommission.optimal.bounded.proof.motion import follow_control
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Arc,
@@ -82,7 +82,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     label = f"boundary:{name}:+"
     hold = constant_arc(rise.t_f, begin, control=label, force=0.0)
     arcs = (*rise.arcs, hold, *(_mirrored(arc, begin) for arc in rise.arcs))
-    motion = follow(plant, arcs, rate=plant.fastest_rate)
+    motion = follow_control(plant, arcs, rate=plant.fastest_rate)
     error = motion.final.copy()
     error[plant.position] -= L
     t_f = begin + rise.t_f

@@ -14,21 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.optimal.bounded.settings import STANDARD, BoundedSettings, StructureSettings
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.held_flow import HeldFlow, held_flow
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-ORDER_TOLERANCE = 1e-10
-"""Share of its own terms below which c A^j B counts as zero (rounding of the sum)."""
-
-
-FOLLOW_LEVEL = 0.5
-"""Share of a bound that the target itself takes, above which the bound is scaled with the
-target: otherwise a bound that the target just meets (|v_s| <= velocity step) would cap the
-reachable multiple at 1 for every longer t_f, and t_f could not be told from it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,7 +34,7 @@ class Limit:
     row
         c divided by the bound's value, shape (n,).
     follows
-        Whether the program scales this bound with the target, see ``FOLLOW_LEVEL``.
+        Whether the program scales this bound with the target (``StructureSettings.follow_level``).
     gain
         c (A/rate)^(r-1) B [1/(N s)].
     output_chain
@@ -110,6 +102,8 @@ class BoundedProblem:
         Typical size of each state, shape (n,).
     rate
         Fastest rate of the plant [1/s].
+    settings
+        Of the solver.
     """
 
     plant: Plant
@@ -119,6 +113,7 @@ class BoundedProblem:
     target: Array
     state_scale: Array
     rate: float
+    settings: BoundedSettings
 
     @property
     def has_high_order(self) -> bool:
@@ -200,7 +195,13 @@ def bounds_text(
 
 
 def bounded_problem(
-    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...], horizon: float
+    plant: Plant,
+    move: Move,
+    *,
+    force_limit: float,
+    bounds: tuple[Bound, ...],
+    horizon: float,
+    settings: BoundedSettings = STANDARD,
 ) -> BoundedProblem:
     """Return the problem with everything that follows from the orders of its bounds.
 
@@ -216,6 +217,8 @@ def bounded_problem(
         At least one, values > 0.
     horizon
         Rough duration of the move, for the scale of the states [s].
+    settings
+        Of the solver.
 
     Returns
     -------
@@ -247,19 +250,31 @@ def bounded_problem(
     return BoundedProblem(
         plant=plant,
         force_limit=force_limit,
-        limits=tuple(_limit(plant, bound, rate, target, scale) for bound in bounds),
+        limits=tuple(
+            _limit(plant, bound, settings.structure, rate=rate, target=target, scale=scale)
+            for bound in bounds
+        ),
         fixed=fixed,
         target=target,
         state_scale=scale,
         rate=rate,
+        settings=settings,
     )
 
 
-def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array) -> Limit:
+def _limit(
+    plant: Plant,
+    bound: Bound,
+    settings: StructureSettings,
+    *,
+    rate: float,
+    target: Array,
+    scale: Array,
+) -> Limit:
     A, B = plant.A / rate, plant.B
     row = plant.row(bound.name) / bound.value
     outputs, forces = [row], [B]
-    while abs(outputs[-1] @ B) <= ORDER_TOLERANCE * (np.abs(outputs[-1]) @ np.abs(B)):
+    while abs(outputs[-1] @ B) <= settings.order_tolerance * (np.abs(outputs[-1]) @ np.abs(B)):
         outputs.append(outputs[-1] @ A)
         forces.append(A @ forces[-1])
     gain = float(outputs[-1] @ B)
@@ -271,7 +286,7 @@ def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array)
     return Limit(
         bound=bound,
         row=row,
-        follows=abs(float(row @ target)) > FOLLOW_LEVEL,
+        follows=abs(float(row @ target)) > settings.follow_level,
         gain=gain,
         output_chain=output_chain,
         force_chain=force_chain,

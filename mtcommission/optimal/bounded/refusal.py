@@ -6,15 +6,12 @@ from math import isfinite
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move
-from mtcommission.optimal.bounded.grid import solve_grid_time
-from mtcommission.optimal.bounded.least import smallest_factor_by
 from mtcommission.optimal.bounded.problem import all_bounds, bounded_problem, bounds_text
+from mtcommission.optimal.bounded.program.grid import solve_grid_time
+from mtcommission.optimal.bounded.program.smallest_bound import smallest_factor_by
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant
-
-UNDECIDED = 2e-3
-"""Relative distance of the smallest bound from the wanted one that the grids cannot judge."""
 
 
 def explain_short_time(
@@ -45,7 +42,7 @@ def explain_short_time(
     t_free = solve_time_optimal(plant, move, force_limit=force_limit).t_f
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=t_f)
     least = smallest_factor_by(problem, t_f)
-    if not isfinite(least) or least < 1.0 + UNDECIDED:
+    if not isfinite(least) or least < 1.0 + problem.settings.program.undecided:
         return None
     try:
         needed = f"take some {1e3 * solve_grid_time(problem, t_free=t_free).t_f:.4g} ms"

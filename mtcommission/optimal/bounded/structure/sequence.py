@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.optimal.bounded.places import ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.closed_form import step_response, transition
-from mtcommission.optimal.solution import Arc
 
 Array = NDArray[np.float64]
 
@@ -74,29 +74,6 @@ class Sequence:
     def t_f(self) -> float:
         """Sum of the durations [s]."""
         return sum(piece.duration for piece in self.pieces)
-
-
-def arc_piece(problem: BoundedProblem, arc: Arc) -> Piece:
-    """Return an arc of a control as a piece of a sequence, by its label.
-
-    Parameters
-    ----------
-    problem
-        Holds the bound that the label names.
-    arc
-        Bang or boundary arc.
-
-    Returns
-    -------
-    Piece
-    """
-    kind, _, rest = arc.control.partition(":")
-    names = [limit.bound.name for limit in problem.limits]
-    return Piece(
-        limit=names.index(rest.partition(":")[0]) if kind == "boundary" else -1,
-        side=-1 if arc.control.endswith("-") or arc.control.startswith("-") else 1,
-        duration=arc.t_end - arc.t_start,
-    )
 
 
 def piece_states(problem: BoundedProblem, piece: Piece, state: Array, tau: Array) -> Array:
@@ -176,3 +153,17 @@ def flow_bang(problem: BoundedProblem, state: Array, side: int, span: float) -> 
         return np.asarray(flow @ state + step_response(plant, np.array(span)) * push)
     # The response to a step is 0 before it: run it backwards from the state before.
     return np.asarray(flow @ (state - step_response(plant, np.array(-span)) * push))
+
+
+def touch_points(sequence: Sequence) -> tuple[ConstraintPoint, ...]:
+    """Return the touch points of a sequence by remaining time."""
+    ends = np.cumsum([piece.duration for piece in sequence.pieces])
+    starts = ends - [piece.duration for piece in sequence.pieces]
+    return tuple(
+        ConstraintPoint(
+            remaining=float(ends[-1] - (starts[touch.piece] + touch.offset)),
+            limit=touch.limit,
+            side=touch.side,
+        )
+        for touch in sequence.touches
+    )

@@ -11,6 +11,8 @@ from highspy import HighsBasisStatus, HighsModelStatus
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from mtcommission.optimal.bounded.settings import ProgramSettings
+
 Array = NDArray[np.float64]
 
 WAYS: tuple[dict[str, str | int], ...] = (
@@ -25,19 +27,6 @@ basis for rounding. (Its primal simplex method may turn in circles for ever.)"""
 
 FINAL = (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit)
 """Verdicts after which no other way is tried, unless the program is known to have a solution."""
-
-FORGIVING = 1e-8
-"""Tolerance of the last attempt, if the first one had a smaller one."""
-
-INTERIOR_STEPS = 500
-"""Steps of the interior-point method at most; some dozens are usual."""
-
-LONGEST = 60.0
-"""End of an attempt that turns in circles without counting its steps [s]; no result hangs on it."""
-
-SMALLEST = 1e-12
-"""Coefficients left out: the least that HiGHS allows. Its default of 1e-9 drops what a short cell
-does to a bound far away, and with it eight digits of the bound."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -75,7 +64,7 @@ class Basis:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Answer:
+class Solution:
     """The solution of a program and its multipliers.
 
     Parameters
@@ -98,23 +87,26 @@ class Answer:
 
 def solve_program(
     program: Program,
+    settings: ProgramSettings,
     *,
     steps: int,
     tolerance: float = 1e-7,
     start: Basis | None = None,
     solvable: bool = False,
-) -> Answer | None:
+) -> Solution | None:
     """Return the solution of a linear program, or None where the simplex method finds none.
 
     Parameters
     ----------
     program
         What to solve.
+    settings
+        How the simplex method treats it.
     steps
         Of the simplex method, at most.
     tolerance
         Of primal and dual feasibility; the default is that of HiGHS. Where it cannot be met the
-        program is tried once more, within ``FORGIVING``.
+        program is tried once more, within ``settings.forgiving``.
     start
         Basis of a program with the same unknowns whose rows were the first of this one's.
     solvable
@@ -122,27 +114,27 @@ def solve_program(
 
     Returns
     -------
-    Answer or None
+    Solution or None
 
     Examples
     --------
     >>> one = np.ones((1, 1))
     >>> program = Program(cost=-one[0], rows=one, rooms=np.array([2.0]), equal=np.empty((0, 1)),
     ...     right=np.empty(0), lower=np.zeros(1), upper=np.full(1, np.inf))
-    >>> float(solve_program(program, steps=10).unknowns[0])
+    >>> float(solve_program(program, ProgramSettings(), steps=10).unknowns[0])
     2.0
     """
     model = _model(program)
     for way in WAYS:
-        allowed = max(tolerance, FORGIVING) if way is WAYS[-1] else tolerance
-        solver = _solver(way, steps=steps, tolerance=allowed)
+        allowed = max(tolerance, settings.forgiving) if way is WAYS[-1] else tolerance
+        solver = _solver(way, settings, steps=steps, tolerance=allowed)
         solver.passModel(model)
         if start is not None:
             solver.setBasis(_highs_basis(start, rows=model.num_row_))
         solver.run()
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
-            return _answer(solver, equations=program.right.size)
+            return _solution(solver, equations=program.right.size)
         if not solvable and status in FINAL:
             return None
         start = None
@@ -165,17 +157,18 @@ def _model(program: Program) -> highspy.HighsLp:
     return model
 
 
-def _solver(way: Mapping[str, str | int], *, steps: int, tolerance: float) -> highspy.Highs:
+def _solver(
+    way: Mapping[str, str | int], settings: ProgramSettings, *, steps: int, tolerance: float
+) -> highspy.Highs:
     solver = highspy.Highs()  # type: ignore[no-untyped-call]
     options: dict[str, bool | int | float | str] = {
         "output_flag": False,
         "parallel": "off",
         # Presolving costs more here than it saves, and calls some feasible programs infeasible.
         "presolve": "off",
-        "small_matrix_value": SMALLEST,
+        "small_matrix_value": settings.smallest_coefficient,
         "simplex_iteration_limit": steps,
-        "ipm_iteration_limit": INTERIOR_STEPS,
-        "time_limit": LONGEST,
+        "ipm_iteration_limit": settings.interior_steps,
         "primal_feasibility_tolerance": tolerance,
         "dual_feasibility_tolerance": tolerance,
         **way,
@@ -185,10 +178,10 @@ def _solver(way: Mapping[str, str | int], *, steps: int, tolerance: float) -> hi
     return solver
 
 
-def _answer(solver: highspy.Highs, *, equations: int) -> Answer:
+def _solution(solver: highspy.Highs, *, equations: int) -> Solution:
     solution, basis = solver.getSolution(), solver.getBasis()
     prices = np.array(solution.row_dual)
-    return Answer(
+    return Solution(
         unknowns=np.array(solution.col_value),
         rows=prices[equations:],
         equal=prices[:equations],

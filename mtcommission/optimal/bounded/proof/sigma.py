@@ -16,12 +16,6 @@ from mtcommission.optimal.closed_form import impulse_response, step_response
 
 Array = NDArray[np.float64]
 
-CELLS_PER_RADIAN = 4
-"""First cells of the integral of |σ|; cells that may hide a zero are halved."""
-HALVINGS = 14
-BISECTIONS = 36
-"""A zero off by δ costs σ' δ² of the integral: far below rounding."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SigmaIntegral:
@@ -78,7 +72,7 @@ def integrate_sigma(problem: BoundedProblem, adjoints: Array, lengths: Array) ->
     rates = np.array([abs(mode.pole) for mode in plant.modes] + [1.0 / plant.force_lag, 0.0])
     bend = _terms(problem, adjoints) @ rates**2
     cells = _first_cells(problem, adjoints, lengths)
-    for _ in range(HALVINGS):
+    for _ in range(problem.settings.proof.halvings):
         unsure = _may_hide_zeros(cells, bend)
         if not unsure.any():
             break
@@ -159,7 +153,10 @@ def _sigma(
 
 
 def _first_cells(problem: BoundedProblem, adjoints: Array, lengths: Array) -> _Cells:
-    counts = np.ceil(lengths * problem.rate * CELLS_PER_RADIAN).astype(np.intp) + 1
+    counts = (
+        np.ceil(lengths * problem.rate * problem.settings.proof.cells_per_radian).astype(np.intp)
+        + 1
+    )
     stretch = np.repeat(np.arange(lengths.size), counts + 1)
     number = np.arange(stretch.size) - np.repeat(np.cumsum(counts + 1) - counts - 1, counts + 1)
     nodes = lengths[stretch] * number / counts[stretch]
@@ -220,7 +217,7 @@ def _sign_changes(
     where = signs[:, 0] * signs[:, 1] < 0.0
     stretch, low, high = cells.stretch[where], cells.left[where], cells.right[where]
     sign, adjoint = signs[where, 0], adjoints[stretch]
-    for _ in range(BISECTIONS):
+    for _ in range(problem.settings.proof.bisections):
         at = 0.5 * (low + high)
         same = np.sign(np.sum(impulse_response(problem.plant, at) * adjoint, axis=1)) == sign
         low, high = np.where(same, at, low), np.where(same, high, at)

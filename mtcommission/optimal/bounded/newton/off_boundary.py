@@ -1,12 +1,12 @@
-"""Dips: where the multiplier of a boundary arc has a density of the wrong sign, the bound is left.
+"""Off-boundary subarcs: a bound is left where its multiplier has a density of the wrong sign.
 
 There it pays to leave the bound for a while: away from it, towards it, and (order 2) away again. A
-dip that would go beyond the bound on the other side holds that one instead, over the zone: there
+subarc that would go beyond the bound on the other side holds that one instead, over the zone: there
 its multiplier has the right sign.
 
-How long a dip is follows from the multipliers alone. Inside it μ = 0, so σ^(r) is the density ν
+How long a subarc is follows from the multipliers alone. Inside it μ = 0, so σ^(r) is the density ν
 that the arc would have, ν ∝ s² - z² about the middle of the wrong zone of half-width z. For
-order 2 the force is turned at a quarter and three quarters of the dip, and σ = 0 there and at
+order 2 the force is turned at a quarter and three quarters of the subarc, and σ = 0 there and at
 its ends: its length is sqrt(19.2) z. For order 1 it is turned in the middle: sqrt(12) z.
 """
 
@@ -19,36 +19,25 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.arcs import Piece, Sequence, flow_bang, piece_states
-from mtcommission.optimal.bounded.dual import DensityZone, negative_zones
-from mtcommission.optimal.bounded.newton import Extremal
+from mtcommission.optimal.bounded.newton.extremal import Extremal
 from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.proof.dual_value import DensityZone, negative_zones
+from mtcommission.optimal.bounded.settings import NewtonSettings
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, flow_bang, piece_states
 
 Array = NDArray[np.float64]
 
-SHORTEST = 1e-8
-"""Share of t_f below which there is no room for half a dip."""
-DIP_LENGTH = {1: sqrt(12.0), 2: sqrt(19.2)}
-"""Length of a dip over half the width of the zone of wrong density, by order."""
-DIP_PATTERN = {1: (-1, 1), 2: (-1, 1, -1)}
-"""Directions of the force in a dip: +1 is towards the bound."""
+SUBARC_LENGTH = {1: sqrt(12.0), 2: sqrt(19.2)}
+"""Length of a subarc over half the width of the zone of wrong density, by order."""
+SUBARC_PATTERN = {1: (-1, 1), 2: (-1, 1, -1)}
+"""Directions of the force in a subarc: +1 is towards the bound."""
 SWING_PATTERN = {1: (1,), 2: (1, -1)}
 """Directions of the force from one side of a bound to the other: +1 is towards where it goes."""
-TOO_LONG = 5.0
-"""Longest bang arc of such a swing, in multiples of what the force alone would take for it."""
-SAMPLES = 9
-"""Samples of each bang arc of a dip."""
-DIP_STEPS = 8
-"""Newton steps for the shares of a dip; it is left at once where they do not converge."""
-DIFFERENCE = 1e-6
-"""Relative step of the difference quotients of a dip, which is only a guess."""
-ROOM = 0.95
-"""Largest share of a boundary arc beside the middle of a zone that half a dip may take."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Place:
-    """Index and start of a piece, middle and half-length of the dip in it [s]."""
+    """Index and start of a piece, middle and half-length of the subarc in it [s]."""
 
     index: int
     start: float
@@ -56,8 +45,8 @@ class _Place:
     half: float
 
 
-def with_dip(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
-    """Return the sequence with a dip where the density of a multiplier is most wrong.
+def with_subarc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with a subarc where the density of a multiplier is most wrong.
 
     Parameters
     ----------
@@ -69,7 +58,7 @@ def with_dip(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     Returns
     -------
     Sequence or None
-        None if no density has the wrong sign, or there is no room for a dip.
+        None if no density has the wrong sign, or there is no room for a subarc.
     """
     zones = negative_zones(problem, extremal.measure)
     if not zones:
@@ -80,17 +69,22 @@ def with_dip(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
         return None
     piece = extremal.sequence.pieces[place.index]
     state = _state_at(problem, extremal.sequence, place.middle - place.half)
-    dip = _dip(problem, piece, state, 2.0 * place.half)
-    if dip is None or not _crosses(problem, piece, state, dip):
-        return None if dip is None else _inserted(extremal.sequence, place, dip)
+    subarc = _subarc(problem, piece, state, 2.0 * place.half)
+    if subarc is None or not _crosses(problem, piece, state, subarc):
+        return None if subarc is None else _inserted(extremal.sequence, place, subarc)
     return _with_excursion(problem, extremal.sequence, place, worst)
 
 
-def _crosses(problem: BoundedProblem, held: Piece, state: Array, dip: tuple[Piece, ...]) -> bool:
-    """Return whether a dip goes beyond the bound on the other side."""
+def _crosses(problem: BoundedProblem, held: Piece, state: Array, subarc: tuple[Piece, ...]) -> bool:
+    """Return whether a subarc goes beyond the bound on the other side."""
     row = problem.limits[held.limit].row * held.side
-    for piece in dip:
-        states = piece_states(problem, piece, state, np.linspace(0.0, piece.duration, SAMPLES))
+    for piece in subarc:
+        states = piece_states(
+            problem,
+            piece,
+            state,
+            np.linspace(0.0, piece.duration, problem.settings.newton.subarc_samples),
+        )
         if float((states @ row).min()) < -1.0:
             return True
         state = states[-1]
@@ -143,7 +137,12 @@ def _swing(problem: BoundedProblem, goal: Piece, state: Array) -> tuple[Piece, .
     # Two of the bound by the force alone: once or twice integrated.
     rate = abs(limit.gain) * problem.force_limit * problem.rate ** (limit.order - 1)
     first = np.full(limit.order, (2.0 / rate) ** (1.0 / limit.order))
-    spans = _spans(miss, first, longest=TOO_LONG * float(first.sum()))
+    spans = _spans(
+        miss,
+        first,
+        problem.settings.newton,
+        longest=problem.settings.newton.longest_swing * float(first.sum()),
+    )
     return None if spans is None else _bangs(sides, spans)
 
 
@@ -158,17 +157,18 @@ def _bangs(sides: list[int], spans: Array) -> tuple[Piece, ...] | None:
 
 
 def _place(problem: BoundedProblem, sequence: Sequence, zone: DensityZone) -> _Place | None:
+    settings = problem.settings.newton
     ends = np.cumsum([piece.duration for piece in sequence.pieces])
     middle = float(ends[-1]) - zone.lowest
     index = int(np.searchsorted(ends, middle))
     piece = sequence.pieces[index]
     start = float(ends[index]) - piece.duration
     order = 0 if piece.limit < 0 else problem.limits[piece.limit].order
-    if order not in DIP_LENGTH:
+    if order not in SUBARC_LENGTH:
         return None
-    room = ROOM * min(middle - start, float(ends[index]) - middle)
-    half = min(0.25 * DIP_LENGTH[order] * (zone.start - zone.end), room)
-    if half < SHORTEST * float(ends[-1]):
+    room = settings.subarc_room * min(middle - start, float(ends[index]) - middle)
+    half = min(0.25 * SUBARC_LENGTH[order] * (zone.start - zone.end), room)
+    if half < settings.shortest_subarc * float(ends[-1]):
         return None
     return _Place(index=index, start=start, middle=middle, half=half)
 
@@ -184,12 +184,12 @@ def _state_at(problem: BoundedProblem, sequence: Sequence, t: float) -> Array:
     return state
 
 
-def _dip(
+def _subarc(
     problem: BoundedProblem, piece: Piece, state: Array, length: float
 ) -> tuple[Piece, ...] | None:
-    """Return the bang arcs of a dip of given length that ends on the bound, or None."""
+    """Return the bang arcs of a subarc of given length that ends on the bound, or None."""
     limit = problem.limits[piece.limit]
-    sides = [piece.side * int(np.sign(limit.gain)) * way for way in DIP_PATTERN[limit.order]]
+    sides = [piece.side * int(np.sign(limit.gain)) * way for way in SUBARC_PATTERN[limit.order]]
 
     def miss(first: Array) -> Array:
         after = state
@@ -199,14 +199,16 @@ def _dip(
 
     shares = np.full(len(sides), 0.5)
     shares[[0, -1]] = 0.5 / limit.order
-    spans = _spans(miss, shares[:-1] * length, longest=length)
+    spans = _spans(miss, shares[:-1] * length, problem.settings.newton, longest=length)
     return None if spans is None else _bangs(sides, np.append(spans, length - float(spans.sum())))
 
 
-def _spans(miss: Callable[[Array], Array], first: Array, *, longest: float) -> Array | None:
+def _spans(
+    miss: Callable[[Array], Array], first: Array, settings: NewtonSettings, *, longest: float
+) -> Array | None:
     """Return the durations without a miss by Newton's method, or None where one is too long."""
-    step = DIFFERENCE * longest
-    for _ in range(DIP_STEPS):
+    step = settings.difference * longest
+    for _ in range(settings.subarc_steps):
         value = miss(first)
         columns = [(miss(first + step * unit) - value) / step for unit in np.eye(first.size)]
         first = first - np.linalg.lstsq(np.column_stack(columns), value, rcond=None)[0]

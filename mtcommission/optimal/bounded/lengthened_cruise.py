@@ -3,7 +3,7 @@
 An even grid that resolves the modes over a cruise of many periods would be too large. But what
 happens at the two ends of the cruise hardly depends on its length: the sequence of a move of a
 few periods is solved first; then its distance grows, the arc at max_velocity with it, and
-Newton's method follows, dips put in and taken out on the way (``bounded_search.solve_exactly``).
+Newton's method follows, subarcs put in and taken out on the way (``newton.exact.solve_exactly``).
 """
 
 from __future__ import annotations
@@ -15,25 +15,16 @@ import numpy as np
 
 from mtcommission.errors import ComputationError
 from mtcommission.machine.machine import Positioning
-from mtcommission.optimal.bounded.accept import Found
-from mtcommission.optimal.bounded.arcs import Sequence, arc_piece
-from mtcommission.optimal.bounded.exact import solve_exactly
-from mtcommission.optimal.bounded.grid import solve_grid_time
-from mtcommission.optimal.bounded.layout import first_sight
+from mtcommission.optimal.bounded.mesh.plan import first_features
+from mtcommission.optimal.bounded.newton.exact import solve_exactly
 from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.reading import place_touches
+from mtcommission.optimal.bounded.program.grid import solve_grid_time
+from mtcommission.optimal.bounded.proof.accepted import Found
 from mtcommission.optimal.bounded.search import search
+from mtcommission.optimal.bounded.structure.arcs import arc_piece
+from mtcommission.optimal.bounded.structure.detection import place_touches
+from mtcommission.optimal.bounded.structure.sequence import Sequence
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-
-PERIODS = (3.0, 4.3)
-"""Periods of the slowest mode in the cruise of the first move; the second where the first leads
-to a length at which the sequence changes in a way that no edit knows."""
-LONG = 2.5 * PERIODS[0]
-"""Periods of a cruise from which on it can be followed from a shorter one."""
-GROWTH = 1.4
-"""Largest factor on the time at max_velocity in one step."""
-SMALLEST_GROWTH = 1.1
-"""Factor below which the distance is not brought closer any more."""
 
 
 def cruise_periods(problem: BoundedProblem) -> float:
@@ -68,10 +59,11 @@ def lengthened_cruise(problem: BoundedProblem) -> Found | None:
     Found or None
         None if there is no such cruise, or if a step could not be followed.
     """
-    if cruise_periods(problem) < LONG:
+    settings = problem.settings.search
+    if cruise_periods(problem) < settings.long_cruise:
         return None
     index = _velocity_limit(problem)
-    for periods in PERIODS:
+    for periods in settings.cruise_periods:
         velocity = problem.limits[index].bound.value
         cruise = velocity * (problem.plant.force_lag + periods * _period(problem))
         short = _over(problem, _rise(problem, index) + cruise)
@@ -102,10 +94,11 @@ def _followed(
     problem: BoundedProblem, index: int, first: Found, short: BoundedProblem
 ) -> Found | None:
     """Return the optimum, followed from that of a shorter move, or None."""
+    settings = problem.settings.search
     plant, velocity = problem.plant, problem.limits[index].bound.value
     distance, now = float(problem.target[plant.position]), float(short.target[plant.position])
-    rise, found, growth = _rise(problem, index), first, GROWTH
-    while now < distance and growth > SMALLEST_GROWTH:
+    rise, found, growth = _rise(problem, index), first, settings.cruise_growth
+    while now < distance and growth > settings.least_cruise_growth:
         further = min(distance, now + (growth - 1.0) * (now - rise))
         longer = _over(problem, further)
         guess = _stretched(longer, index, found, (further - now) / velocity)
@@ -113,7 +106,11 @@ def _followed(
         if following is None:
             growth = 1.0 + 0.4 * (growth - 1.0)
             continue
-        found, now, growth = following, further, min(GROWTH, 1.0 + 1.5 * (growth - 1.0))
+        found, now, growth = (
+            following,
+            further,
+            min(settings.cruise_growth, 1.0 + 1.5 * (growth - 1.0)),
+        )
     return found if now >= distance else None
 
 
@@ -138,7 +135,7 @@ def _directly(problem: BoundedProblem) -> Found | None:
     move = Positioning(distance=float(problem.target[problem.plant.position]))
     free = solve_time_optimal(problem.plant, move, force_limit=problem.force_limit)
     try:
-        return search(problem, first_sight(problem, solve_grid_time(problem, t_free=free.t_f)))
+        return search(problem, first_features(problem, solve_grid_time(problem, t_free=free.t_f)))
     except ComputationError:
         return None
 

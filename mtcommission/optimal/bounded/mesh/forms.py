@@ -1,11 +1,11 @@
 """The bounded problem on an adapted mesh: a linear program close to the exact solution.
 
-Off the cores the force is constant in each cell; in a core it is the boundary control, so the
-bound holds there exactly. The program is solved in two forms:
+Off the interiors of boundary arcs the force is constant in each cell; inside them it is the
+boundary control, so the bound holds there exactly. The program is solved in two forms:
 
-- kept: the core is entered on the bound with all its derivatives, a restriction of the problem;
-- relaxed: the state jumps onto and off the bound by any impulses of the force, a relaxation,
-  whose multipliers are a measure with a density on the core (``bounded_measure.Measure``).
+- restriction: the interior is entered on the bound with all its derivatives;
+- relaxation: the state jumps onto and off the bound by any impulses of the force; it is the one
+  whose multipliers are a measure with a density on the interior (``proof.dual_point.Measure``).
 
 Their values enclose the optimum on the mesh.
 """
@@ -17,38 +17,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.measure import Atom, Measure
-from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.program import Basis, Program, solve_program
-from mtcommission.optimal.bounded.rows import (
-    FORCE,
-    Contact,
-    Layout,
+from mtcommission.optimal.bounded.mesh.rows import (
+    MeshPlan,
     Segment,
     bound_rows,
     entry_rows,
     feedback_rows,
     mesh_segments,
-    off_cores,
+    off_interiors,
     terminal_rows,
     terminal_scale,
 )
+from mtcommission.optimal.bounded.places import FORCE, ConstraintPoint
+from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.program.linear_program import Basis, Program, solve_program
+from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure
 
 Array = NDArray[np.float64]
-
-FEASIBILITY = 1e-10
-"""Tolerance of the simplex method: its smallest."""
-
-MOST_ITERATIONS = 4
-"""Steps of the simplex method, against rows and columns together, after which a program is given
-up: twice what those that end need (measured), and an end for those that turn in circles within
-the rounding."""
-
-NEAR = 1e-2
-"""Relative room below a bound within which a point is in the relaxation from the start; others
-follow if they are broken. It halves the rows of that program."""
-MISSED = 1e-7
-"""Relative excess at which a point left out of the relaxation is broken."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,7 +42,7 @@ class MeshOptimum:
 
     Parameters
     ----------
-    layout
+    plan
         What was solved.
     segments
         In order of time.
@@ -69,21 +54,21 @@ class MeshOptimum:
         dα/dt_f [1/s].
     measure
         The multipliers.
-    contacts
-        Contacts with their multipliers.
+    points
+        Points with their multipliers.
     held
         Share of the reach that the bounds carry, what it loses where all of them are smaller.
     basis
-        Where the program with more contacts or another t_f may start.
+        Where the program with more points or another t_f may start.
     """
 
-    layout: Layout
+    plan: MeshPlan
     segments: tuple[Segment, ...]
     unknowns: Array
     reach: float
     slope: float
     measure: Measure
-    contacts: tuple[Contact, ...]
+    points: tuple[ConstraintPoint, ...]
     held: float
     basis: Basis
 
@@ -93,32 +78,32 @@ class MeshOptimum:
 
     @property
     def sizes(self) -> Array:
-        """Largest magnitude of each state at the ends of cells and cores, shape (n,)."""
+        """Largest magnitude of each state at the ends of cells and interiors, shape (n,)."""
         states = np.array([self.state(segment.last) for segment in self.segments])
         return np.asarray(np.abs(states).max(axis=0))
 
 
 def solve_mesh(
     problem: BoundedProblem,
-    layout: Layout,
+    plan: MeshPlan,
     *,
     relaxed: bool,
     start: Basis | None = None,
     solvable: bool = False,
     sizes: Array | None = None,
 ) -> MeshOptimum | None:
-    """Return the best control on a mesh, or None if the cores cannot be held.
+    """Return the best control on a mesh, or None if the interiors cannot be held.
 
     Parameters
     ----------
     problem
         The bounded problem.
-    layout
-        Mesh, cores and contacts.
+    plan
+        Mesh, interiors and points.
     relaxed
-        Which of the two forms.
+        Whether to solve the relaxation instead of the restriction.
     start
-        Basis of the same form on the same cells, with fewer contacts or another t_f.
+        Basis of the same form on the same cells, with fewer points or another t_f.
     solvable
         Whether the program is known to have a solution.
     sizes
@@ -129,18 +114,19 @@ def solve_mesh(
     -------
     MeshOptimum or None
     """
+    settings = problem.settings.mesh
     if relaxed:
         # What may not carry an atom is left out of the relaxation.
-        layout = replace(layout, contacts=off_cores(problem, layout.contacts, layout.cores))
-    segments = mesh_segments(problem, layout, relaxed=relaxed)
+        plan = replace(plan, points=off_interiors(problem, plan.points, plan.interiors))
+    segments = mesh_segments(problem, plan, relaxed=relaxed)
     size = segments[-1].last.shape[1] - 2
-    rows, rooms = bound_rows(problem, layout, segments)
+    rows, rooms = bound_rows(problem, plan, segments)
     if not relaxed:
         held_rows, held_rooms = feedback_rows(problem, segments)
         rows, rooms = np.vstack([held_rows, rows]), np.append(held_rooms, rooms)
     equal, right = terminal_rows(problem, segments, sizes=sizes)
     if not relaxed:
-        held, levels = entry_rows(problem, layout, segments)
+        held, levels = entry_rows(problem, plan, segments)
         equal, right = np.vstack([equal, held]), np.append(right, levels)
     cells = sum(segment.limit < 0 for segment in segments)
     program = Program(
@@ -152,39 +138,46 @@ def solve_mesh(
         lower=np.concatenate([-np.ones(cells), np.full(size - cells, -np.inf), [0.0]]),
         upper=np.append(np.ones(cells), np.full(size - cells + 1, np.inf)),
     )
-    steps = MOST_ITERATIONS * (sum(program.rows.shape) + right.size)
-    answer = solve_program(
-        program, steps=steps, tolerance=FEASIBILITY, start=start, solvable=solvable
+    steps = settings.steps_per_line * (sum(program.rows.shape) + right.size)
+    solution = solve_program(
+        program,
+        problem.settings.program,
+        steps=steps,
+        tolerance=settings.feasibility,
+        start=start,
+        solvable=solvable,
     )
-    if answer is None:
+    if solution is None:
         return None
-    weights = -answer.rows[rooms.size - len(layout.contacts) :]
+    weights = -solution.rows[rooms.size - len(plan.points) :]
     terminal = np.zeros(problem.plant.order)
     scale = terminal_scale(problem, segments, sizes=sizes)
-    terminal[problem.fixed] = answer.equal[: scale.size] * scale
-    contacts = tuple(
-        Contact(remaining=at.remaining, limit=at.limit, side=at.side, weight=float(max(w, 0.0)))
-        for at, w in zip(layout.contacts, weights, strict=True)
+    terminal[problem.fixed] = solution.equal[: scale.size] * scale
+    points = tuple(
+        ConstraintPoint(
+            remaining=at.remaining, limit=at.limit, side=at.side, weight=float(max(w, 0.0))
+        )
+        for at, w in zip(plan.points, weights, strict=True)
     )
     atoms = tuple(
         Atom(remaining=at.remaining, limit=at.limit, weight=at.side * at.weight)
-        for at in contacts
+        for at in points
         if at.weight > 0.0 and at.limit != FORCE
     )
     return MeshOptimum(
-        layout=layout,
+        plan=plan,
         segments=segments,
-        unknowns=answer.unknowns[:-1],
-        reach=float(answer.unknowns[-1]),
-        slope=_slope(segments, answer.bounds),
-        measure=Measure(t_f=layout.t_f, terminal=terminal, atoms=atoms, cores=layout.cores),
-        contacts=contacts,
-        held=float(answer.unknowns[-1] - np.abs(answer.bounds[:cells]).sum()),
-        basis=answer.basis,
+        unknowns=solution.unknowns[:-1],
+        reach=float(solution.unknowns[-1]),
+        slope=_slope(segments, solution.bounds),
+        measure=Measure(t_f=plan.t_f, terminal=terminal, atoms=atoms, interiors=plan.interiors),
+        points=points,
+        held=float(solution.unknowns[-1] - np.abs(solution.bounds[:cells]).sum()),
+        basis=solution.basis,
     )
 
 
-def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum | None:
+def solve_relaxation(problem: BoundedProblem, restriction: MeshOptimum) -> MeshOptimum | None:
     """Return the relaxation on the mesh of a control.
 
     It begins with the points that the control comes near; those that its own motion breaks follow,
@@ -194,20 +187,21 @@ def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum 
     ----------
     problem
         The bounded problem.
-    kept
-        Solution of the kept form.
+    restriction
+        Solution of the restriction.
 
     Returns
     -------
     MeshOptimum or None
     """
-    every = off_cores(problem, kept.layout.contacts, kept.layout.cores)
-    layout = replace(kept.layout, contacts=every, margin=0.0)
-    left_out = _room(problem, layout, kept) >= NEAR
+    settings = problem.settings.mesh
+    every = off_interiors(problem, restriction.plan.points, restriction.plan.interiors)
+    plan = replace(restriction.plan, points=every, margin=0.0)
+    left_out = _room(problem, plan, restriction) >= settings.near
     found: MeshOptimum | None = None
     while True:
         # The points so far come first, so that the basis fits.
-        before = () if found is None else found.layout.contacts
+        before = () if found is None else found.plan.points
         known = set(before)
         new = tuple(
             at
@@ -216,21 +210,21 @@ def solve_relaxation(problem: BoundedProblem, kept: MeshOptimum) -> MeshOptimum 
         )
         found = solve_mesh(
             problem,
-            replace(layout, contacts=(*before, *new)),
+            replace(plan, points=(*before, *new)),
             relaxed=True,
             start=None if found is None else found.basis,
         )
         if found is None:
             return None
-        broken = left_out & (_room(problem, layout, found) < -MISSED)
+        broken = left_out & (_room(problem, plan, found) < -settings.missed)
         if not broken.any():
             return found
         left_out &= ~broken
 
 
-def _room(problem: BoundedProblem, layout: Layout, found: MeshOptimum) -> Array:
-    """Return how far a motion stays from its bounds at the contacts of a layout, shape (k,)."""
-    rows, rooms = bound_rows(problem, layout, found.segments)
+def _room(problem: BoundedProblem, plan: MeshPlan, found: MeshOptimum) -> Array:
+    """Return how far a motion stays from its bounds at the points of a plan, shape (k,)."""
+    rows, rooms = bound_rows(problem, plan, found.segments)
     return np.asarray(rooms - rows @ np.append(found.unknowns, found.reach))
 
 

@@ -11,15 +11,11 @@ from __future__ import annotations
 from dataclasses import replace
 from math import log
 
-from mtcommission.optimal.bounded.arcs import Piece, Sequence, arc_piece
 from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.structure.arcs import arc_piece
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence
 from mtcommission.optimal.solution import Arc
 from mtcommission.plant.plant import Plant
-
-TIGHT = 0.97
-"""Share of the force limit below which a bound on F counts as tight (empirical)."""
-PASSING = 1.5
-"""Length of an arc, in force lags of the swift plant, up to which it only moves the force."""
 
 
 def tight_force_bound(problem: BoundedProblem) -> int:
@@ -36,7 +32,10 @@ def tight_force_bound(problem: BoundedProblem) -> int:
     """
     force = problem.plant.states[problem.plant.force]
     for index, limit in enumerate(problem.limits):
-        if limit.bound.name == force and limit.bound.value < TIGHT * problem.force_limit:
+        if (
+            limit.bound.name == force
+            and limit.bound.value < problem.settings.search.tight_force * problem.force_limit
+        ):
             return index
     return -1
 
@@ -80,7 +79,7 @@ def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -
         Approximate; arcs that only bring the force to 0 are left out.
     """
     f = problem.limits[index].bound.value
-    short = PASSING * 0.5 * _ramp(problem, -f, f)
+    short = problem.settings.search.passing * 0.5 * _ramp(problem, -f, f)
     level, pieces = 0.0, list[Piece]()
     for arc, following in zip(arcs, (*arcs[1:], None), strict=True):
         piece = arc_piece(problem, arc)

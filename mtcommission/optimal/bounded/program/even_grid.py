@@ -13,10 +13,6 @@ from mtcommission.optimal.closed_form import step_response
 
 Array = NDArray[np.float64]
 
-STEPS_PER_CELL = 8
-"""Steps of the simplex method per cell after which a grid is given up: three times what those
-that end need (measured), and an end for those that turn in circles within the rounding."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CellGrid:

@@ -1,4 +1,4 @@
-"""What lies between the points of a program: excesses on cells and cores, and what ends them."""
+"""What lies between the points of a program: excesses on cells and interiors, and their end."""
 
 from __future__ import annotations
 
@@ -9,22 +9,28 @@ import numpy as np
 import pytest
 
 from mtcommission.machine.machine import Drive, Machine, Manipulator, Positioning
-from mtcommission.optimal.bounded.arcs import Piece, Sequence, Touch, piece_states
-from mtcommission.optimal.bounded.breaches import breaches, breaches_in_cores, overloads
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.bounded.dual import lower_bound
-from mtcommission.optimal.bounded.edit import pruned, with_short_arc
-from mtcommission.optimal.bounded.exact import solve_exactly
-from mtcommission.optimal.bounded.exchange import exchange
-from mtcommission.optimal.bounded.grid import solve_grid_time
-from mtcommission.optimal.bounded.layout import first_sight, lay_out
-from mtcommission.optimal.bounded.measure import Atom
-from mtcommission.optimal.bounded.mesh import MeshOptimum, solve_mesh, solve_relaxation
-from mtcommission.optimal.bounded.motion import follow, mesh_arcs
-from mtcommission.optimal.bounded.newton import solve_sequence
+from mtcommission.optimal.bounded.mesh.arcs import mesh_arcs
+from mtcommission.optimal.bounded.mesh.exchange import exchange
+from mtcommission.optimal.bounded.mesh.forms import MeshOptimum, solve_mesh, solve_relaxation
+from mtcommission.optimal.bounded.mesh.plan import first_features, plan_mesh
+from mtcommission.optimal.bounded.mesh.rows import bound_rows
+from mtcommission.optimal.bounded.mesh.violations import (
+    saturations,
+    violations,
+    violations_in_interiors,
+)
+from mtcommission.optimal.bounded.newton.edits import pruned, with_short_arc
+from mtcommission.optimal.bounded.newton.exact import solve_exactly
+from mtcommission.optimal.bounded.newton.extremal import solve_sequence
+from mtcommission.optimal.bounded.places import FORCE, ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
-from mtcommission.optimal.bounded.reading import read_contacts
-from mtcommission.optimal.bounded.rows import FORCE, Contact, bound_rows
+from mtcommission.optimal.bounded.program.grid import solve_grid_time
+from mtcommission.optimal.bounded.proof.dual_point import Atom
+from mtcommission.optimal.bounded.proof.dual_value import lower_bound
+from mtcommission.optimal.bounded.proof.motion import follow_control
+from mtcommission.optimal.bounded.structure.detection import detect_structure
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch, piece_states
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
@@ -46,79 +52,89 @@ def paper_problem(*bounds: tuple[str, float], force: float = 2e3) -> BoundedProb
 @cache
 def first_mesh(name: str, value: float) -> tuple[BoundedProblem, MeshOptimum]:
     problem = paper_problem((name, value))
-    sight = first_sight(problem, solve_grid_time(problem, t_free=0.0435))
-    kept = exchange(problem, lay_out(problem, sight))
-    assert kept is not None
-    assert kept.layout.cores
-    return problem, kept
+    features = first_features(problem, solve_grid_time(problem, t_free=0.0435))
+    restriction = exchange(problem, plan_mesh(problem, features))
+    assert restriction is not None
+    assert restriction.plan.interiors
+    return problem, restriction
 
 
 @pytest.mark.parametrize("other", ["phi", "v_phi", "x_b", "v_b", "tcp_vibration"])
 @pytest.mark.parametrize(("name", "value"), [("F", 1500.0), ("v_phi", 0.01)])
 def test_largest_excess_is_that_of_a_dense_sampling(name: str, value: float, other: str) -> None:
     # Thirteen samples a part and a parabola were off by 1e-6: points there could not help.
-    problem, kept = first_mesh(name, value)
+    problem, restriction = first_mesh(name, value)
     if other == name:
         other = "F"
-    motion = follow(problem.plant, mesh_arcs(problem, kept), rate=problem.rate)
-    peak = float(motion.peaks[problem.plant.signals.index(other)]) * kept.reach
+    motion = follow_control(problem.plant, mesh_arcs(problem, restriction), rate=problem.rate)
+    peak = float(motion.peaks[problem.plant.signals.index(other)]) * restriction.reach
     both = paper_problem((name, value), (other, 0.97 * peak))
-    over = [b for b in breaches(both, kept, tolerance=0.0) if b.contact.limit == 1]
+    over = [b for b in violations(both, restriction, tolerance=0.0) if b.point.limit == 1]
     assert max(b.excess for b in over) == pytest.approx(1.0 / 0.97 - 1.0, abs=2e-8)
 
 
 def test_a_peak_beside_the_end_of_a_core_is_seen() -> None:
     # It lay between the last two samples, and cost 2e-4 of the time in the very last check.
-    problem, kept = first_mesh("F", 1500.0)
-    core = max(kept.layout.cores, key=lambda one: one.start - one.end)
-    segment = next(s for s in kept.segments if s.start == core.start)
-    piece = Piece(limit=core.limit, side=0, duration=core.start - core.end)
+    problem, restriction = first_mesh("F", 1500.0)
+    interior = max(restriction.plan.interiors, key=lambda one: one.start - one.end)
+    segment = next(s for s in restriction.segments if s.start == interior.start)
+    piece = Piece(limit=interior.limit, side=0, duration=interior.start - interior.end)
     tau = np.linspace(0.0, piece.duration, 20_001)
-    states = piece_states(problem, piece, kept.state(segment.first), tau)
+    states = piece_states(problem, piece, restriction.state(segment.first), tau)
     level = np.abs(states @ problem.plant.row("v_phi"))
     at = int(np.nonzero((level[1:-1] > level[:-2]) & (level[1:-1] > level[2:]))[0][-1]) + 1
     for beyond in (0.02, 0.1, 0.19):
-        end = core.start - tau[at] - beyond / problem.rate
-        shorter = tuple(replace(c, end=end) if c == core else c for c in kept.layout.cores)
-        cut = solve_mesh(problem, replace(kept.layout, cores=shorter), relaxed=False)
+        end = interior.start - tau[at] - beyond / problem.rate
+        shorter = tuple(
+            replace(c, end=end) if c == interior else c for c in restriction.plan.interiors
+        )
+        cut = solve_mesh(problem, replace(restriction.plan, interiors=shorter), relaxed=False)
         assert cut is not None
-        begin = cut.state(next(s for s in cut.segments if s.start == core.start).first)
+        begin = cut.state(next(s for s in cut.segments if s.start == interior.start).first)
         reached = piece_states(problem, piece, begin, tau[: at + 2])
         peak = float(np.abs(reached[-30:] @ problem.plant.row("v_phi")).max())
         both = paper_problem(("F", 1500.0), ("v_phi", 0.999 * peak))
-        near = breaches_in_cores(both, cut, tolerance=0.0)
-        found = [b.excess for b in near if abs(b.contact.remaining - (core.start - tau[at])) < 1e-4]
+        near = violations_in_interiors(both, cut, tolerance=0.0)
+        found = [
+            b.excess for b in near if abs(b.point.remaining - (interior.start - tau[at])) < 1e-4
+        ]
         assert found, beyond
         assert max(found) == pytest.approx(1.0 / 0.999 - 1.0, abs=1e-6)
 
 
-def test_boundary_control_beyond_the_force_limit_is_found_in_the_middle_of_a_core() -> None:
-    # Rows at the ends of a core do not keep what the control takes in its middle; a point does.
-    problem, kept = first_mesh("v_phi", 0.01)
+def test_boundary_control_beyond_the_force_limit_is_found_in_the_middle_of_an_arc() -> None:
+    # Rows at its ends do not keep what the control takes in the middle of an arc; a point does.
+    problem, restriction = first_mesh("v_phi", 0.01)
     worst = 0.0
-    for core in (s for s in kept.segments if s.limit >= 0):
-        tau = np.linspace(0.0, core.start - core.end, 20_001)
-        piece = Piece(limit=core.limit, side=0, duration=float(tau[-1]))
-        states = piece_states(problem, piece, kept.state(core.first), tau)
-        worst = max(worst, float(np.abs(states @ problem.limits[core.limit].feedback).max()))
+    for interior in (s for s in restriction.segments if s.limit >= 0):
+        tau = np.linspace(0.0, interior.start - interior.end, 20_001)
+        piece = Piece(limit=interior.limit, side=0, duration=float(tau[-1]))
+        states = piece_states(problem, piece, restriction.state(interior.first), tau)
+        worst = max(worst, float(np.abs(states @ problem.limits[interior.limit].feedback).max()))
     weaker = replace(problem, force_limit=0.98 * worst)
-    over = max(overloads(weaker, kept, tolerance=0.0), key=lambda breach: breach.excess)
-    assert over.contact.limit == FORCE
+    over = max(
+        saturations(weaker, restriction, tolerance=0.0), key=lambda violation: violation.excess
+    )
+    assert over.point.limit == FORCE
     assert over.excess == pytest.approx(1.0 / 0.98 - 1.0, rel=1e-6)
-    rows, rooms = bound_rows(weaker, replace(kept.layout, contacts=(over.contact,)), kept.segments)
-    taken = rows @ np.append(kept.unknowns, kept.reach) - rooms
+    rows, rooms = bound_rows(
+        weaker, replace(restriction.plan, points=(over.point,)), restriction.segments
+    )
+    taken = rows @ np.append(restriction.unknowns, restriction.reach) - rooms
     assert float(taken[0]) == pytest.approx(over.excess, rel=1e-6)
 
 
 def test_a_miss_of_the_target_is_relative_to_the_peaks() -> None:
     # All cells together may reach a hundred times the peak that a tight bound leaves: a tolerance
     # relative to that lost a finished control of another axis by a miss of 1.5e-9.
-    problem, kept = first_mesh("phi", 3e-6)
+    problem, restriction = first_mesh("phi", 3e-6)
     fixed = problem.fixed
-    sizes = kept.sizes[fixed]
-    found = solve_mesh(problem, kept.layout, relaxed=False, start=kept.basis, sizes=sizes)
+    sizes = restriction.sizes[fixed]
+    found = solve_mesh(
+        problem, restriction.plan, relaxed=False, start=restriction.basis, sizes=sizes
+    )
     assert found is not None
-    assert found.reach == pytest.approx(kept.reach, abs=1e-7)
+    assert found.reach == pytest.approx(restriction.reach, abs=1e-7)
     rows = found.segments[-1].last[fixed]
     assert (np.abs(rows[:, :-2]).sum(axis=1) / sizes).max() > 30.0
     miss = found.state(found.segments[-1].last) - found.reach * problem.target
@@ -127,10 +143,10 @@ def test_a_miss_of_the_target_is_relative_to_the_peaks() -> None:
 
 def test_more_than_the_first_stretch_may_be_cut_off() -> None:
     # With an event soon after the start, multipliers that are a little off proved nothing at all.
-    problem, kept = first_mesh("phi", 3e-5)
-    relaxed = solve_relaxation(problem, kept)
-    assert relaxed is not None
-    whole = relaxed.measure
+    problem, restriction = first_mesh("phi", 3e-5)
+    relaxation = solve_relaxation(problem, restriction)
+    assert relaxation is not None
+    whole = relaxation.measure
     soon = Atom(remaining=whole.t_f * (1.0 - 1e-6), limit=0, weight=1e-9)
     early = replace(whole, atoms=(*whole.atoms, soon))
     proved = lower_bound(problem, whole)
@@ -145,13 +161,13 @@ def test_more_than_the_first_stretch_may_be_cut_off() -> None:
 
 
 def test_a_touch_point_beside_large_cells_is_not_the_end_of_an_arc() -> None:
-    # The core of such an arc reached beyond it, and no finer mesh came back from there.
+    # The interior of such an arc reached beyond it, and no finer mesh came back from there.
     mesh = np.array([*np.linspace(0.0, 0.1, 11), 0.2, 0.3, 0.4, 0.5])
     places = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.3)
-    active = [Contact(remaining=at, limit=0, side=1, weight=1.0) for at in places]
-    reading = read_contacts(active, mesh)
-    assert [(arc.end, arc.start) for arc in reading.arcs] == [(0.01, 0.06)]
-    assert [touch.remaining for touch in reading.touches] == [0.3]
+    active = [ConstraintPoint(remaining=at, limit=0, side=1, weight=1.0) for at in places]
+    structure = detect_structure(active, mesh)
+    assert [(arc.end, arc.start) for arc in structure.arcs] == [(0.01, 0.06)]
+    assert [touch.remaining for touch in structure.touches] == [0.3]
 
 
 def free_sequence() -> Sequence:

@@ -18,33 +18,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.arcs import Piece, Sequence, Touch
-from mtcommission.optimal.bounded.measure import Atom, Core, Measure
+from mtcommission.optimal.bounded.places import ArcInterior
 from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch
 from mtcommission.optimal.closed_form import step_response, transition
 
 Array = NDArray[np.float64]
-
-NEWTON_STEPS = 20
-
-RESIDUAL = 1e-10
-"""Scaled residual below which a sequence counts as solved; rounding leaves 1e-15 ... 1e-12."""
-
-LARGEST_STEP = 0.2
-"""Largest change of a duration in one step, as a share of t_f."""
-
-FURTHEST_BACK = 100.0
-"""Longest negative duration that is tried, in radians of the fastest rate: the responses run
-backwards grow with its exponential."""
-
-GROWTH = 1e4
-"""Growth of the residual at which full Newton steps are given up for damped ones."""
-
-SINGULAR = 1e-13
-"""Share of the largest singular value below which a direction is left alone."""
-
-DAMPINGS = 6
-"""Raised dampings tried in one step."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -144,7 +124,7 @@ def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
     system = _system(problem, guess)
     first = _first_point(system)
     point = _undamped(system, first)
-    if point.norm > RESIDUAL:
+    if point.norm > problem.settings.newton.residual:
         point = _damped(system, first)
     return Extremal(
         sequence=_placed(system, guess, point.unknowns),
@@ -155,14 +135,15 @@ def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
 
 def _undamped(system: _System, point: _Point) -> _Point:
     """Return where full Newton steps lead; a residual may grow on the way to a solution."""
-    limit = GROWTH * point.norm
-    for _ in range(NEWTON_STEPS):
-        following = _tried(system, point, _step(point, 0.0))
+    settings = system.problem.settings.newton
+    limit = settings.growth * point.norm
+    for _ in range(settings.steps):
+        following = _tried(system, point, _step(system, point, 0.0))
         if following is None or not following.norm < limit:
             break
-        if point.norm < RESIDUAL and following.norm >= point.norm:
+        if point.norm < settings.residual and following.norm >= point.norm:
             break
-        done = point.norm < RESIDUAL and following.norm > 0.1 * point.norm
+        done = point.norm < settings.residual and following.norm > 0.1 * point.norm
         point = following
         if done:
             break
@@ -170,14 +151,15 @@ def _undamped(system: _System, point: _Point) -> _Point:
 
 
 def _damped(system: _System, point: _Point) -> _Point:
+    settings = system.problem.settings.newton
     damping = 1e-9
-    for _ in range(NEWTON_STEPS):
+    for _ in range(settings.steps):
         if point.norm < 1e-14:
             break
         following, damping = _newton_step(system, point, damping)
         if following.norm >= point.norm:
             break
-        done = point.norm < RESIDUAL and following.norm > 0.1 * point.norm
+        done = point.norm < settings.residual and following.norm > 0.1 * point.norm
         point = following
         if done:
             break
@@ -186,20 +168,22 @@ def _damped(system: _System, point: _Point) -> _Point:
 
 def _tried(system: _System, point: _Point, step: Array) -> _Point | None:
     """Return the point after a step; None where its durations lead too far."""
+    settings = system.problem.settings.newton
     legs = len(system.legs)
     unknowns = point.unknowns - step
     back = -float(unknowns[:legs].min()) * system.scale * system.problem.rate
-    if float(np.abs(step[:legs]).max()) > LARGEST_STEP or back > FURTHEST_BACK:
+    if float(np.abs(step[:legs]).max()) > settings.largest_step or back > settings.furthest_back:
         return None
     return _point(system, unknowns)
 
 
-def _step(point: _Point, damping: float) -> Array:
+def _step(system: _System, point: _Point, damping: float) -> Array:
     """Return the change of the unknowns to be taken back, damped (Levenberg-Marquardt)."""
+    settings = system.problem.settings.newton
     size = np.linalg.norm(point.jacobian, axis=0)
     size[size == 0.0] = 1.0
     left, value, right = np.linalg.svd(point.jacobian / size, full_matrices=False)
-    share = value / (value**2 + max(damping, SINGULAR * value[0]) ** 2)
+    share = value / (value**2 + max(damping, settings.singular * value[0]) ** 2)
     return np.asarray((right.T @ (left.T @ point.residual * share)) / size)
 
 
@@ -259,9 +243,10 @@ def _first_point(system: _System) -> _Point:
 
 def _newton_step(system: _System, point: _Point, damping: float) -> tuple[_Point, float]:
     """Return the damped Newton iterate (Levenberg-Marquardt) and the next damping."""
+    settings = system.problem.settings.newton
     # Where rounding is all that is left, damping cannot help.
-    for _ in range(DAMPINGS if point.norm > RESIDUAL else 1):
-        trial = _tried(system, point, _step(point, damping))
+    for _ in range(settings.dampings if point.norm > settings.residual else 1):
+        trial = _tried(system, point, _step(system, point, damping))
         if trial is not None and trial.norm < point.norm:
             return trial, damping * 1e-3
         damping = max(damping, 1e-12) * 30.0
@@ -378,12 +363,12 @@ def _measure(system: _System, unknowns: Array) -> Measure:
     problem = system.problem
     durations = (unknowns[: len(system.legs)] * system.scale).tolist()
     atoms: list[Atom] = []
-    cores: list[Core] = []
-    adjoint, after, core_end = _terminal(system, unknowns), 0.0, 0.0
+    interiors: list[ArcInterior] = []
+    adjoint, after, interior_end = _terminal(system, unknowns), 0.0, 0.0
     for leg, duration in zip(reversed(system.legs), reversed(durations), strict=True):
         held = None if leg.limit < 0 else problem.limits[leg.limit]
         if held is not None and leg.ends:
-            core_end = after
+            interior_end = after
             if held.order == 2:
                 out = float(adjoint @ held.force_chain[:, 1]) / held.gain
                 adjoint = adjoint - out * held.row
@@ -399,10 +384,12 @@ def _measure(system: _System, unknowns: Array) -> Measure:
             adjoint = adjoint - weight * _jump_row(problem, leg)
             atoms.append(Atom(remaining=after, limit=limit, weight=side * weight))
         if held is not None and leg.touch is None:
-            cores.append(Core(start=after, end=core_end, limit=leg.limit, side=leg.side))
+            interiors.append(
+                ArcInterior(start=after, end=interior_end, limit=leg.limit, side=leg.side)
+            )
     return Measure(
         t_f=after,
         terminal=_terminal(system, unknowns),
         atoms=tuple(atom for atom in atoms if atom.weight != 0.0),
-        cores=tuple(reversed(cores)),
+        interiors=tuple(reversed(interiors)),
     )

@@ -13,38 +13,36 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.arcs import Sequence
-from mtcommission.optimal.bounded.breaches import BROKEN, breaches_in_cores, untenable
-from mtcommission.optimal.bounded.dual import dual_value, negative_zones
-from mtcommission.optimal.bounded.exchange import later
-from mtcommission.optimal.bounded.layout import SHRINK, Sight, feature_places, off_arcs
-from mtcommission.optimal.bounded.measure import Measure, Stretch, stretches
-from mtcommission.optimal.bounded.mesh import MeshOptimum
+from mtcommission.optimal.bounded.mesh.exchange import later
+from mtcommission.optimal.bounded.mesh.forms import MeshOptimum
+from mtcommission.optimal.bounded.mesh.plan import Features, feature_places, off_arcs
+from mtcommission.optimal.bounded.mesh.rows import MeshPlan
+from mtcommission.optimal.bounded.mesh.violations import untenable, violations_in_interiors
+from mtcommission.optimal.bounded.places import ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.reading import Reading, local_cell, read_contacts, read_sequence
-from mtcommission.optimal.bounded.rows import Contact, Layout
+from mtcommission.optimal.bounded.proof.dual_point import Measure, Stretch, stretches
+from mtcommission.optimal.bounded.proof.dual_value import dual_value, negative_zones
+from mtcommission.optimal.bounded.structure.detection import (
+    Structure,
+    detect_sequence,
+    detect_structure,
+    local_cell,
+)
+from mtcommission.optimal.bounded.structure.sequence import Sequence
 from mtcommission.optimal.closed_form import impulse_response
 
 Array = NDArray[np.float64]
 
-MOST_FILLED = 2000
-"""Most points with which a core is read."""
-AGREED = 1e-6
-"""Distance of the reaches of both forms from which on what is hidden is the rest of the gap."""
-HIDDEN = 1e-8
-"""What one cell may hide of the time, relative to it: a hundredth of the gap allowed."""
 TINY = 1e-300
-KEEP = 1e-7
-"""What a cell of twice the size might hide: above that a zero keeps its cell."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Look:
+class Observation:
     """What a round has seen.
 
     Parameters
     ----------
-    sight
+    features
         For the next mesh, at the t_f at which the reach should be 1.
     guess
         Sequence that the multipliers show.
@@ -52,75 +50,85 @@ class Look:
         F ∫|σ| + Σ|μ| of the relaxation's multipliers, as the proof counts it.
     """
 
-    sight: Sight
+    features: Features
     guess: Sequence
     dual_value: float
 
 
-def look(
-    problem: BoundedProblem, kept: MeshOptimum, relaxed: MeshOptimum, *, unsplit: Layout
-) -> Look:
+def observe(
+    problem: BoundedProblem, restriction: MeshOptimum, relaxation: MeshOptimum, *, unsplit: MeshPlan
+) -> Observation:
     """Return where the next mesh should be fine, and the sequence that the multipliers show.
 
     Parameters
     ----------
     problem
         The bounded problem.
-    kept, relaxed
+    restriction, relaxation
         The two forms of one program.
     unsplit
         Its mesh before cells were split: what is known of the ends of arcs is known to its cells.
 
     Returns
     -------
-    Look
+    Observation
     """
-    measure = relaxed.measure
+    measure = relaxation.measure
     parts = stretches(problem, measure)
     found = dual_value(problem, parts, measure.atoms)
     zeros = found.zeros
-    mesh = _filled(relaxed.layout)
-    guess = read_sequence(problem, _read(relaxed, mesh, []), parts, zeros, mesh)
-    # A core is opened where holding the bound costs time, or cannot be done.
+    mesh = _filled(problem, relaxation.plan)
+    guess = detect_sequence(problem, _structure(problem, relaxation, mesh, []), parts, zeros, mesh)
+    # An interior is opened where holding the bound costs time, or cannot be done.
     zones = [(zone.end, zone.start) for zone in negative_zones(problem, measure)]
-    reading = _read(relaxed, mesh, [*zones, *untenable(problem, kept)])
-    # Where a core breaks another bound this is touched; a chain of points would hide it.
-    crossed = [breach.contact for breach in breaches_in_cores(problem, kept, tolerance=BROKEN)]
-    reading = replace(reading, touches=(*reading.touches, *crossed))
-    sight = _sight(problem, measure, parts, zeros, mesh, reading, relaxed.reach - kept.reach)
-    sight = replace(sight, mesh=_filled(unsplit)).stretched(later(kept.layout, kept))
-    return Look(sight=sight, guess=guess, dual_value=found.value)
+    structure = _structure(problem, relaxation, mesh, [*zones, *untenable(problem, restriction)])
+    # Where an interior breaks another bound this is touched; a chain of points would hide it.
+    crossed = [
+        violation.point
+        for violation in violations_in_interiors(
+            problem, restriction, tolerance=problem.settings.mesh.broken
+        )
+    ]
+    structure = replace(structure, touches=(*structure.touches, *crossed))
+    features = _features(
+        problem, measure, parts, zeros, mesh, structure, relaxation.reach - restriction.reach
+    )
+    features = replace(features, mesh=_filled(problem, unsplit)).stretched(
+        later(problem, restriction.plan, restriction)
+    )
+    return Observation(features=features, guess=guess, dual_value=found.value)
 
 
-def _sight(
+def _features(
     problem: BoundedProblem,
     measure: Measure,
     parts: tuple[Stretch, ...],
     zeros: Array,
     mesh: Array,
-    reading: Reading,
+    structure: Structure,
     apart: float,
-) -> Sight:
-    """Return the sight of a reading; ``apart`` is the distance of the reaches of both forms."""
+) -> Features:
+    """Return the features of a structure; ``apart``: the distance of both reaches."""
+    settings = problem.settings.mesh
     local = np.array([local_cell(mesh, zero) for zero in zeros.tolist()])
-    switches = np.isin(zeros, off_arcs(zeros, reading, room=1.5 * local))
-    cells = local / SHRINK
-    if apart < AGREED:
+    switches = np.isin(zeros, off_arcs(zeros, structure, room=1.5 * local))
+    cells = local / settings.shrink
+    if apart < settings.agreed:
         # Near the end of an arc a zero is its ripple, unless much of σ hides in its cell, or would
         # in a larger one.
         steepness = steepness_of_zeros(problem, measure, parts, zeros)
-        much = hidden(steepness, zeros, mesh) > HIDDEN
-        as_fine = ~switches & ~much & (steepness * local**2 > KEEP)
+        much = hidden(steepness, zeros, mesh) > settings.hidden
+        as_fine = ~switches & ~much & (steepness * local**2 > settings.keep_hidden)
         cells[as_fine] = local[as_fine]
         switches |= much | as_fine
-    places = feature_places(reading)
+    places = feature_places(structure)
     around = np.array([local_cell(mesh, place) for place in places.tolist()])
-    return Sight(
+    return Features(
         t_f=float(mesh[-1]),
         mesh=mesh,
-        reading=reading,
+        structure=structure,
         places=np.concatenate([zeros[switches], places]),
-        cells=np.concatenate([cells[switches], around / SHRINK]),
+        cells=np.concatenate([cells[switches], around / settings.shrink]),
     )
 
 
@@ -183,26 +191,32 @@ def hidden(steepness: Array, zeros: Array, mesh: Array) -> Array:
     return np.asarray(steepness * nearer**2)
 
 
-def _filled(layout: Layout) -> Array:
-    """Return the mesh with even points in the cores, as close as the cells beside them."""
-    ends = [end for core in layout.cores for end in (core.start, core.end)]
-    mesh = np.unique(np.concatenate([[0.0, layout.t_f], layout.mesh, ends]))
+def _filled(problem: BoundedProblem, plan: MeshPlan) -> Array:
+    """Return the mesh with even points in the interiors, as close as the cells beside them."""
+    ends = [end for interior in plan.interiors for end in (interior.start, interior.end)]
+    mesh = np.unique(np.concatenate([[0.0, plan.t_f], plan.mesh, ends]))
     inner = [mesh]
-    for core in layout.cores:
-        at = np.searchsorted(mesh, [core.end, core.start])
+    for interior in plan.interiors:
+        at = np.searchsorted(mesh, [interior.end, interior.start])
         cell = min(mesh[at[0]] - mesh[at[0] - 1], mesh[at[1] + 1] - mesh[at[1]])
-        count = int((core.start - core.end) / cell) + 2
-        inner.append(np.linspace(core.end, core.start, min(count, MOST_FILLED))[1:-1])
+        count = int((interior.start - interior.end) / cell) + 2
+        inner.append(
+            np.linspace(
+                interior.end, interior.start, min(count, problem.settings.mesh.most_filled)
+            )[1:-1]
+        )
     return np.unique(np.concatenate(inner))
 
 
-def _read(relaxed: MeshOptimum, mesh: Array, zones: list[tuple[float, float]]) -> Reading:
-    """Return arcs and touch points, zones of cores (remaining times of end and start) left out."""
-    active = [contact for contact in relaxed.contacts if contact.weight > 0.0]
-    for core in relaxed.layout.cores:
+def _structure(
+    problem: BoundedProblem, relaxation: MeshOptimum, mesh: Array, zones: list[tuple[float, float]]
+) -> Structure:
+    """Return arcs and touch points, some zones of interiors (ends and starts) left out."""
+    active = [point for point in relaxation.points if point.weight > 0.0]
+    for interior in relaxation.plan.interiors:
         active += [
-            Contact(remaining=t, limit=core.limit, side=core.side, weight=1.0)
-            for t in mesh[(mesh >= core.end) & (mesh <= core.start)].tolist()
+            ConstraintPoint(remaining=t, limit=interior.limit, side=interior.side, weight=1.0)
+            for t in mesh[(mesh >= interior.end) & (mesh <= interior.start)].tolist()
             if not any(end <= t <= start for end, start in zones)
         ]
-    return read_contacts(active, mesh)
+    return detect_structure(active, mesh, problem.settings.structure)

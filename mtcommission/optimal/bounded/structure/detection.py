@@ -1,4 +1,4 @@
-"""Reading the structure of the optimal control from the multipliers on a mesh.
+"""Structure the structure of the optimal control from the multipliers on a mesh.
 
 Points where a bound acts and that follow each other cell by cell are a boundary arc, single
 ones a touch point; between the arcs the force switches at the zeros of σ. Two facts of the
@@ -15,22 +15,17 @@ from itertools import groupby, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.arcs import Piece, Sequence, Touch
-from mtcommission.optimal.bounded.measure import Core, Stretch, sigma_sign
+from mtcommission.optimal.bounded.places import ArcInterior, ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.rows import Contact
+from mtcommission.optimal.bounded.proof.dual_point import Stretch, sigma_sign
+from mtcommission.optimal.bounded.settings import STANDARD, StructureSettings
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch
 
 Array = NDArray[np.float64]
 
-CHAIN_GAP = 3.2
-"""Distance of chained points in the smaller of their cells: ripple may leave out every other."""
-
-CHAIN_POINTS = 5
-"""Points that make an arc; two or three surround a touch point."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Reading:
+class Structure:
     """Arcs and touch points seen on a mesh.
 
     Parameters
@@ -38,67 +33,72 @@ class Reading:
     arcs
         Boundary arcs in order of time.
     touches
-        Single contacts, one for each cluster.
+        Single points, one for each cluster.
     """
 
-    arcs: tuple[Core, ...]
-    touches: tuple[Contact, ...]
+    arcs: tuple[ArcInterior, ...]
+    touches: tuple[ConstraintPoint, ...]
 
 
-def read_contacts(active: Items[Contact], mesh: Array) -> Reading:
-    """Return the arcs and touch points that active contacts form.
+def detect_structure(
+    active: Items[ConstraintPoint], mesh: Array, settings: StructureSettings = STANDARD.structure
+) -> Structure:
+    """Return the arcs and touch points that active points form.
 
     Parameters
     ----------
     active
-        Contacts with positive weight; cores as densely spaced contacts.
+        Points with positive weight; interiors as densely spaced points.
     mesh
         All remaining times between cells, ascending [s].
+    settings
+        How near points follow each other in an arc.
 
     Returns
     -------
-    Reading
+    Structure
 
     Examples
     --------
     >>> mesh = np.linspace(0.0, 1.0, 101)
-    >>> dense = [Contact(remaining=0.01 * i, limit=0, side=1, weight=1.0) for i in range(30, 50)]
-    >>> single = Contact(remaining=0.8, limit=0, side=1, weight=1.0)
-    >>> reading = read_contacts([*dense, single], mesh)
-    >>> len(reading.arcs), len(reading.touches)
+    >>> dense = [ConstraintPoint(remaining=0.01 * i, limit=0, side=1, weight=1.0)
+    ...     for i in range(30, 50)]
+    >>> single = ConstraintPoint(remaining=0.8, limit=0, side=1, weight=1.0)
+    >>> structure = detect_structure([*dense, single], mesh)
+    >>> len(structure.arcs), len(structure.touches)
     (1, 1)
     """
-    arcs: list[Core] = []
-    touches: list[Contact] = []
+    arcs: list[ArcInterior] = []
+    touches: list[ConstraintPoint] = []
     ordered = sorted(active, key=lambda at: (at.limit, at.side, at.remaining))
     for (limit, side), group in groupby(ordered, key=lambda at: (at.limit, at.side)):
-        for chain in _chains(list(group), mesh):
+        for chain in _chains(list(group), mesh, settings.chain_gap):
             low, high = chain[0].remaining, chain[-1].remaining
-            wide = high - low >= 0.75 * CHAIN_POINTS * local_cell(mesh, low)
-            if len(chain) >= CHAIN_POINTS and wide:
-                arcs.append(Core(start=high, end=low, limit=limit, side=side))
+            wide = high - low >= 0.75 * settings.chain_points * local_cell(mesh, low)
+            if len(chain) >= settings.chain_points and wide:
+                arcs.append(ArcInterior(start=high, end=low, limit=limit, side=side))
                 continue
             weight = sum(at.weight for at in chain)
             centre = sum(at.weight * at.remaining for at in chain) / weight
-            touches.append(Contact(remaining=centre, limit=limit, side=side, weight=weight))
-    apart: list[Core] = []
+            touches.append(ConstraintPoint(remaining=centre, limit=limit, side=side, weight=weight))
+    apart: list[ArcInterior] = []
     for arc in sorted(arcs, key=lambda arc: -arc.start):
         if not apart or arc.start < apart[-1].end:
             apart.append(arc)
             continue
         # The force holds one bound at a time: beside it the other is touched.
         touches += [
-            Contact(remaining=end, limit=arc.limit, side=arc.side, weight=1.0)
+            ConstraintPoint(remaining=end, limit=arc.limit, side=arc.side, weight=1.0)
             for end in (arc.start, arc.end)
         ]
-    return Reading(arcs=tuple(apart), touches=tuple(touches))
+    return Structure(arcs=tuple(apart), touches=tuple(touches))
 
 
-def _chains(contacts: list[Contact], mesh: Array) -> list[list[Contact]]:
-    chains = [[contacts[0]]]
-    for before, after in pairwise(contacts):
+def _chains(points: list[ConstraintPoint], mesh: Array, most: float) -> list[list[ConstraintPoint]]:
+    chains = [[points[0]]]
+    for before, after in pairwise(points):
         # Beside a large cell, a touch point would become the end of an arc that is not there.
-        gap = CHAIN_GAP * min(local_cell(mesh, at.remaining) for at in (before, after))
+        gap = most * min(local_cell(mesh, at.remaining) for at in (before, after))
         if after.remaining - before.remaining <= gap:
             chains[-1].append(after)
         else:
@@ -113,8 +113,12 @@ def local_cell(mesh: Array, remaining: float) -> float:
     return float(max(after, mesh[i] - mesh[i - 1]))
 
 
-def read_sequence(
-    problem: BoundedProblem, reading: Reading, parts: tuple[Stretch, ...], zeros: Array, mesh: Array
+def detect_sequence(
+    problem: BoundedProblem,
+    structure: Structure,
+    parts: tuple[Stretch, ...],
+    zeros: Array,
+    mesh: Array,
 ) -> Sequence:
     """Return the sequence of pieces that a dual point shows.
 
@@ -122,7 +126,7 @@ def read_sequence(
     ----------
     problem
         The bounded problem.
-    reading
+    structure
         Arcs and touch points.
     parts
         Stretches of the adjoint.
@@ -138,7 +142,7 @@ def read_sequence(
     pieces: list[Piece] = []
     position = parts[0].start
     after = 0
-    for arc in reading.arcs:
+    for arc in structure.arcs:
         towards = int(np.sign(problem.limits[arc.limit].gain)) * arc.side
         before = towards if problem.limits[arc.limit].order % 2 else -towards
         edges = _edges(zeros, position, arc.start, mesh, first=not pieces)
@@ -151,7 +155,7 @@ def read_sequence(
     edges = _edges(zeros, position, 0.0, mesh, first=not pieces)
     pieces += _bang_pieces(problem, parts, edges, after=after, before=0)
     return Sequence(
-        pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), reading.touches)
+        pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), structure.touches)
     )
 
 
@@ -191,9 +195,9 @@ def _bang_pieces(
 
 
 def place_touches(
-    problem: BoundedProblem, pieces: tuple[Piece, ...], contacts: tuple[Contact, ...]
+    problem: BoundedProblem, pieces: tuple[Piece, ...], points: tuple[ConstraintPoint, ...]
 ) -> tuple[Touch, ...]:
-    """Return the contacts as touch points of the arcs in which they lie.
+    """Return the points as touch points of the arcs in which they lie.
 
     Parameters
     ----------
@@ -201,7 +205,7 @@ def place_touches(
         The bounded problem.
     pieces
         In order of time.
-    contacts
+    points
         By remaining time; those on a boundary arc are left out, unless it has order 1.
 
     Returns
@@ -210,15 +214,13 @@ def place_touches(
     """
     ends = np.cumsum([piece.duration for piece in pieces])
     touches = []
-    for contact in contacts:
-        t = float(ends[-1]) - contact.remaining
+    for point in points:
+        t = float(ends[-1]) - point.remaining
         index = min(int(np.searchsorted(ends, t)), len(pieces) - 1)
         held = pieces[index].limit
         # An atom of order 1 would turn the force; inside an arc it may not disturb σ = 0.
         least = 1 if held < 0 else problem.limits[held].order
-        if problem.limits[contact.limit].order > least:
+        if problem.limits[point.limit].order > least:
             offset = t - float(ends[index]) + pieces[index].duration
-            touches.append(
-                Touch(piece=index, offset=offset, limit=contact.limit, side=contact.side)
-            )
+            touches.append(Touch(piece=index, offset=offset, limit=point.limit, side=point.side))
     return tuple(touches)

@@ -6,18 +6,9 @@ from math import inf, isfinite
 
 import numpy as np
 
-from mtcommission.optimal.bounded.cells import STEPS_PER_CELL, cell_grid
 from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.program import Program, solve_program
-
-LEAST_TIMES = (1.6, 2.2, 3.0, 4.2, 6.0, 10.0)
-"""Where the smallest possible bound is looked for, in multiples of the free optimum: it falls with
-t_f until more time does not help any more."""
-LEAST_CELLS = (400, 800, 1600)
-"""Grids for the smallest bound: the first for the search of its time, the others to refine it;
-the last only for a single bound, since the program's work grows with cells times rows."""
-LEAST_TOLERANCE = 2e-4
-"""Relative change of the smallest bound, over time and over the grid, that counts as none."""
+from mtcommission.optimal.bounded.program.even_grid import cell_grid
+from mtcommission.optimal.bounded.program.linear_program import Program, solve_program
 
 
 def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
@@ -35,13 +26,14 @@ def smallest_factor(problem: BoundedProblem, *, t_free: float) -> float:
     float
         To some ``LEAST_TOLERANCE``; inf if even the longest of ``LEAST_TIMES`` is too short.
 
-    Source: the program of ``bounded_grid`` with the factor minimised instead of the reach
+    Source: the program of ``program.grid`` with the factor minimised instead of the reach
     maximised, at longer and longer times, then on finer and finer grids.
     """
-    least, time = inf, LEAST_TIMES[0]
-    for share in LEAST_TIMES:
-        now = _least_factor(problem, share * t_free, cells=LEAST_CELLS[0])
-        if now > least * (1.0 - LEAST_TOLERANCE):
+    settings = problem.settings.program
+    least, time = inf, settings.least_times[0]
+    for share in settings.least_times:
+        now = _least_factor(problem, share * t_free, cells=settings.least_cells[0])
+        if now > least * (1.0 - settings.least_tolerance):
             break
         least, time = now, share
     return _refined(problem, time * t_free, least)
@@ -67,7 +59,7 @@ def smallest_factor_by(problem: BoundedProblem, t_f: float) -> float:
     The bound that the paper's sec. 5.2 asks for needs 52.3 ms:
 
     >>> from tests.machines import paper_machine
-    >>> from mtcommission.optimal.bounded.problem import bounded_problem
+    >>> from mtcommission.optimal.bounded.problem import (bounded_problem)
     >>> from mtcommission.optimal.solution import Bound
     >>> from mtcommission.plant.plant import build_plant
     >>> machine = paper_machine()
@@ -76,19 +68,22 @@ def smallest_factor_by(problem: BoundedProblem, t_f: float) -> float:
     >>> [round(smallest_factor_by(problem, t_f), 2) for t_f in (0.0522923, 0.048)]
     [1.0, 1.63]
     """
-    return _refined(problem, t_f, _least_factor(problem, t_f, cells=LEAST_CELLS[0]))
+    return _refined(
+        problem, t_f, _least_factor(problem, t_f, cells=problem.settings.program.least_cells[0])
+    )
 
 
 def _refined(problem: BoundedProblem, t_f: float, least: float) -> float:
     """Return the factor on finer and finer grids, as far as the programs end."""
-    for cells in LEAST_CELLS[1:]:
-        if cells * len(problem.limits) > LEAST_CELLS[-1]:
+    settings = problem.settings.program
+    for cells in settings.least_cells[1:]:
+        if cells * len(problem.limits) > settings.least_cells[-1]:
             break
         before, now = least, _least_factor(problem, t_f, cells=cells)
         if not isfinite(now):
             break
         least = now
-        if abs(least - before) <= LEAST_TOLERANCE * least:
+        if abs(least - before) <= settings.least_tolerance * least:
             break
     return least
 
@@ -106,5 +101,7 @@ def _least_factor(problem: BoundedProblem, t_f: float, *, cells: int) -> float:
         lower=np.append(-np.ones(cells), 0.0),
         upper=np.append(np.ones(cells), inf),
     )
-    answer = solve_program(program, steps=STEPS_PER_CELL * cells)
-    return inf if answer is None else float(answer.unknowns[-1])
+    solution = solve_program(
+        program, problem.settings.program, steps=problem.settings.program.steps_per_cell * cells
+    )
+    return inf if solution is None else float(solution.unknowns[-1])

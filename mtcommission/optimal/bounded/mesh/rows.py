@@ -8,43 +8,16 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.measure import Core
+from mtcommission.optimal.bounded.places import FORCE, ArcInterior, ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.closed_form import step_response, transition
 
 Array = NDArray[np.float64]
 
-FORCE = -1
-"""Index by which a contact means the force limit, which boundary control keeps there."""
-LOOSE = 1e-6
-"""Distance of a relative force from ±1 above which it may be corrected."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Contact:
-    """A point where a bound is imposed.
-
-    Parameters
-    ----------
-    remaining
-        Remaining time [s].
-    limit
-        Index of the bound; ``FORCE`` inside a core where boundary control is limited.
-    side
-        +1 or -1.
-    weight
-        Multiplier, >= 0.
-    """
-
-    remaining: float
-    limit: int
-    side: int
-    weight: float = 0.0
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Layout:
-    """Cells, cores and points of a program.
+class MeshPlan:
+    """Cells, interiors and points of a program.
 
     Parameters
     ----------
@@ -52,43 +25,44 @@ class Layout:
         [s].
     mesh
         Remaining times between cells, ascending, shape (n_points,) [s].
-    cores
+    interiors
         In order of time.
-    contacts
-        Where bounds are imposed off the cores.
+    points
+        Where bounds are imposed off the interiors.
     margin
         Relative distance kept from the bounds.
     """
 
     t_f: float
     mesh: Array
-    cores: tuple[Core, ...]
-    contacts: tuple[Contact, ...]
+    interiors: tuple[ArcInterior, ...]
+    points: tuple[ConstraintPoint, ...]
     margin: float
 
     @property
     def effort(self) -> float:
         """What its program costs the simplex method, rows times columns times both together."""
-        cells, points = float(self.mesh.size), float(len(self.contacts))
+        cells, points = float(self.mesh.size), float(len(self.points))
         return cells * points * (cells + points)
 
-    def stretched(self, t_f: float) -> Layout:
-        """Return the same layout over another t_f [s], every place at the same share of it."""
+    def stretched(self, t_f: float) -> MeshPlan:
+        """Return the same plan over another t_f [s], every place at the same share of it."""
         share = t_f / self.t_f
         return replace(
             self,
             t_f=t_f,
             mesh=self.mesh * share,
-            cores=tuple(
-                replace(core, start=core.start * share, end=core.end * share) for core in self.cores
+            interiors=tuple(
+                replace(interior, start=interior.start * share, end=interior.end * share)
+                for interior in self.interiors
             ),
-            contacts=tuple(replace(at, remaining=at.remaining * share) for at in self.contacts),
+            points=tuple(replace(at, remaining=at.remaining * share) for at in self.points),
         )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Segment:
-    """A cell or a core, with the states at its ends as affine functions of the unknowns.
+    """A cell or an interior, with the states at its ends as affine functions of the unknowns.
 
     Parameters
     ----------
@@ -97,9 +71,9 @@ class Segment:
     limit
         Index of the bound held; -1 in a cell.
     column
-        Unknown that is the cell's force; -1 in a core.
+        Unknown that is the cell's force; -1 in an interior.
     arrived, first, last
-        Where the motion arrives, where it starts (on the bound in a core) and where it ends,
+        Where the motion arrives, where it starts (on the bound in an interior) and where it ends,
         shapes (n, n_unknowns + 2); the last columns belong to the reach and the constant.
     """
 
@@ -112,65 +86,69 @@ class Segment:
     last: Array
 
 
-def off_cores(
-    problem: BoundedProblem, contacts: tuple[Contact, ...], cores: tuple[Core, ...]
-) -> tuple[Contact, ...]:
-    """Return the contacts that may carry an atom: off the cores, or of a higher order inside one.
+def off_interiors(
+    problem: BoundedProblem, points: tuple[ConstraintPoint, ...], interiors: tuple[ArcInterior, ...]
+) -> tuple[ConstraintPoint, ...]:
+    """Return the points that may carry an atom: off the interiors, or of a higher order inside one.
 
-    An atom inside a core jumps Λ by a multiple of c. On a core of order r that leaves σ = 0 if
-    c B = ... = c A^(r-1) B = 0; on others it would end the core.
+    An atom inside an interior jumps Λ by a multiple of c. With order r that leaves σ = 0 if
+    c B = ... = c A^(r-1) B = 0; on others it would end the interior.
     """
     return tuple(
         at
-        for at in contacts
+        for at in points
         if not any(
-            core.holds(at.remaining)
-            and problem.limits[at.limit].order <= problem.limits[core.limit].order
-            for core in cores
+            interior.holds(at.remaining)
+            and problem.limits[at.limit].order <= problem.limits[interior.limit].order
+            for interior in interiors
         )
     )
 
 
-def mesh_segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> tuple[Segment, ...]:
-    """Return cells and cores in order of time, their states as maps of the unknowns.
+def mesh_segments(problem: BoundedProblem, plan: MeshPlan, *, relaxed: bool) -> tuple[Segment, ...]:
+    """Return cells and interiors in order of time, their states as maps of the unknowns.
 
     Parameters
     ----------
     problem
         The bounded problem.
-    layout
-        Mesh and cores.
+    plan
+        Mesh and interiors.
     relaxed
-        Whether the state may jump onto and off the cores; the jumps are further unknowns.
+        Whether the state may jump onto and off the interiors; the jumps are further unknowns.
 
     Returns
     -------
     tuple of Segment
     """
-    plant, cores = problem.plant, layout.cores
-    ends = [end for core in cores for end in (core.start, core.end)]
-    points = np.unique(np.concatenate([[0.0, layout.t_f], layout.mesh, ends]))[::-1]
+    plant, interiors = problem.plant, plan.interiors
+    ends = [end for interior in interiors for end in (interior.start, interior.end)]
+    points = np.unique(np.concatenate([[0.0, plan.t_f], plan.mesh, ends]))[::-1]
     spans = [
-        (start, end, next((core for core in cores if core.holds(0.5 * (start + end))), None))
+        (
+            start,
+            end,
+            next((interior for interior in interiors if interior.holds(0.5 * (start + end))), None),
+        )
         for start, end in pairwise(points.tolist())
     ]
-    cells = sum(core is None for *_, core in spans)
-    jumps = sum(problem.limits[core.limit].order for core in cores) if relaxed else 0
+    cells = sum(interior is None for *_, interior in spans)
+    jumps = sum(problem.limits[interior.limit].order for interior in interiors) if relaxed else 0
     lengths = np.array([start - end for start, end, _ in spans])
     flows = transition(plant, lengths)
     pushes = step_response(plant, lengths) * problem.force_limit
     state, column, jump = np.zeros((plant.order, cells + jumps + 2)), 0, cells
     segments: list[Segment] = []
-    for i, (start, end, core) in enumerate(spans):
+    for i, (start, end, interior) in enumerate(spans):
         arrived = first = state
-        if core is None:
+        if interior is None:
             state = flows[i] @ state
             state[:, column] += pushes[i]
         else:
-            limit = problem.limits[core.limit]
+            limit = problem.limits[interior.limit]
             # The restriction arrives on the bound by its own equations. Without this its small
-            # misses of them would grow over the core, and the program would lose all digits.
-            first = _projected(problem, layout, core, arrived)
+            # misses of them would grow over the interior, and the program would lose all digits.
+            first = _projected(problem, plan, interior, arrived)
             state = limit.boundary_flow.over(float(lengths[i])) @ first
             if relaxed:
                 state[:, jump : jump + limit.order] += limit.force_chain
@@ -179,18 +157,18 @@ def mesh_segments(problem: BoundedProblem, layout: Layout, *, relaxed: bool) -> 
             Segment(
                 start=start,
                 end=end,
-                limit=-1 if core is None else core.limit,
-                column=column if core is None else -1,
+                limit=-1 if interior is None else interior.limit,
+                column=column if interior is None else -1,
                 arrived=arrived,
                 first=first,
                 last=state,
             )
         )
-        column += core is None
+        column += interior is None
     return tuple(segments)
 
 
-def _level(problem: BoundedProblem, layout: Layout, limit: int, width: int) -> Array:
+def _level(problem: BoundedProblem, plan: MeshPlan, limit: int, width: int) -> Array:
     """Return a level as a row over all columns: the constant, or the reach if it follows."""
     row = np.zeros(width)
     if limit == FORCE:
@@ -198,30 +176,36 @@ def _level(problem: BoundedProblem, layout: Layout, limit: int, width: int) -> A
         return row
     held = problem.limits[limit]
     # A bound that the target itself meets has no room for a margin.
-    margin = 0.0 if abs(float(held.row @ problem.target)) > 1.0 - LOOSE else layout.margin
+    margin = (
+        0.0
+        if abs(float(held.row @ problem.target)) > 1.0 - problem.settings.mesh.at_target
+        else plan.margin
+    )
     row[-2 if held.follows else -1] = 1.0 - margin
     return row
 
 
-def _projected(problem: BoundedProblem, layout: Layout, core: Core, state: Array) -> Array:
+def _projected(
+    problem: BoundedProblem, plan: MeshPlan, interior: ArcInterior, state: Array
+) -> Array:
     """Return the state moved onto the bound by impulses of the force."""
-    limit = problem.limits[core.limit]
+    limit = problem.limits[interior.limit]
     moved = state - limit.impulses @ (limit.output_chain @ state)
-    level = core.side * _level(problem, layout, core.limit, state.shape[1])
+    level = interior.side * _level(problem, plan, interior.limit, state.shape[1])
     return np.asarray(moved + np.outer(limit.impulses[:, 0], level))
 
 
 def bound_rows(
-    problem: BoundedProblem, layout: Layout, segments: tuple[Segment, ...]
+    problem: BoundedProblem, plan: MeshPlan, segments: tuple[Segment, ...]
 ) -> tuple[Array, Array]:
-    """Return rows and rooms of the bounds at the contacts, rows x <= rooms.
+    """Return rows and rooms of the bounds at the points, rows x <= rooms.
 
     Parameters
     ----------
     problem
         The bounded problem.
-    layout
-        Cells, cores and contacts.
+    plan
+        Cells, interiors and points.
     segments
         With their affine maps.
 
@@ -230,15 +214,15 @@ def bound_rows(
     tuple of ndarray, shapes (n_contacts, n_unknowns + 1) and (n_contacts,)
     """
     starts = -np.array([segment.start for segment in segments])
-    rows = np.zeros((len(layout.contacts), segments[-1].last.shape[1]))
-    for i, contact in enumerate(layout.contacts):
-        index = max(int(np.searchsorted(starts, -contact.remaining, side="right")) - 1, 0)
+    rows = np.zeros((len(plan.points), segments[-1].last.shape[1]))
+    for i, point in enumerate(plan.points):
+        index = max(int(np.searchsorted(starts, -point.remaining, side="right")) - 1, 0)
         segment = segments[index]
-        row = _bounded_row(problem, contact.limit, segment)
-        if contact.remaining == segment.start and index > 0:
+        row = _bounded_row(problem, point.limit, segment)
+        if point.remaining == segment.start and index > 0:
             rows[i] = row @ segments[index - 1].last
             continue
-        since = np.array(segment.start - contact.remaining)
+        since = np.array(segment.start - point.remaining)
         if segment.limit >= 0:
             flow = problem.limits[segment.limit].boundary_flow.over(float(since))
             rows[i] = row @ flow @ segment.first
@@ -246,10 +230,10 @@ def bound_rows(
         rows[i] = row @ transition(problem.plant, since) @ segment.first
         push = step_response(problem.plant, since) @ row
         rows[i, segment.column] += push * problem.force_limit
-    sides = np.array([contact.side for contact in layout.contacts], dtype=np.float64)
+    sides = np.array([point.side for point in plan.points], dtype=np.float64)
     rows *= sides[:, np.newaxis]
-    for i, contact in enumerate(layout.contacts):
-        rows[i] -= _level(problem, layout, contact.limit, rows.shape[1])
+    for i, point in enumerate(plan.points):
+        rows[i] -= _level(problem, plan, point.limit, rows.shape[1])
     return rows[:, :-1], -rows[:, -1]
 
 
@@ -272,7 +256,7 @@ def feedback_rows(problem: BoundedProblem, segments: tuple[Segment, ...]) -> tup
 
     Returns
     -------
-    tuple of ndarray, shapes (4 n_cores, n_unknowns + 1) and (4 n_cores,)
+    tuple of ndarray, shapes (4 n_interiors, n_unknowns + 1) and (4 n_interiors,)
     """
     rows = [np.empty((0, segments[-1].last.shape[1]))]
     for segment in segments:
@@ -333,16 +317,16 @@ def terminal_rows(
 
 
 def entry_rows(
-    problem: BoundedProblem, layout: Layout, segments: tuple[Segment, ...]
+    problem: BoundedProblem, plan: MeshPlan, segments: tuple[Segment, ...]
 ) -> tuple[Array, Array]:
-    """Return the equations by which the motion arrives on the bounds of the cores.
+    """Return the equations by which the motion arrives on the bounds of the interiors.
 
     Parameters
     ----------
     problem
         The bounded problem.
-    layout
-        Cells, cores and contacts.
+    plan
+        Cells, interiors and points.
     segments
         With their affine maps.
 
@@ -353,9 +337,11 @@ def entry_rows(
     rows = [np.empty((0, segments[-1].last.shape[1]))]
     for segment in segments:
         if segment.limit >= 0:
-            core = next(core for core in layout.cores if core.start == segment.start)
-            held = problem.limits[core.limit].output_chain @ segment.arrived
-            held[0] -= core.side * _level(problem, layout, core.limit, held.shape[1])
+            interior = next(
+                interior for interior in plan.interiors if interior.start == segment.start
+            )
+            held = problem.limits[interior.limit].output_chain @ segment.arrived
+            held[0] -= interior.side * _level(problem, plan, interior.limit, held.shape[1])
             rows.append(held)
     stacked = np.vstack(rows)
     return stacked[:, :-1], -stacked[:, -1]

@@ -1,4 +1,4 @@
-"""A first look: the bounded problem on an even grid, as a linear program.
+"""Where the search begins: the bounded problem on an even grid, as a linear program.
 
 For a given t_f the program asks for the largest multiple α of the target that can be reached
 within force limit and bounds; α(t_f) = 1 is the optimum, since waiting at rest makes α grow
@@ -15,47 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.optimal.bounded.cells import STEPS_PER_CELL, cell_grid
-from mtcommission.optimal.bounded.least import LEAST_TOLERANCE, smallest_factor
 from mtcommission.optimal.bounded.problem import BoundedProblem, bounds_text
-from mtcommission.optimal.bounded.program import Basis, Program, solve_program
+from mtcommission.optimal.bounded.program.even_grid import cell_grid
+from mtcommission.optimal.bounded.program.linear_program import Basis, Program, solve_program
+from mtcommission.optimal.bounded.program.smallest_bound import smallest_factor
 
 Array = NDArray[np.float64]
-
-FEWEST_CELLS, MOST_CELLS = 200, 600
-"""Cells of the grid: enough to see every feature that the refinement needs, and few enough for
-a fraction of a second (empirical)."""
-RADIANS_PER_CELL = 0.6
-"""Between the two, cells that resolve the fastest mode of the plant, for the last look."""
-COARSE_RADIANS = 1.8
-"""The same while t_f is searched: a program of a third of the cells costs a tenth."""
-
-HORIZON = 60.0
-"""Longest t_f that is searched, in multiples of the free optimum."""
-
-FAR = 3.0
-"""The same from which on a program that rounding spoils ends the search: the forces that so tight
-a bound leaves are too small beside the force limit for the simplex method."""
-
-TIME_TOLERANCE = 1e-3
-"""|α - 1| at which the search on the grid ends; the grid itself is no better."""
-
-STEEPNESS = (0.01, 1.0)
-"""Least and largest dα/dlog t_f by which that tolerance is multiplied."""
-
-TIME_STEPS = 40
-
-LONGER = 1.5
-"""Factor between two times over which the reach has to grow, or it never will."""
-STANDSTILL = 1e-3
-"""Relative growth of the reach over such a factor that counts as none."""
-INSIDE = (0.02, 0.98)
-"""Share of the bracket of t_f in which the next time lies."""
-OTHER_GRIDS = (0, 7, 23)
-"""Per cent of cells added where the simplex method gives up for rounding."""
-
-SATURATED = 1e-6
-"""Distance from a limit below which a value of the program counts as on it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,7 +74,7 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
     Examples
     --------
     >>> from tests.machines import paper_machine
-    >>> from mtcommission.optimal.bounded.problem import bounded_problem
+    >>> from mtcommission.optimal.bounded.problem import (bounded_problem)
     >>> from mtcommission.optimal.solution import Bound
     >>> from mtcommission.plant.plant import build_plant
     >>> machine = paper_machine()
@@ -118,17 +83,18 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
     >>> round(solve_grid_time(problem, t_free=0.0435).t_f, 3)
     0.052
     """
+    settings = problem.settings.program
     t_f, slower = 1.05 * t_free, None
-    found = _solve(problem, t_f, radians=COARSE_RADIANS)
+    found = _solve(problem, t_f, radians=settings.coarse_radians)
     faster, missing, spare, was_slow = found, 1.0, 1.0, False
-    for _ in range(TIME_STEPS):
+    for _ in range(settings.time_steps):
         # Where the reach hardly grows, as near the smallest possible bound, α alone says little.
-        steepness = float(np.clip(found.slope * t_f, *STEEPNESS))
-        if abs(found.reach - 1.0) < TIME_TOLERANCE * steepness:
-            return _last_look(problem, found)
+        steepness = float(np.clip(found.slope * t_f, *settings.steepness))
+        if abs(found.reach - 1.0) < settings.time_tolerance * steepness:
+            return _on_fine_grid(problem, found)
         if found.reach < 1.0:
             before, faster, missing = faster, found, 1.0 - found.reach
-            if _stands_still(before, found) or found.t_f > HORIZON * t_free:
+            if _stands_still(problem, before, found) or found.t_f > settings.horizon * t_free:
                 raise _out_of_reach(problem, found, t_free)
             # Illinois' rule: the chord moves on from an end that stays twice.
             spare, was_slow = spare * (1.0 if was_slow else 0.5), False
@@ -139,14 +105,14 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
             step = (1.0 - found.reach) / max(found.slope, 1e-3 / t_f)
             t_f = min(max(t_f + step, 1.02 * t_f), 2.0 * t_f)
         elif slower.t_f - faster.t_f < 1e-7 * slower.t_f:
-            return _last_look(problem, found)
+            return _on_fine_grid(problem, found)
         else:
-            share = float(np.clip(missing / (missing + spare), *INSIDE))
+            share = float(np.clip(missing / (missing + spare), *settings.inside))
             t_f = faster.t_f + share * (slower.t_f - faster.t_f)
         try:
-            found = _solve(problem, t_f, radians=COARSE_RADIANS, near=found)
+            found = _solve(problem, t_f, radians=settings.coarse_radians, near=found)
         except ComputationError as error:
-            if slower is not None or found.t_f < FAR * t_free:
+            if slower is not None or found.t_f < settings.far * t_free:
                 raise
             raise _beyond(problem, found) from error
     raise ComputationError(
@@ -154,26 +120,32 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
     )
 
 
-def _stands_still(before: GridOptimum, after: GridOptimum) -> bool:
+def _stands_still(problem: BoundedProblem, before: GridOptimum, after: GridOptimum) -> bool:
     """Return whether a time much longer has not made the reach grow."""
-    return after.t_f > LONGER * before.t_f and after.reach - before.reach < STANDSTILL * after.reach
+    settings = problem.settings.program
+    return (
+        after.t_f > settings.longer * before.t_f
+        and after.reach - before.reach < settings.standstill * after.reach
+    )
 
 
-def _last_look(problem: BoundedProblem, found: GridOptimum) -> GridOptimum:
+def _on_fine_grid(problem: BoundedProblem, found: GridOptimum) -> GridOptimum:
     """Return the solution on the fine grid, if the coarse one was not fine enough."""
-    if _cells(problem, found.t_f, RADIANS_PER_CELL) > found.force.size:
-        found = _solve(problem, found.t_f, radians=RADIANS_PER_CELL)
+    settings = problem.settings.program
+    if _cells(problem, found.t_f, settings.radians_per_cell) > found.force.size:
+        found = _solve(problem, found.t_f, radians=settings.radians_per_cell)
     return found
 
 
 def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) -> ComputationError:
+    settings = problem.settings.program
     names = _named(problem)
-    if longest.t_f <= HORIZON * t_free:
+    if longest.t_f <= settings.horizon * t_free:
         least = smallest_factor(problem, t_free=t_free)
         if least < 1.0:
             detail = f"{names}: only some {100.0 * (1.0 / least - 1.0):.1g} % above the least"
             return ComputationError(Outcome.BEYOND_HORIZON, detail)
-        least *= 1.0 + LEAST_TOLERANCE
+        least *= 1.0 + settings.least_tolerance
         units = [problem.plant.unit(k.bound.name) for k in problem.limits]
         values = [f"{least * k.bound.value:.4g}" for k in problem.limits]
         bounds = ", ".join(f"{value} {unit}" for value, unit in zip(values, units, strict=True))
@@ -194,8 +166,13 @@ def _named(problem: BoundedProblem) -> str:
 
 
 def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:
-    fewest = FEWEST_CELLS if radians == RADIANS_PER_CELL else FEWEST_CELLS // 2
-    return int(np.clip(t_f * problem.vibration_rate / radians, fewest, MOST_CELLS))
+    settings = problem.settings.program
+    fewest = (
+        settings.fewest_cells
+        if radians == settings.radians_per_cell
+        else settings.fewest_cells // 2
+    )
+    return int(np.clip(t_f * problem.vibration_rate / radians, fewest, settings.most_cells))
 
 
 def _solve(
@@ -203,7 +180,7 @@ def _solve(
 ) -> GridOptimum:
     """Return the optimum of a grid; where the simplex method gives up, of a slightly finer one."""
     cells = _cells(problem, t_f, radians)
-    for extra in OTHER_GRIDS:
+    for extra in problem.settings.program.other_grids:
         found = _attempt(problem, t_f, cells=cells + cells * extra // 100, near=near)
         if found is not None:
             return found
@@ -229,17 +206,19 @@ def _attempt(
         upper=np.append(np.ones(cells), inf),
     )
     start = near.basis if near is not None and near.force.size == cells else None
-    answer = solve_program(program, steps=STEPS_PER_CELL * cells, start=start)
-    if answer is None:
+    settings = problem.settings.program
+    steps = settings.steps_per_cell * cells
+    solution = solve_program(program, settings, steps=steps, start=start)
+    if solution is None:
         return None
-    force = answer.unknowns[:-1]
-    first, second = np.abs(answer.bounds[:2])
+    force = solution.unknowns[:-1]
+    first, second = np.abs(solution.bounds[:2])
     return GridOptimum(
         t_f=t_f,
-        reach=float(answer.unknowns[-1]),
+        reach=float(solution.unknowns[-1]),
         # F |σ| at the start, extrapolated from its means over the first two cells.
         slope=max(float(1.5 * first - 0.5 * second), 0.5 * float(first)) * cells / t_f,
         force=force,
         levels=(grid.response @ force).reshape(n_limits, cells),
-        basis=answer.basis,
+        basis=solution.basis,
     )

@@ -1,7 +1,7 @@
 """The adjoint that multipliers of the bounded problem give, stretch by stretch.
 
 A dual point is a row Λ for the terminal state and a signed measure for each bound: atoms at touch
-points and ends of boundary arcs, a density along the arcs ("cores"), where it keeps σ = 0.
+points and ends of boundary arcs, a density along the arcs ("interiors"), where it keeps σ = 0.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.optimal.bounded.places import ArcInterior
 from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.sigma import largest_outputs
+from mtcommission.optimal.bounded.proof.sigma import largest_outputs
 from mtcommission.optimal.closed_form import transition
 
 Array = NDArray[np.float64]
@@ -37,30 +38,6 @@ class Atom:
     weight: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Core:
-    """An interval on which a bound is held and σ = 0.
-
-    Parameters
-    ----------
-    start, end
-        Remaining times, start > end [s].
-    limit
-        Index of the bound.
-    side
-        +1 or -1.
-    """
-
-    start: float
-    end: float
-    limit: int
-    side: int
-
-    def holds(self, remaining: float) -> bool:
-        """Return whether a remaining time lies inside."""
-        return self.end < remaining < self.start
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measure:
     """A dual point.
@@ -73,14 +50,14 @@ class Measure:
         Λ, shape (n,).
     atoms
         Point masses.
-    cores
+    interiors
         Intervals where the measure has the density that keeps σ = 0.
     """
 
     t_f: float
     terminal: Array
     atoms: tuple[Atom, ...]
-    cores: tuple[Core, ...]
+    interiors: tuple[ArcInterior, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -94,7 +71,7 @@ class Stretch:
     adjoint
         Λ at its end, shape (n,).
     limit
-        Index of the bound held on it; -1 off the cores.
+        Index of the bound held on it; -1 off the interiors.
     slack
         What putting Λ on σ = 0 at its end may cost.
     """
@@ -119,7 +96,7 @@ def stretches(problem: BoundedProblem, measure: Measure) -> tuple[Stretch, ...]:
     problem
         The bounded problem.
     measure
-        Dual point; atoms inside a core only where c B = 0 and the core has order 1.
+        Dual point; atoms inside an interior only where c B = 0 and the interior has order 1.
 
     Returns
     -------
@@ -129,11 +106,11 @@ def stretches(problem: BoundedProblem, measure: Measure) -> tuple[Stretch, ...]:
     """
     done: list[Stretch] = []
     end, adjoint = 0.0, measure.terminal
-    for stop, core, jump in _events(problem, measure):
+    for stop, interior, jump in _events(problem, measure):
         if stop > end:
             part = Stretch(start=stop, end=end, adjoint=adjoint, limit=-1)
-            if core is not None:
-                part = _settled(problem, replace(part, limit=core.limit), t_f=measure.t_f)
+            if interior is not None:
+                part = _settled(problem, replace(part, limit=interior.limit), t_f=measure.t_f)
             done.append(part)
             adjoint = adjoint_before(problem, part)
             end = stop
@@ -141,36 +118,40 @@ def stretches(problem: BoundedProblem, measure: Measure) -> tuple[Stretch, ...]:
     return tuple(reversed(done))
 
 
-def _settled(problem: BoundedProblem, core: Stretch, *, t_f: float) -> Stretch:
-    """Return a core with σ = σ' = ... = 0 at its end, where the multipliers miss that by rounding.
+def _settled(problem: BoundedProblem, interior: Stretch, *, t_f: float) -> Stretch:
+    """Return an interior with σ = σ' = ... = 0 at its end, which the multipliers miss by rounding.
 
-    A miss grows over the core like (rate · length)^(r-1), and with it over all cores before. The
+    A miss grows over the interior like (rate · length)^(r-1), and with it over all before. The
     step of Λ by w_j c (A/rate)^j that removes it is worth w_j c (A/rate)^j x of the motion; for
     j = 0 it is an atom, for the others its largest value over all motions is the slack.
     """
-    limit = problem.limits[core.limit]
-    weights = core.adjoint @ limit.impulses
+    limit = problem.limits[interior.limit]
+    weights = interior.adjoint @ limit.impulses
     worth = np.append(1.0, largest_outputs(problem, limit.output_chain[1:], t_f=t_f))
     return replace(
-        core,
-        adjoint=core.adjoint - weights @ limit.output_chain,
+        interior,
+        adjoint=interior.adjoint - weights @ limit.output_chain,
         slack=float(np.abs(weights) @ worth),
     )
 
 
-def _events(problem: BoundedProblem, measure: Measure) -> list[tuple[float, Core | None, Array]]:
-    """Return (end of a stretch, core that covers it, jump there), by remaining time."""
+def _events(
+    problem: BoundedProblem, measure: Measure
+) -> list[tuple[float, ArcInterior | None, Array]]:
+    """Return (end of a stretch, interior that covers it, jump there), by remaining time."""
     still = np.zeros(problem.plant.order)
-    events: list[tuple[float, int, Core | None, Array]] = [(measure.t_f, 2, None, still)]
-    for core in measure.cores:
-        events += [(core.end, 1, None, still), (core.start, -1, core, still)]
+    events: list[tuple[float, int, ArcInterior | None, Array]] = [(measure.t_f, 2, None, still)]
+    for interior in measure.interiors:
+        events += [(interior.end, 1, None, still), (interior.start, -1, interior, still)]
     for atom in measure.atoms:
-        # At the late end of a core the atom acts before the core, at its early end after it.
+        # At the late end of an interior the atom acts before it, at the early end after it.
         jump = atom.weight * problem.limits[atom.limit].row
-        inside = next((core for core in measure.cores if core.holds(atom.remaining)), None)
+        inside = next(
+            (interior for interior in measure.interiors if interior.holds(atom.remaining)), None
+        )
         events.append((atom.remaining, 0, inside, jump))
     ordered = sorted(events, key=lambda event: (event[0], event[1]))
-    return [(stop, core, jump) for stop, _, core, jump in ordered]
+    return [(stop, interior, jump) for stop, _, interior, jump in ordered]
 
 
 def adjoint_before(problem: BoundedProblem, stretch: Stretch) -> Array:
@@ -183,7 +164,7 @@ def adjoint_before(problem: BoundedProblem, stretch: Stretch) -> Array:
 
 
 def sigma_sign(problem: BoundedProblem, parts: tuple[Stretch, ...], remaining: float) -> int:
-    """Return the sign of σ at a remaining time off the cores."""
+    """Return the sign of σ at a remaining time off the interiors."""
     part = next(part for part in parts if part.end <= remaining <= part.start)
     flow = transition(problem.plant, np.array(remaining - part.end))
     return 1 if float(part.adjoint @ flow @ problem.plant.B) > 0.0 else -1

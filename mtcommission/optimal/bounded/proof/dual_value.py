@@ -22,26 +22,12 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.measure import Atom, Measure, Stretch, stretches
 from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.sigma import integrate_sigma, sigma_magnitude
+from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure, Stretch, stretches
+from mtcommission.optimal.bounded.proof.sigma import integrate_sigma, sigma_magnitude
 from mtcommission.optimal.exponential import balanced_expm
 
 Array = NDArray[np.float64]
-
-DENSITY_CELLS_PER_RADIAN = 16
-"""Samples of a density: its sign changes are located to a sample."""
-SMALL_DENSITY = 1e-8
-"""Share of the largest density below which a wrong sign is rounding."""
-
-ROUNDING = 1e-13
-"""Allowance for rounding, relative to the sum of the magnitudes of all terms: some hundred
-operations of 1.1e-16 each."""
-
-FIRST_CUT = 1e-12
-"""Smallest gap that is tried, as a share of t_f: about the rounding of the integrals."""
-CUT_TOLERANCE = 0.05
-"""Relative width to which the smallest provable gap is halved."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,7 +52,7 @@ class Integral:
 def dual_value(
     problem: BoundedProblem, parts: tuple[Stretch, ...], atoms: tuple[Atom, ...]
 ) -> Integral:
-    """Return an upper bound of F ∫|σ| + Σ|μ|, with the zeros of σ off the cores.
+    """Return an upper bound of F ∫|σ| + Σ|μ|, with the zeros of σ off the interiors.
 
     Parameters
     ----------
@@ -92,14 +78,16 @@ def dual_value(
     value = F * found.value + sum(share.value for share in held)
     value += sum(abs(atom.weight) for atom in atoms) + sum(part.slack for part in parts)
     return Integral(
-        value=value + ROUNDING * (value + F * sigma_magnitude(problem, adjoints, lengths)),
+        value=value
+        + problem.settings.proof.rounding
+        * (value + F * sigma_magnitude(problem, adjoints, lengths)),
         allowance=F * found.allowance + sum(share.allowance for share in held),
         zeros=np.sort(ends[found.stretch] + found.zeros),
     )
 
 
 def _density(problem: BoundedProblem, part: Stretch) -> Integral:
-    """Return |μ| of a core plus F ∫|σ| on it, which is a polynomial of degree r - 1."""
+    """Return |μ| of an interior plus F ∫|σ| on it, which is a polynomial of degree r - 1."""
     limit = problem.limits[part.limit]
     left_over = sum(
         abs(float(part.adjoint @ limit.force_chain[:, j]))
@@ -122,13 +110,16 @@ def _density(problem: BoundedProblem, part: Stretch) -> Integral:
 
 
 def _densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
-    """Return the density of a core and its primitive at even distances from its end."""
+    """Return the density of an interior and its primitive at even distances from its end."""
     limit, n = problem.limits[part.limit], problem.plant.order
     held = limit.adjoint_flow
     to_density = limit.density_column @ held.inverse
     joint = np.zeros((n + 1, n + 1))
     joint[:n, :n], joint[n, :n] = held.generator, to_density
-    count = int(np.ceil(part.length * problem.rate * DENSITY_CELLS_PER_RADIAN)) + 1
+    count = (
+        int(np.ceil(part.length * problem.rate * problem.settings.proof.density_cells_per_radian))
+        + 1
+    )
     flow = balanced_expm(joint * (part.length / count))
     rows = [np.append(held.chart @ part.adjoint, 0.0)]
     for _ in range(count):
@@ -139,7 +130,7 @@ def _densities(problem: BoundedProblem, part: Stretch) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DensityZone:
-    """Where the density of a multiplier has the wrong sign on a core.
+    """Where the density of a multiplier has the wrong sign on an interior.
 
     Parameters
     ----------
@@ -177,10 +168,16 @@ def negative_zones(problem: BoundedProblem, measure: Measure) -> tuple[DensityZo
         if part.limit < 0:
             continue
         middle = 0.5 * (part.start + part.end)
-        side = next(core.side for core in measure.cores if core.holds(middle))
+        side = next(interior.side for interior in measure.interiors if interior.holds(middle))
         density = side * _densities(problem, part)[0]
         tau = np.linspace(part.end, part.start, density.size)
-        wrong = np.concatenate([[False], density < -SMALL_DENSITY * np.abs(density).max(), [False]])
+        wrong = np.concatenate(
+            [
+                [False],
+                density < -problem.settings.proof.small_density * np.abs(density).max(),
+                [False],
+            ]
+        )
         edges = np.nonzero(np.diff(wrong.astype(np.int8)))[0]
         for first, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
             low = first + int(np.argmin(density[first:stop]))
@@ -221,14 +218,17 @@ def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
     float
         [s]; 0 if the measure proves nothing.
     """
+    settings = problem.settings.proof
     claim = float(measure.terminal @ problem.target)
-    claim -= ROUNDING * float(np.abs(measure.terminal) @ np.abs(problem.target))
+    claim -= settings.rounding * float(np.abs(measure.terminal) @ np.abs(problem.target))
     parts = stretches(problem, measure)
     for place, part in enumerate(parts):
         atoms = tuple(atom for atom in measure.atoms if atom.remaining <= part.end)
         room = claim - dual_value(problem, parts[place + 1 :], atoms).value
         if room > 0.0:
-            return part.start - _least_cut(problem, part, room, first=FIRST_CUT * measure.t_f)
+            return part.start - _least_cut(
+                problem, part, room, first=settings.first_cut * measure.t_f
+            )
     return 0.0
 
 
@@ -243,7 +243,7 @@ def _least_cut(problem: BoundedProblem, part: Stretch, room: float, *, first: fl
         low, high = high, 2.0 * high
         if high > part.length:
             return part.length
-    while low > 0.0 and high - low > CUT_TOLERANCE * high:
+    while low > 0.0 and high - low > problem.settings.proof.cut_tolerance * high:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if fits(middle) else (middle, high)
     return high

@@ -6,7 +6,7 @@
 - σ of the other sign than the force in a part of a bang arc: the force is turned there, or, if
   that part holds a touch point, the touch point has grown into a boundary arc.
 
-What to do about a multiplier with a density of the wrong sign is told in ``bounded_dip``.
+What to do about a multiplier with a density of the wrong sign is told in ``newton.off_boundary``.
 """
 
 from __future__ import annotations
@@ -17,30 +17,22 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.optimal.bounded.arcs import (
+from mtcommission.optimal.bounded.newton.extremal import Extremal
+from mtcommission.optimal.bounded.places import ConstraintPoint
+from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.proof.dual_point import sigma_sign, stretches
+from mtcommission.optimal.bounded.proof.dual_value import dual_value
+from mtcommission.optimal.bounded.structure.detection import place_touches
+from mtcommission.optimal.bounded.structure.sequence import (
     Piece,
     Sequence,
     Touch,
     peaks_above,
     piece_states,
+    touch_points,
 )
-from mtcommission.optimal.bounded.dual import dual_value
-from mtcommission.optimal.bounded.measure import sigma_sign, stretches
-from mtcommission.optimal.bounded.newton import Extremal
-from mtcommission.optimal.bounded.problem import BoundedProblem
-from mtcommission.optimal.bounded.reading import place_touches
-from mtcommission.optimal.bounded.rows import Contact
 
 Array = NDArray[np.float64]
-
-VANISHED = 1e-8
-"""Share of t_f below which a piece is taken out."""
-RADIANS_PER_SAMPLE = 0.05
-"""Samples that look for excesses of a solved sequence."""
-APART = 1e-7
-"""Share of t_f that a zero of σ keeps from the ends of a bang arc if it calls for a switch."""
-EXCESS = 1e-9
-"""Relative excess over a bound that counts."""
 
 
 def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
@@ -62,26 +54,26 @@ def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequ
     sequence = extremal.sequence
     shared = _shared(_reunited(sequence.pieces))
     pieces = _joined([p for p in shared if p.duration > least * sequence.t_f])
-    contacts = touch_contacts(sequence)
+    points = touch_points(sequence)
     weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
     t_f = sum(piece.duration for piece in pieces)
     inside = tuple(
         at
-        for i, at in enumerate(contacts)
+        for i, at in enumerate(points)
         if weights.get(at.remaining, 0.0) * at.side >= 0.0
         and 0.0 < at.remaining < t_f
         and not _at_arc(sequence, at, near=least * t_f)
-        and not any(_are_one(at, other, near=least * t_f) for other in contacts[:i])
+        and not any(_are_one(at, other, near=least * t_f) for other in points[:i])
     )
-    if len(pieces) == len(sequence.pieces) and len(inside) == len(contacts):
+    if len(pieces) == len(sequence.pieces) and len(inside) == len(points):
         return None
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
 
 
-def _are_one(contact: Contact, other: Contact, *, near: float) -> bool:
+def _are_one(point: ConstraintPoint, other: ConstraintPoint, *, near: float) -> bool:
     """Return whether two touch points have become the same, with two weights for one."""
-    same = contact.limit == other.limit and contact.side == other.side
-    return same and abs(contact.remaining - other.remaining) <= near
+    same = point.limit == other.limit and point.side == other.side
+    return same and abs(point.remaining - other.remaining) <= near
 
 
 def _reunited(pieces: tuple[Piece, ...]) -> list[Piece]:
@@ -116,26 +108,12 @@ def _shared(pieces: list[Piece]) -> list[Piece]:
     return [replace(piece, duration=span) for piece, span in zip(pieces, spans, strict=True)]
 
 
-def _at_arc(sequence: Sequence, contact: Contact, *, near: float) -> bool:
+def _at_arc(sequence: Sequence, point: ConstraintPoint, *, near: float) -> bool:
     """Return whether a touch point has come to an end of an arc of its bound, whose atom it is."""
     ends = sequence.t_f - np.cumsum([0.0, *(piece.duration for piece in sequence.pieces)])
     return any(
-        piece.limit == contact.limit and np.abs(ends[i : i + 2] - contact.remaining).min() <= near
+        piece.limit == point.limit and np.abs(ends[i : i + 2] - point.remaining).min() <= near
         for i, piece in enumerate(sequence.pieces)
-    )
-
-
-def touch_contacts(sequence: Sequence) -> tuple[Contact, ...]:
-    """Return the touch points of a sequence by remaining time."""
-    ends = np.cumsum([piece.duration for piece in sequence.pieces])
-    starts = ends - [piece.duration for piece in sequence.pieces]
-    return tuple(
-        Contact(
-            remaining=float(ends[-1] - (starts[touch.piece] + touch.offset)),
-            limit=touch.limit,
-            side=touch.side,
-        )
-        for touch in sequence.touches
     )
 
 
@@ -157,7 +135,7 @@ def with_touch(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
     """
     sequence = extremal.sequence
     levels_along = _levels(problem, sequence)
-    worst, most = None, 1.0 + EXCESS
+    worst, most = None, 1.0 + problem.settings.proof.excess
     for index, piece in enumerate(sequence.pieces):
         tau, levels = levels_along[index]
         for at, k in peaks_above(levels, most):
@@ -189,7 +167,7 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
     pieces = list(extremal.sequence.pieces)
     first = np.array([limit.order for limit in problem.limits]) == 1
     along = _levels(problem, extremal.sequence)
-    worst, most = None, 1.0 + EXCESS
+    worst, most = None, 1.0 + problem.settings.proof.excess
     for index, (piece, after) in enumerate(pairwise(pieces)):
         tau, levels = along[index]
         size = np.where(first, np.abs(levels[-1]), 0.0)
@@ -207,7 +185,7 @@ def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | No
         Piece(limit=k, side=side, duration=2.0 * half),
         replace(after, duration=after.duration - half),
     ]
-    touches = touch_contacts(extremal.sequence)
+    touches = touch_points(extremal.sequence)
     return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), touches))
 
 
@@ -215,7 +193,10 @@ def _levels(problem: BoundedProblem, sequence: Sequence) -> list[tuple[Array, Ar
     """Return times since the start of each piece [s] and the levels of all bounds there."""
     state, found = np.zeros(problem.plant.order), []
     for piece in sequence.pieces:
-        count = int(np.ceil(piece.duration * problem.rate / RADIANS_PER_SAMPLE)) + 4
+        count = (
+            int(np.ceil(piece.duration * problem.rate / problem.settings.newton.radians_per_sample))
+            + 4
+        )
         tau = np.linspace(0.0, piece.duration, count)
         states = piece_states(problem, piece, state, tau)
         found.append((tau, states @ problem.rows.T))
@@ -243,10 +224,10 @@ def with_switches(problem: BoundedProblem, extremal: Extremal) -> Sequence | Non
     parts = stretches(problem, measure)
     zeros = dual_value(problem, parts, measure.atoms).zeros
     ends = measure.t_f - np.cumsum([piece.duration for piece in sequence.pieces])
-    touches = touch_contacts(sequence)
+    touches = touch_points(sequence)
     pieces: list[Piece] = []
     for piece, end in zip(sequence.pieces, ends.tolist(), strict=True):
-        apart, start = APART * measure.t_f, end + piece.duration
+        apart, start = problem.settings.newton.apart * measure.t_f, end + piece.duration
         inside = zeros[(zeros > end + apart) & (zeros < start - apart)][::-1]
         if piece.limit >= 0 or not inside.size:
             pieces.append(piece)
