@@ -38,7 +38,7 @@ from mtcommission.optimal.bounded.structure.detection import (
 from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence
 from mtcommission.optimal.closed_form import impulse_response, step_response
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.solution import Bang, Bound
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from tests.machines import paper_machine
@@ -80,7 +80,7 @@ def free_sequence() -> Sequence:
         pieces=tuple(
             Piece(
                 limit=-1,
-                side=1 if arc.control == "+F_max" else -1,
+                side=1 if arc.control == Bang(1) else -1,
                 duration=arc.t_end - arc.t_start,
             )
             for arc in arcs

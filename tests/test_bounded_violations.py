@@ -33,7 +33,7 @@ from mtcommission.optimal.bounded.structure.detection import detect_structure
 from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch, piece_states
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.solution import Bang, Bound
 from mtcommission.plant.plant import build_plant
 from tests.machines import REQUIREMENTS, paper_machine
 
@@ -173,7 +173,7 @@ def test_a_touch_point_beside_large_cells_is_not_the_end_of_an_arc() -> None:
 def free_sequence() -> Sequence:
     machine = paper_machine()
     arcs = solve_time_optimal(build_plant(machine), machine.moves[0], force_limit=2e3).arcs
-    sides = [1 if arc.control == "+F_max" else -1 for arc in arcs]
+    sides = [1 if arc.control == Bang(1) else -1 for arc in arcs]
     lengths = [arc.t_end - arc.t_start for arc in arcs]
     pieces = [Piece(limit=-1, side=s, duration=d) for s, d in zip(sides, lengths, strict=True)]
     return Sequence(pieces=tuple(pieces), touches=())

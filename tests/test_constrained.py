@@ -25,11 +25,12 @@ from mtcommission.optimal.bounded.places import ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
 from mtcommission.optimal.bounded.proof.dual_point import Atom, stretches
 from mtcommission.optimal.bounded.proof.dual_value import dual_value, lower_bound, negative_zones
+from mtcommission.optimal.bounded.structure.arcs import arc_piece
 from mtcommission.optimal.bounded.structure.detection import place_touches
 from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.solution import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from tests.machines import paper_machine, random_modal_machine
@@ -110,9 +111,9 @@ def test_christiansen_maurer_zirn_sec_5_2_bound_on_v_phi() -> None:
     optimum = paper_optimum(bound("v_phi", 0.005))
     assert round(optimum.t_f, 4) == 0.0523  # the paper prints 0.0522, found on a grid
     assert 1.20 < optimum.t_f / 0.043520364 < 1.21
-    held = [arc.control for arc in optimum.arcs if arc.control.startswith("boundary")]
-    assert held == ["boundary:v_phi:+", "boundary:v_phi:-"]
-    assert [point.limit for point in optimum.touch_points] == ["v_phi:+"]
+    held = [arc.control for arc in optimum.arcs if isinstance(arc.control, Boundary)]
+    assert held == [Boundary("v_phi", 1), Boundary("v_phi", -1)]
+    assert [(at.signal, at.side) for at in optimum.touch_points] == [("v_phi", 1)]
     assert optimum.certificate.relative_gap < 1e-10
     assert optimum.certificate.switching_law_holds
     check_motion(paper_plant(), optimum)
@@ -262,18 +263,9 @@ def test_density_of_the_wrong_sign_is_found_where_a_bound_is_held_too_long(order
     """Without the sign of the density an interior that costs time would look optimal."""
     name, value = ("F", 1500.0) if order == 1 else ("v_phi", 0.005)
     problem, optimum = paper_problem(name, value), paper_optimum(bound(name, value))
-    pieces = tuple(
-        Piece(
-            limit=0 if arc.control.startswith("boundary") else -1,
-            side=-1 if "-" in arc.control else 1,
-            duration=arc.t_end - arc.t_start,
-        )
-        for arc in optimum.arcs
-    )
+    pieces = tuple(arc_piece(problem, arc) for arc in optimum.arcs)
     points = tuple(
-        ConstraintPoint(
-            remaining=optimum.t_f - at.t, limit=0, side=1 if at.limit.endswith("+") else -1
-        )
+        ConstraintPoint(remaining=optimum.t_f - at.t, limit=0, side=at.side)
         for at in optimum.touch_points
     )
     right = Sequence(pieces=pieces, touches=place_touches(problem, pieces, points))

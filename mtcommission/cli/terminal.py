@@ -18,9 +18,13 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.optimal.solution import (
     TIGHT_GAP,
+    Boundary,
     DampingOptimum,
+    Interior,
     TimeOptimum,
+    control_text,
     excess_velocity,
+    side_text,
 )
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.schema import (
@@ -125,7 +129,7 @@ def describe_optimum(
     joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
     for number, run in enumerate(joined[:SHOWN_ARCS], start=1):
         start, end = 1e3 * run[0].t_start, 1e3 * run[-1].t_end
-        arcs.add_row(str(number), f"{start:.6f} ms", f"{end:.6f} ms", run[0].control)
+        arcs.add_row(str(number), f"{start:.6f} ms", f"{end:.6f} ms", control_text(run[0].control))
     if len(joined) > SHOWN_ARCS:
         arcs.add_row("...", f"{len(joined) - SHOWN_ARCS} more:", "see --json", "")
     peaks = _table("State or output", "Peak", "Terminal error")
@@ -165,10 +169,12 @@ def _law_line(solution: TimeOptimum) -> str:
     """Return whether the force switches with the adjoint, or why that is not to be seen."""
     law = "Switching law F_set = -sign(lambda_F) F_max"
     if solution.certificate.switching_law_holds:
-        held = any(arc.control.startswith("boundary:") for arc in solution.arcs)
+        held = any(isinstance(arc.control, Boundary) for arc in solution.arcs)
         where = " within a step of the grid" if solution.method == "transcription" else ""
         return f"{law}: holds{where}{' off the boundary arcs' if held else ''}."
-    loose = sum(arc.t_end - arc.t_start for arc in solution.arcs if arc.control == "interior")
+    loose = sum(
+        arc.t_end - arc.t_start for arc in solution.arcs if isinstance(arc.control, Interior)
+    )
     if solution.method != "exact" or not loose:
         return f"{law}: DOES NOT HOLD."
     share = 100.0 * loose / solution.t_f
@@ -233,7 +239,10 @@ def _limit_lines(
 def _touch_lines(solution: TimeOptimum) -> list[str]:
     """Return the first touch points, and how many there are more."""
     touches = solution.touch_points
-    lines = [f"{p.limit} touched at {1e3 * p.t:.4f} ms" for p in touches[:SHOWN_TOUCHES]]
+    lines = [
+        f"{side_text(p.signal, p.side)} touched at {1e3 * p.t:.4f} ms"
+        for p in touches[:SHOWN_TOUCHES]
+    ]
     if len(touches) > SHOWN_TOUCHES:
         lines.append(f"... and {len(touches) - SHOWN_TOUCHES} touch points more: see --json")
     return lines

@@ -26,6 +26,61 @@ SAME = 1e-10
 """Relative distance of two lengths that one matrix exponential serves."""
 
 
+@dataclass(frozen=True, slots=True)
+class Bang:
+    """Full force, of the sign ``side``."""
+
+    side: int
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """Holding a bound of ``signal`` on its upper (+1) or lower (-1) side."""
+
+    signal: str
+    side: int
+
+
+@dataclass(frozen=True, slots=True)
+class Interior:
+    """A force between its limits, with no bound held."""
+
+
+ArcControl = Bang | Boundary | Interior
+"""What an arc does."""
+
+
+def control_text(control: ArcControl) -> str:
+    """Return what an arc does as records and the terminal name it.
+
+    Parameters
+    ----------
+    control
+        Of an arc.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> [control_text(control) for control in (Bang(-1), Boundary("v_phi", 1), Interior())]
+    ['-F_max', 'boundary:v_phi:+', 'interior']
+    """
+    match control:
+        case Bang(side):
+            return "+F_max" if side > 0 else "-F_max"
+        case Boundary(signal, side):
+            return f"boundary:{side_text(signal, side)}"
+        case Interior():
+            return "interior"
+
+
+def side_text(signal: str, side: int) -> str:
+    """Return one side of a bound, such as ``"v_phi:+"``."""
+    return f"{signal}:{'+' if side > 0 else '-'}"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arc:
     """One piece of the control, with F_set(t) = output expm(generator (t - t_start)) initial.
@@ -35,14 +90,14 @@ class Arc:
     t_start, t_end
         Ends of the arc [s].
     control
-        ``"+F_max"``, ``"-F_max"``, ``"interior"`` or ``"boundary:NAME:+"`` / ``"boundary:NAME:-"``.
+        What it does.
     generator, initial, output
         Shapes (k, k), (k,), (k,) [1/s, -, N].
     """
 
     t_start: float
     t_end: float
-    control: str
+    control: ArcControl
     generator: Array
     initial: Array
     output: Array
@@ -56,12 +111,15 @@ class TouchPoint:
     ----------
     t
         [s].
-    limit
-        Signal and side, e.g. ``"v_phi:+"``.
+    signal
+        The bounded signal.
+    side
+        +1 or -1.
     """
 
     t: float
-    limit: str
+    signal: str
+    side: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,15 +157,15 @@ class Trajectory:
     states: Array
 
 
-def constant_arc(t_start: float, t_end: float, *, control: str, force: float) -> Arc:
-    """Return a bang arc.
+def constant_arc(t_start: float, t_end: float, *, control: ArcControl, force: float) -> Arc:
+    """Return an arc of constant force.
 
     Parameters
     ----------
     t_start, t_end
         [s].
     control
-        Its label.
+        What it does.
     force
         [N].
 
@@ -117,7 +175,7 @@ def constant_arc(t_start: float, t_end: float, *, control: str, force: float) ->
 
     Examples
     --------
-    >>> constant_arc(0.0, 1e-3, control="+F_max", force=2e3).output
+    >>> constant_arc(0.0, 1e-3, control=Bang(1), force=2e3).output
     array([2000.])
     """
     return Arc(
@@ -247,7 +305,7 @@ EXCEEDED = 1e-6
 """Relative excess over max_velocity that is worth a remark."""
 
 
-class Motion(Protocol):
+class MotionPeaks(Protocol):
     """What a control does to a plant."""
 
     @property
@@ -291,7 +349,7 @@ class TimeOptimum:
     arcs: tuple[Arc, ...]
     touch_points: tuple[TouchPoint, ...]
     terminal_error: Array
-    motion: Motion
+    motion: MotionPeaks
     certificate: Certificate
 
     @property
@@ -379,7 +437,7 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
     count = int(np.floor(until / step + 1e-9)) + 1
     states = np.zeros((count, plant.order))
     last = arcs[-1].t_end
-    rest = constant_arc(last, max(until, last) + step, control="interior", force=0.0)
+    rest = constant_arc(last, max(until, last) + step, control=Interior(), force=0.0)
     x = np.zeros(plant.order)
     for arc in (*arcs, rest):
         joint = _joint_system(plant, arc)

@@ -11,7 +11,9 @@ from mtcommission.optimal.solution import (
     Certificate,
     DampingOptimum,
     TimeOptimum,
+    control_text,
     sample_trajectory,
+    side_text,
 )
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
@@ -46,7 +48,7 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
         limits={bound.name: bound.value for bound in solution.bounds},
         t_f=solution.t_f,
         arcs=[
-            ArcEntry(t_start=arc.t_start, t_end=arc.t_end, control=arc.control)
+            ArcEntry(t_start=arc.t_start, t_end=arc.t_end, control=control_text(arc.control))
             for arc in solution.arcs
         ],
         switching_times=[arc.t_end for arc in solution.arcs[:-1]],
@@ -60,7 +62,9 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
         series=series_entry(plant, motion.t, motion.states, {"F_set": motion.force}),
     )
     if isinstance(solution, TimeOptimum):
-        entry["touch_points"] = [{"t": p.t, "limit": p.limit} for p in solution.touch_points]
+        entry["touch_points"] = [
+            {"t": p.t, "limit": side_text(p.signal, p.side)} for p in solution.touch_points
+        ]
         entry["certificate"] = _certificate(plant, solution.certificate)
         return entry
     names = ("F_set", *(item.state for item in solution.weights))

@@ -73,12 +73,14 @@ def solve_bounded_time_optimal(
     Examples
     --------
     >>> from tests.machines import paper_machine
+    >>> from mtcommission.optimal.solution import Boundary
     >>> from mtcommission.plant.plant import build_plant
     >>> machine = paper_machine()
     >>> optimum = solve_bounded_time_optimal(build_plant(machine), machine.moves[0],
     ...     force_limit=2e3, bounds=(Bound(name="v_phi", value=0.02),))
-    >>> round(optimum.t_f, 7), [arc.control for arc in optimum.arcs if "b" in arc.control]
-    (0.0436416, ['boundary:v_phi:-'])
+    >>> held = [arc.control for arc in optimum.arcs if isinstance(arc.control, Boundary)]
+    >>> round(optimum.t_f, 7), held
+    (0.0436416, [Boundary(signal='v_phi', side=-1)])
     """
     every = all_bounds(plant, move, bounds)
     _refuse_impossible(plant, move, every)
@@ -176,7 +178,8 @@ def _optimum(
     touches = [
         TouchPoint(
             t=found.t_f - at.remaining,
-            limit=f"{problem.limits[at.limit].bound.name}:{'+' if at.side > 0 else '-'}",
+            signal=problem.limits[at.limit].bound.name,
+            side=at.side,
         )
         for at in found.touches
     ]

@@ -7,6 +7,7 @@ optimum may let the modes ring while it cruises.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isfinite, sqrt
 
 import numpy as np
@@ -20,7 +21,9 @@ from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Arc,
     Bound,
+    Boundary,
     Certificate,
+    Interior,
     TimeOptimum,
     constant_arc,
 )
@@ -79,8 +82,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
         detail = f"the distance of {L:.6g} {unit} is too short to cruise at {V:.6g} {unit}/s"
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     begin = rise.t_f + cruise
-    label = f"boundary:{name}:+"
-    hold = constant_arc(rise.t_f, begin, control=label, force=0.0)
+    hold = constant_arc(rise.t_f, begin, control=Boundary(name, 1), force=0.0)
     arcs = (*rise.arcs, hold, *(_mirrored(arc, begin) for arc in rise.arcs))
     motion = follow_control(plant, arcs, rate=plant.fastest_rate)
     error = motion.final.copy()
@@ -119,12 +121,8 @@ def _rigid_time(distance: float, velocity: float, acceleration: float) -> float:
 
 def _mirrored(arc: Arc, later: float) -> Arc:
     """The arc with its force reversed, at a later time."""
-    swapped = arc.control.translate(str.maketrans("+-", "-+"))
-    return Arc(
-        t_start=arc.t_start + later,
-        t_end=arc.t_end + later,
-        control=swapped if arc.control != "interior" else arc.control,
-        generator=arc.generator,
-        initial=arc.initial,
-        output=-arc.output,
-    )
+    control = arc.control
+    if not isinstance(control, Interior):
+        control = replace(control, side=-control.side)
+    start, end = arc.t_start + later, arc.t_end + later
+    return replace(arc, t_start=start, t_end=end, control=control, output=-arc.output)

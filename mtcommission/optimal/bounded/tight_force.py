@@ -14,7 +14,7 @@ from math import log
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.structure.arcs import arc_piece
 from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence
-from mtcommission.optimal.solution import Arc
+from mtcommission.optimal.solution import Arc, Boundary
 from mtcommission.plant.plant import Plant
 
 
@@ -84,7 +84,7 @@ def force_sequence(problem: BoundedProblem, index: int, arcs: tuple[Arc, ...]) -
     for arc, following in zip(arcs, (*arcs[1:], None), strict=True):
         piece = arc_piece(problem, arc)
         is_bang = piece.limit < 0
-        to_rest = following is None or following.control.startswith("boundary")
+        to_rest = following is None or isinstance(following.control, Boundary)
         if is_bang and to_rest and piece.duration < short:
             continue
         target = piece.side * f if is_bang else 0.0

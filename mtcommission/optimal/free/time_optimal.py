@@ -21,7 +21,7 @@ from mtcommission.optimal.free.flow import dyadic_flow, states_at
 from mtcommission.optimal.free.mesh import ROUNDOFF
 from mtcommission.optimal.free.moments import MomentProblem, independence, moment_problem
 from mtcommission.optimal.free.search import Attempt, find_bang_bang
-from mtcommission.optimal.solution import Arc, TimeOptimum
+from mtcommission.optimal.solution import Arc, Bang, TimeOptimum
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -155,12 +155,12 @@ def _arcs(claim: Claim) -> tuple[Arc, ...]:
     times = claim.switching_times.tolist()
     forces = [claim.first_force, -claim.first_force]
     outputs = [np.array([force]) for force in forces]
-    labels = ["+F_max" if force > 0.0 else "-F_max" for force in forces]
+    controls = [Bang(1 if force > 0.0 else -1) for force in forces]
     return tuple(
         Arc(
             t_start=start,
             t_end=end,
-            control=labels[i % 2],
+            control=controls[i % 2],
             generator=NO_CHANGE,
             initial=ONE,
             output=outputs[i % 2],

@@ -11,7 +11,7 @@ from mtcommission.optimal.bounded.mesh.forms import MeshOptimum
 from mtcommission.optimal.bounded.mesh.rows import Segment
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.structure.arcs import boundary_arc
-from mtcommission.optimal.solution import Arc, constant_arc
+from mtcommission.optimal.solution import Arc, ArcControl, Bang, Interior, constant_arc
 
 Array = NDArray[np.float64]
 
@@ -41,8 +41,8 @@ def mesh_arcs(problem: BoundedProblem, found: MeshOptimum) -> tuple[Arc, ...]:
         lengths = np.array([cell.start - cell.end for cell in group])
         share = float(found.unknowns[[cell.column for cell in group]] @ lengths / lengths.sum())
         full = abs(share) > 1.0 - problem.settings.mesh.same_force
-        label = ("+F_max" if share > 0.0 else "-F_max") if full else "interior"
-        arcs.append(constant_arc(start, end, control=label, force=share * F / found.reach))
+        control: ArcControl = Bang(1 if share > 0.0 else -1) if full else Interior()
+        arcs.append(constant_arc(start, end, control=control, force=share * F / found.reach))
     return tuple(arcs)
 
 

@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence
 from mtcommission.optimal.closed_form import step_response, transition
-from mtcommission.optimal.solution import Arc, constant_arc
+from mtcommission.optimal.solution import Arc, Bang, Boundary, Interior, constant_arc
 
 Array = NDArray[np.float64]
 
 
 def arc_piece(problem: BoundedProblem, arc: Arc) -> Piece:
-    """Return an arc of a control as a piece of a sequence, by its label.
+    """Return an arc of a control as a piece of a sequence.
 
     Parameters
     ----------
     problem
-        Holds the bound that the label names.
+        Holds the bound that the arc holds.
     arc
         Bang or boundary arc.
 
@@ -27,13 +27,10 @@ def arc_piece(problem: BoundedProblem, arc: Arc) -> Piece:
     -------
     Piece
     """
-    kind, _, rest = arc.control.partition(":")
     names = [limit.bound.name for limit in problem.limits]
-    return Piece(
-        limit=names.index(rest.partition(":")[0]) if kind == "boundary" else -1,
-        side=-1 if arc.control.endswith("-") or arc.control.startswith("-") else 1,
-        duration=arc.t_end - arc.t_start,
-    )
+    held = names.index(arc.control.signal) if isinstance(arc.control, Boundary) else -1
+    side = 1 if isinstance(arc.control, Interior) else arc.control.side
+    return Piece(limit=held, side=side, duration=arc.t_end - arc.t_start)
 
 
 def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...]:
@@ -55,8 +52,8 @@ def sequence_arcs(problem: BoundedProblem, sequence: Sequence) -> tuple[Arc, ...
     for piece in sequence.pieces:
         end, since = start + piece.duration, np.array(piece.duration)
         if piece.limit < 0:
-            label = "+F_max" if piece.side > 0 else "-F_max"
-            arcs.append(constant_arc(start, end, control=label, force=piece.side * F))
+            control = Bang(piece.side)
+            arcs.append(constant_arc(start, end, control=control, force=piece.side * F))
             push = step_response(plant, since) * piece.side * F
             state = transition(plant, since) @ state + push
         else:
@@ -74,11 +71,11 @@ def boundary_arc(
 ) -> Arc:
     """Return the arc that holds a bound from a state on it: F_set = K expm((A + B K) t) x."""
     limit, flow = problem.limits[index], problem.limits[index].boundary_flow
-    side = "+" if float(limit.row @ state) > 0.0 else "-"
+    side = 1 if float(limit.row @ state) > 0.0 else -1
     return Arc(
         t_start=start,
         t_end=end,
-        control=f"boundary:{limit.bound.name}:{side}",
+        control=Boundary(limit.bound.name, side),
         generator=flow.generator,
         initial=flow.chart @ state,
         output=limit.feedback @ flow.inverse,
