@@ -101,6 +101,15 @@ def changed(text: str, old: str, new: str) -> str:
 # What a whole profile says
 
 
+def test_a_table_that_is_assumed_covers_its_keys() -> None:
+    text = changed(MODAL, 'source = "s"', 'source = "s"\nassumed = ["plant.modes", "drive"]')
+    machine = parse_profile(text, where="p.toml")
+    assert machine.is_assumed("plant.modes[1].frequency")
+    assert machine.is_assumed("drive.max_force")
+    assert not machine.is_assumed("plant.moving_mass")
+    assert not machine.is_assumed("drives")
+
+
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_every_shipped_profile_is_read_and_has_a_plant(path: Path) -> None:
     machine = read_profile(path)
@@ -339,6 +348,17 @@ def test_a_plain_number_is_si() -> None:
         ),
         ('"2 kN"', '"0 N"', "19: drive.max_force: got 0 N, must be > 0 N"),
         ('"2 kN"', "0", "19: drive.max_force: got 0 N, must be > 0 N"),
+        (
+            'source = "s"',
+            'source = "s"\nassumed = ["drive.max_force", "drive.force_lg"]',
+            '6: machine.assumed[2]: got "drive.force_lg", which is not stated here; '
+            'did you mean "drive.force_lag"?',
+        ),
+        (
+            'source = "s"',
+            'source = "s"\nillustrative = 1',
+            "6: machine.illustrative: got 1, must be true or false",
+        ),
         (
             '"2 kN"',
             '"2 kN"\nstatic_load = -2000',
@@ -714,13 +734,19 @@ def fault_of_file(path: Path) -> Fault:
 def test_a_file_that_is_no_profile(tmp_path: Path, data: bytes, line: int, message: str) -> None:
     path = tmp_path / "p.toml"
     path.write_bytes(data)
-    assert fault_of_file(path) == Fault(where=str(path), line=line, message=message)
+    place = f"{path}:{line}" if line else str(path)
+    assert str(fault_of_file(path)) == f"{place}: {message}"
 
 
 def test_no_file_and_a_directory(tmp_path: Path) -> None:
-    assert fault_of_file(tmp_path / "x").message == "there is no such file; check the name"
-    assert fault_of_file(tmp_path).message == "is a directory; name a profile (.toml) in it"
-    assert "cannot be read" in fault_of_file(Path("a\0b")).message
+    assert (
+        str(fault_of_file(tmp_path / "x"))
+        == f"{tmp_path / 'x'}: there is no such file; check the name"
+    )
+    assert (
+        str(fault_of_file(tmp_path)) == f"{tmp_path}: is a directory; name a profile (.toml) in it"
+    )
+    assert "cannot be read" in str(fault_of_file(Path("a\0b")))
 
 
 def test_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path: Path) -> None:

@@ -35,7 +35,6 @@ from mtcommission.limits.commissioning_rule.rule import (
 )
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.corners import NOMINAL, Corner
 from mtcommission.machine.machine import (
     Control,
     Drive,
@@ -47,6 +46,8 @@ from mtcommission.machine.machine import (
     Requirements,
 )
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.machine.variations import NOMINAL, Corner
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
@@ -1078,7 +1079,10 @@ def test_german_knows_every_warning_about_a_machine():
 
 def test_german_knows_places_remarks_and_errors_of_the_computation():
     corner = Corner(payload=12.5, frequency_factor=0.95, damping_factor=0.8)
-    error = ComputationError(Outcome.FINAL_TIME_TOO_SHORT, "t_f = 40 ms, but t_f,min = 43.5061 ms")
+    error = ComputationError(
+        Outcome.FINAL_TIME_TOO_SHORT,
+        Message("verbatim", text="t_f = 40 ms, but t_f,min = 43.5061 ms"),
+    )
     shown = {
         describe_place(2, corner, 3): "Bewegung 2, Zuladung 12,5 kg, Frequenzen × 0,95, "
         "Dämpfung × 0,8",

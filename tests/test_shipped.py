@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from mtcommission import cli
-from mtcommission.profile import shipped
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
@@ -18,6 +17,7 @@ from mtcommission.machine.machine import Modal, Motion, StateFeedback
 from mtcommission.machine.mechanics import flexible_modes, frequency_hz
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.plant.plant import build_plant
+from mtcommission.profile import shipped
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
 from mtcommission.study.evaluate import judge
@@ -51,8 +51,7 @@ def test_there_are_machines_of_different_kinds() -> None:
 def test_every_number_has_a_source_or_is_called_illustrative(name: str) -> None:
     profile = read_shipped(name)
     assert profile.machine.source.strip()
-    says = profile.text.lower()
-    assert "illustrative" in says or "table 1" in says
+    assert profile.machine.illustrative or "Table 1" in profile.machine.source
     assert max(map(len, describe_shipped(profile).splitlines())) <= 80
 
 
@@ -122,7 +121,7 @@ def test_profiles_inside_the_package_are_found_first(
     package = tmp_path / "mtcommission"
     (package / "profiles").mkdir(parents=True)
     (package / "profiles" / "only.toml").write_text(read_shipped(NAMES[0]).text, "utf-8")
-    monkeypatch.setattr(shipped, "__file__", str(package / "shipped.py"))
+    monkeypatch.setattr(shipped, "__file__", str(package / "profile" / "shipped.py"))
     assert shipped_names() == ("only",)
     with pytest.raises(InputError, match="There are: only"):
         read_shipped("rotary-table")

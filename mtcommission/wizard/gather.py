@@ -11,15 +11,15 @@ import tomlkit
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
+from mtcommission.messages.message import Message
 from mtcommission.profile.faults import find_unknown
 from mtcommission.profile.lines import find_key_lines, read_key
 from mtcommission.profile.read import read_profile_text
 from mtcommission.profile.syntax import load_toml
 from mtcommission.profile.values import propose
+from mtcommission.wizard.axis_units import WAYS, YES
 from mtcommission.wizard.convert import OWN, to_answers
-from mtcommission.wizard.document import find_unmeasured
-from mtcommission.wizard.measures import WAYS, YES
-from mtcommission.wizard.question import Answers, note_accepted
+from mtcommission.wizard.question import Answers
 from mtcommission.wizard.script import list_questions
 
 KEPT = ".answers"
@@ -88,7 +88,6 @@ def gather(output: Path, answers_file: Path | None) -> Source:
     if output.exists():
         text = read_profile_text(output)
         answers = to_answers(_load(text, str(output)))
-        answers = note_accepted(answers, *find_unmeasured(text))
     in_profile = frozenset(answers)
     kept = Path(f"{output}{KEPT}")
     if kept.exists():
@@ -135,7 +134,14 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
         wrong = propose(key, own) if key.startswith(OWN) else find_unknown(tuple(key.split(".")))
         if wrong:
             message = f"unknown key{wrong}"
-            faults.append(Fault(where=where, line=lines.get(key, 0), key=key, message=message))
+            faults.append(
+                Fault(
+                    where=where,
+                    line=lines.get(key, 0),
+                    key=key,
+                    message=Message("verbatim", text=message),
+                )
+            )
     if faults:
         raise InputError(sorted(faults, key=lambda fault: fault.line))
     return answers

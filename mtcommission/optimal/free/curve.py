@@ -270,7 +270,7 @@ def _defect(problem: MomentProblem, ends: Array, jumps: Array, spans: Array) -> 
 def _step(
     problem: MomentProblem, ends: Array, c: Array, *, jumps: Array, defect: Array, scale: Array
 ) -> tuple[Array, Array]:
-    """Return ends and multipliers after one Newton step; the equations are those of ``refine_control``."""
+    """Return ends and multipliers after one Newton step, with ``refine_control``'s equations."""
     n, k, size = ends.shape[0], ends.shape[1] - 1, problem.size
     phi, slope = (
         values.reshape(n, k + 1, size) for values in problem.values_and_slopes(ends.ravel())
