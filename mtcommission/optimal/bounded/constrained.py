@@ -21,7 +21,7 @@ from mtcommission.optimal.bounded.problem import (
     BoundedProblem,
     all_bounds,
     bounded_problem,
-    bounds_text,
+    describe_bounds,
 )
 from mtcommission.optimal.bounded.program.grid import solve_grid_time
 from mtcommission.optimal.bounded.proof.accepted import Found
@@ -95,10 +95,9 @@ def solve_bounded_time_optimal(
     if found is None:
         found = _best(problem, t_free=free.t_f)
     if found is None:
-        detail = f"{bounds_text(plant, every)} and {force_limit:.6g} {plant.force_unit}"
-        raise ComputationError(
-            Outcome.NO_CONVERGENCE, Message("verbatim", text=f"time-optimal control under {detail}")
-        )
+        told, unit = describe_bounds(plant, every), plant.force_unit
+        detail = Message("bounded-optimum-not-found", bounds=told, force=force_limit, unit=unit)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     return _optimum(problem, move, every, found)
 
 
@@ -151,10 +150,11 @@ def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> N
         free = isinstance(move, VelocityStep) and row[plant.position] != 0.0
         least = 0.0 if free else abs(float(row @ target))
         if not bound.value > 0.0 or bound.value < least:
-            unit = plant.unit(bound.name)
-            needs = f"at least {least:.6g} {unit}" if least > 0.0 else "more than 0"
-            detail = f"{bounds_text(plant, (bound,))}, the move needs {needs}"
-            raise ComputationError(Outcome.BOUND_CANNOT_HOLD, Message("verbatim", text=detail))
+            unit, told = plant.unit(bound.name), describe_bounds(plant, (bound,))
+            detail = Message("bound-not-positive", bound=told)
+            if least > 0.0:
+                detail = Message("bound-below-need", bound=told, least=least, unit=unit)
+            raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
 
 
 def _with_bounds(free: TimeOptimum, bounds: tuple[Bound, ...]) -> TimeOptimum:

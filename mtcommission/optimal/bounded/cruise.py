@@ -72,9 +72,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     V, L = move.max_velocity, move.distance
     name = plant.states[plant.velocity]
     if not isfinite(V):
-        raise ComputationError(
-            Outcome.NO_CONVERGENCE, Message("verbatim", text="a cruise needs a max_velocity")
-        )
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("cruise-needs-velocity"))
     bound = Bound(name=name, value=V)
     rise = solve_bounded_time_optimal(
         plant, VelocityStep(velocity_step=V), force_limit=force_limit, bounds=(bound,)
@@ -82,8 +80,8 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     cruise = L / V - rise.t_f
     if cruise <= 0.0:
         unit = plant.unit(plant.states[plant.position])
-        detail = f"the distance of {L:.6g} {unit} is too short to cruise at {V:.6g} {unit}/s"
-        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+        detail = Message("too-short-to-cruise", distance=L, velocity=V, unit=unit)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     begin = rise.t_f + cruise
     hold = constant_arc(rise.t_f, begin, control=Boundary(name, 1), force=0.0)
     arcs = (*rise.arcs, hold, *(_mirrored(arc, begin) for arc in rise.arcs))

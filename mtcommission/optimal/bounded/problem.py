@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.settings import STANDARD, BoundedSettings, StructureSettings
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.held_flow import HeldFlow, held_flow
@@ -126,6 +127,11 @@ class BoundedProblem:
         return max((mode.natural_frequency for mode in self.plant.modes), default=self.rate)
 
     @property
+    def bounds(self) -> tuple[Bound, ...]:
+        """The bounds of all limits."""
+        return tuple(limit.bound for limit in self.limits)
+
+    @property
     def rows(self) -> Array:
         """The rows c of all limits, shape (n_limits, n)."""
         return np.array([limit.row for limit in self.limits])
@@ -162,9 +168,9 @@ def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bou
     return tuple(Bound(name=name, value=value) for name, value in values.items())
 
 
-def bounds_text(
-    plant: Plant, bounds: tuple[Bound, ...], *, factor: float = 1.0, digits: int = 6
-) -> str:
+def describe_bounds(
+    plant: Plant, bounds: tuple[Bound, ...], *, kind: str = "signal-bound", factor: float = 1.0
+) -> tuple[Message, ...]:
     """Return bounds for a message, each times a factor, with their units.
 
     Parameters
@@ -173,24 +179,25 @@ def bounds_text(
         Knows the units.
     bounds
         By state or output.
+    kind
+        Of the messages.
     factor
         On every value.
-    digits
-        Significant ones.
 
     Returns
     -------
-    str
+    tuple of Message
 
     Examples
     --------
     >>> from tests.machines import paper_machine
     >>> from mtcommission.plant.plant import build_plant
-    >>> bounds_text(build_plant(paper_machine()), (Bound(name="v_phi", value=5e-3),))
-    '|v_phi| <= 0.005 rad/s'
+    >>> describe_bounds(build_plant(paper_machine()), (Bound(name="v_phi", value=5e-3),))
+    (Message('signal-bound', signal='v_phi', value=0.005, unit='rad/s'),)
     """
-    return ", ".join(
-        f"|{k.name}| <= {factor * k.value:.{digits}g} {plant.unit(k.name)}" for k in bounds
+    return tuple(
+        Message(kind, signal=k.name, value=factor * k.value, unit=plant.unit(k.name))
+        for k in bounds
     )
 
 

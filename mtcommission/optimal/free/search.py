@@ -107,8 +107,8 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
         tolerance = TOLERANCES[-1] * PARTS ** -(refinement + 1)
         cells = improve(refine_cells(cells), span=span, tolerance=tolerance)
     if best is None:
-        detail = f"no control for span {span:.6g} next to {cells.horizon:.9g} s reaches rest"
-        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+        detail = Message("no-control-reaches-rest", span=span, t_f=cells.horizon)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     return best
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
-from mtcommission.optimal.bounded.problem import BoundedProblem, bounds_text
+from mtcommission.optimal.bounded.problem import BoundedProblem, describe_bounds
 from mtcommission.optimal.bounded.program.even_grid import cell_grid
 from mtcommission.optimal.bounded.program.linear_program import Basis, Program, solve_program
 from mtcommission.optimal.bounded.program.smallest_bound import smallest_factor
@@ -118,7 +118,7 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
             raise _beyond(problem, found) from error
     raise ComputationError(
         Outcome.NO_CONVERGENCE,
-        Message("verbatim", text=f"search for t_f on the grid stopped at {t_f:.6g} s"),
+        Message("grid-search-stopped", t_f=t_f),
     )
 
 
@@ -141,32 +141,26 @@ def _on_fine_grid(problem: BoundedProblem, found: GridOptimum) -> GridOptimum:
 
 def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) -> ComputationError:
     settings = problem.settings.program
-    names = _named(problem)
+    named = describe_bounds(problem.plant, problem.bounds)
     if longest.t_f <= settings.horizon * t_free:
         least = smallest_factor(problem, t_free=t_free)
         if least < 1.0:
-            detail = f"{names}: only some {100.0 * (1.0 / least - 1.0):.1g} % above the least"
-            return ComputationError(Outcome.BEYOND_HORIZON, Message("verbatim", text=detail))
+            detail = Message("bounds-near-least", bounds=named, above=1.0 / least - 1.0)
+            return ComputationError(Outcome.BEYOND_HORIZON, detail)
         least *= 1.0 + settings.least_tolerance
-        units = [problem.plant.unit(k.bound.name) for k in problem.limits]
-        values = [f"{least * k.bound.value:.4g}" for k in problem.limits]
-        bounds = ", ".join(f"{value} {unit}" for value, unit in zip(values, units, strict=True))
-        detail = f"{names}: the smallest possible is about {bounds}"
-        return ComputationError(Outcome.BOUND_CANNOT_HOLD, Message("verbatim", text=detail))
+        smallest = tuple(
+            Message("value-about", value=least * bound.value, unit=problem.plant.unit(bound.name))
+            for bound in problem.bounds
+        )
+        detail = Message("bounds-below-least", bounds=named, least=smallest)
+        return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
     return _beyond(problem, longest)
 
 
 def _beyond(problem: BoundedProblem, longest: GridOptimum) -> ComputationError:
-    return ComputationError(
-        Outcome.BEYOND_HORIZON,
-        Message(
-            "verbatim", text=f"{_named(problem)}: t_f would be longer than {longest.t_f:.4g} s"
-        ),
-    )
-
-
-def _named(problem: BoundedProblem) -> str:
-    return bounds_text(problem.plant, tuple(limit.bound for limit in problem.limits))
+    bounds = describe_bounds(problem.plant, problem.bounds)
+    detail = Message("bounds-beyond-time", bounds=bounds, t_f=longest.t_f)
+    return ComputationError(Outcome.BEYOND_HORIZON, detail)
 
 
 def _cells(problem: BoundedProblem, t_f: float, radians: float) -> int:
@@ -188,8 +182,8 @@ def _solve(
         found = _attempt(problem, t_f, cells=cells + cells * extra // 100, near=near)
         if found is not None:
             return found
-    detail = f"the linear program of {cells} cells for {t_f:.6g} s did not end"
-    raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+    detail = Message("grid-program-unfinished", cells=cells, t_f=t_f)
+    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
 
 
 def _attempt(
