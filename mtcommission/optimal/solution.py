@@ -210,7 +210,7 @@ def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
         length = arc.t_end - arc.t_start
         shift = 0.0 if known is None else length - known.t_end + known.t_start
         if known is None or known.generator is not arc.generator or abs(shift) > SAME * length:
-            known, shift, joint = arc, 0.0, _joint_system(plant, arc)
+            known, shift, joint = arc, 0.0, joint_system(plant, arc)
             transition = balanced_expm(joint * length)
         z = transition @ np.concatenate([x, arc.initial])
         # The pieces of a long arc differ by rounding; the next term would be of order SAME².
@@ -240,7 +240,7 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length / step)))
-        transition = balanced_expm(_joint_system(plant, arc) * (length / count))
+        transition = balanced_expm(joint_system(plant, arc) * (length / count))
         motion = np.empty((count + 1, n + arc.initial.size))
         motion[0] = np.concatenate([x, arc.initial])
         for i in range(count):
@@ -256,7 +256,8 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     )
 
 
-def _joint_system(plant: Plant, arc: Arc) -> Array:
+def joint_system(plant: Plant, arc: Arc) -> Array:
+    """Return the generator of plant and arc together, shape (n + k, n + k) [1/s]."""
     n, k = plant.order, arc.initial.size
     joint = np.zeros((n + k, n + k))
     joint[:n, :n] = plant.A
@@ -440,7 +441,7 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
     rest = constant_arc(last, max(until, last) + step, control=Interior(), force=0.0)
     x = np.zeros(plant.order)
     for arc in (*arcs, rest):
-        joint = _joint_system(plant, arc)
+        joint = joint_system(plant, arc)
         begin = np.concatenate([x, arc.initial])
         first = int(np.ceil(arc.t_start / step - 1e-9))
         stop = min(int(np.ceil(arc.t_end / step - 1e-9)), count)

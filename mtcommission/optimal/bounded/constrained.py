@@ -6,6 +6,7 @@ docs/optimal-control-bounds.md derives the method.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import nan
 
 import numpy as np
@@ -89,7 +90,8 @@ def solve_bounded_time_optimal(
     peaks = dict(zip(plant.signals, free.peaks.tolist(), strict=True))
     active = tuple(bound for bound in every if peaks[bound.name] > bound.value)
     if not active:
-        return _with_bounds(free, every)
+        # It keeps the bounds, and so is the answer under them.
+        return replace(free, bounds=every)
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
     found = _under_force_bound(problem, move)
     if found is None:
@@ -155,22 +157,6 @@ def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> N
             if least > 0.0:
                 detail = Message("bound-below-need", bound=told, least=least, unit=unit)
             raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
-
-
-def _with_bounds(free: TimeOptimum, bounds: tuple[Bound, ...]) -> TimeOptimum:
-    """Return the free optimum, which keeps the bounds and so is the answer under them."""
-    return TimeOptimum(
-        move=free.move,
-        force_limit=free.force_limit,
-        bounds=bounds,
-        method=free.method,
-        t_f=free.t_f,
-        arcs=free.arcs,
-        touch_points=(),
-        terminal_error=free.terminal_error,
-        motion=free.motion,
-        certificate=free.certificate,
-    )
 
 
 def _optimum(

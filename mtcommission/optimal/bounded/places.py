@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 FORCE = -1
 """Index by which a constraint point means the force limit, which boundary control keeps there."""
@@ -29,6 +29,10 @@ class ConstraintPoint:
     side: int
     weight: float = 0.0
 
+    def stretched(self, share: float) -> ConstraintPoint:
+        """Return the point with its time multiplied."""
+        return replace(self, remaining=self.remaining * share)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArcInterior:
@@ -48,6 +52,10 @@ class ArcInterior:
     end: float
     limit: int
     side: int
+
+    def stretched(self, share: float) -> ArcInterior:
+        """Return the interval with all times multiplied."""
+        return replace(self, start=self.start * share, end=self.end * share)
 
     def holds(self, remaining: float) -> bool:
         """Return whether a remaining time lies inside."""

@@ -116,9 +116,8 @@ def _enclosed_gap(
     if along == 0.0:
         return inf  # multipliers that do not weigh the move prove nothing of it
     reach = value / along
-    return (reach - restriction.reach) / max(
-        restriction.slope * restriction.plan.t_f, problem.settings.mesh.least_slope
-    )
+    slope = restriction.slope * restriction.plan.t_f
+    return (reach - restriction.reach) / max(slope, problem.settings.mesh.least_slope)
 
 
 def _best_on_mesh(problem: BoundedProblem, seen: list[_Enclosure]) -> Found | None:
@@ -144,18 +143,13 @@ def _split_on(problem: BoundedProblem, last: _Enclosure) -> _Enclosure:
     settings = problem.settings.search
     for _ in range(settings.last_splits):
         timely = _retimed(problem, last)
-        restriction, relaxation = refined(
-            problem,
-            timely.restriction,
-            timely.relaxation,
-            largest=settings.split_largest,
-        )
+        forms = timely.restriction, timely.relaxation
+        restriction, relaxation = refined(problem, *forms, largest=settings.split_largest)
         measure = relaxation.measure
         value = dual_value(problem, stretches(problem, measure), measure.atoms).value
         gap = _enclosed_gap(problem, value, restriction, relaxation)
-        if relaxation is last.relaxation or (
-            timely is last and gap > settings.worthwhile * last.gap
-        ):
+        is_idle = timely is last and gap > settings.worthwhile * last.gap
+        if relaxation is last.relaxation or is_idle:
             break
         last = _Enclosure(restriction=restriction, relaxation=relaxation, gap=gap)
     return last
@@ -178,11 +172,8 @@ def _retimed(problem: BoundedProblem, one: _Enclosure) -> _Enclosure:
     )
     if restriction is None or relaxation is None:
         return one
-    return _Enclosure(
-        restriction=replace(restriction, slope=one.restriction.slope),
-        relaxation=relaxation,
-        gap=inf,
-    )
+    restriction = replace(restriction, slope=one.restriction.slope)
+    return _Enclosure(restriction=restriction, relaxation=relaxation, gap=inf)
 
 
 def _restriction(

@@ -154,10 +154,7 @@ def solve_mesh(
     scale = terminal_scale(problem, segments, sizes=sizes)
     terminal[problem.fixed] = solution.equal[: scale.size] * scale
     points = tuple(
-        ConstraintPoint(
-            remaining=at.remaining, limit=at.limit, side=at.side, weight=float(max(w, 0.0))
-        )
-        for at, w in zip(plan.points, weights, strict=True)
+        replace(at, weight=float(max(w, 0.0))) for at, w in zip(plan.points, weights, strict=True)
     )
     atoms = tuple(
         Atom(remaining=at.remaining, limit=at.limit, weight=at.side * at.weight)

@@ -83,19 +83,13 @@ def observe(
     zones = [(zone.end, zone.start) for zone in negative_zones(problem, measure)]
     structure = _structure(problem, relaxation, mesh, [*zones, *untenable(problem, restriction)])
     # Where an interior breaks another bound this is touched; a chain of points would hide it.
-    crossed = [
-        violation.point
-        for violation in violations_in_interiors(
-            problem, restriction, tolerance=problem.settings.mesh.broken
-        )
-    ]
-    structure = replace(structure, touches=(*structure.touches, *crossed))
-    features = _features(
-        problem, measure, parts, zeros, mesh, structure, relaxation.reach - restriction.reach
-    )
-    features = replace(features, mesh=_filled(problem, unsplit)).stretched(
-        later(problem, restriction.plan, restriction)
-    )
+    broken = problem.settings.mesh.broken
+    crossed = violations_in_interiors(problem, restriction, tolerance=broken)
+    touches = (*structure.touches, *(violation.point for violation in crossed))
+    structure, apart = replace(structure, touches=touches), relaxation.reach - restriction.reach
+    features = _features(problem, measure, parts, zeros, mesh, structure, apart)
+    features = replace(features, mesh=_filled(problem, unsplit))
+    features = features.stretched(later(problem, restriction.plan, restriction))
     return Observation(features=features, guess=guess, dual_value=found.value)
 
 
@@ -200,11 +194,8 @@ def _filled(problem: BoundedProblem, plan: MeshPlan) -> Array:
         at = np.searchsorted(mesh, [interior.end, interior.start])
         cell = min(mesh[at[0]] - mesh[at[0] - 1], mesh[at[1] + 1] - mesh[at[1]])
         count = int((interior.start - interior.end) / cell) + 2
-        inner.append(
-            np.linspace(
-                interior.end, interior.start, min(count, problem.settings.mesh.most_filled)
-            )[1:-1]
-        )
+        count = min(count, problem.settings.mesh.most_filled)
+        inner.append(np.linspace(interior.end, interior.start, count)[1:-1])
     return np.unique(np.concatenate(inner))
 
 

@@ -54,14 +54,13 @@ class Features:
     def stretched(self, t_f: float) -> Features:
         """Return the same features over another t_f [s], every place at the same share of it."""
         share = t_f / self.t_f
-        arcs, touches = self.structure.arcs, self.structure.touches
         return replace(
             self,
             t_f=t_f,
             mesh=self.mesh * share,
             structure=Structure(
-                arcs=tuple(replace(k, start=k.start * share, end=k.end * share) for k in arcs),
-                touches=tuple(replace(k, remaining=k.remaining * share) for k in touches),
+                arcs=tuple(arc.stretched(share) for arc in self.structure.arcs),
+                touches=tuple(touch.stretched(share) for touch in self.structure.touches),
             ),
             places=self.places * share,
             cells=self.cells * share,
@@ -146,13 +145,8 @@ def plan_mesh(problem: BoundedProblem, features: Features) -> MeshPlan:
     ]
     for arc in arcs:
         if not any(interior.start < arc.start and interior.end > arc.end for interior in interiors):
-            clouds.append(
-                _spread(
-                    arc,
-                    features.ease * local_cell(features.mesh, arc.start) / settings.shrink,
-                    most=settings.short_arc_points,
-                )
-            )
+            finest = features.ease * local_cell(features.mesh, arc.start) / settings.shrink
+            clouds.append(_spread(arc, finest, most=settings.short_arc_points))
     junctions = _junctions(problem, arcs, interiors)
     clouds += [np.column_stack([zone, np.gradient(zone)]) for _, zone in junctions]
     mesh = _thinned(np.vstack(clouds), features.t_f, share=settings.thinning)
@@ -239,12 +233,8 @@ def _graded(centre: float, finest: float, background: float, *, ratio: float) ->
     count = int(np.ceil(np.log(2.4 * background / finest) / np.log(ratio)))
     cells = finest * ratio ** np.arange(max(count, 1))
     offsets = 0.5 * cells
-    return np.column_stack(
-        [
-            np.concatenate([centre - offsets, centre + offsets]),
-            np.tile((ratio - 1.0) * offsets, 2),
-        ]
-    )
+    places = np.concatenate([centre - offsets, centre + offsets])
+    return np.column_stack([places, np.tile((ratio - 1.0) * offsets, 2)])
 
 
 def _spread(arc: ArcInterior, finest: float, *, most: int) -> Array:

@@ -52,11 +52,8 @@ class MeshPlan:
             self,
             t_f=t_f,
             mesh=self.mesh * share,
-            interiors=tuple(
-                replace(interior, start=interior.start * share, end=interior.end * share)
-                for interior in self.interiors
-            ),
-            points=tuple(replace(at, remaining=at.remaining * share) for at in self.points),
+            interiors=tuple(one.stretched(share) for one in self.interiors),
+            points=tuple(at.stretched(share) for at in self.points),
         )
 
 

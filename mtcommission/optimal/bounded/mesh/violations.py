@@ -42,11 +42,8 @@ def violations(problem: BoundedProblem, found: MeshOptimum, *, tolerance: float)
     rows, limits = np.nonzero(peaks > 1.0 - settings.near_peak)
     # A vertex among samples so far apart is off by 1e-6: looked at once more from close by.
     first = np.clip(places[rows, limits] - 1.0, 0.0, settings.part_samples - 3.0)
-    part, since, step = (
-        part[rows],
-        since[rows] + first * step[rows],
-        2.0 * step[rows] / (settings.part_samples - 1),
-    )
+    part, since = part[rows], since[rows] + first * step[rows]
+    step = 2.0 * step[rows] / (settings.part_samples - 1)
     close = _levels(problem, found, cells, part, since, step)
     levels = np.take_along_axis(close, limits[:, np.newaxis, np.newaxis], axis=2)
     places, peaks = _peaks(np.abs(levels))

@@ -13,7 +13,7 @@ derivative of a flow with respect to its duration is the flow times its generato
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded.places import ArcInterior
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure
-from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch
+from mtcommission.optimal.bounded.structure.sequence import Sequence, Touch
 from mtcommission.optimal.closed_form import step_response, transition
 
 Array = NDArray[np.float64]
@@ -221,12 +221,10 @@ def _placed(system: _System, guess: Sequence, unknowns: Array) -> Sequence:
     for leg, length in zip(system.legs, (unknowns * system.scale).tolist(), strict=False):
         if leg.touch is not None:
             offset = float(lengths[leg.piece])
-            touches.append(
-                Touch(piece=leg.piece, offset=offset, limit=leg.touch.limit, side=leg.touch.side)
-            )
+            touches.append(replace(leg.touch, offset=offset))
         lengths[leg.piece] += length
     pieces = tuple(
-        Piece(limit=piece.limit, side=piece.side, duration=length)
+        replace(piece, duration=length)
         for piece, length in zip(guess.pieces, lengths.tolist(), strict=True)
     )
     return Sequence(pieces=pieces, touches=tuple(touches))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mtcommission.optimal.bounded.settings import STANDARD, ProofSettings
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
-from mtcommission.optimal.solution import Arc
+from mtcommission.optimal.solution import Arc, joint_system
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ def follow_control(
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = int(np.ceil(length * rate / settings.radians_per_cell)) + 1
-        flow = balanced_expm(_joint(plant, arc) * (length / count))
+        flow = balanced_expm(joint_system(plant, arc) * (length / count))
         samples = [np.concatenate([state, arc.initial])]
         for _ in range(count):
             samples.append(flow @ samples[-1])
@@ -84,11 +84,3 @@ def follow_control(
         peaks, state = np.maximum(peaks, inside), states[-1]
         force_peak = max(force_peak, float(np.abs(force).max()))
     return FollowedMotion(arcs=arcs, final=state, peaks=peaks, force_peak=force_peak)
-
-
-def _joint(plant: Plant, arc: Arc) -> Array:
-    n = plant.order
-    joint = np.zeros((n + arc.initial.size, n + arc.initial.size))
-    joint[:n, :n], joint[:n, n:] = plant.A, np.outer(plant.B, arc.output)
-    joint[n:, n:] = arc.generator
-    return joint
