@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mtcommission.machine.machine import Drive, Machine, Manipulator, Positioning
+from mtcommission.machine.machine import Drive, Machine, Positioning
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.bounded.mesh.arcs import mesh_arcs
 from mtcommission.optimal.bounded.mesh.exchange import exchange
@@ -34,6 +34,7 @@ from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Tou
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bang, Bound
+from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import build_plant
 from tests.machines import REQUIREMENTS, paper_machine
 

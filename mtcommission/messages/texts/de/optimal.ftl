@@ -7,11 +7,11 @@ value-about = { PLAIN($value, digits: 4) } { $unit }
 
 bound-below-need = { $bound }, die Bewegung braucht mindestens { PLAIN($least, digits: 6) } { $unit }
 bound-not-positive = { $bound }, die Bewegung braucht mehr als 0
-bounds-near-least = { $bounds }: nur etwa { PLAIN($above, digits: 1, times: 100) } % über dem Kleinstmöglichen
+bounds-near-least = { $bounds }: nur etwa { PLAIN($above, digits: 1, unit: "%") } % über dem Kleinstmöglichen
 bounds-below-least = { $bounds }: kleinstmöglich ist etwa { $least }
 bounds-beyond-time = { $bounds }: t_f wäre länger als { PLAIN($t_f) } s
-bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, times: 1000) } ms, aber Schranken von { $bounds } { $need }; kleinstmöglich bis zu diesem t_f: etwa { $possible }{ $together }
-bounds-take-some = brauchen etwa { PLAIN($t_f, times: 1000) } ms
+bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms, aber Schranken von { $bounds } { $need }; kleinstmöglich bis zu diesem t_f: etwa { $possible }{ $together }
+bounds-take-some = brauchen etwa { PLAIN($t_f, unit: "ms") } ms
 bounds-take-longer = brauchen länger
 bounds-widened-alike = { " " }(alle gleich erweitert)
 

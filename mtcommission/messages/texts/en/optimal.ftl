@@ -7,11 +7,11 @@ value-about = { PLAIN($value, digits: 4) } { $unit }
 
 bound-below-need = { $bound }, the move needs at least { PLAIN($least, digits: 6) } { $unit }
 bound-not-positive = { $bound }, the move needs more than 0
-bounds-near-least = { $bounds }: only some { PLAIN($above, digits: 1, times: 100) } % above the least
+bounds-near-least = { $bounds }: only some { PLAIN($above, digits: 1, unit: "%") } % above the least
 bounds-below-least = { $bounds }: the smallest possible is about { $least }
 bounds-beyond-time = { $bounds }: t_f would be longer than { PLAIN($t_f) } s
-bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, times: 1000) } ms, but bounds of { $bounds } { $need }; the smallest possible by that t_f: about { $possible }{ $together }
-bounds-take-some = take some { PLAIN($t_f, times: 1000) } ms
+bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms, but bounds of { $bounds } { $need }; the smallest possible by that t_f: about { $possible }{ $together }
+bounds-take-some = take some { PLAIN($t_f, unit: "ms") } ms
 bounds-take-longer = take longer
 bounds-widened-alike = { " " }(all widened alike)
 
