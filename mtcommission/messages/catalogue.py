@@ -110,6 +110,16 @@ class Catalogue:
             raise ValueError(f"{self.language}: {kind}: {faults[0]}")
         return str(text)
 
+    def plain(self, value: float, digits: int, style: str) -> str:
+        """Return a number as Python's format prints it, with the language's decimal mark.
+
+        Examples
+        --------
+        >>> Catalogue("de").plain(1.25, 1, "e")
+        '1,2e+00'
+        """
+        return f"{value:.{digits}{style}}".replace(".", self.format.decimal_mark)
+
     def has(self, kind: str) -> bool:
         """Return whether there is a text of this kind."""
         return kind in entries_of(self.language)
@@ -141,10 +151,12 @@ class Catalogue:
     def _quantity(self, unit: str) -> Callable[..., str]:
         return lambda value: self.format.quantity(_number(value), unit)
 
-    def _plain(self, value: object, digits: object = DIGITS, unit: str = "") -> str:
-        """A number with ASCII signs, as people type it, in a unit that the text writes."""
+    def _plain(
+        self, value: object, digits: object = DIGITS, unit: str = "", style: object = "g"
+    ) -> str:
+        """A number as people type it, in a unit that the text writes."""
         number = PER_SI[unit] * (_number(value) or 0.0)
-        return f"{number:.{int(str(digits))}g}".replace(".", self.format.decimal_mark)
+        return self.plain(number, int(str(digits)), str(style))
 
     def _term(self, key: object) -> str:
         """A text named by a value, e.g. a requirement; one of the user's own stays as it is."""
