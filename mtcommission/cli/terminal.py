@@ -60,7 +60,7 @@ def show(content: RenderableType) -> None:
     console.print(content)
 
 
-def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) -> Group:
+def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message | str]) -> Group:
     """Return modes, rigid-body limits and warnings of a profile.
 
     Parameters
@@ -379,9 +379,11 @@ def _verdict(
     return lines
 
 
-def _warnings(spoken: Catalogue, said: Callable[[str], str], warnings: Sequence[str]) -> list[Text]:
-    lines = [spoken.text("terminal-warning", warning=said(line)) for line in warnings]
-    return [Text(line, style="yellow") for line in lines]
+def _warnings(
+    spoken: Catalogue, said: Callable[[str], str], warnings: Sequence[Message | str]
+) -> list[Text]:
+    lines = (said(line) if isinstance(line, str) else spoken.say(line) for line in warnings)
+    return [Text(spoken.text("terminal-warning", warning=line), style="yellow") for line in lines]
 
 
 def _heading(text: str) -> Text:

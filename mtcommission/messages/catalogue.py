@@ -19,7 +19,7 @@ from typing import Any
 from fluent.runtime import FluentBundle, FluentResource
 
 from mtcommission.messages.message import Message, Value
-from mtcommission.messages.quantities import DIGITS, Formatter
+from mtcommission.messages.quantities import DIGITS, SUPERSCRIPTS, Formatter
 
 TEXTS = Path(__file__).with_name("texts")
 
@@ -139,8 +139,9 @@ class Catalogue:
                 _number(value) or 0.0, digits=int(digits)
             ),
             "PLAIN": self._plain,
+            "ROUND": self._round,
             "SI": lambda value, quantity, digits=4: (
-                f"{self._plain(value, digits)} {UNITS[str(quantity)][self.rotary]}"
+                f"{self._round(value, digits)} {_printed(UNITS[str(quantity)][self.rotary])}"
             ),
             "SHARE": lambda value: self.format.percent_if_known(_number(value)),
             "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
@@ -157,6 +158,11 @@ class Catalogue:
         """A number as people type it, in a unit that the text writes."""
         number = PER_SI[unit] * (_number(value) or 0.0)
         return self.plain(number, int(str(digits)), str(style))
+
+    def _round(self, value: object, digits: object = DIGITS, unit: str = "") -> str:
+        """A number as ``_plain`` gives it, with powers of ten as printed."""
+        number, _, power = self._plain(value, digits, unit).partition("e")
+        return f"{number}×10{str(int(power)).translate(SUPERSCRIPTS)}" if power else number
 
     def _term(self, key: object) -> str:
         """A text named by a value, e.g. a requirement; one of the user's own stays as it is."""
@@ -199,6 +205,10 @@ def _split(source: str) -> Iterator[tuple[str, str]]:
     ends = [start for start, _ in starts[1:]] + [len(source)]
     for (start, key), end in zip(starts, ends, strict=True):
         yield key, source[start:end]
+
+
+def _printed(unit: str) -> str:
+    return re.sub(r"\^(-?\d)", lambda power: power[1].translate(SUPERSCRIPTS), unit)
 
 
 def _number(value: object) -> float | None:
