@@ -19,7 +19,7 @@ from typing import Any
 from fluent.runtime import FluentBundle, FluentResource
 
 from mtcommission.messages.message import Message, Value
-from mtcommission.messages.quantities import Formatter
+from mtcommission.messages.quantities import DIGITS, Formatter
 
 TEXTS = Path(__file__).with_name("texts")
 
@@ -46,6 +46,9 @@ UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
     }
 )
 """Functions of the texts for quantities: SI unit on a linear axis and on a rotary one."""
+
+PER_SI: Mapping[str, float] = MappingProxyType({"": 1.0, "ms": 1e3, "us": 1e6, "%": 100.0})
+"""Units in which a text may ask for a plain number, and how many make one of SI."""
 
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=", re.MULTILINE)
 _REFERENCE = re.compile(r"\{\s*(-?[a-z][\w-]*)")
@@ -135,8 +138,9 @@ class Catalogue:
             "NUMBER": lambda value, digits=4: self.format.number(
                 _number(value) or 0.0, digits=int(digits)
             ),
-            "PLAIN": lambda value, digits=4, style="g": self.plain(
-                _number(value) or 0.0, int(digits), str(style)
+            "PLAIN": self._plain,
+            "SI": lambda value, quantity, digits=4: (
+                f"{self._plain(value, digits)} {UNITS[str(quantity)][self.rotary]}"
             ),
             "SHARE": lambda value: self.format.percent_if_known(_number(value)),
             "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
@@ -146,6 +150,13 @@ class Catalogue:
 
     def _quantity(self, unit: str) -> Callable[..., str]:
         return lambda value: self.format.quantity(_number(value), unit)
+
+    def _plain(
+        self, value: object, digits: object = DIGITS, unit: str = "", style: object = "g"
+    ) -> str:
+        """A number as people type it, in a unit that the text writes."""
+        number = PER_SI[unit] * (_number(value) or 0.0)
+        return self.plain(number, int(str(digits)), str(style))
 
     def _term(self, key: object) -> str:
         """A text named by a value, e.g. a requirement; one of the user's own stays as it is."""
