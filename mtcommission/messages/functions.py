@@ -42,12 +42,10 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
 
     ``QUANTITY($x, "m/s")``
         A value with its engineering unit, from an SI unit that is the same for every axis.
-    ``NUMBER($x, digits: 3)``, ``ROUND($x, digits: 3, unit: "ms")``
-        A number with powers of ten as printed; NUMBER cuts no integer, ROUND does.
-    ``PLAIN($x, digits: 6, unit: "ms", style: "f")``
-        A number as one types it, 1e+06.
-    ``SI($x, "LENGTH")``
-        A number as ROUND has it, with its SI unit.
+    ``NUMBER($x, digits: 3)``, ``PLAIN($x, digits: 6, unit: "ms", style: "f")``
+        A number as print has it, 1×10⁶, and as one types it, 1e+06.
+    ``ROUND($x, digits: 3, unit: "ms")``, ``SI($x, "LENGTH")``
+        The same with powers of ten as printed; with its SI unit.
     ``SHARE($x)``, ``PERCENT($x)``, ``CHANGE($x)``
         A share in per cent with three digits, in whole per cent, and a change with its sign.
     ``SYMBOL($name)``
