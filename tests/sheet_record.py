@@ -15,7 +15,7 @@ from typing import Any
 from mtcommission.limits.commissioning_rule.rule import VALIDITY
 from mtcommission.record.files import find_checksum
 from mtcommission.record.schema import NO_LIMITS, SCHEMA, Record
-from mtcommission.record.shape import to_entry
+from mtcommission.record.shape import to_entry, to_plain
 
 Json = dict[str, Any]
 
@@ -54,7 +54,8 @@ def on_json(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _read(value: Any) -> Any:
-    return to_entry(value, Record) if isinstance(value, dict) and "checksum" in value else value
+    is_record = isinstance(value, dict) and "checksum" in value
+    return to_entry(to_plain(value), Record) if is_record else value
 
 
 def example_record() -> Json:
