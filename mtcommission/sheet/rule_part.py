@@ -6,10 +6,11 @@ import re
 from collections.abc import Iterator
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.formula import symbol
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import ModeEntry, Record
 from mtcommission.sheet.formula import parse_formula
-from mtcommission.sheet.model import Block, Column, Formula, Paragraph, Section, Table, Tone
+from mtcommission.sheet.model import Block, Cell, Column, Formula, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import residual
 from mtcommission.sheet.verdict_part import band
 
@@ -75,7 +76,7 @@ def split_formulas(sentence: str, *, decimal_mark: str = ".") -> Iterator[Formul
 
     Examples
     --------
-    >>> [part.source for part in split_formulas("j <= F/m, with m = a/F within reach")]
+    >>> [write_formula(part.tree) for part in split_formulas("j <= F/m, with m = a/F within reach")]
     ['j <= F/m', 'm = a/F']
     """
     for piece in _pieces(sentence):
@@ -84,7 +85,7 @@ def split_formulas(sentence: str, *, decimal_mark: str = ".") -> Iterator[Formul
             source = " ".join(words[:count])
             tree = parse_formula(source, decimal_mark=decimal_mark)
             if tree is not None and any(sign in source for sign in "<>="):
-                yield Formula(tree=tree, source=source, aside=" ".join(words[count:]))
+                yield Formula(tree=tree, aside=" ".join(words[count:]))
                 break
         else:
             yield piece
@@ -104,7 +105,7 @@ def _pieces(sentence: str) -> Iterator[str]:
 def _spoken(formula: Formula, words: Catalogue) -> Formula:
     if not formula.aside:
         return formula
-    return Formula(tree=formula.tree, source=formula.source, aside=words.say(formula.aside))
+    return Formula(tree=formula.tree, aside=words.say(formula.aside))
 
 
 def _symbols(record: Record, words: Catalogue) -> Table:
@@ -144,11 +145,11 @@ def _symbols(record: Record, words: Catalogue) -> Table:
     return Table(
         caption=text("rule-symbols-caption", modes="; ".join(m.name for m in modes)),
         columns=(
-            Column(head=text("symbol"), width=0.6, is_formula=True),
+            Column(head=text("symbol"), width=0.6),
             Column(head=text("meaning"), width=2.6),
             Column(head=text("value"), width=1.6, is_number=True),
         ),
-        rows=tuple(rows),
+        rows=tuple((symbol(letter), *row) for letter, *row in rows),
     )
 
 
@@ -179,7 +180,7 @@ def _steps(record: Record, words: Catalogue) -> Table:
         caption=text("rule-steps-caption"),
         columns=(
             Column(head=text("rule-step"), width=1.6),
-            Column(head=text("rule-how"), width=2.4, is_formula=True),
+            Column(head=text("rule-how"), width=2.4),
             Column(head=text("value"), width=1.0, is_number=True),
         ),
         rows=tuple(
@@ -193,8 +194,8 @@ def _steps(record: Record, words: Catalogue) -> Table:
     )
 
 
-def _how(formula: str, words: Catalogue) -> str:
-    return formula if parse_formula(formula) else words.say(formula)
+def _how(formula: str, words: Catalogue) -> Cell:
+    return parse_formula(formula, decimal_mark=words.format.decimal_mark) or words.say(formula)
 
 
 def _value(value: float | None, unit: str, words: Catalogue) -> str:
