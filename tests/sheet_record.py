@@ -520,12 +520,12 @@ def _loop() -> Any:
         "worst_mode_damping": {"base": 0.18, "rotation": 0.047},
         "corners": [_loop_corner(1.0), _loop_corner(0.95), _loop_corner(1.05)],
         "delays": [
-            _delay("position setpoint", age=5.625e-3),
-            _delay("position controller", dead=2e-3, hold=0.9375e-3),
-            _delay("velocity ahead", age=2.6875e-3, dead=2e-3, hold=0.9375e-3),
-            _delay("wanted state", age=2.6875e-3, dead=2e-3, hold=0.9375e-3),
-            _delay("force ahead", dead=2.125e-3, hold=1e-3, lag=2.5e-3),
-            _delay("velocity controller", dead=0.125e-3, hold=0.0625e-3, lag=2.5e-3),
+            _delay("path-position-setpoint", age=5.625e-3),
+            _delay("path-position-controller", dead=2e-3, hold=0.9375e-3),
+            _delay("path-velocity-feed-forward", age=2.6875e-3, dead=2e-3, hold=0.9375e-3),
+            _delay("path-wanted-state", age=2.6875e-3, dead=2e-3, hold=0.9375e-3),
+            _delay("path-force-feed-forward", dead=2.125e-3, hold=1e-3, lag=2.5e-3),
+            _delay("path-velocity-controller", dead=0.125e-3, hold=0.0625e-3, lag=2.5e-3),
         ],
         "disturbance": {
             "t": [5e-4 * k for k in range(600)],
@@ -569,7 +569,7 @@ def _delay(
     path: str, *, age: float = 0.0, dead: float = 0.0, hold: float = 0.0, lag: float = 0.0
 ) -> Any:
     return {
-        "path": path,
+        "path": {"message": path, "values": {}},
         "setpoint_age": age,
         "dead_time": dead,
         "hold": hold,

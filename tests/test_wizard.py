@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings
+from mtcommission.messages.message import Message
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
@@ -300,7 +301,7 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
         assert sources[key] == ACCEPTED_DEFAULT
         assert key in " ".join(said.partition("Default accepted, not measured:")[2].split())
     assert sources["drive.force_lag"] == sources["plant.base_mass"] == machine.source
-    assert sources["requirements.tcp_deviation"] == "stated in the profile"
+    assert sources["requirements.tcp_deviation"] == Message("source-stated")
     # Whoever types the default has stated it; whoever only goes past it has not.
     answers = "\n" * 7 + "0 N\n" + "\n" * 80
     talk(path, answers)

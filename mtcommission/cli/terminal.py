@@ -63,7 +63,7 @@ def show(content: RenderableType) -> None:
     console.print(content)
 
 
-def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) -> Group:
+def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Words]) -> Group:
     """Return modes, rigid-body limits and warnings of a profile.
 
     Parameters

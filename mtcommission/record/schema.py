@@ -414,7 +414,7 @@ class DelayEntry:
     ``total`` their sum.
     """
 
-    path: Words
+    path: Message
     setpoint_age: float
     dead_time: float
     hold: float
