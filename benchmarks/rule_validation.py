@@ -39,7 +39,7 @@ from mtcommission.machine.corners import corners
 from mtcommission.machine.machine import Machine, Positioning, moving_mass
 from mtcommission.plant.plant import Plant, build_plant, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 
 NAME = "commissioning-rule-validation"
 
@@ -98,11 +98,11 @@ def describe(seed: int, machine: Machine, plant: Plant, *, outcome: str) -> Row:
 def compare(
     row: Row, machine: Machine, plant: Plant, tuned: TunedLoop, searched: MotionLimits
 ) -> Row:
-    by_search = judge(machine, plant, tuned, "search", "", searched)
+    by_search = evaluate(machine, plant, tuned, "search", "", searched)
     heaviest = max(moving_mass(machine) + corner.payload for corner in corners(machine))
     a = machine.drive.motion_force / (1.2 * heaviest)
     naive = MotionLimits(acceleration=a, jerk=a * dominant_mode(plant).frequency_hz)
-    textbook = judge(machine, plant, tuned, "j = a f", "", naive)
+    textbook = evaluate(machine, plant, tuned, "j = a f", "", naive)
     return replace(
         apply_rule(row, machine, plant, tuned),
         search_met=by_search.assessment.is_met,
@@ -116,7 +116,7 @@ def compare(
 def apply_rule(row: Row, machine: Machine, plant: Plant, tuned: TunedLoop) -> Row:
     """The row with what the rule does; the other columns stay."""
     found = apply_commissioning_rule(machine, plant, tuned)
-    by_rule = judge(machine, plant, tuned, "rule", "", found.limits)
+    by_rule = evaluate(machine, plant, tuned, "rule", "", found.limits)
     values = {check.name: check.value / check.limit for check in by_rule.assessment.checks}
     return replace(
         row,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
 from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
-from mtcommission.limits.rules_of_thumb import apply_rules, apply_slower_ramps
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
 from mtcommission.loop.simulate.continuous import ContinuousResponse, simulate_continuous
 from mtcommission.loop.simulation_budget import require_affordable
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -22,7 +22,13 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.assess import Assessment
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
 from mtcommission.study.comparison import ComparedControl, compare_controls
-from mtcommission.study.evaluate import MoveResult, Trial, judge, judge_moves, run_moves
+from mtcommission.study.evaluate import (
+    MoveResult,
+    Candidate,
+    evaluate,
+    evaluate_moves,
+    simulate_moves,
+)
 from mtcommission.study.feedforward import FedForward, feed_forward, follow_setpoint
 from mtcommission.study.loop_choice import LoopChoice, Settings, settle_on_loop
 from mtcommission.study.loop_study import LoopStudy, study_loop
@@ -46,7 +52,7 @@ class ModeLimits:
         ``"surface"``, ``"accuracy"`` or ``"speed"``.
     band
         Allowed residual deviation [m].
-    choice, trial
+    choice, candidate
         The search with this band, and its result judged with it.
     attainable
         Where that result does not meet all requirements, it is no recommendation: the least
@@ -56,7 +62,7 @@ class ModeLimits:
     name: str
     band: float
     choice: Choice
-    trial: Trial
+    candidate: Candidate
     attainable: Attainable | None
 
 
@@ -129,9 +135,9 @@ class Commissioning:
     loop_study: LoopStudy
     choice: Choice
     moves: tuple[MoveResult, ...]
-    recommended: Trial
-    alternatives: tuple[Trial, ...]
-    rules: tuple[Trial, ...]
+    recommended: Candidate
+    alternatives: tuple[Candidate, ...]
+    rules: tuple[Candidate, ...]
     comparisons: tuple[MoveComparison, ...]
     modes: tuple[ModeLimits, ...]
     rule: RuleResult
@@ -184,17 +190,17 @@ def commission(
     loop = settle_on_loop(machine, plant, settings)
     tuned = loop.tuned
     progress("limits")
-    start_limits = [trial[1] for trial in starts]
+    start_limits = [candidate[1] for candidate in starts]
     choice = choose_limits(machine, plant, tuned, starts=start_limits, settings=settings.search)
     progress("responses and rules of thumb")
-    moves = run_moves(machine, tuned, choice.limits)
-    recommended = judge_moves(machine, plant, tuned, "recommended", "this search", moves)
+    moves = simulate_moves(machine, tuned, choice.limits)
+    recommended = evaluate_moves(machine, plant, tuned, "recommended", "this search", moves)
     alternatives = tuple(
-        judge(machine, plant, tuned, name, "condensed from the optimum", limits)
+        evaluate(machine, plant, tuned, name, "condensed from the optimum", limits)
         for name, limits in starts
     )
     rule = apply_commissioning_rule(machine, plant, tuned)
-    rules = judge_rules(machine, plant, tuned, rule)
+    rules = evaluate_rules(machine, plant, tuned, rule)
     attainable: tuple[Attainable, ...] = ()
     if not recommended.assessment.is_met:
         progress("what could be met")
@@ -231,9 +237,9 @@ def commission(
     )
 
 
-def judge_rules(
+def evaluate_rules(
     machine: Machine, plant: Plant, tuned: TunedLoop, rule: RuleResult
-) -> tuple[Trial, ...]:
+) -> tuple[Candidate, ...]:
     """Return what the rules of makers and textbooks do in the same loop.
 
     Parameters
@@ -245,14 +251,14 @@ def judge_rules(
 
     Returns
     -------
-    tuple of Trial
+    tuple of Candidate
         First the commissioning rule, then the others, then shapers and the jerk filter.
     """
     return (
-        judge(machine, plant, tuned, "commissioning rule", RULE_SOURCE, rule.limits),
+        evaluate(machine, plant, tuned, "commissioning rule", RULE_SOURCE, rule.limits),
         *(
-            judge(machine, plant, tuned, item.name, item.source, item.limits)
-            for item in (*apply_rules(machine, plant), *apply_slower_ramps(machine, plant))
+            evaluate(machine, plant, tuned, item.name, item.source, item.limits)
+            for item in (*apply_rules_of_thumb(machine, plant), *apply_slower_ramps(machine, plant))
         ),
         *compare_shapers(machine, plant, tuned),
     )
@@ -292,12 +298,14 @@ def limits_by_mode(
         chosen = choice
         if band != machine.requirements.tcp_deviation:
             chosen = choose_limits(other, plant, tuned, starts=starts, settings=settings.search)
-        trial = judge(other, plant, tuned, name, "machining mode", chosen.limits)
+        candidate = evaluate(other, plant, tuned, name, "machining mode", chosen.limits)
         attainable = None
-        if not trial.assessment.is_met:
+        if not candidate.assessment.is_met:
             attainable = find_least_residual(other, plant, tuned, chosen)
         found.append(
-            ModeLimits(name=name, band=band, choice=chosen, trial=trial, attainable=attainable)
+            ModeLimits(
+                name=name, band=band, choice=chosen, candidate=candidate, attainable=attainable
+            )
         )
     return tuple(found)
 

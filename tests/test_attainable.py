@@ -11,7 +11,7 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Peak
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from tests.machines import paper_machine
 
 COARSE = SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)
@@ -38,7 +38,7 @@ def attainable(machine: Machine) -> dict[str, Attainable]:
 
 def is_met(machine: Machine, item: Attainable) -> bool:
     plant, tuned = build_plant(machine), tune_loop(machine)
-    return judge(machine, plant, tuned, "", "", item.limits).assessment.is_met
+    return evaluate(machine, plant, tuned, "", "", item.limits).assessment.is_met
 
 
 def test_impossible_settling_time() -> None:
@@ -100,10 +100,10 @@ def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
     found = find_least_residual(machine, plant, tuned, choice)
     assert found is not None
     assert found.unit == "m"
-    trial = judge(machine, plant, tuned, "", "", found.limits)
-    assert trial.residual_deviation == pytest.approx(found.value, rel=1e-9)
+    candidate = evaluate(machine, plant, tuned, "", "", found.limits)
+    assert candidate.residual_deviation == pytest.approx(found.value, rel=1e-9)
     others = [
-        judge(machine, plant, tuned, "", "", replace(found.limits, jerk=f * found.limits.jerk))
+        evaluate(machine, plant, tuned, "", "", replace(found.limits, jerk=f * found.limits.jerk))
         for f in (0.5, 1.5, 2.0, 4.0)
     ]
     assert sum(found.value < item.residual_deviation for item in others) >= 3
@@ -117,5 +117,5 @@ def test_no_worse_than_the_recommendation_itself() -> None:
     poor = SearchSettings(grid=6, coarse_grid=5, seeds=1, refinements=1)
     found = find_attainable(machine, plant, tuned, choice, settings=poor)
     slower = next(item for item in found if item.requirement == "settling time")
-    recommended = judge(machine, plant, tuned, "", "", choice.limits)
+    recommended = evaluate(machine, plant, tuned, "", "", choice.limits)
     assert slower.value <= recommended.settling_time

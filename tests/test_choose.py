@@ -11,7 +11,7 @@ import pytest
 from benchmarks.population import random_machine
 from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
-from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.limits.search.region import narrow_region, widest_region
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import settle
@@ -36,8 +36,8 @@ from mtcommission.setpoint.setpoint import (
     plan_setpoint,
 )
 from mtcommission.study.assess import Assessment, assess
-from mtcommission.study.evaluate import judge as try_limits
-from tests.independent_loop import judge, profile_of, quiet_copy, run
+from mtcommission.study.evaluate import evaluate as try_limits
+from tests.independent_loop import evaluate, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
 
@@ -216,7 +216,7 @@ def test_recommendation_holds_in_a_second_program() -> None:
             samples=len(ours.t),
             force_limit=machine.drive.motion_force,
         )
-        theirs = judge(
+        theirs = evaluate(
             motion, profile, tau=case.tuned.controller.reference_delay, band=5e-6, dwell=0.0
         )
         assert theirs.residual <= 5e-6
@@ -258,7 +258,7 @@ def test_search_never_settles_later_than_what_is_known(seed: int) -> None:
     """The rule is printed beside the search: it must not beat it, wherever its limits lie."""
     machine = random_machine(seed)
     plant, tuned = build_plant(machine), tune_loop(machine)
-    named = [rule.limits for rule in apply_rules(machine, plant)]
+    named = [rule.limits for rule in apply_rules_of_thumb(machine, plant)]
     named.append(apply_commissioning_rule(machine, plant, tuned).limits)
     found = choose_limits(machine, plant, tuned)
     ours = try_limits(machine, plant, tuned, "search", "", found.limits)
@@ -324,7 +324,7 @@ def test_a_step_too_small_for_any_acceleration_still_gets_limits(step: float) ->
     machine = replace(paper_machine(), moves=(VelocityStep(velocity_step=step),))
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = choose_limits(machine, plant, tuned).limits
-    trial = try_limits(machine, plant, tuned, "", "", limits)
-    assert trial.assessment.is_met
+    candidate = try_limits(machine, plant, tuned, "", "", limits)
+    assert candidate.assessment.is_met
     # Such a step cannot leave the band: nothing need be slower than the quickest setpoint.
-    assert trial.settling_time < tuned.controller.reference_delay + 2e-3
+    assert candidate.settling_time < tuned.controller.reference_delay + 2e-3

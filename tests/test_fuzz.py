@@ -80,7 +80,7 @@ def test_machines_with_slips_of_units_are_computed_or_refused(
     ],
 )
 def test_the_fuzzer_sees_what_is_bad(ending: Ending, fault: str) -> None:
-    """A judge that never finds anything would let every fault pass."""
+    """A evaluate that never finds anything would let every fault pass."""
     assert fault_of("check", ending, longest=LONGEST) == fault
 
 

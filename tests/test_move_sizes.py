@@ -21,7 +21,7 @@ from mtcommission.machine.machine import (
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from mtcommission.study.move_sizes import (
     MoveSizes,
     SetpointWay,
@@ -48,8 +48,8 @@ def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> t
     move = resize(item.move, float(item.size[index]) / own)
     control = replace(machine.control, moving_average_time=item.way.moving_average)
     one = replace(machine, moves=(move,), control=control)
-    trial = judge(one, build_plant(one), tuned, "", "", item.way.limits)
-    return trial.settling_time, trial.residual_deviation
+    candidate = evaluate(one, build_plant(one), tuned, "", "", item.way.limits)
+    return candidate.settling_time, candidate.residual_deviation
 
 
 @pytest.mark.parametrize("moving_average", [0.0, 0.0139])

@@ -20,7 +20,7 @@ from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.sheet.languages import find_labels
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from mtcommission.study.robustness import (
     FrequencyError,
     RobustnessSettings,
@@ -113,10 +113,10 @@ def test_no_spread_is_the_nominal_machine() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.5, jerk=50.0)
     found = run_monte_carlo(machine, plant, tuned, limits, samples=3)
-    trial = judge(machine, plant, tuned, "", "", limits)
+    candidate = evaluate(machine, plant, tuned, "", "", limits)
     assert np.ptp(found.residual_deviation) <= 1e-15
-    assert found.residual_deviation[0] == pytest.approx(trial.residual_deviation, rel=1e-7)
-    assert found.settling_time[0] == pytest.approx(trial.settling_time, abs=1e-8)
+    assert found.residual_deviation[0] == pytest.approx(candidate.residual_deviation, rel=1e-7)
+    assert found.settling_time[0] == pytest.approx(candidate.settling_time, abs=1e-8)
 
 
 def test_worst_case_and_share_agree_with_the_samples() -> None:
@@ -145,8 +145,8 @@ def test_sensitivities_against_trials() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     found = {item.change: item for item in find_sensitivities(machine, plant, tuned, limits)}
-    base = judge(machine, plant, tuned, "", "", limits)
-    more = judge(machine, plant, tuned, "", "", replace(limits, jerk=33.0))
+    base = evaluate(machine, plant, tuned, "", "", limits)
+    more = evaluate(machine, plant, tuned, "", "", replace(limits, jerk=33.0))
     item = found["jerk +10 %"]
     assert item.residual_deviation == pytest.approx(more.residual_deviation, rel=1e-6)
     expected = more.residual_deviation / base.residual_deviation - 1.0
@@ -166,7 +166,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     places = as_variations(corners(machine))
     found = respond_to_variations(machine, plant, tuned, limits, variations=places)
-    checks = judge(machine, plant, tuned, "", "", limits).assessment.checks
+    checks = evaluate(machine, plant, tuned, "", "", limits).assessment.checks
     shares = {check.name: check.value / check.limit for check in checks}
     used = max(shares[name] for name in ("set force", "peak v_phi", "RMS force"))
     assert found.usage.max() == pytest.approx(used, rel=2e-3)
@@ -195,7 +195,7 @@ def test_frequency_error_names_the_range_that_is_kept() -> None:
     settings = RobustnessSettings(frequency_range=0.3, frequency_points=15)
     found = find_frequency_error(machine, plant, tuned, limits, settings=settings)
     assert found.factor[[0, 15, 30]] == pytest.approx([0.7, 1.0, 1.3])
-    nominal = judge(machine, plant, tuned, "", "", limits)
+    nominal = evaluate(machine, plant, tuned, "", "", limits)
     assert nominal.assessment.is_met
     assert found.residual_deviation[15] == pytest.approx(nominal.residual_deviation, rel=1e-6)
     kept = found.residual_deviation <= machine.requirements.tcp_deviation

@@ -24,7 +24,7 @@ from mtcommission.limits.commissioning_rule.estimate import (
     servo_parts,
 )
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
-from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (
@@ -45,7 +45,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from tests.machines import paper_machine
 
 WIDE = Modes(surface=1e-6, accuracy=1e-6, speed=1e-6)
@@ -162,9 +162,9 @@ def test_rule_meets_the_band_on_random_machines(seed: int) -> None:
     """If it failed, the sheet would print a rule that does not do what it is for."""
     machine = random_machine(seed)
     found, tuned = apply(machine)
-    trial = judge(machine, build_plant(machine), tuned, "rule", "", found.limits)
-    assert trial.assessment.is_met
-    assert trial.settling_time == pytest.approx(found.predicted_settling_time, abs=1e-9)
+    candidate = evaluate(machine, build_plant(machine), tuned, "rule", "", found.limits)
+    assert candidate.assessment.is_met
+    assert candidate.settling_time == pytest.approx(found.predicted_settling_time, abs=1e-9)
 
 
 def test_rule_on_the_papers_machine_meets_the_band() -> None:
@@ -172,7 +172,7 @@ def test_rule_on_the_papers_machine_meets_the_band() -> None:
     machine = paper_machine()
     machine = replace(machine, control=Control(state_feedback=StateFeedback.OFF))
     found, tuned = apply(machine)
-    assert judge(machine, build_plant(machine), tuned, "", "", found.limits).assessment.is_met
+    assert evaluate(machine, build_plant(machine), tuned, "", "", found.limits).assessment.is_met
 
 
 @pytest.mark.parametrize("seed", [4, 9, 17])
@@ -335,22 +335,24 @@ def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
     machine = example_of_the_document(tmp_path)
     plant = build_plant(machine)
     found, tuned = apply(machine)
-    trial = judge(machine, plant, tuned, "", "", found.limits)
-    force = next(check for check in trial.assessment.checks if check.name == "set force")
+    candidate = evaluate(machine, plant, tuned, "", "", found.limits)
+    force = next(check for check in candidate.assessment.checks if check.name == "set force")
     text = " ".join(DOC.read_text(encoding="utf-8").split())
     assert (
-        f"Simulated: {1e3 * trial.settling_time:.1f} ms, {1e6 * trial.residual_deviation:.2f} µm, "
+        f"Simulated: {1e3 * candidate.settling_time:.1f} ms, {1e6 * candidate.residual_deviation:.2f} µm, "
         f"{force.value:.0f} N of 2000 N."
     ) in text
     searched = choose_limits(machine, plant, tuned).limits
-    best = judge(machine, plant, tuned, "", "", searched).settling_time
-    cost = 100.0 * (trial.settling_time / best - 1.0)
+    best = evaluate(machine, plant, tuned, "", "", searched).settling_time
+    cost = 100.0 * (candidate.settling_time / best - 1.0)
     assert (
         f"The search finds {1e3 * best:.1f} ms with {searched.acceleration:g} m/s² and "
         f"{searched.jerk:g} m/s³: the rule costs {cost:.0f} % here."
     ) in text
-    naive = next(item for item in apply_rules(machine, plant) if item.name.startswith("j = a f"))
-    other = judge(machine, plant, tuned, "", "", naive.limits)
+    naive = next(
+        item for item in apply_rules_of_thumb(machine, plant) if item.name.startswith("j = a f")
+    )
+    other = evaluate(machine, plant, tuned, "", "", naive.limits)
     assert (
         f"leaves {1e6 * other.residual_deviation:.1f} µm and settles after "
         f"{1e3 * other.settling_time:.1f} ms"

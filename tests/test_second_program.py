@@ -17,9 +17,9 @@ from mtcommission.machine.corners import vary
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
-from mtcommission.study.evaluate import judge as judge_here
+from mtcommission.study.evaluate import evaluate as judge_here
 from mtcommission.study.loop_choice import Settings, settle_on_loop
-from tests.independent_loop import judge, profile_of, run
+from tests.independent_loop import evaluate, profile_of, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -46,7 +46,7 @@ def broken_requirements(machine: Machine) -> list[str] | None:
         samples = ceil((profile.end + gains.reference_delay + TAIL) / gains.velocity_cycle)
         for corner in tuned.corners:
             motion = run(vary(machine, corner), gains, profile, nominal=machine, samples=samples)
-            found = judge(
+            found = evaluate(
                 motion,
                 profile,
                 tau=gains.reference_delay,

@@ -202,7 +202,7 @@ def simulate(
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
 ) -> None:
-    """Run one setpoint through the loop and judge it."""
+    """Run one setpoint through the loop and evaluate it."""
     from mtcommission.files import require_writable, write_text
     from mtcommission.limits.optima import require_force
     from mtcommission.options import read_limits, require_short_moves
@@ -219,7 +219,7 @@ def simulate(
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
     from mtcommission.setpoint.motion_limits import without_jerk_limit
-    from mtcommission.study.evaluate import run_moves
+    from mtcommission.study.evaluate import simulate_moves
     from mtcommission.study.loop_choice import Settings, settle_on_loop
 
     asked, notes = chosen, []
@@ -235,7 +235,7 @@ def simulate(
         progress("feedback loop")
         tuned = settle_on_loop(machine, plant, Settings()).tuned
         progress("response")
-        moves = run_moves(machine, tuned, chosen)
+        moves = simulate_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
     part["warnings"] = [*notes, *part["warnings"]]
     if json_file:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
-from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.limits.search.bench import (
     Bench,
     build_bench,
@@ -28,7 +28,7 @@ from mtcommission.limits.search.explore import explore, guess_usage, join
 from mtcommission.limits.search.landscape import Landscape, chart_landscape
 from mtcommission.limits.search.region import Region, lay_grid, narrow_region, widest_region
 from mtcommission.limits.search.settings import SearchSettings
-from mtcommission.limits.search.typed import pick
+from mtcommission.limits.search.rounding import round_best
 from mtcommission.loop.simulation_budget import require_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -134,7 +134,7 @@ def choose_limits(
     require_affordable_limits(machine, by_rule)
     trusted = [by_rule, *starts]
     widest = widest_region(machine, plant, settings, trusted)
-    known = [*trusted, *(rule.limits for rule in apply_rules(machine, plant))]
+    known = [*trusted, *(rule.limits for rule in apply_rules_of_thumb(machine, plant))]
     stage = _set_stage(machine, plant, tuned, widest, known)
     bench, region = stage.bench, stage.region
     grid = lay_grid(region, machine, widest=widest, points=settings.grid)
@@ -145,7 +145,7 @@ def choose_limits(
         # Nothing comes to rest within the band: then the least settling time alone counts.
         more = explore(bench, guess, grid, region, starts=begin, settings=settings, urgency=0.0)
         pool = join([pool, more])
-    found = pick(bench, pool, settings)
+    found = round_best(bench, pool, settings)
     return Choice(
         limits=found.limits,
         meets_requirements=found.meets_requirements,

@@ -16,7 +16,7 @@ from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rule:
+class RuleOfThumb:
     """One rule, applied to a machine.
 
     Parameters
@@ -34,7 +34,7 @@ class Rule:
     limits: MotionLimits
 
 
-def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
+def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
     """Return the rules of thumb applied to a machine.
 
     Parameters
@@ -44,7 +44,7 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
 
     Returns
     -------
-    tuple of Rule
+    tuple of RuleOfThumb
 
     Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f.
     """
@@ -53,23 +53,23 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
     f, omega = mode.frequency_hz, mode.natural_frequency
     stiff = min(a, machine.requirements.tcp_deviation * omega**2)
     rules = [
-        Rule(
+        RuleOfThumb(
             name="a = F_max/m, no jerk limit",
             source="naive",
             limits=without_jerk_limit(machine, a),
         ),
         _ramp_of_periods(mode, a, periods=1),
-        Rule(
+        RuleOfThumb(
             name="a = e ω², j = a f",
             source="static deflection within the band (textbook)",
             limits=_with_jerk_time(stiff, 1.0 / f),
         ),
-        Rule(
+        RuleOfThumb(
             name="j = 10 a",
             source="grblHAL; lower end of LinuxCNC",
             limits=_with_jerk_time(a, 0.1),
         ),
-        Rule(
+        RuleOfThumb(
             name="j = 100 a",
             source="upper end of LinuxCNC",
             limits=_with_jerk_time(a, 0.01),
@@ -78,7 +78,7 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
     velocity = max(peak_velocity(move, a) for move in machine.moves)
     if isfinite(velocity):
         rules.append(
-            Rule(
+            RuleOfThumb(
                 name="j = a²/v_max",
                 source="HEIDENHAIN, MANUALplus 620: least axPathJerk",
                 limits=MotionLimits(acceleration=a, jerk=a**2 / velocity),
@@ -91,7 +91,7 @@ SLOWER_RAMPS = (2, 3)
 """Periods of the dominant mode that a ramp may take besides one."""
 
 
-def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
+def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
     """Return j = a f / k, the later zeros of the vibration, applied to a machine.
 
     Parameters
@@ -101,7 +101,7 @@ def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
 
     Returns
     -------
-    tuple of Rule
+    tuple of RuleOfThumb
         With a = F_max/m, one for each of ``SLOWER_RAMPS``.
 
     Source: Biagiotti & Melchiorri 2008, as j = a f.
@@ -111,11 +111,11 @@ def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
     return tuple(_ramp_of_periods(mode, a, periods=k) for k in SLOWER_RAMPS)
 
 
-def _ramp_of_periods(mode: PlantMode, a: float, *, periods: int) -> Rule:
+def _ramp_of_periods(mode: PlantMode, a: float, *, periods: int) -> RuleOfThumb:
     """Return j = a f / k: a ramp of k periods of a mode."""
     f = mode.frequency_hz
     formula = "j = a f" if periods == 1 else f"j = a f / {periods}"
-    return Rule(
+    return RuleOfThumb(
         name=f"{formula} ({mode.name}, {f:.3g} Hz)",
         source="zero residual vibration of an undamped mode (Biagiotti & Melchiorri)",
         limits=_with_jerk_time(a, periods / f),

@@ -25,7 +25,7 @@ from mtcommission.record.schema import (
 )
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.study.attainable import Attainable
-from mtcommission.study.evaluate import Trial
+from mtcommission.study.evaluate import Candidate
 from mtcommission.study.move_sizes import MoveSizes
 
 Array = NDArray[np.float64]
@@ -48,11 +48,12 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
         attainable=[_attainable_entry(item) for item in commissioning.attainable],
         move_sizes=[_move_sizes_entry(item) for item in commissioning.move_sizes],
         alternatives=[
-            Alternative(name=trial.name, **_judged(trial)) for trial in commissioning.alternatives
+            Alternative(name=candidate.name, **_judged(candidate))
+            for candidate in commissioning.alternatives
         ],
         rules=[
-            RuleResult(name=trial.name, source=trial.source, **_judged(trial))
-            for trial in commissioning.rules
+            RuleResult(name=candidate.name, source=candidate.source, **_judged(candidate))
+            for candidate in commissioning.rules
         ],
         rule=_rule_text(commissioning),
         landscape=Landscape(
@@ -66,14 +67,14 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
     )
 
 
-def _judged(trial: Trial) -> JudgedLimits:
+def _judged(candidate: Candidate) -> JudgedLimits:
     return JudgedLimits(
-        acceleration=trial.limits.acceleration,
-        jerk=trial.limits.jerk,
-        settling_time=finite_or_none(trial.settling_time),
-        residual_deviation=finite_or_none(trial.residual_deviation),
-        peak_deviation=trial.peak_deviation,
-        meets_requirements=trial.assessment.is_met,
+        acceleration=candidate.limits.acceleration,
+        jerk=candidate.limits.jerk,
+        settling_time=finite_or_none(candidate.settling_time),
+        residual_deviation=finite_or_none(candidate.residual_deviation),
+        peak_deviation=candidate.peak_deviation,
+        meets_requirements=candidate.assessment.is_met,
     )
 
 
@@ -120,8 +121,8 @@ def _rule_text(commissioning: Commissioning) -> RuleText:
 
 
 def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
-    trial, limits = mode.trial, mode.trial.limits
-    is_met = trial.assessment.is_met
+    candidate, limits = mode.candidate, mode.candidate.limits
+    is_met = candidate.assessment.is_met
     return ModeLimitsEntry(
         name=mode.name,
         band=mode.band,
@@ -129,9 +130,9 @@ def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
         jerk=limits.jerk if is_met else None,
         jerk_time=limits.jerk_time if is_met else None,
         bound_by=mode.choice.bound_by if is_met else NO_LIMITS,
-        settling_time=finite_or_none(trial.settling_time) if is_met else None,
-        residual_deviation=finite_or_none(trial.residual_deviation) if is_met else None,
-        peak_deviation=trial.peak_deviation if is_met else None,
+        settling_time=finite_or_none(candidate.settling_time) if is_met else None,
+        residual_deviation=finite_or_none(candidate.residual_deviation) if is_met else None,
+        peak_deviation=candidate.peak_deviation if is_met else None,
         meets_requirements=is_met,
         reason="" if is_met else NO_LIMITS,
         attainable=mode.attainable.value if mode.attainable else None,

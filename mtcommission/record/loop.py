@@ -223,15 +223,15 @@ def _by_mode(plant: Plant, values: Sequence[float] | Array) -> dict[str, float]:
 
 
 def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
-    nominal, trial = variant.tuned.nominal, variant.trial
-    force = next(check for check in trial.assessment.checks if check.name == "set force")
+    nominal, candidate = variant.tuned.nominal, variant.candidate
+    force = next(check for check in candidate.assessment.checks if check.name == "set force")
     return VariantEntry(
         name=variant.name,
         used=variant.is_used,
         mode_damping=_by_mode(plant, nominal.mode_damping),
         **_margins(nominal),
         weakest_frequency_hz=nominal.weakest_frequency_hz,
-        settling_time=finite_or_none(trial.settling_time),
-        residual_deviation=finite_or_none(trial.residual_deviation),
+        settling_time=finite_or_none(candidate.settling_time),
+        residual_deviation=finite_or_none(candidate.residual_deviation),
         max_force=force.value,
     )

@@ -21,7 +21,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
-from mtcommission.study.evaluate import Trial, judge
+from mtcommission.study.evaluate import Candidate, evaluate
 
 CANDIDATES = 12
 """Limits with the least residual of the landscape that are simulated, until one keeps the rest."""
@@ -123,13 +123,13 @@ def find_least_residual(
     best: Attainable | None = None
     for i in np.argsort(residual, kind="stable")[: min(CANDIDATES, int(possible.sum()))]:
         limits = MotionLimits(acceleration=_typed(a[i]), jerk=_typed(a[i] / t_j[i]))
-        trial = judge(machine, plant, tuned, "", "", limits)
-        band = EASED * trial.residual_deviation
+        candidate = evaluate(machine, plant, tuned, "", "", limits)
+        band = EASED * candidate.residual_deviation
         if not isfinite(band) or (best is not None and band >= best.value):
             continue
-        eased = judge(_with_band(machine, band), plant, tuned, "", "", limits)
+        eased = evaluate(_with_band(machine, band), plant, tuned, "", "", limits)
         if eased.assessment.is_met:
-            best = _attained(trial, "residual deviation")
+            best = _attained(candidate, "residual deviation")
     return best
 
 
@@ -207,9 +207,9 @@ def _relax(
         eased = relaxation.with_bound(machine, bound)
         found = choose_limits(eased, plant, tuned, settings=settings).limits
         attained = [
-            _attained(judge(machine, plant, tuned, "", "", limits), relaxation.requirement)
+            _attained(evaluate(machine, plant, tuned, "", "", limits), relaxation.requirement)
             for limits in (found, known)
-            if judge(eased, plant, tuned, "", "", limits).assessment.is_met
+            if evaluate(eased, plant, tuned, "", "", limits).assessment.is_met
         ]
         return min(attained, key=lambda item: item.value, default=None)
 
@@ -240,11 +240,11 @@ def _find_together(
     """What could be met if several requirements give way by one factor; empty if nothing helps."""
     relaxations = (_band_relaxation(machine), *_relaxations(machine))
 
-    def search(names: Sequence[str], factor: float) -> Trial | None:
+    def search(names: Sequence[str], factor: float) -> Candidate | None:
         eased = _eased(machine, [item for item in relaxations if item.requirement in names], factor)
         limits = choose_limits(eased, plant, tuned, settings=settings).limits
-        trial = judge(eased, plant, tuned, "", "", limits)
-        return trial if trial.assessment.is_met else None
+        candidate = evaluate(eased, plant, tuned, "", "", limits)
+        return candidate if candidate.assessment.is_met else None
 
     names = tuple(item.requirement for item in relaxations)
     best = search(names, LARGEST_FACTOR)
@@ -252,17 +252,17 @@ def _find_together(
         return ()
     for name in names:
         fewer = tuple(other for other in names if other != name)
-        trial = search(fewer, LARGEST_FACTOR) if fewer else None
-        if trial is not None:
-            names, best = fewer, trial
+        candidate = search(fewer, LARGEST_FACTOR) if fewer else None
+        if candidate is not None:
+            names, best = fewer, candidate
     low, high = 1.0, LARGEST_FACTOR
     for _ in range(COMMON_HALVINGS):
         factor = sqrt(low * high)
-        trial = search(names, factor)
-        if trial is None:
+        candidate = search(names, factor)
+        if candidate is None:
             low = factor
         else:
-            high, best = factor, trial
+            high, best = factor, candidate
     return tuple(
         replace(
             _attained(best, item.requirement),
@@ -290,14 +290,14 @@ def _eased(machine: Machine, relaxations: Sequence[_Relaxation], factor: float) 
     return machine
 
 
-def _attained(trial: Trial, requirement: str) -> Attainable:
-    check = next(item for item in trial.assessment.checks if item.name == requirement)
+def _attained(candidate: Candidate, requirement: str) -> Attainable:
+    check = next(item for item in candidate.assessment.checks if item.name == requirement)
     return Attainable(
         requirement=requirement,
         limit=check.limit,
         value=check.value,
         unit=check.unit,
-        limits=trial.limits,
+        limits=candidate.limits,
     )
 
 

@@ -31,7 +31,7 @@ class MoveResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Trial:
+class Candidate:
     """Named limits through the same loop, corners and judgement as the recommendation.
 
     Parameters
@@ -55,7 +55,9 @@ class Trial:
     assessment: Assessment
 
 
-def run_moves(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple[MoveResult, ...]:
+def simulate_moves(
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits
+) -> tuple[MoveResult, ...]:
     """Return every move with these limits, simulated in every corner.
 
     Parameters
@@ -73,10 +75,10 @@ def run_moves(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple
     """
     time = machine.control.moving_average_time
     setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
-    return run_setpoints(machine, tuned, setpoints)
+    return simulate_setpoints(machine, tuned, setpoints)
 
 
-def run_setpoints(
+def simulate_setpoints(
     machine: Machine, tuned: TunedLoop, setpoints: Sequence[Setpoint]
 ) -> tuple[MoveResult, ...]:
     """Return given setpoints, simulated in every corner.
@@ -107,14 +109,14 @@ def run_setpoints(
     )
 
 
-def judge(
+def evaluate(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
     name: str,
     source: str,
     limits: MotionLimits,
-) -> Trial:
+) -> Candidate:
     """Return what some limits do in the same loop, corners and judgement as all others.
 
     Parameters
@@ -128,19 +130,21 @@ def judge(
 
     Returns
     -------
-    Trial
+    Candidate
     """
-    return judge_moves(machine, plant, tuned, name, source, run_moves(machine, tuned, limits))
+    return evaluate_moves(
+        machine, plant, tuned, name, source, simulate_moves(machine, tuned, limits)
+    )
 
 
-def judge_moves(
+def evaluate_moves(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
     name: str,
     source: str,
     moves: Sequence[MoveResult],
-) -> Trial:
+) -> Candidate:
     """Return the same where the moves have been run already.
 
     Parameters
@@ -150,15 +154,15 @@ def judge_moves(
     name, source
         Of the limits.
     moves
-        From ``run_moves`` or ``run_setpoints``; the first one's limits are the trial's.
+        From ``simulate_moves`` or ``simulate_setpoints``; the first one's limits are the candidate's.
 
     Returns
     -------
-    Trial
+    Candidate
     """
     rows = [result.responses for result in moves]
     everywhere = [response for row in rows for response in row]
-    return Trial(
+    return Candidate(
         name=name,
         source=source,
         limits=moves[0].setpoint.limits,

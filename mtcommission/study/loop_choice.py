@@ -12,7 +12,7 @@ from mtcommission.loop.tuning.tuning import tune_loop, tune_variants
 from mtcommission.machine.machine import Machine, StateFeedback
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import Trial, judge
+from mtcommission.study.evaluate import Candidate, evaluate
 from mtcommission.study.robustness import RobustnessSettings
 
 
@@ -48,7 +48,7 @@ class LoopVariant:
         ``"without state feedback"`` or ``"with state feedback"``.
     tuned
         The loop in every corner.
-    trial
+    candidate
         Its best limits by the coarser search, judged.
     is_used
         Whether everything else in the record uses this loop.
@@ -56,7 +56,7 @@ class LoopVariant:
 
     name: str
     tuned: TunedLoop
-    trial: Trial
+    candidate: Candidate
     is_used: bool
 
 
@@ -105,8 +105,8 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     helps = _pays(without, with_it, found.plain, found.feedback, settings.tuning)
     kept = found.feedback if helps else found.plain
     variants = tuple(
-        LoopVariant(name=trial.name, tuned=loop, trial=trial, is_used=loop is kept)
-        for trial, loop in ((without, found.plain), (with_it, found.feedback))
+        LoopVariant(name=candidate.name, tuned=loop, candidate=candidate, is_used=loop is kept)
+        for candidate, loop in ((without, found.plain), (with_it, found.feedback))
     )
     verdict = (
         f"Best settling time {_milliseconds(with_it.settling_time)} with it, "
@@ -133,8 +133,8 @@ finer), or as soon with a tool that is 20 % stiffer (design choice)."""
 
 
 def _pays(
-    without: Trial,
-    with_it: Trial,
+    without: Candidate,
+    with_it: Candidate,
     plain: TunedLoop,
     feedback: TunedLoop,
     settings: TuningSettings,
@@ -156,10 +156,10 @@ def _try_loop(
     settings: Settings,
     *,
     starts: Sequence[MotionLimits],
-) -> Trial:
+) -> Candidate:
     """The limits that suit a loop best by the coarser search, judged."""
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.comparison)
-    return judge(machine, plant, tuned, name, "coarser search", choice.limits)
+    return evaluate(machine, plant, tuned, name, "coarser search", choice.limits)
 
 
 def _milliseconds(time: float) -> str:

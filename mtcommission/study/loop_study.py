@@ -10,7 +10,7 @@ from mtcommission.loop.simulate.disturbance import DisturbanceStep, push
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.machine import Machine
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import run_moves
+from mtcommission.study.evaluate import simulate_moves
 from mtcommission.study.loop_choice import LoopChoice
 
 PUSH_TIME = 0.3
@@ -116,7 +116,9 @@ def _with_jerk_feedforward(
     # Without a limit the force asked for is the linear one, which is what is compared.
     strong = replace(machine, drive=replace(machine.drive, max_force=inf))
     found = [
-        response for result in run_moves(strong, tuned, limits) for response in result.responses
+        response
+        for result in simulate_moves(strong, tuned, limits)
+        for response in result.responses
     ]
     return JerkFeedforward(
         weight=weight,

@@ -22,7 +22,7 @@ from mtcommission.machine.variations import as_variations
 from mtcommission.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
-from mtcommission.study.evaluate import Trial, judge_moves, run_setpoints
+from mtcommission.study.evaluate import Candidate, evaluate_moves, simulate_setpoints
 
 Array = NDArray[np.float64]
 
@@ -171,7 +171,7 @@ def shape_setpoint(setpoint: Setpoint, shaper: Shaper) -> Setpoint:
     return replace(setpoint, knot_times=knots, jerk_steps=shaped[0], snap_steps=shaped[1])
 
 
-def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Trial, ...]:
+def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Candidate, ...]:
     """Return shapers and the jerk filter through the same loop and judgement.
 
     All are designed for the dominant mode of the nominal plant; each gets the acceleration, of
@@ -187,14 +187,14 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[T
 
     Returns
     -------
-    tuple of Trial
+    tuple of Candidate
         The jerk in ``limits`` is a/T for the filter of length T, and stands for "no limit"
         with the shapers.
     """
     mode = dominant_mode(plant)
     period = 1.0 / mode.frequency_hz
-    trials = [
-        _best_trial(
+    candidates = [
+        _best_candidate(
             machine,
             plant,
             tuned,
@@ -205,8 +205,8 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[T
         )
         for shaper in design_shapers(mode)
     ]
-    trials.append(
-        _best_trial(
+    candidates.append(
+        _best_candidate(
             machine,
             plant,
             tuned,
@@ -216,7 +216,7 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[T
             jerk_time=period,
         )
     )
-    return tuple(trials)
+    return tuple(candidates)
 
 
 def _shaped_by(machine: Machine, shaper: Shaper) -> Callable[[Move, float], Setpoint]:
@@ -230,7 +230,7 @@ def _filtered(move: Move, acceleration: float, time: float) -> Setpoint:
     return plan_setpoint(move, trapezoid, moving_average=time)
 
 
-def _best_trial(
+def _best_candidate(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
@@ -239,7 +239,7 @@ def _best_trial(
     source: str,
     plan: Callable[[Move, float], Setpoint],
     jerk_time: float,
-) -> Trial:
+) -> Candidate:
     """The acceleration that settles soonest and meets all; else soonest within force and peaks.
 
     If none keeps those, F_max/m, which saturates.
@@ -262,14 +262,16 @@ def _best_trial(
         setpoints = [plan(move, largest) for move in machine.moves]
         ranked.append((True, inf, largest, setpoints))
     ranked.sort(key=lambda item: item[:2])
-    outside: list[Trial] = []
+    outside: list[Candidate] = []
     for is_outside, _, a, setpoints in ranked:
         if is_outside and outside:
             break
         limits = MotionLimits(acceleration=a, jerk=a / jerk_time)
-        moves = run_setpoints(machine, tuned, setpoints)
-        trial = replace(judge_moves(machine, plant, tuned, name, source, moves), limits=limits)
-        if trial.assessment.is_met:
-            return trial
-        outside.append(trial)
+        moves = simulate_setpoints(machine, tuned, setpoints)
+        candidate = replace(
+            evaluate_moves(machine, plant, tuned, name, source, moves), limits=limits
+        )
+        if candidate.assessment.is_met:
+            return candidate
+        outside.append(candidate)
     return min(outside, key=lambda item: item.settling_time)

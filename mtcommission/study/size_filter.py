@@ -20,7 +20,7 @@ from mtcommission.machine.variations import as_variations
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from mtcommission.study.move_sizes import SMALLEST, SetpointWay, resize
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def find_size_filter(machine: Machine, plant: Plant, tuned: TunedLoop) -> Setpoi
         # What saturates takes long to simulate: only what seems good is judged in full.
         if not np.all(found.meets(filtered)):
             continue
-        if judge(filtered, plant, tuned, "", "", limits).assessment.is_met:
+        if evaluate(filtered, plant, tuned, "", "", limits).assessment.is_met:
             return SetpointWay(name="moving average", limits=limits, moving_average=period)
     return None
 

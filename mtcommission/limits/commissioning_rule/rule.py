@@ -70,7 +70,7 @@ class RuleStep:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RuleCandidate:
+class TriedRamp:
     """One jerk time with the largest acceleration that it allows.
 
     Parameters
@@ -128,7 +128,7 @@ class RuleResult:
     predicted_settling_time: float
     predicted_residual: float
     steps: tuple[RuleStep, ...]
-    candidates: tuple[RuleCandidate, ...]
+    candidates: tuple[TriedRamp, ...]
     formula: str
     validity: str
     warnings: tuple[str, ...]
@@ -226,7 +226,7 @@ def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -
     )
 
 
-def _candidates(axis: AxisEstimate) -> tuple[RuleCandidate, ...]:
+def _candidates(axis: AxisEstimate) -> tuple[TriedRamp, ...]:
     times = [("no cancelling", _jerk_limited_time(axis))]
     times += [
         (f"{_periods(k)} of {mode.name}", k / mode.frequency_hz)
@@ -240,7 +240,7 @@ def _periods(count: int) -> str:
     return f"{count} period{'s' if count > 1 else ''}"
 
 
-def _candidate(axis: AxisEstimate, *, name: str, jerk_time: float) -> RuleCandidate:
+def _candidate(axis: AxisEstimate, *, name: str, jerk_time: float) -> TriedRamp:
     by_force = force_acceleration(axis, jerk_time)
     compliance = _compliance(axis, jerk_time, largest=by_force)
     bounds = {
@@ -251,7 +251,7 @@ def _candidate(axis: AxisEstimate, *, name: str, jerk_time: float) -> RuleCandid
     bound_by = min(bounds, key=lambda key: bounds[key])
     acceleration = bounds[bound_by]
     limits = MotionLimits(acceleration=acceleration, jerk=acceleration / jerk_time)
-    return RuleCandidate(
+    return TriedRamp(
         name=name,
         limits=limits,
         bound_by=bound_by,
@@ -276,8 +276,10 @@ def _reach(move: Move, jerk_time: float) -> float:
 def _jerk_limited_time(axis: AxisEstimate) -> float:
     """Jerk time at which the band holds whatever the phases: every ramp counts twice a step."""
     largest = force_acceleration(axis, inf)
-    worst = [axis.servo.compliance, axis.servo.missing * axis.servo.ramp_drag]
-    worst += [2.0 * mode.compliance * echo(axis.machine, mode, largest) for mode in axis.modes]
+    worst = [axis.servo.jerk_sensitivity, axis.servo.missing * axis.servo.ramp_drag]
+    worst += [
+        2.0 * mode.jerk_sensitivity * echo(axis.machine, mode, largest) for mode in axis.modes
+    ]
     jerk = axis.band / (RESERVE * hypot(*worst))
     times = [largest / jerk]
     for move in axis.machine.moves:
@@ -289,7 +291,7 @@ def _jerk_limited_time(axis: AxisEstimate) -> float:
     return min(times)
 
 
-def _hand_calculation(axis: AxisEstimate, best: RuleCandidate) -> tuple[RuleStep, ...]:
+def _hand_calculation(axis: AxisEstimate, best: TriedRamp) -> tuple[RuleStep, ...]:
     controller, limits = axis.controller, best.limits
     tail, drag = servo_parts(axis, limits.jerk_time)
     omega_v = controller.velocity_gain / controller.feedforward_mass
@@ -313,13 +315,13 @@ def _hand_calculation(axis: AxisEstimate, best: RuleCandidate) -> tuple[RuleStep
     left = vibrations(axis, limits.jerk_time, largest=by_force)
     for mode, vibration in zip(axis.modes, left, strict=True):
         lines.append(
-            (f"compliance C of mode {mode.name}", "m |g| / omega^3", mode.compliance, "s^3")
+            (f"compliance C of mode {mode.name}", "m |g| / omega^3", mode.jerk_sensitivity, "s^3")
         )
         widened = mode.spread - axis.machine.requirements.frequency_spread
         if widened > 0.0:
             name = f"spread of mode {mode.name} beyond the stated one"
             lines.append((name, "m |c| min(1, omega_v/omega)", widened, "1"))
-        share = vibration / mode.compliance if mode.compliance else 0.0
+        share = vibration / mode.jerk_sensitivity if mode.jerk_sensitivity else 0.0
         lines.append(
             (f"vibration V of mode {mode.name}", "R(f t_j) x echo of the ramps before", share, "1")
         )

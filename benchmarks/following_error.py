@@ -1,6 +1,6 @@
 """The servo's tail after one ramp, over the length of the ramp: the numbers behind the rule's 1.5.
 
-    python -m benchmarks.servo_tail --count 70
+    python -m benchmarks.following_error --count 70
 
 Random machines keep their tuned cascade but lose their modes and their payload, so what is left
 after a velocity step is the servo alone. Its deviation is printed over that of one jerk step by
@@ -22,7 +22,7 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import FlexibleMode, Machine, Modal, VelocityStep, moving_mass
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import run_moves
+from mtcommission.study.evaluate import simulate_moves
 
 RAMPS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
 """Lengths of the ramp times ω_v."""
@@ -64,7 +64,7 @@ def measure(seed: int) -> list[float]:
         jerk = omega_v / ramp  # a = 1 m/s²
         move = VelocityStep(velocity_step=(ramp + COAST) / omega_v)
         limits = MotionLimits(acceleration=1.0, jerk=jerk)
-        (result,) = run_moves(replace(bare, moves=(move,)), tuned, limits)
+        (result,) = simulate_moves(replace(bare, moves=(move,)), tuned, limits)
         found.append(result.responses[0].residual_deviation * omega_v / (jerk * step))
     return found
 
