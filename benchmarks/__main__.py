@@ -40,6 +40,9 @@ PACKAGES = (
 
 SECTIONS = ("race", "jobs", "quality", "report")
 
+RESULTS = Path("build")
+"""Where results of whole runs are kept between sections: a million numbers that nobody reads."""
+
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
@@ -58,7 +61,8 @@ def main() -> None:
         parser.error(f"no section {', '.join(unknown)}; there are {', '.join(SECTIONS)}")
     os.environ["OMP_NUM_THREADS"] = "1"
     folder = options.output or (None if options.quick else Path("docs"))
-    results = read_results(folder)
+    kept = RESULTS if folder == Path("docs") else folder
+    results = read_results(kept)
     for section in SECTIONS[:-1]:
         if section in wanted:
             limits = {"seconds": options.seconds, "workers": options.workers}
@@ -71,7 +75,7 @@ def main() -> None:
 
             def keep(row: dict[str, Any], section: str = section) -> None:
                 results[section]["rows"] = with_row(results[section]["rows"], row)
-                save(results, folder)
+                save(results, kept)
 
             run_section(section, options, keep)
     if "report" in wanted:

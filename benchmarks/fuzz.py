@@ -44,7 +44,15 @@ QUICK = ("check", "wizard", "export")
 
 WARM = tuple(
     f"mtcommission.{name}"
-    for name in ("commission", "sheet", "terminal", "trials", "wizard", "options", "export.write")
+    for name in (
+        "commission",
+        "sheet",
+        "cli.terminal",
+        "study.evaluate",
+        "wizard",
+        "options",
+        "export.write",
+    )
 )
 GOOD = "milling-manipulator"
 """Whose record is broken for the commands that read one."""

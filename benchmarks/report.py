@@ -25,7 +25,7 @@ def compose_report(results: Results) -> str:
     Parameters
     ----------
     results
-        As in benchmarks.json; sections that never ran are left out.
+        As the sections return them; those that never ran are left out.
     """
     lines = ["# Side by side", "", INTRODUCTION, ""]
     if "race" in results:
@@ -52,7 +52,7 @@ def draw_plots(results: Results, folder: Path) -> None:
 
 INTRODUCTION = """\
 Everything here is printed by one command, `python -m benchmarks` (`--quick` for a small
-selection), from [benchmarks.json](benchmarks.json), which it writes first. The peers are optional:
+selection). The peers are optional:
 `pip install ".[peers]"`; one that is missing is shown as missing. All times are **processor
 time**, with one thread: the clock of a machine that others use says little, and even processor
 time shifts by some ten per cent when caches are shared. Hence ratios first; they compare within one

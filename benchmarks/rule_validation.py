@@ -2,8 +2,8 @@
 
     python -m benchmarks.rule_validation --count 1000 --workers 2 --output docs
 
-Writes docs/commissioning-rule-validation.csv, -validation.md (the printed table) and the
-figures. Each machine: tune the cascade, apply the rule, search the optimum, and simulate both
+Writes docs/commissioning-rule-validation.md (the printed table) and the figures, and the rows to
+build/. Each machine: tune the cascade, apply the rule, search the optimum, and simulate both
 (and j = a f) in every corner. With --read it draws again from the CSV alone; with --rule-only the
 rule alone is applied and simulated again, and the columns of search and j = a f, which do not
 depend on it, stay as the CSV has them: a change of the rule is judged in a quarter of the time.
@@ -324,11 +324,13 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--output", type=Path, default=Path("docs"))
+    parser.add_argument("--table", type=Path, default=Path("build") / f"{NAME}.csv")
     parser.add_argument("--read", action="store_true", help="draw from the CSV, compute nothing")
     parser.add_argument("--rule-only", action="store_true", help="keep the CSV's search")
     arguments = parser.parse_args()
-    arguments.output.mkdir(parents=True, exist_ok=True)
-    table = arguments.output / f"{NAME}.csv"
+    for folder in (arguments.output, arguments.table.parent):
+        folder.mkdir(parents=True, exist_ok=True)
+    table = arguments.table
     if arguments.read:
         rows = read_rows(table)
     else:

@@ -23,8 +23,8 @@ from mtcommission.study.assess import Assessment
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
 from mtcommission.study.comparison import ComparedControl, compare_controls
 from mtcommission.study.evaluate import (
-    MoveResult,
     Candidate,
+    MoveResult,
     evaluate,
     evaluate_moves,
     simulate_moves,

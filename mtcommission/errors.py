@@ -12,6 +12,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING
+
+from mtcommission.messages.message import Message
+
+if TYPE_CHECKING:
+    from mtcommission.messages.catalogue import Catalogue
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,17 +39,28 @@ class Fault:
     where: str
     line: int = 0
     key: str = ""
-    message: str
+    message: Message
+
+    def text(self, catalogue: Catalogue) -> str:
+        """Return the fault with its place, in the language of a catalogue."""
+        place = f"{self.where}:{self.line}" if self.line else self.where
+        return ": ".join(part for part in (place, self.key, catalogue.say(self.message)) if part)
 
     def __str__(self) -> str:
-        place = f"{self.where}:{self.line}" if self.line else self.where
-        return ": ".join(part for part in (place, self.key, self.message) if part)
+        return self.text(_english())
 
 
 class MtcommissionError(Exception):
-    """Base of all errors that the program raises on purpose."""
+    """Base of all errors that the program raises on purpose; ``str`` speaks English."""
 
     exit_code = 3
+
+    def text(self, catalogue: Catalogue) -> str:
+        """Return what went wrong, in the language of a catalogue."""
+        raise NotImplementedError
+
+    def __str__(self) -> str:
+        return self.text(_english())
 
 
 class InputError(MtcommissionError):
@@ -58,74 +75,36 @@ class InputError(MtcommissionError):
     exit_code = 2
 
     def __init__(self, faults: Sequence[Fault]) -> None:
+        super().__init__(faults)
         self.faults = tuple(faults)
-        super().__init__("\n".join(str(fault) for fault in self.faults))
+
+    def text(self, catalogue: Catalogue) -> str:
+        """Return a line for each fault."""
+        return "\n".join(fault.text(catalogue) for fault in self.faults)
 
 
 class Outcome(Enum):
-    """How a computation can end without a result; the value tells the remedy."""
+    """How a computation can end without a result; the text of the key tells the remedy."""
 
-    EQUAL_POLES = (
-        "two modes have the same poles, so one force cannot bring both to rest independently; "
-        "merge them into one mode (add their tcp_gain and measured_gain)"
-    )
-    NOT_CONTROLLABLE = (
-        "the drive force does not reach every state; remove the mode that it cannot excite"
-    )
-    FINAL_TIME_TOO_SHORT = "no admissible force reaches the target so soon; give a longer t_f"
-    BOUND_CANNOT_HOLD = "no move, however slow, keeps this bound; widen it"
-    BEYOND_HORIZON = (
-        "the bound can only be met by a move slower than the search horizon; widen the bound"
-    )
-    MODES_NOT_TOLD_APART = (
-        "so strong a force makes the move so short that all modes answer alike, closer than double "
-        "precision can tell; check the unit of max_force and the masses, or lower max_force"
-    )
-    NO_CONVERGENCE = (
-        "the iteration stopped before the required accuracy was reached; "
-        "report the profile, and use --method transcription meanwhile"
-    )
-    UNSTABLE_LOOP = (
-        "the closed loop is unstable; lower velocity_gain, then position_gain, "
-        "or leave them out to have them tuned"
-    )
-    NOT_OBSERVABLE = (
-        "the sensors do not see this state, so no feedback can use it; "
-        'remove the gain, or add a second encoder with tcp_sensor = "position"'
-    )
-    BANDWIDTH_OUT_OF_REACH = (
-        "no stable loop reaches minimum_bandwidth with the required margins; "
-        "shorten force_lag and the cycles, or lower minimum_bandwidth"
-    )
-    MARGINS_OUT_OF_REACH = (
-        "no cascade, however soft, has the required margins: it takes damping from a mode that "
-        "the encoder sees; check the sign of measured_gain, or add a notch to force_filters"
-    )
-    UNDAMPED_MODE = (
-        "the encoder does not see this mode, so it would ring for ever; "
-        "state its damping_ratio (measured, or a cautious 0.002)"
-    )
-    FEEDBACK_DESIGN_FAILED = (
-        "the Riccati equation of the state feedback or of its observer has no reliable solution "
-        'for these numbers; check their units, or set control.state_feedback = "off"'
-    )
-    NO_FORCE_LEFT = (
-        "the static load takes all of the force, so the axis cannot move; "
-        "raise max_force or balance the load"
-    )
-    MOVE_TOO_LONG = (
-        "so long a motion is not followed cycle by cycle; check the unit of max_force, or state a "
-        "shorter move (a smaller velocity_step, or a shorter distance at the same max_velocity: "
-        "constant velocity and long constant acceleration leave no vibration, so the limits stay "
-        "nearly the same; take what is cut off from max_settling_time, too)"
-    )
-    SETPOINT_FAILED = "Ruckig found no setpoint for these limits; check that they are in SI units"
-    WORKER_LOST = (
-        "processes of the sweep ended again and again, for want of memory or by force; "
-        "continue with --resume, with fewer --workers"
-    )
-    STOPPED = "the sweep was interrupted; continue with --resume"
-    PRINTING_FAILED = "the PDF could not be set; use --no-pdf and report the message"
+    EQUAL_POLES = "outcome-equal-poles"
+    NOT_CONTROLLABLE = "outcome-not-controllable"
+    FINAL_TIME_TOO_SHORT = "outcome-final-time-too-short"
+    BOUND_CANNOT_HOLD = "outcome-bound-cannot-hold"
+    BEYOND_HORIZON = "outcome-beyond-horizon"
+    MODES_NOT_TOLD_APART = "outcome-modes-not-told-apart"
+    NO_CONVERGENCE = "outcome-no-convergence"
+    UNSTABLE_LOOP = "outcome-unstable-loop"
+    NOT_OBSERVABLE = "outcome-not-observable"
+    BANDWIDTH_OUT_OF_REACH = "outcome-bandwidth-out-of-reach"
+    MARGINS_OUT_OF_REACH = "outcome-margins-out-of-reach"
+    UNDAMPED_MODE = "outcome-undamped-mode"
+    FEEDBACK_DESIGN_FAILED = "outcome-feedback-design-failed"
+    NO_FORCE_LEFT = "outcome-no-force-left"
+    MOVE_TOO_LONG = "outcome-move-too-long"
+    SETPOINT_FAILED = "outcome-setpoint-failed"
+    WORKER_LOST = "outcome-worker-lost"
+    STOPPED = "outcome-stopped"
+    PRINTING_FAILED = "outcome-printing-failed"
 
 
 class ComputationError(MtcommissionError):
@@ -134,14 +113,29 @@ class ComputationError(MtcommissionError):
     Parameters
     ----------
     outcome
-        The named outcome; its value is the remedy.
+        The named outcome.
     detail
-        What was computed, with numbers and units.
+        What was computed, with its numbers.
     """
 
     exit_code = 3
 
-    def __init__(self, outcome: Outcome, detail: str) -> None:
-        self.outcome = outcome
-        self.detail = detail
-        super().__init__(f"{outcome.name.lower().replace('_', ' ')}: {detail}: {outcome.value}")
+    def __init__(self, outcome: Outcome, detail: Message) -> None:
+        super().__init__(outcome, detail)
+        self.outcome, self.detail = outcome, detail
+
+    @property
+    def message(self) -> Message:
+        """The outcome with its detail and remedy, to be told within a result."""
+        return Message(self.outcome.value, detail=self.detail)
+
+    def text(self, catalogue: Catalogue) -> str:
+        """Return outcome, detail and remedy."""
+        return catalogue.say(self.message)
+
+
+def _english() -> Catalogue:
+    """The catalogue, loaded only when an error is read: most runs need none."""
+    from mtcommission.messages.catalogue import Catalogue
+
+    return Catalogue()

@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 
 
 def require_folder(folder: Path) -> None:
@@ -34,7 +35,7 @@ def require_folder(folder: Path) -> None:
     else:
         return
     message = f"cannot write there ({reason}); give another folder with -o"
-    raise InputError([Fault(where=str(folder), message=message)])
+    raise InputError([Fault(where=str(folder), message=Message("verbatim", text=message))])
 
 
 def require_writable(*names: str) -> None:
@@ -63,7 +64,7 @@ def require_writable(*names: str) -> None:
             reason = f"no right to write into {path.parent}; give another name"
         else:
             continue
-        faults.append(Fault(where=name, message=reason))
+        faults.append(Fault(where=name, message=Message("verbatim", text=reason)))
     if faults:
         raise InputError(faults)
 
@@ -89,7 +90,9 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
             _replace(folder / name, content)
     except OSError as error:
         message = f"cannot write there ({error.strerror}); give another folder with -o"
-        raise InputError([Fault(where=str(folder), message=message)]) from error
+        raise InputError(
+            [Fault(where=str(folder), message=Message("verbatim", text=message))]
+        ) from error
 
 
 def write_text(name: str, text: str) -> None:
@@ -114,7 +117,7 @@ def write_text(name: str, text: str) -> None:
         _replace(Path(name), text.encode())
     except OSError as error:
         message = f"cannot write this file ({error.strerror}); give another name"
-        raise InputError([Fault(where=name, message=message)]) from error
+        raise InputError([Fault(where=name, message=Message("verbatim", text=message))]) from error
 
 
 def _replace(path: Path, content: bytes) -> None:

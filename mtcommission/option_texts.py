@@ -5,6 +5,7 @@ from __future__ import annotations
 from difflib import get_close_matches
 
 from mtcommission.errors import Fault
+from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant
 from mtcommission.units.quantities import (
@@ -55,12 +56,17 @@ def read_bound(plant: Plant, text: str, faults: list[Fault]) -> Bound:
     name, separator, value = text.partition("=")
     name = name.strip()
     if not separator:
-        faults.append(Fault(where="--limit", message=f"got {text!r}, must be NAME=VALUE"))
+        faults.append(
+            Fault(
+                where="--limit",
+                message=Message("verbatim", text=f"got {text!r}, must be NAME=VALUE"),
+            )
+        )
     elif name not in plant.signals:
         close = get_close_matches(name, plant.signals, n=1)
         hint = f"; did you mean {close[0]}?" if close else ""
         message = f"no state or output {name!r}{hint}; there are: {', '.join(plant.signals)}"
-        faults.append(Fault(where="--limit", message=message))
+        faults.append(Fault(where="--limit", message=Message("verbatim", text=message)))
     else:
         dimension = BY_UNIT[plant.signal_units[plant.signals.index(name)]]
         found = read_positive(f"--limit {name}", value, dimension, faults)
@@ -90,10 +96,10 @@ def read_positive(where: str, text: str, dimension: Dimension, faults: list[Faul
     try:
         value = parse_quantity(text, dimension)
     except ValueError as error:
-        faults.append(Fault(where=where, message=str(error)))
+        faults.append(Fault(where=where, message=Message("verbatim", text=str(error))))
         return 1.0
     if value <= 0.0:
         message = f"got {text.strip()}, must be > 0 {dimension.si}"
-        faults.append(Fault(where=where, message=message))
+        faults.append(Fault(where=where, message=Message("verbatim", text=message)))
         return 1.0
     return value

@@ -16,6 +16,7 @@ from mtcommission.limits.optima import (
 )
 from mtcommission.loop.simulation_budget import require_few_cycles
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
 from mtcommission.optimal.transcription.discretisation import Scheme, TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import (
@@ -93,7 +94,7 @@ def with_force(machine: Machine, text: str) -> Machine:
             f"got {force:g} {dimension.si}, must be above the static load "
             f"{abs(machine.drive.static_load):g} {dimension.si}"
         )
-        raise InputError([Fault(where="--f-max", message=message)])
+        raise InputError([Fault(where="--f-max", message=Message("verbatim", text=message))])
     return replace(machine, drive=replace(machine.drive, max_force=force))
 
 
@@ -175,19 +176,19 @@ def read_optimal_request(
     for name, count in Counter(text.partition("=")[0].strip() for text in limits).items():
         if count > 1:
             message = f"{name} is given {count} times; give each state or output once"
-            faults.append(Fault(where="--limit", message=message))
+            faults.append(Fault(where="--limit", message=Message("verbatim", text=message)))
     final = read_positive("--t-f", t_f, TIME, faults) if t_f else None
     if kind == "time" and t_f:
         message = "goes with --kind damping; a time-optimal control finds its own final time"
-        faults.append(Fault(where="--t-f", message=message))
+        faults.append(Fault(where="--t-f", message=Message("verbatim", text=message)))
     schemes = {item.value: item for item in Scheme}
     _one_of("--scheme", scheme, tuple(schemes), faults)
     if not 2 <= intervals <= MOST_INTERVALS:
         message = f"got {intervals}, must be 2 to {MOST_INTERVALS}"
-        faults.append(Fault(where="--intervals", message=message))
+        faults.append(Fault(where="--intervals", message=Message("verbatim", text=message)))
     if kind == "damping" and limits and method == "exact":
         message = "bounds on a damping-optimal control need --method transcription"
-        faults.append(Fault(where="--limit", message=message))
+        faults.append(Fault(where="--limit", message=Message("verbatim", text=message)))
     chosen = _move(
         machine, velocity_step=velocity_step, distance=distance, number=move, faults=faults
     )
@@ -278,7 +279,7 @@ def _move(
     axis = machine.measures
     if velocity_step and distance:
         message = "cannot go with --velocity-step; give one of them"
-        faults.append(Fault(where="--distance", message=message))
+        faults.append(Fault(where="--distance", message=Message("verbatim", text=message)))
     if velocity_step:
         return VelocityStep(
             velocity_step=read_positive("--velocity-step", velocity_step, axis.velocity, faults)
@@ -287,7 +288,7 @@ def _move(
         return Positioning(distance=read_positive("--distance", distance, axis.length, faults))
     if not 1 <= number <= len(machine.moves):
         message = f"got {number}, the profile has moves 1 to {len(machine.moves)}"
-        faults.append(Fault(where="--move", message=message))
+        faults.append(Fault(where="--move", message=Message("verbatim", text=message)))
         return machine.moves[0]
     return machine.moves[number - 1]
 
@@ -295,7 +296,7 @@ def _move(
 def _one_of(where: str, text: str, allowed: tuple[str, ...], faults: list[Fault]) -> None:
     if text not in allowed:
         message = f"got {text!r}, must be {' or '.join(allowed)}"
-        faults.append(Fault(where=where, message=message))
+        faults.append(Fault(where=where, message=Message("verbatim", text=message)))
 
 
 def _raise(faults: list[Fault]) -> None:

@@ -313,7 +313,7 @@ def test_shorter_than_the_shortest_time_is_refused(t_f: float) -> None:
     with pytest.raises(ComputationError) as caught:
         paper_optimum(t_f=t_f)
     assert caught.value.outcome is Outcome.FINAL_TIME_TOO_SHORT
-    assert f"t_f = {t_f:.6g} s takes more than" in caught.value.detail
+    assert f"t_f = {t_f:.6g} s takes more than" in str(caught.value)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -7,6 +7,7 @@ the axis has a torque.
 from __future__ import annotations
 
 import ast
+import pickle
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,11 +17,12 @@ from fluent.syntax import ast as ftl
 from fluent.syntax.visitor import Visitor
 
 import mtcommission
+from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.catalogue import LANGUAGES, UNITS, Catalogue, entries_of
 from mtcommission.messages.message import Message, from_json, to_json
 
 SOURCE = Path(mtcommission.__file__).parent
-FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "SHARE", "CHANGE", "TERM"}
+FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "PLAIN", "SHARE", "CHANGE", "TERM"}
 
 
 class _Places(Visitor):
@@ -130,3 +132,12 @@ def test_a_message_survives_the_record() -> None:
     inner = Message("requirement-peak", signal="v_phi")
     message = Message("bound-by", first=inner, others=(inner, "a"), share=0.5, known=None)
     assert from_json(to_json(message)) == message
+
+
+def test_every_outcome_tells_what_was_computed_and_survives_a_process() -> None:
+    """A worker of a sweep hands its error over; a kind without a text would hide the remedy."""
+    for outcome in Outcome:
+        error = ComputationError(outcome, Message("requirement-peak", signal="v_phi"))
+        again = pickle.loads(pickle.dumps(error))
+        assert str(again).startswith(f"{outcome.name.lower().replace('_', ' ')}: peak v_phi: ")
+        assert ": Höchstwert v_phi: " in again.text(Catalogue("de"))

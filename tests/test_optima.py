@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_optima, find_time_optimum
 from mtcommission.machine.machine import Positioning
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.bounded.cruise import compose_cruise
 from mtcommission.optimal.solution import propagate, sample_trajectory
@@ -90,7 +91,7 @@ def test_reference_that_had_to_be_composed_says_so(monkeypatch: pytest.MonkeyPat
     """A reader must see that the reference is not the optimum itself, and how far it can be."""
 
     def gives_up(*_: object, **__: object) -> None:
-        raise ComputationError(Outcome.NO_CONVERGENCE, "exact search")
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text="exact search"))
 
     monkeypatch.setattr("mtcommission.limits.optima.solve_bounded_time_optimal", gives_up)
     machine = paper_machine()

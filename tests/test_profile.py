@@ -714,13 +714,19 @@ def fault_of_file(path: Path) -> Fault:
 def test_a_file_that_is_no_profile(tmp_path: Path, data: bytes, line: int, message: str) -> None:
     path = tmp_path / "p.toml"
     path.write_bytes(data)
-    assert fault_of_file(path) == Fault(where=str(path), line=line, message=message)
+    place = f"{path}:{line}" if line else str(path)
+    assert str(fault_of_file(path)) == f"{place}: {message}"
 
 
 def test_no_file_and_a_directory(tmp_path: Path) -> None:
-    assert fault_of_file(tmp_path / "x").message == "there is no such file; check the name"
-    assert fault_of_file(tmp_path).message == "is a directory; name a profile (.toml) in it"
-    assert "cannot be read" in fault_of_file(Path("a\0b")).message
+    assert (
+        str(fault_of_file(tmp_path / "x"))
+        == f"{tmp_path / 'x'}: there is no such file; check the name"
+    )
+    assert (
+        str(fault_of_file(tmp_path)) == f"{tmp_path}: is a directory; name a profile (.toml) in it"
+    )
+    assert "cannot be read" in str(fault_of_file(Path("a\0b")))
 
 
 def test_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path: Path) -> None:

@@ -48,6 +48,7 @@ from mtcommission.machine.machine import (
 )
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.formula import find_symbols
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
@@ -1079,7 +1080,10 @@ def test_german_knows_every_warning_about_a_machine():
 
 def test_german_knows_places_remarks_and_errors_of_the_computation():
     corner = Corner(payload=12.5, frequency_factor=0.95, damping_factor=0.8)
-    error = ComputationError(Outcome.FINAL_TIME_TOO_SHORT, "t_f = 40 ms, but t_f,min = 43.5061 ms")
+    error = ComputationError(
+        Outcome.FINAL_TIME_TOO_SHORT,
+        Message("verbatim", text="t_f = 40 ms, but t_f,min = 43.5061 ms"),
+    )
     shown = {
         describe_place(2, corner, 3): "Bewegung 2, Zuladung 12,5 kg, Frequenzen × 0,95, "
         "Dämpfung × 0,8",

@@ -246,7 +246,7 @@ def test_time_too_short_is_named() -> None:
     with pytest.raises(ComputationError) as caught:
         smoothest(100, t_f=0.04)
     assert caught.value.outcome is Outcome.FINAL_TIME_TOO_SHORT
-    assert "Infeasible_Problem_Detected" in caught.value.detail
+    assert "Infeasible_Problem_Detected" in str(caught.value)
 
 
 def test_bound_out_of_reach_by_the_given_time_is_named_with_the_smallest_possible() -> None:
@@ -282,7 +282,7 @@ def test_exhausted_iterations_are_named() -> None:
             settings=TranscriptionSettings(intervals=50, max_iterations=3),
         )
     assert caught.value.outcome is Outcome.NO_CONVERGENCE
-    assert "Maximum_Iterations_Exceeded" in caught.value.detail
+    assert "Maximum_Iterations_Exceeded" in str(caught.value)
 
 
 def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:

@@ -11,6 +11,7 @@ import typer
 from mtcommission.cli.compute import run
 from mtcommission.cli.inputs import list_delays, list_warnings
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 
 
 def wizard(
@@ -57,7 +58,14 @@ def check(
         sys.stdout.write(profile_schema().rstrip() + "\n")
         return
     if profile is None:
-        raise InputError([Fault(where="check", message="got no profile; give a TOML file")])
+        raise InputError(
+            [
+                Fault(
+                    where="check",
+                    message=Message("verbatim", text="got no profile; give a TOML file"),
+                )
+            ]
+        )
     from mtcommission.cli.terminal import describe_machine, show
     from mtcommission.loop.tuning.tuning import check_loop
     from mtcommission.plant.plant import build_plant
@@ -95,7 +103,14 @@ def copy_profile(
     found = read_shipped(name)
     target = file or f"{found.name}.toml"
     if target != "-" and Path(target).exists():
-        raise InputError([Fault(where=target, message="exists already; give another name")])
+        raise InputError(
+            [
+                Fault(
+                    where=target,
+                    message=Message("verbatim", text="exists already; give another name"),
+                )
+            ]
+        )
     write_text(target, found.text)
     if target != "-":
         sys.stdout.write(f"written: {target}\n")

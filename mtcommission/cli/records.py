@@ -11,6 +11,7 @@ import typer
 from mtcommission.cli.arguments import FolderOption, LanguageOption, NoPdfOption, RecordArgument
 from mtcommission.cli.progress import show_stage
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 
 
 def sheet(
@@ -42,7 +43,9 @@ def sheet(
             f"this record lacks {error}: another version of mtcommission wrote it; "
             "run the profile again, or print it with that version"
         )
-        raise InputError([Fault(where=str(record), message=message)]) from error
+        raise InputError(
+            [Fault(where=str(record), message=Message("verbatim", text=message))]
+        ) from error
     write_files(output, files)
     sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
     raise typer.Exit(0 if loaded["assessment"]["met"] else 1)
@@ -74,7 +77,7 @@ def export(
         return
     if record is None:
         message = "got no record; give the record.json of a run, or --control ? for the list"
-        raise InputError([Fault(where="export", message=message)])
+        raise InputError([Fault(where="export", message=Message("verbatim", text=message))])
     key = find_control_key(control)
     require_writable(output)
 

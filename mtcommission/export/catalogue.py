@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 
 CONTROL_TITLES: Mapping[str, str] = {
     "sinumerik": "SINUMERIK 840D / 828D / ONE",
@@ -76,4 +77,4 @@ def find_control_key(name: str) -> str:
     close = get_close_matches(key, CONTROL_TITLES, n=1)
     hint = f"; did you mean {close[0]}?" if close else "."
     message = f"no control {name!r}{hint} There are: {', '.join(CONTROL_TITLES)}"
-    raise InputError([Fault(where="--control", message=message)])
+    raise InputError([Fault(where="--control", message=Message("verbatim", text=message))])

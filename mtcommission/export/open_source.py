@@ -22,6 +22,7 @@ from mtcommission.export.rounding import Coding, JerkForm, Typed
 from mtcommission.export.shaping import TypedShaper
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import MILLI
+from mtcommission.messages.message import Message
 
 LETTERS = "XYZABCUVW"
 """Axis letters in the order in which these controls number them."""
@@ -42,14 +43,14 @@ def _letter(subject: Subject, allowed: str, control: str) -> str:
             f'"{subject.axis}": begin machine.axis with one of these letters, or use '
             "--control generic"
         )
-        raise InputError([Fault(where="--control", message=message)])
+        raise InputError([Fault(where="--control", message=Message("verbatim", text=message))])
     return letter
 
 
 def _require_linear(subject: Subject, control: str) -> None:
     if subject.is_rotary:
         message = f"{control} limits linear axes only, this one is rotary; use --control generic"
-        raise InputError([Fault(where="--control", message=message)])
+        raise InputError([Fault(where="--control", message=Message("verbatim", text=message))])
 
 
 def _jerk_coding(subject: Subject) -> Coding:

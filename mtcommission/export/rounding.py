@@ -17,6 +17,7 @@ from math import inf
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.shaping import TypedShaper
 from mtcommission.export.subject import Subject, Verdict, judge_setpoints, plan_moves
+from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.study.shapers import shape_setpoint
 
@@ -215,7 +216,7 @@ def type_limits(subject: Subject, coding: Coding) -> Typed:
             f"the acceleration of {subject.limits.acceleration:.3g} {subject.length}/s^2 is less "
             "than one unit of this control; use --control generic"
         )
-        raise InputError([Fault(where="--control", message=message)])
+        raise InputError([Fault(where="--control", message=Message("verbatim", text=message))])
     typed = _judge(subject, pairs[0])
     is_jerkless = coding.jerk_form is JerkForm.NONE
     if typed.verdict.assessment.is_met or not (subject.is_met or is_jerkless):

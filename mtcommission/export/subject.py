@@ -17,6 +17,7 @@ from mtcommission.export.wording import DEGREE, MILLI
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Motion, StateFeedback, StateGain
 from mtcommission.machine.rigid_body import peak_velocity
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode, build_plant, dominant_mode
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.schema import ModeLimitsEntry, Record
@@ -215,7 +216,9 @@ def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
     acceleration, jerk = mode["acceleration"], mode["jerk"]
     if acceleration is None or jerk is None:
         message = f"no limits meet the requirements of machining mode {mode['name']}"
-        raise InputError([Fault(where="record", key="limits.modes", message=message)])
+        raise InputError(
+            [Fault(where="record", key="limits.modes", message=Message("verbatim", text=message))]
+        )
     needs = replace(subject.machine.requirements, tcp_deviation=mode["band"])
     return replace(
         subject,
@@ -286,7 +289,9 @@ def _require_own_profile(record: Record) -> None:
             "the profile in this record was edited: it does not have the hash of the run; "
             "run the changed profile instead"
         )
-        raise InputError([Fault(where="record", key="profile.text", message=message)])
+        raise InputError(
+            [Fault(where="record", key="profile.text", message=Message("verbatim", text=message))]
+        )
 
 
 def _as_recorded(record: Record) -> Machine:
@@ -320,4 +325,6 @@ def _require_same_loop(subject: Subject) -> None:
             "the loop in this record is not the one that its profile and gains give; "
             "run the profile again with this version"
         )
-        raise InputError([Fault(where="record", key="loop", message=message)])
+        raise InputError(
+            [Fault(where="record", key="loop", message=Message("verbatim", text=message))]
+        )

@@ -27,8 +27,8 @@ from mtcommission.limits.search.bench import (
 from mtcommission.limits.search.explore import explore, guess_usage, join
 from mtcommission.limits.search.landscape import Landscape, chart_landscape
 from mtcommission.limits.search.region import Region, lay_grid, narrow_region, widest_region
-from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.limits.search.rounding import round_best
+from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.loop.simulation_budget import require_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine

@@ -9,6 +9,7 @@ from math import ceil, floor, isfinite, log10
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.condense import condense
 from mtcommission.machine.machine import Machine, Move, Positioning
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.bounded.cruise import compose_cruise
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
@@ -66,7 +67,7 @@ def require_force(machine: Machine) -> None:
     drive = machine.drive
     if drive.motion_force <= 0.0:
         detail = f"static_load {drive.static_load:.6g} N of max_force {drive.max_force:.6g} N"
-        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
+        raise ComputationError(Outcome.NO_FORCE_LEFT, Message("verbatim", text=detail))
 
 
 def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
@@ -193,7 +194,7 @@ def find_damping_optimum(
     """
     if t_f < least:
         detail = f"t_f = {1e3 * t_f:.9g} ms, but t_f,min = {_rounded_up(1e3 * least):.9g} ms"
-        raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
+        raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, Message("verbatim", text=detail))
     force = machine.drive.motion_force
     weights = machine.damping_optimal.weights
     if not weights:

@@ -13,6 +13,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.corners import corners
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 MOST_CYCLES = 100_000
@@ -62,10 +63,13 @@ def require_affordable(machine: Machine) -> None:
     count = f"{cycles:.0f}" if cycles < 1e9 else f"{cycles:.3g}"
     raise ComputationError(
         Outcome.MOVE_TOO_LONG,
-        f"move {slowest + 1} takes at least {times[slowest]:.3g} s with "
-        f"{machine.drive.motion_force:.4g} {force} on {moving_mass(machine):.4g} {mass}; in "
-        f"{len(corners(machine))} corner(s) all moves together are {count} velocity cycles of "
-        f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {MOST_CYCLES} at most",
+        Message(
+            "verbatim",
+            text=f"move {slowest + 1} takes at least {times[slowest]:.3g} s with "
+            f"{machine.drive.motion_force:.4g} {force} on {moving_mass(machine):.4g} {mass}; in "
+            f"{len(corners(machine))} corner(s) all moves together are {count} velocity cycles of "
+            f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {MOST_CYCLES} at most",
+        ),
     )
 
 
@@ -118,10 +122,10 @@ def require_few_cycles(
     cycles = _cycles(machine, times)
     if cycles <= most:
         return
-    raise ComputationError(
-        Outcome.MOVE_TOO_LONG,
+    detail = (
         f"{reason} {limits.acceleration:.4g} {machine.measures.acceleration.si} and a ramp of "
         f"{limits.jerk_time:.4g} s, with which a move takes {max(times):.4g} s; in "
         f"{len(corners(machine))} corner(s) all moves together are {cycles:.3g} velocity cycles of "
-        f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {most} at most; {remedy}",
+        f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {most} at most; {remedy}"
     )
+    raise ComputationError(Outcome.MOVE_TOO_LONG, Message("verbatim", text=detail))

@@ -125,6 +125,9 @@ class Catalogue:
             "NUMBER": lambda value, digits=4: self.format.number(
                 _number(value) or 0.0, digits=int(digits)
             ),
+            "PLAIN": lambda value, digits=4: f"{_number(value) or 0.0:.{int(digits)}g}".replace(
+                ".", self.format.decimal_mark
+            ),
             "SHARE": lambda value: self.format.percent_if_known(_number(value)),
             "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
             "TERM": self._term,

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Machine, Manipulator, moving_mass
 from mtcommission.machine.mechanics import EQUAL_POLE_TOLERANCE, flexible_modes
+from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 
@@ -301,11 +302,11 @@ def _check_modes(modes: tuple[PlantMode, ...]) -> None:
     for i, one in enumerate(modes):
         if one.scale == 0.0:
             detail = f"mode {one.name} is not driven by the force (lever arm 0)"
-            raise ComputationError(Outcome.NOT_CONTROLLABLE, detail)
+            raise ComputationError(Outcome.NOT_CONTROLLABLE, Message("verbatim", text=detail))
         for other in modes[:i]:
             if abs(one.pole - other.pole) <= EQUAL_POLE_TOLERANCE * abs(one.pole):
                 detail = f"modes {other.name} and {one.name} at {one.frequency_hz:.6g} Hz"
-                raise ComputationError(Outcome.EQUAL_POLES, detail)
+                raise ComputationError(Outcome.EQUAL_POLES, Message("verbatim", text=detail))
 
 
 def kalman_rank(plant: Plant) -> int:

@@ -10,6 +10,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from mtcommission.errors import Fault
+from mtcommission.messages.message import Message
 from mtcommission.profile.lines import KeyLines, KeyPath, show_key
 from mtcommission.profile.model import (
     ControlTable,
@@ -75,10 +76,14 @@ def list_faults(error: ValidationError, *, where: str, lines: KeyLines) -> list[
         if close:
             meant.add(beside[close])
             message = f'unknown key; did you mean "{close}", which is missing?'
-            found = [replace(fault, message=message) for fault in found]
+            found = [replace(fault, message=Message("verbatim", text=message)) for fault in found]
         faults += found
     gone = {show_key(_written(path)) for path in meant}
-    kept = [f for f in faults if not (f.key in gone and f.message.startswith(MISSING))]
+    kept = [
+        f
+        for f in faults
+        if not (f.key in gone and str(f.message.values["text"]).startswith(MISSING))
+    ]
     return sorted(kept, key=lambda fault: fault.line)
 
 
@@ -153,7 +158,12 @@ def _translate(detail: ErrorDetails, where: str, lines: KeyLines) -> list[Fault]
         parts = [int(part) if part.isdigit() else part for part in below.split(".") if part]
         key = (*path, *parts)
         faults.append(
-            Fault(where=where, line=lines.line_of(key), key=show_key(key), message=message)
+            Fault(
+                where=where,
+                line=lines.line_of(key),
+                key=show_key(key),
+                message=Message("verbatim", text=message),
+            )
         )
     return faults
 

@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from mtcommission.errors import Outcome
 from mtcommission.machine.mechanics import EQUAL_POLE_TOLERANCE
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.ranges import (
     ARM_Q,
     DAMPING_Q,
@@ -151,5 +151,5 @@ def _is_same(pole: complex, other: complex) -> bool:
 
 
 def _equal_poles(one: str, other: str, omega: float) -> str:
-    hertz = omega / (2.0 * pi)
-    return f"modes {one} and {other} at {hertz:.6g} Hz: {Outcome.EQUAL_POLES.value}"
+    hertz, remedy = omega / (2.0 * pi), Catalogue().text("modes-have-equal-poles")
+    return f"modes {one} and {other} at {hertz:.6g} Hz: {remedy}"

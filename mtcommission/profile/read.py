@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 from mtcommission.profile.build import build_machine
 from mtcommission.profile.faults import list_faults
 from mtcommission.profile.lines import find_key_lines
@@ -90,7 +91,9 @@ def read_profile_text(path: Path | str) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the profile as UTF-8 text"
-        raise InputError([Fault(where=where, line=line, message=message)]) from error
+        raise InputError(
+            [Fault(where=where, line=line, message=Message("verbatim", text=message))]
+        ) from error
 
 
 def profile_text_hash(data: bytes) -> str:
@@ -135,13 +138,20 @@ def parse_profile(text: str, *, where: str) -> Machine:
     """
     if not text.strip():
         message = "is empty; start from a shipped profile (mtcommission profiles list)"
-        raise InputError([Fault(where=where, line=1, message=message)])
+        raise InputError([Fault(where=where, line=1, message=Message("verbatim", text=message))])
     parsed = load_toml(text, where=where)
     data, wrong_kind = _mend_kind(parsed.data)
     faults, lines = list(parsed.faults), find_key_lines(parsed.text)
     if wrong_kind:
         line = lines.line_of(("plant", "kind"))
-        faults.append(Fault(where=where, line=line, key="plant.kind", message=wrong_kind))
+        faults.append(
+            Fault(
+                where=where,
+                line=line,
+                key="plant.kind",
+                message=Message("verbatim", text=wrong_kind),
+            )
+        )
     refused = {fault.line for fault in parsed.faults}
     try:
         table = ProfileTable.model_validate(data, context=_context(data))
@@ -172,7 +182,7 @@ def profile_schema() -> str:
 
 
 def _file_fault(where: str, message: str) -> InputError:
-    return InputError([Fault(where=where, message=message)])
+    return InputError([Fault(where=where, message=Message("verbatim", text=message))])
 
 
 def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:

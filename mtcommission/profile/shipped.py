@@ -10,6 +10,7 @@ from textwrap import wrap
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile, read_profile_text
 
 WIDTH = 80
@@ -67,7 +68,7 @@ def read_shipped(name: str) -> ShippedProfile:
         close = get_close_matches(wanted, known, n=1)
         hint = f"; did you mean {close[0]}?" if close else "."
         message = f"no shipped profile {name!r}{hint} There are: {', '.join(known)}"
-        raise InputError([Fault(where="profiles", message=message)])
+        raise InputError([Fault(where="profiles", message=Message("verbatim", text=message))])
     text = read_profile_text(_folder() / f"{wanted}.toml")
     return ShippedProfile(
         name=wanted, machine=parse_profile(text, where=f"{wanted}.toml"), text=text

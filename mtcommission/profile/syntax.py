@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.profile.lines import find_key_lines, find_repetition, show_key
 
 MOST_FAULTS = 50
@@ -83,7 +84,9 @@ def load_toml(text: str, *, where: str) -> Parsed:
             return Parsed(data=tomllib.loads(read), text=read, faults=_with_keys(faults, read))
         except RecursionError as error:
             message = "is nested too deeply; a profile needs no more than three levels"
-            raise InputError([Fault(where=where, line=1, message=message)]) from error
+            raise InputError(
+                [Fault(where=where, line=1, message=Message("verbatim", text=message))]
+            ) from error
         except ValueError as error:
             fault = _refused(str(error), lines, where=where)
             is_new = fault.line not in {known.line for known in faults}
@@ -117,7 +120,7 @@ def _refused(reason: str, lines: list[str], *, where: str) -> Fault:
     key, first = find_repetition(text, line) if _TWICE.search(reason) else ("", 0)
     if key:
         message = f"stands in line {first} already; remove one of the two"
-        return Fault(where=where, line=line, key=key, message=message)
+        return Fault(where=where, line=line, key=key, message=Message("verbatim", text=message))
     shown = _printable(lines[line - 1].strip()) if line <= len(lines) else ""
     entry = _ENTRY.fullmatch(shown)
     message = _remedy(entry["value"]) if entry else ""
@@ -125,7 +128,7 @@ def _refused(reason: str, lines: list[str], *, where: str) -> Fault:
         message = f'got "{_short(shown)}"; a line is a [table], a key = value, or a comment after #'
     if not message:
         message = f"TOML syntax: {re.sub(r' ?[(]at [^)]*[)]', '', reason)}"
-    return Fault(where=where, line=min(line, len(lines)), message=message)
+    return Fault(where=where, line=min(line, len(lines)), message=Message("verbatim", text=message))
 
 
 def _line_without_place(reason: str, lines: list[str]) -> int:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import cast
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.record.expected import find_unexpected
 from mtcommission.record.schema import SCHEMA, Record
 
@@ -69,19 +70,23 @@ def load_record(path: Path) -> Record:
         data = json.loads(text)
     except (OSError, ValueError, RecursionError) as error:
         message = f"not a record of mtcommission run: {error}"
-        raise InputError([Fault(where=str(path), message=message)]) from error
+        raise InputError(
+            [Fault(where=str(path), message=Message("verbatim", text=message))]
+        ) from error
     missing = (
         sorted(Record.__required_keys__ - data.keys()) if isinstance(data, dict) else ["all keys"]
     )
     if missing:
         message = f"not a record of mtcommission run: {', '.join(missing)} missing"
-        raise InputError([Fault(where=str(path), message=message)])
+        raise InputError([Fault(where=str(path), message=Message("verbatim", text=message))])
     if data["schema"] != SCHEMA:
         message = (
             f"record schema {data['schema']!r}, this version reads {SCHEMA}; "
             "run the profile again, or print it with the version that wrote it"
         )
-        raise InputError([Fault(where=str(path), key="schema", message=message)])
+        raise InputError(
+            [Fault(where=str(path), key="schema", message=Message("verbatim", text=message))]
+        )
     unexpected = list(islice(find_unexpected(data, Record), MOST_NAMED + 1))
     named = "".join(f"; {one}" for one in unexpected[:MOST_NAMED])
     named += "; and more" if len(unexpected) > MOST_NAMED else ""
@@ -90,13 +95,15 @@ def load_record(path: Path) -> Record:
             "its contents are not those that mtcommission run wrote: it was edited or damaged"
             f"{named}; change the profile instead, and run it again"
         )
-        raise InputError([Fault(where=str(path), key="checksum", message=message)])
+        raise InputError(
+            [Fault(where=str(path), key="checksum", message=Message("verbatim", text=message))]
+        )
     if unexpected:
         message = (
             f"another version of mtcommission wrote it{named}; run the profile again, or use "
             "that version"
         )
-        raise InputError([Fault(where=str(path), message=message)])
+        raise InputError([Fault(where=str(path), message=Message("verbatim", text=message))])
     return cast(Record, data)
 
 

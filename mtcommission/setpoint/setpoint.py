@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 Array = NDArray[np.float64]
@@ -139,7 +140,7 @@ def plan_setpoint(move: Move, limits: MotionLimits, *, moving_average: float = 0
             f"{move} with a = {limits.acceleration:.6g} m/s^2, j = {limits.jerk:.6g} m/s^3 "
             f"(rad instead of m on a rotary axis): {complaint}"
         )
-        raise ComputationError(Outcome.SETPOINT_FAILED, detail)
+        raise ComputationError(Outcome.SETPOINT_FAILED, Message("verbatim", text=detail))
     profile = trajectory.profiles[0][0]
     durations, jerks = np.array(profile.t), np.array(profile.j)
     used = durations > 0.0

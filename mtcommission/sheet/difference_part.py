@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.record.schema import Quantity, Record
 from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.machine_part import datum, datum_name
@@ -61,7 +62,7 @@ def differences(before: Record, after: Record, f: Formatter) -> Section:
     motions = (before["machine"]["motion"], after["machine"]["motion"])
     if motions[0] != motions[1]:
         message = f"got a {motions[0]} axis, must be {motions[1]} like the record to be printed"
-        raise InputError([Fault(where="--compare", message=message)])
+        raise InputError([Fault(where="--compare", message=Message("verbatim", text=message))])
     text, profile = f.labels, before["profile"]
     inputs = [change for change in _inputs(before, after, f) if change.is_changed]
     sources = text.compared_with.format(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.sheet.labels_en import ENGLISH, Labels
 
@@ -34,5 +35,5 @@ def find_labels(language: str) -> Labels:
     if language not in LANGUAGES:
         allowed = ", ".join(LANGUAGES)
         message = f'got "{language}", must be one of: {allowed}'
-        raise InputError([Fault(where="--language", message=message)])
+        raise InputError([Fault(where="--language", message=Message("verbatim", text=message))])
     return LANGUAGES[language]

@@ -13,6 +13,7 @@ from typing import Any
 import typst
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.figures import draw_svg
 from mtcommission.sheet.formula import parse_formula
@@ -70,7 +71,9 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
             timestamp=_timestamp(document.created),
         )
     except typst.TypstError as error:
-        raise ComputationError(Outcome.PRINTING_FAILED, str(error)) from error
+        raise ComputationError(
+            Outcome.PRINTING_FAILED, Message("verbatim", text=str(error))
+        ) from error
     return pdf
 
 
@@ -81,7 +84,9 @@ def _font_folder() -> Path:
     """
     package = find_spec("matplotlib")
     if package is None or package.origin is None:
-        raise ComputationError(Outcome.PRINTING_FAILED, "matplotlib, which brings the fonts")
+        raise ComputationError(
+            Outcome.PRINTING_FAILED, Message("verbatim", text="matplotlib, which brings the fonts")
+        )
     return Path(package.origin).with_name("mpl-data") / "fonts" / "ttf"
 
 

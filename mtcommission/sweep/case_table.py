@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.sweep.cases import FORCE_KEY, MOST_VALUES, Axis
 from mtcommission.units.quantities import NUMBER
 
@@ -83,7 +84,7 @@ def read_cases(text: str, *, where: str) -> Axis:
         raise _fault(where, f"has {len(table) - 1} cases, must be at most {MOST_VALUES}")
     heads = [_split_head(head) for head in table[0][1]]
     faults = [
-        Fault(where=where, line=line, message=message)
+        Fault(where=where, line=line, message=Message("verbatim", text=message))
         for line, cells in table[1:]
         if (message := _wrong_with(cells, heads))
     ]
@@ -133,4 +134,4 @@ def _join_unit(cell: str, unit: str) -> str:
 
 
 def _fault(where: str, message: str, *, line: int = 0) -> InputError:
-    return InputError([Fault(where=where, line=line, message=message)])
+    return InputError([Fault(where=where, line=line, message=Message("verbatim", text=message))])

@@ -18,6 +18,7 @@ import tomlkit
 
 from mtcommission import __version__
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound
 from mtcommission.units.quantities import NUMBER
 from mtcommission.units.symbols import read_unit
@@ -140,13 +141,16 @@ def check_plan(plan: Plan) -> None:
     faults = []
     twice = sorted({key for key in plan.keys if plan.keys.count(key) > 1})
     faults += [
-        Fault(where="--vary", key=key, message="varies twice; give it once") for key in twice
+        Fault(
+            where="--vary", key=key, message=Message("verbatim", text="varies twice; give it once")
+        )
+        for key in twice
     ]
     sizes = {len(axis.rows) for axis in plan.axes}
     if plan.is_paired and len(sizes) > 1:
         got = ", ".join(f"{axis.keys[0]} {len(axis.rows)}" for axis in plan.axes)
         message = f"needs as many values for each key, got {got}"
-        faults.append(Fault(where="--paired", message=message))
+        faults.append(Fault(where="--paired", message=Message("verbatim", text=message)))
     if faults:
         raise InputError(faults)
     vary_profile(plan.profile_text, plan.settings(0), where=plan.where)
@@ -178,7 +182,14 @@ def read_axis(text: str, *, where: str) -> Axis:
     """
     key, separator, values = text.partition("=")
     if not separator or not key.strip():
-        raise InputError([Fault(where=where, message=f"got {text!r}, must be KEY=RANGE")])
+        raise InputError(
+            [
+                Fault(
+                    where=where,
+                    message=Message("verbatim", text=f"got {text!r}, must be KEY=RANGE"),
+                )
+            ]
+        )
     return Axis(keys=(key.strip(),), rows=read_range(values, where=f"{where} {key.strip()}"))
 
 
@@ -211,13 +222,22 @@ def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:
     if len(parts) == 1:
         values = [value.strip() for value in text.split(",")]
         if not all(values):
-            raise InputError([Fault(where=where, message=f"got {text!r} with an empty value")])
+            raise InputError(
+                [
+                    Fault(
+                        where=where,
+                        message=Message("verbatim", text=f"got {text!r} with an empty value"),
+                    )
+                ]
+            )
         return tuple((value,) for value in values)
     kind = parts.pop(0) if parts[0] in ("log", "random") else "even"
     try:
         numbers, unit = _spread(kind, parts)
     except ValueError as error:
-        raise InputError([Fault(where=where, message=f"got {text!r}: {error}")]) from error
+        raise InputError(
+            [Fault(where=where, message=Message("verbatim", text=f"got {text!r}: {error}"))]
+        ) from error
     return tuple((f"{number!r} {unit}".strip(),) for number in numbers)
 
 
@@ -326,7 +346,7 @@ def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> 
         document = tomlkit.parse(text)
     except ValueError as error:
         message = f"TOML syntax: {error}"
-        raise InputError([Fault(where=where, message=message)]) from error
+        raise InputError([Fault(where=where, message=Message("verbatim", text=message))]) from error
     for number, key in enumerate(keys):
         try:
             _place(document, plain_key(key).split("."), f"{mark}{number}")
@@ -335,10 +355,14 @@ def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> 
                 "the profile has no such element; they count from 1 in brackets, e.g. "
                 f"{EXAMPLE_KEY}; write a missing one there first"
             )
-            raise InputError([Fault(where=where, key=key, message=message)]) from error
+            raise InputError(
+                [Fault(where=where, key=key, message=Message("verbatim", text=message))]
+            ) from error
         except (TypeError, ValueError) as error:
             message = f"there is no such key; elements of arrays go by number, e.g. {EXAMPLE_KEY}"
-            raise InputError([Fault(where=where, key=key, message=message)]) from error
+            raise InputError(
+                [Fault(where=where, key=key, message=Message("verbatim", text=message))]
+            ) from error
     return document.as_string()
 
 

@@ -10,7 +10,7 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.study.evaluate import MoveResult, Candidate, evaluate_moves, simulate_moves
+from mtcommission.study.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
 from mtcommission.study.loop_choice import Settings, settle_on_loop
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell

@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from mtcommission.errors import ComputationError, Fault, InputError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.sweep.cases import Plan, check_plan
 from mtcommission.sweep.forces import solve_piece
 from mtcommission.sweep.lock import hold_folder
@@ -124,7 +125,7 @@ def _complete(
         _complete_pieces(plan, store, engine, tally)
     except KeyboardInterrupt as error:
         detail = f"{tally.done} of {plan.count} cases are on disk in {folder}"
-        raise ComputationError(Outcome.STOPPED, detail) from error
+        raise ComputationError(Outcome.STOPPED, Message("verbatim", text=detail)) from error
     return store
 
 
@@ -142,7 +143,9 @@ def _complete_pieces(plan: Plan, store: Opened, engine: Engine, tally: _Tally) -
             losses = losses + 1 if len(left) == before else 1
             if losses >= LOSSES:
                 detail = f"{tally.done} of {plan.count} cases are on disk, piece {min(left)} is not"
-                raise ComputationError(Outcome.WORKER_LOST, detail) from error
+                raise ComputationError(
+                    Outcome.WORKER_LOST, Message("verbatim", text=detail)
+                ) from error
 
 
 class _Tally:
@@ -184,7 +187,9 @@ def _keep(store: Opened, work: Work, answers: tuple[Answer, ...]) -> None:
                 path.write_text(answer.record, encoding="utf-8")
             except OSError as error:
                 message = f"cannot write ({error.strerror}); free space, continue with --resume"
-                raise InputError([Fault(where=str(path), message=message)]) from error
+                raise InputError(
+                    [Fault(where=str(path), message=Message("verbatim", text=message))]
+                ) from error
     append(store, Finished(piece=work.piece, rows=tuple(answer.row for answer in answers)))
 
 
@@ -256,12 +261,16 @@ def _open_cluster(address: str) -> Iterator[Lane]:
         from distributed import Client, KilledWorker
     except ImportError as error:
         message = 'needs the cluster extra: pip install "mtcommission[cluster]"'
-        raise InputError([Fault(where="--scheduler", message=message)]) from error
+        raise InputError(
+            [Fault(where="--scheduler", message=Message("verbatim", text=message))]
+        ) from error
     try:
         client = Client(address, timeout=10)
     except (OSError, ValueError) as error:
         message = f"no scheduler answers at {address}; start it with: dask scheduler"
-        raise InputError([Fault(where="--scheduler", message=message)]) from error
+        raise InputError(
+            [Fault(where="--scheduler", message=Message("verbatim", text=message))]
+        ) from error
     with client, client.get_executor(pure=False) as executor:
         try:
             yield Lane(executor=executor, width=2 * max(1, sum(client.nthreads().values())))

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 
 NAME = ".lock"
 
@@ -60,7 +61,9 @@ def hold_folder(folder: Path) -> Iterator[None]:
         file = path.open("a+b")
     except OSError as error:
         message = f"cannot write there ({error.strerror}); give another folder with -o"
-        raise InputError([Fault(where=str(folder), message=message)]) from error
+        raise InputError(
+            [Fault(where=str(folder), message=Message("verbatim", text=message))]
+        ) from error
     with file:
         try:
             _take(file)
@@ -72,7 +75,9 @@ def hold_folder(folder: Path) -> Iterator[None]:
                     f"another sweep is at work there{f' (process {who})' if who else ''}; "
                     "wait until it ends, or give another folder with -o"
                 )
-                raise InputError([Fault(where=str(folder), message=message)]) from error
+                raise InputError(
+                    [Fault(where=str(folder), message=Message("verbatim", text=message))]
+                ) from error
         _sign(file)
         yield
 

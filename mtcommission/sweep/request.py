@@ -8,6 +8,7 @@ from itertools import islice, product
 from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.option_texts import read_bound
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, read_profile_text
@@ -76,7 +77,7 @@ def read_plan(
     faults += _refuse_options(quantity, {"--limit": bool(limits), "--move": move != 1})
     if not 1 <= move <= len(machine.moves):
         message = f"got {move}, the profile has moves 1 to {len(machine.moves)}"
-        faults.append(Fault(where="--move", message=message))
+        faults.append(Fault(where="--move", message=Message("verbatim", text=message)))
     if faults:
         raise InputError(faults)
     plan = Plan(
@@ -128,11 +129,15 @@ def _refuse_options(quantity: str, given: dict[str, bool]) -> list[Fault]:
     names = [item.value for item in Quantity]
     if quantity not in names:
         message = f"got {quantity!r}, must be {', '.join(names[:-1])} or {names[-1]}"
-        return [Fault(where="--quantity", message=message)]
+        return [Fault(where="--quantity", message=Message("verbatim", text=message))]
     if quantity == Quantity.OPTIMAL.value:
         return []
     message = f"only goes with --quantity optimal; {quantity} takes it from the profile"
-    return [Fault(where=name, message=message) for name, is_given in given.items() if is_given]
+    return [
+        Fault(where=name, message=Message("verbatim", text=message))
+        for name, is_given in given.items()
+        if is_given
+    ]
 
 
 def split_limits(texts: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -15,6 +15,7 @@ from typing import Any
 from zlib import crc32
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 
 NAME = "finished.log"
 
@@ -90,7 +91,9 @@ def open_store(folder: Path, *, digest: str, created: str, resume: bool) -> Open
         append_line(path, {"plan": digest, "created": created})
     except OSError as error:
         message = f"cannot write there ({error.strerror}); give another folder with -o"
-        raise InputError([Fault(where=str(folder), message=message)]) from error
+        raise InputError(
+            [Fault(where=str(folder), message=Message("verbatim", text=message))]
+        ) from error
     return Opened(path=path, pieces=frozenset(), created=created)
 
 
@@ -109,14 +112,14 @@ def _holds_rows(path: Path) -> bool:
 def _continue(path: Path, digest: str, *, resume: bool) -> Opened:
     if not resume:
         message = "holds a sweep already; continue it with --resume or give another folder"
-        raise InputError([Fault(where=str(path.parent), message=message)])
+        raise InputError([Fault(where=str(path.parent), message=Message("verbatim", text=message))])
     head = _head(path) or {}
     if head.get("plan") != digest:
         message = (
             "holds another sweep (other profile, ranges, quantity or version); "
             "give another folder, or the options it was begun with"
         )
-        raise InputError([Fault(where=str(path.parent), message=message)])
+        raise InputError([Fault(where=str(path.parent), message=Message("verbatim", text=message))])
     sound = 0
     pieces = set()
     with path.open("r+b") as file:
@@ -147,7 +150,9 @@ def append(store: Opened, finished: Finished) -> None:
             f"cannot write ({error.strerror}); all rows before are kept: "
             "free space and continue with --resume"
         )
-        raise InputError([Fault(where=str(store.path), message=message)]) from error
+        raise InputError(
+            [Fault(where=str(store.path), message=Message("verbatim", text=message))]
+        ) from error
 
 
 def append_line(path: Path, entry: dict[str, Any]) -> None:

@@ -13,6 +13,7 @@ from typing import BinaryIO
 import polars as pl
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
 from mtcommission.sweep.cases import Plan
 from mtcommission.sweep.meanings import describe_request, meaning_of
 from mtcommission.sweep.pieces import piece_size
@@ -174,4 +175,6 @@ def write_safely(path: Path, fill: Callable[[BinaryIO], object]) -> None:
     except OSError as error:
         Path(name or path).unlink(missing_ok=True)
         message = f"cannot write ({error.strerror}); free space and continue with --resume"
-        raise InputError([Fault(where=str(path), message=message)]) from error
+        raise InputError(
+            [Fault(where=str(path), message=Message("verbatim", text=message))]
+        ) from error

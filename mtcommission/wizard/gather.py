@@ -11,6 +11,7 @@ import tomlkit
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
+from mtcommission.messages.message import Message
 from mtcommission.profile.faults import find_unknown
 from mtcommission.profile.lines import find_key_lines, read_key
 from mtcommission.profile.read import read_profile_text
@@ -135,7 +136,14 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
         wrong = propose(key, own) if key.startswith(OWN) else find_unknown(tuple(key.split(".")))
         if wrong:
             message = f"unknown key{wrong}"
-            faults.append(Fault(where=where, line=lines.get(key, 0), key=key, message=message))
+            faults.append(
+                Fault(
+                    where=where,
+                    line=lines.get(key, 0),
+                    key=key,
+                    message=Message("verbatim", text=message),
+                )
+            )
     if faults:
         raise InputError(sorted(faults, key=lambda fault: fault.line))
     return answers

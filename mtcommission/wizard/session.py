@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 
@@ -10,6 +10,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.messages.message import Message
 from mtcommission.profile.faults import may_be_left_out
 from mtcommission.profile.lines import ACCEPTED_DEFAULT, read_key, read_path, show_key
 from mtcommission.profile.read import parse_profile
@@ -121,7 +122,9 @@ def run_wizard(
             if left.how == Ending.QUIT.name.lower():
                 console.tell(message)
                 return Session(ending=Ending.QUIT, wants_run=False)
-            raise InputError([Fault(where="wizard", message=message)]) from left
+            raise InputError(
+                [Fault(where="wizard", message=Message("verbatim", text=message))]
+            ) from left
     write_text(str(output), text)
     Path(f"{output}{KEPT}").unlink(missing_ok=True)
     _summarise(console, answers, machine, output)
@@ -142,7 +145,9 @@ def _fill(source: Source) -> dict[str, str]:
         try:
             text = read_reply(question, typed).text
         except ValueError as error:
-            fault = Fault(where="", key=_shown(question.key), message=str(error))
+            fault = Fault(
+                where="", key=_shown(question.key), message=Message("verbatim", text=str(error))
+            )
             faults.append(source.locate(fault))
         filled[question.key] = text
         if text and not typed and question.dimension is not None:
@@ -184,7 +189,7 @@ def _interview(
 
 def fault_line(fault: Fault) -> str:
     """Return a fault without file and line: the profile is not written yet."""
-    return f"Not possible: {fault.key}: {fault.message}"
+    return f"Not possible: {replace(fault, where='', line=0)}"
 
 
 def _ask_from(place: int, answers: dict[str, str], console: Console) -> dict[str, str]:

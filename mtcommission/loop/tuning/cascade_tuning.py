@@ -25,6 +25,7 @@ from mtcommission.loop.tuning.tuned import (
     describe_margins,
 )
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 
 LEAST_FRACTION = 0.01
 """Below a hundredth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
@@ -50,7 +51,7 @@ def tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
     tuned = close_cascade(machine, settings)
     lacking = lacking_bandwidth(machine, tuned)
     if lacking:
-        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, lacking)
+        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, Message("verbatim", text=lacking))
     return tuned
 
 
@@ -167,7 +168,7 @@ def _require_damping(bench: CornerPlants) -> None:
     for mode in bench.model.modes:
         if mode.damping_ratio == 0.0 and mode.measured_gain == 0.0:
             detail = f"mode {mode.name} ({mode.frequency_hz:.4g} Hz) has damping ratio 0"
-            raise ComputationError(Outcome.UNDAMPED_MODE, detail)
+            raise ComputationError(Outcome.UNDAMPED_MODE, Message("verbatim", text=detail))
 
 
 def fractions(settings: TuningSettings, *, start: float, end: float) -> Iterator[float]:
@@ -207,4 +208,4 @@ def _close_by_rule(machine: Machine, bench: CornerPlants, settings: TuningSettin
         f"{LEAST_FRACTION:.0%} of the symmetrical optimum, they are "
         f"{describe_margins(softest.analyses)}"
     )
-    raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)
+    raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, Message("verbatim", text=detail))

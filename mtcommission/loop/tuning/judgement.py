@@ -19,6 +19,7 @@ from mtcommission.loop.tuning.tuned import (
 )
 from mtcommission.machine.corners import NOMINAL
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 
 LOWERED = 0.9
 """Factor from one try of a given gain to the next."""
@@ -146,7 +147,9 @@ def _require_stable(machine: Machine, tuned: TunedLoop, cure: str) -> None:
                 f"Kp = {gains.velocity_gain:.4g} {machine.measures.damping.si}, "
                 f"Tn = {gains.integral_time:.4g} s on {where}. {cure}"
             )
-            raise ComputationError(Outcome.UNSTABLE_LOOP, detail.rstrip("."))
+            raise ComputationError(
+                Outcome.UNSTABLE_LOOP, Message("verbatim", text=detail.rstrip("."))
+            )
 
 
 def _name_cure(

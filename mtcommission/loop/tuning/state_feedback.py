@@ -15,6 +15,7 @@ from mtcommission.loop.model.discrete import discretise
 from mtcommission.loop.tuning.riccati import observer_gains, regulator_gains
 from mtcommission.loop.tuning.tuned import TuningSettings
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode
 
 Array = NDArray[np.float64]
@@ -188,7 +189,9 @@ def _riccati_errors(what: str) -> Iterator[None]:
     try:
         yield
     except (ValueError, np.linalg.LinAlgError) as error:
-        raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, f"{what}: {error}") from error
+        raise ComputationError(
+            Outcome.FEEDBACK_DESIGN_FAILED, Message("verbatim", text=f"{what}: {error}")
+        ) from error
 
 
 LEAST_DAMPING = 1e-4

@@ -46,6 +46,7 @@ from mtcommission.loop.tuning.tuned import (
     corner_plants,
 )
 from mtcommission.machine.machine import Machine, StateFeedback
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode
 
 __all__ = ["TunedLoop", "TuningSettings", "Variants", "check_loop", "tune_loop", "tune_variants"]
@@ -161,7 +162,7 @@ def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
         return found
     if found.feedback is None:
         detail = f"{lacking}, and none with state feedback has it either"
-        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
+        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, Message("verbatim", text=detail))
     remark = f"State feedback is needed: {lacking}."
     return replace(found, feedback=_noted(found.feedback, remark), is_needed=True)
 
@@ -190,7 +191,8 @@ def _compare_feedback(
     except ComputationError as error:
         if error.outcome is not Outcome.FEEDBACK_DESIGN_FAILED:
             raise
-        remark = f"No state feedback: its design failed ({error.detail}).{blind}"
+        detail = error.detail.values["text"]
+        remark = f"No state feedback: its design failed ({detail}).{blind}"
         return Variants(plain=_noted(plain, remark), feedback=None)
     useful = [
         tuned
@@ -273,7 +275,10 @@ def _with_given_state_gains(machine: Machine, settings: TuningSettings) -> Tuned
     observer = design_observer(machine, plant, cascade, settings=settings)
     hidden = [plant.states[i] for i in np.flatnonzero(gains) if i not in observer.states]
     if hidden:
-        raise ComputationError(Outcome.NOT_OBSERVABLE, f"state feedback of {', '.join(hidden)}")
+        raise ComputationError(
+            Outcome.NOT_OBSERVABLE,
+            Message("verbatim", text=f"state feedback of {', '.join(hidden)}"),
+        )
 
     def build(changed: Machine) -> Controller:
         controller = build_cascade(changed, plant, fraction=1.0)

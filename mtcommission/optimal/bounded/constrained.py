@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.accept import GAP, Found
 from mtcommission.optimal.bounded.cruise_lengthened import cruise_periods, lengthened_cruise
 from mtcommission.optimal.bounded.dual import dual_value
@@ -100,7 +101,9 @@ def solve_bounded_time_optimal(
         found = _best(problem, t_free=free.t_f)
     if found is None:
         detail = f"{bounds_text(plant, every)} and {force_limit:.6g} {plant.force_unit}"
-        raise ComputationError(Outcome.NO_CONVERGENCE, f"time-optimal control under {detail}")
+        raise ComputationError(
+            Outcome.NO_CONVERGENCE, Message("verbatim", text=f"time-optimal control under {detail}")
+        )
     return _optimum(problem, move, every, found)
 
 
@@ -156,7 +159,7 @@ def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> N
             unit = plant.unit(bound.name)
             needs = f"at least {least:.6g} {unit}" if least > 0.0 else "more than 0"
             detail = f"{bounds_text(plant, (bound,))}, the move needs {needs}"
-            raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
+            raise ComputationError(Outcome.BOUND_CANNOT_HOLD, Message("verbatim", text=detail))
 
 
 def _with_bounds(free: TimeOptimum, bounds: tuple[Bound, ...]) -> TimeOptimum:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Positioning, VelocityStep
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.bounded.motion import follow
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
@@ -68,7 +69,9 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     V, L = move.max_velocity, move.distance
     name = plant.states[plant.velocity]
     if not isfinite(V):
-        raise ComputationError(Outcome.NO_CONVERGENCE, "a cruise needs a max_velocity")
+        raise ComputationError(
+            Outcome.NO_CONVERGENCE, Message("verbatim", text="a cruise needs a max_velocity")
+        )
     bound = Bound(name=name, value=V)
     rise = solve_bounded_time_optimal(
         plant, VelocityStep(velocity_step=V), force_limit=force_limit, bounds=(bound,)
@@ -77,7 +80,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     if cruise <= 0.0:
         unit = plant.unit(plant.states[plant.position])
         detail = f"the distance of {L:.6g} {unit} is too short to cruise at {V:.6g} {unit}/s"
-        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
     begin = rise.t_f + cruise
     label = f"boundary:{name}:+"
     hold = constant_arc(rise.t_f, begin, control=label, force=0.0)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.cells import STEPS_PER_CELL, cell_grid
 from mtcommission.optimal.bounded.least import LEAST_TOLERANCE, smallest_factor
 from mtcommission.optimal.bounded.problem import BoundedProblem, bounds_text
@@ -150,7 +151,8 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
                 raise
             raise _beyond(problem, found) from error
     raise ComputationError(
-        Outcome.NO_CONVERGENCE, f"search for t_f on the grid stopped at {t_f:.6g} s"
+        Outcome.NO_CONVERGENCE,
+        Message("verbatim", text=f"search for t_f on the grid stopped at {t_f:.6g} s"),
     )
 
 
@@ -172,20 +174,22 @@ def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) 
         least = smallest_factor(problem, t_free=t_free)
         if least < 1.0:
             detail = f"{names}: only some {100.0 * (1.0 / least - 1.0):.1g} % above the least"
-            return ComputationError(Outcome.BEYOND_HORIZON, detail)
+            return ComputationError(Outcome.BEYOND_HORIZON, Message("verbatim", text=detail))
         least *= 1.0 + LEAST_TOLERANCE
         units = [problem.plant.unit(k.bound.name) for k in problem.limits]
         values = [f"{least * k.bound.value:.4g}" for k in problem.limits]
         bounds = ", ".join(f"{value} {unit}" for value, unit in zip(values, units, strict=True))
         detail = f"{names}: the smallest possible is about {bounds}"
-        return ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
+        return ComputationError(Outcome.BOUND_CANNOT_HOLD, Message("verbatim", text=detail))
     return _beyond(problem, longest)
 
 
 def _beyond(problem: BoundedProblem, longest: GridOptimum) -> ComputationError:
     return ComputationError(
         Outcome.BEYOND_HORIZON,
-        f"{_named(problem)}: t_f would be longer than {longest.t_f:.4g} s",
+        Message(
+            "verbatim", text=f"{_named(problem)}: t_f would be longer than {longest.t_f:.4g} s"
+        ),
     )
 
 
@@ -208,7 +212,7 @@ def _solve(
         if found is not None:
             return found
     detail = f"the linear program of {cells} cells for {t_f:.6g} s did not end"
-    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
 
 
 def _attempt(

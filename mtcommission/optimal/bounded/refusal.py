@@ -6,6 +6,7 @@ from math import isfinite
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.grid import solve_grid_time
 from mtcommission.optimal.bounded.least import smallest_factor_by
 from mtcommission.optimal.bounded.problem import all_bounds, bounded_problem, bounds_text
@@ -58,6 +59,9 @@ def explain_short_time(
     together = " (all widened alike)" if len(every) > 1 else ""
     return ComputationError(
         Outcome.FINAL_TIME_TOO_SHORT,
-        f"t_f = {1e3 * t_f:.6g} ms, but bounds of {wanted} {needed}; "
-        f"the smallest possible by that t_f: about {possible}{together}",
+        Message(
+            "verbatim",
+            text=f"t_f = {1e3 * t_f:.6g} ms, but bounds of {wanted} {needed}; "
+            f"the smallest possible by that t_f: about {possible}{together}",
+        ),
     )

@@ -18,6 +18,7 @@ from scipy.interpolate import PPoly
 from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.damping.hamiltonian import (
     TERMS,
     ArcSequence,
@@ -296,11 +297,17 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
     if floor > 1.0 + FORCE_MARGIN:
         raise ComputationError(
             Outcome.FINAL_TIME_TOO_SHORT,
-            f"t_f = {problem.t_f:.6g} s takes more than {floor * F:.9g} {unit}, there are "
-            f"{F:.6g} {unit}",
+            Message(
+                "verbatim",
+                text=f"t_f = {problem.t_f:.6g} s takes more than {floor * F:.9g} {unit}, there are "
+                f"{F:.6g} {unit}",
+            ),
         )
     raise ComputationError(
         Outcome.NO_CONVERGENCE,
-        f"damping-optimal control for t_f = {problem.t_f:.6g} s and {F:.6g} {unit}: "
-        f"solved down to a limit of {limit * F:.6g} {unit} only",
+        Message(
+            "verbatim",
+            text=f"damping-optimal control for t_f = {problem.t_f:.6g} s and {F:.6g} {unit}: "
+            f"solved down to a limit of {limit * F:.6g} {unit} only",
+        ),
     )

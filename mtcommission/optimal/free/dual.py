@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.free.mesh import Mesh, build_mesh
 from mtcommission.optimal.free.moments import MomentProblem
 from mtcommission.optimal.free.switching import SAME, isolate_zeros, values_and_slopes
@@ -144,7 +145,7 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float, near: float) -
         mesh = build_mesh(problem, 2.0 * mesh.horizon)
     else:
         detail = f"the multipliers prove a time beyond {mesh.horizon:.3g} s"
-        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
     k = int(reached.searchsorted(span))
     start = float(zeros[k - 1]) if k else 0.0
     base = float(primitive[k - 1]) if k else 0.0

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.free.dual import Ascent, DualPoint, ascend, evaluate_dual
 from mtcommission.optimal.free.dual_start import (
     PARTS,
@@ -102,7 +103,7 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
         cells = improve(refine_cells(cells), span=span, tolerance=tolerance)
     if best is None:
         detail = f"no control for span {span:.6g} next to {cells.horizon:.9g} s reaches rest"
-        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
     return best
 
 

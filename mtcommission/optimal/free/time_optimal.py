@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.messages.message import Message
 from mtcommission.optimal.free.bang_bang import BangBangMotion
 from mtcommission.optimal.free.certificate import Claim, certify
 from mtcommission.optimal.free.dual_start import guess_horizon
@@ -79,7 +80,7 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     """
     if not force_limit > 0.0:
         detail = f"force left for motion {force_limit:.6g} {plant.force_unit}"
-        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
+        raise ComputationError(Outcome.NO_FORCE_LEFT, Message("verbatim", text=detail))
     problem = moment_problem(plant, move)
     try:
         return _certified(plant, move, problem, force_limit=force_limit)
@@ -94,7 +95,9 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
             f"{slowest:.2g} rad of the slowest mode; rounding then leaves {accuracy:.1g} of t_f in "
             "doubt"
         )
-        raise ComputationError(Outcome.MODES_NOT_TOLD_APART, detail) from error
+        raise ComputationError(
+            Outcome.MODES_NOT_TOLD_APART, Message("verbatim", text=detail)
+        ) from error
 
 
 def _certified(
@@ -197,4 +200,4 @@ def _check(plant: Plant, optimum: TimeOptimum, reached: Array) -> None:
         f"(at most {GAP_TOLERANCE:g}), terminal error of {plant.states[worst]} "
         f"{relative[worst]:.2g} of its peak (at most {ERROR_TOLERANCE:g})"
     )
-    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))

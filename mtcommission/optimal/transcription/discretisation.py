@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant
 
@@ -358,7 +359,10 @@ def _check(problem: GridProblem, settings: TranscriptionSettings, stats: dict[st
     infeasible = status == "Infeasible_Problem_Detected"
     free_time = problem.aim is Aim.TIME
     if problem.aim is Aim.REACH or not infeasible or (free_time and not problem.rows.size):
-        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
     if free_time:
-        raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
-    raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, f"t_f = {problem.t_guess:.6g} s: {detail}")
+        raise ComputationError(Outcome.BOUND_CANNOT_HOLD, Message("verbatim", text=detail))
+    raise ComputationError(
+        Outcome.FINAL_TIME_TOO_SHORT,
+        Message("verbatim", text=f"t_f = {problem.t_guess:.6g} s: {detail}"),
+    )

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, Positioning, Weight
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.refusal import explain_short_time
 from mtcommission.optimal.damping.hamiltonian import state_scales, terminal_target
 from mtcommission.optimal.solution import (
@@ -239,7 +240,7 @@ def _shortest(
     found, scales = solve(t_guess, Aim.TIME, grids[-1])
     if found.t_f > 0.999 * LONGEST * t_guess:
         detail = f"IPOPT went to t_f = {found.t_f:.4g} s"
-        raise ComputationError(Outcome.BEYOND_HORIZON, detail)
+        raise ComputationError(Outcome.BEYOND_HORIZON, Message("verbatim", text=detail))
     if len(grids) == 1:
         return found, scales
     t_f, near = found.t_f, REACHED * settings.tolerance * settings.intervals
@@ -249,7 +250,7 @@ def _shortest(
             return found, scales
         t_f += (1.0 - found.reach) / found.reach_rate
     detail = f"{found.reach:.9g} of the target is reached at t_f = {found.t_f:.9g} s"
-    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
+    raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
 
 
 def _guess_time(plant: Plant, move: Move, *, force_limit: float) -> float:
