@@ -339,7 +339,8 @@ def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
     force = next(check for check in candidate.assessment.checks if check.name == "set force")
     text = " ".join(DOC.read_text(encoding="utf-8").split())
     assert (
-        f"Simulated: {1e3 * candidate.settling_time:.1f} ms, {1e6 * candidate.residual_deviation:.2f} µm, "
+        f"Simulated: {1e3 * candidate.settling_time:.1f} ms, "
+        f"{1e6 * candidate.residual_deviation:.2f} µm, "
         f"{force.value:.0f} N of 2000 N."
     ) in text
     searched = choose_limits(machine, plant, tuned).limits

@@ -154,7 +154,8 @@ def evaluate_moves(
     name, source
         Of the limits.
     moves
-        From ``simulate_moves`` or ``simulate_setpoints``; the first one's limits are the candidate's.
+        From ``simulate_moves`` or ``simulate_setpoints``; the first one's limits
+        are the candidate's.
 
     Returns
     -------

@@ -25,7 +25,8 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
 
 LAG_SHARE = 0.4
-"""Following-error transient of a jerk step behind a force lag, times ω_v/(j T²) (fitted, see the docs)."""
+"""Following-error transient of a jerk step behind a force lag, times ω_v/(j T²) (fitted, see the
+docs)."""
 
 HOLD_SHARE = 0.18
 """The same for the hold of the position cycle, times ω_v/(j T_p²) (fitted, see the docs)."""
@@ -35,8 +36,8 @@ DEFLECTION_SHARE = 0.8
 to one of the peak of the loop's impulse response, as for the lag)."""
 
 RAMP_SHARE = 1.5
-"""Following-error transient of a whole ramp over that of one of its two jerk steps: the second one meets the
-swing that the first has left (fitted, see the docs)."""
+"""Following-error transient of a whole ramp over that of one of its two jerk steps: the second one
+meets the swing that the first has left (fitted, see the docs)."""
 
 PULL_SHARE = 1.0
 """Widening of a visible mode's spread over m c: its frequency falls by up to half of that where
