@@ -35,8 +35,8 @@ from mtcommission.limits.commissioning_rule.estimate import (
 )
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.corners import corners
 from mtcommission.machine.machine import Machine, Positioning, moving_mass
+from mtcommission.machine.variations import corners
 from mtcommission.plant.plant import Plant, build_plant, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.evaluate import evaluate

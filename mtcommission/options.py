@@ -85,7 +85,7 @@ def with_force(machine: Machine, text: str) -> Machine:
     InputError
         If the text is no positive force, or leaves nothing beside the static load.
     """
-    dimension = machine.measures.force
+    dimension = machine.axis_units.force
     faults: list[Fault] = []
     force = read_positive("--f-max", text, dimension, faults)
     _raise(faults)
@@ -107,8 +107,8 @@ def read_limits(machine: Machine, *, acceleration: str, jerk: str) -> MotionLimi
         With a fault for each text that is no positive quantity.
     """
     faults: list[Fault] = []
-    a = read_positive("--acceleration", acceleration, machine.measures.acceleration, faults)
-    j = read_positive("--jerk", jerk, machine.measures.jerk, faults)
+    a = read_positive("--acceleration", acceleration, machine.axis_units.acceleration, faults)
+    j = read_positive("--jerk", jerk, machine.axis_units.jerk, faults)
     _raise(faults)
     return MotionLimits(acceleration=a, jerk=j)
 
@@ -276,7 +276,7 @@ def final_time_origin(machine: Machine, request: OptimalRequest) -> str:
 def _move(
     machine: Machine, *, velocity_step: str, distance: str, number: int, faults: list[Fault]
 ) -> Move:
-    axis = machine.measures
+    axis = machine.axis_units
     if velocity_step and distance:
         message = "cannot go with --velocity-step; give one of them"
         faults.append(Fault(where="--distance", message=Message("verbatim", text=message)))

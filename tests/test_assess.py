@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from mtcommission.loop.simulate.response import LoopResponse
-from mtcommission.machine.corners import NOMINAL, Corner
 from mtcommission.machine.machine import Machine, Motion, Peak
+from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.assess import Assessment, Check, assess, describe_place
 from tests.machines import paper_machine

@@ -18,7 +18,6 @@ from mtcommission.loop.batch.settling import settle
 from mtcommission.loop.batch.tables import build_tables
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.corners import vary
 from mtcommission.machine.machine import (
     Machine,
     Modes,
@@ -28,6 +27,7 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
+from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.setpoint import (
     JerkSteps,

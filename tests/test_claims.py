@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mtcommission.machine.corners import NOMINAL
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import NOMINAL
 from mtcommission.profile.read import read_profile
 from mtcommission.record.claims import explain_why_not, state_claims
 from mtcommission.study.comparison import ComparedControl

@@ -9,8 +9,8 @@ import pytest
 
 from mtcommission.loop.simulate.disturbance import push
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.corners import corners
 from mtcommission.machine.machine import Machine, Requirements, StateFeedback
+from mtcommission.machine.variations import corners
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.evaluate import evaluate, simulate_moves

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtcommission.machine.corners import NOMINAL, Corner, corners, vary
 from mtcommission.machine.machine import Drive, Manipulator, Modal, mid_payload, moving_mass
 from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
 

@@ -101,6 +101,15 @@ def changed(text: str, old: str, new: str) -> str:
 # What a whole profile says
 
 
+def test_a_table_that_is_assumed_covers_its_keys() -> None:
+    text = changed(MODAL, 'source = "s"', 'source = "s"\nassumed = ["plant.modes", "drive"]')
+    machine = parse_profile(text, where="p.toml")
+    assert machine.is_assumed("plant.modes[1].frequency")
+    assert machine.is_assumed("drive.max_force")
+    assert not machine.is_assumed("plant.moving_mass")
+    assert not machine.is_assumed("drives")
+
+
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_every_shipped_profile_is_read_and_has_a_plant(path: Path) -> None:
     machine = read_profile(path)
@@ -339,6 +348,17 @@ def test_a_plain_number_is_si() -> None:
         ),
         ('"2 kN"', '"0 N"', "19: drive.max_force: got 0 N, must be > 0 N"),
         ('"2 kN"', "0", "19: drive.max_force: got 0 N, must be > 0 N"),
+        (
+            'source = "s"',
+            'source = "s"\nassumed = ["drive.max_force", "drive.force_lg"]',
+            '6: machine.assumed[2]: got "drive.force_lg", which is not stated here; '
+            'did you mean "drive.force_lag"?',
+        ),
+        (
+            'source = "s"',
+            'source = "s"\nillustrative = 1',
+            "6: machine.illustrative: got 1, must be true or false",
+        ),
         (
             '"2 kN"',
             '"2 kN"\nstatic_load = -2000',

@@ -12,9 +12,15 @@ from mtcommission.loop.batch.varied_response import respond_to_variations
 from mtcommission.loop.model.sampled import build_loop, lift_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.corners import Corner, corners, vary
 from mtcommission.machine.machine import Control, Machine, Peak, Positioning, StateFeedback
-from mtcommission.machine.variations import Variations, as_variations, draw_variations
+from mtcommission.machine.variations import (
+    Corner,
+    Variations,
+    as_variations,
+    corners,
+    draw_variations,
+    vary,
+)
 from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
 from mtcommission.setpoint.motion_limits import MotionLimits

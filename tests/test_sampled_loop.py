@@ -15,7 +15,6 @@ from mtcommission.loop.model.discrete import discretise
 from mtcommission.loop.model.interpolation import delay_weights
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.corners import vary
 from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
@@ -28,6 +27,7 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
+from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint

@@ -13,8 +13,8 @@ import pytest
 
 from benchmarks.population import random_machine
 from mtcommission.limits.choose import choose_limits
-from mtcommission.machine.corners import vary
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.study.evaluate import evaluate as judge_here

@@ -35,7 +35,6 @@ from mtcommission.limits.commissioning_rule.rule import (
 )
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.corners import NOMINAL, Corner
 from mtcommission.machine.machine import (
     Control,
     Drive,
@@ -48,6 +47,7 @@ from mtcommission.machine.machine import (
 )
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.formula import find_symbols
+from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile

@@ -19,7 +19,6 @@ from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.state_feedback import design_observer, is_seen
 from mtcommission.loop.tuning.tuned import close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop, tune_variants
-from mtcommission.machine.corners import vary
 from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
@@ -31,6 +30,7 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
+from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from tests.independent_loop import axis_of, profile_of, quiet_copy, run

@@ -9,6 +9,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 
@@ -28,22 +29,23 @@ from mtcommission.record.build import build_record
 from mtcommission.record.data import list_data
 from mtcommission.record.schema import Profile
 from mtcommission.study.loop_choice import Settings
-from mtcommission.wizard.console import LineConsole, RichConsole, fold, hint, introduce
-from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
-from mtcommission.wizard.document import update_document, write_document
-from mtcommission.wizard.insight import find_insights
-from mtcommission.wizard.measures import (
+from mtcommission.wizard.axis_units import (
     MODAL,
     PAIR_BY_FREQUENCY,
     PAIR_BY_STIFFNESS,
     TOWER_BY_FREQUENCY,
     WAYS,
 )
+from mtcommission.wizard.console import LineConsole, RichConsole, fold, hint, introduce
+from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
+from mtcommission.wizard.document import update_document, write_document
+from mtcommission.wizard.insight import find_insights
 from mtcommission.wizard.question import Question, read_reply
 from mtcommission.wizard.script import list_questions
 from mtcommission.wizard.session import Ending, Session, run_wizard
 
 PROFILES = Path(__file__).parent.parent / "profiles"
+SHIPPED = read_profile(PROFILES / "milling-manipulator.toml")
 
 PAPER = """\
 Milling machine workpiece manipulator
@@ -157,9 +159,7 @@ def test_papers_machine_is_the_shipped_one(tmp_path: Path) -> None:
     """Then its sheet is the shipped one's, too: the computation sees nothing but the Machine."""
     session, said = talk(tmp_path / "paper.toml", PAPER)
     assert session.ending is Ending.WRITTEN
-    assert read_profile(tmp_path / "paper.toml") == read_profile(
-        PROFILES / "milling-manipulator.toml"
-    )
+    assert replace(read_profile(tmp_path / "paper.toml"), assumed=()) == SHIPPED
     assert "mode base at 50 Hz, damping ratio 0.0301" in said
     assert "mode rotation at 72.06 Hz" in said
     assert "2.667 m/s^2 (2000 N on 750 kg)" in said
@@ -306,8 +306,8 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     answers = "\n" * 7 + "0 N\n" + "\n" * 80
     talk(path, answers)
     changed = path.read_text("utf-8")
-    wanted = 'static_load = "0 N"                # Weight or process force that the drive holds'
-    assert [line for line in changed.split("\n") if line not in text.split("\n")] == [wanted]
+    (line,) = (line for line in changed.split("\n") if line not in text.split("\n"))
+    assert line.startswith('assumed = ["moves[1].dwell", "requirements.frequency_spread", ')
 
 
 def test_a_default_behind_a_derived_value_is_marked_there(tmp_path: Path) -> None:
@@ -315,9 +315,10 @@ def test_a_default_behind_a_derived_value_is_marked_there(tmp_path: Path) -> Non
     from_answers(tmp_path / "pair.toml", PAIR_TOML)
     text = (tmp_path / "pair.toml").read_text("utf-8")
     assert "#   damping_ratio = 0.03 (default accepted, not measured)" in text
-    assert re.search(r'^damping_ratio = "0.06" +# default accepted, not measured$', text, re.M)
-    assert "frequency = " in text
-    assert not re.search(r"^frequency = .*accepted", text, re.M)
+    assert 'damping_ratio = "0.06"' in text
+    assumed = parse_profile(text, where="pair.toml").assumed
+    assert "plant.modes[1].damping_ratio" in assumed
+    assert "plant.modes[1].frequency" not in assumed
 
 
 def test_what_was_only_accepted_is_known_after_a_break(tmp_path: Path) -> None:
@@ -326,31 +327,31 @@ def test_what_was_only_accepted_is_known_after_a_break(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="answers kept"):
         talk(path, "".join(lines[:20]))
     talk(path, "".join(lines[20:]))
-    assert re.search(r'^static_load = "0 N" .*; default accepted, not measured$',
-                     path.read_text("utf-8"), re.M)  # fmt: skip
+    assert "drive.static_load" in read_profile(path).assumed
 
 
-def test_a_mark_comes_and_goes_without_touching_other_lines(tmp_path: Path) -> None:
-    """Windows line ends, a user's own words behind the mark, and modes in one line."""
+def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
+    """Windows line ends and all other lines stay; a table that was assumed falls into its keys."""
     path = tmp_path / "p.toml"
     text = (PROFILES / "modal-two-modes.toml").read_text("utf-8")
-    text = re.sub(r"^force_lag = .*$", 'force_lag = "2 ms" # mine; default accepted, not measured; '
-                  "see #4", text, flags=re.M)  # fmt: skip
+    text = text.replace("illustrative = true", 'illustrative = true\nassumed = ["drive"] # mine')
     path.write_text(text, "utf-8", newline="\r\n")
     before = path.read_bytes()
     talk(path, "\n" * 80)
     assert path.read_bytes() == before
     talk(path, "\n" * 5 + "3 ms\n" + "\n" * 80)
     after = path.read_bytes()
-    assert b'force_lag = "3 ms" # mine; see #4\r\n' in after
-    assert len(set(before.split(b"\r\n")) ^ set(after.split(b"\r\n"))) == 2
+    assert b'force_lag = "3 ms"' in after
+    assert b'assumed = ["drive.max_force", "drive.continuous_force"] # mine\r\n' in after
+    assert len(set(before.split(b"\r\n")) ^ set(after.split(b"\r\n"))) == 4
     inline = re.sub(r"\[\[plant\.modes\]\][\s\S]*?(?=\n\[(?!\[plant))", "", text)
     mode = '{ name = "a", frequency = "40 Hz", tcp_gain = "0.001 1/kg" }'
     inline = inline.replace("[plant]\n", f"[plant]\nmodes = [{mode}]\n")
     path.write_text(inline, "utf-8")
     talk(path, "\n" * 80)
-    assert read_profile(path).mechanics.modes[0].damping_ratio == 0.03  # type: ignore[union-attr]
-    assert re.search(r"^modes = .*# default accepted, not measured$", path.read_text("utf-8"), re.M)
+    machine = read_profile(path)
+    assert machine.mechanics.modes[0].damping_ratio == 0.03  # type: ignore[union-attr]
+    assert "plant.modes[1].damping_ratio" in machine.assumed
 
 
 def test_changed_values_keep_the_users_comments(tmp_path: Path) -> None:
@@ -375,7 +376,7 @@ def test_another_kind_of_mechanics_replaces_the_old_one() -> None:
     }
     del answers["damping_optimal.weights.x_b"], answers["damping_optimal.weights.phi"]
     del answers["damping_optimal.weights.v_b"], answers["damping_optimal.weights.v_phi"]
-    changed = update_document(text, to_profile(answers), ())
+    changed = update_document(text, to_profile(answers))
     machine = parse_profile(changed, where="changed.toml")
     assert isinstance(machine.mechanics, Modal)
     assert "# The reference machine: every mechanical number" in changed
@@ -416,7 +417,9 @@ def test_leaving_at_any_point_keeps_the_answers_and_goes_on_from_there(
     assert not path.exists()
     tomllib.loads((tmp_path / "p.toml.answers").read_text("utf-8"))
     talk(path, "".join(lines[count:]))
-    assert read_profile(path) == read_profile(PROFILES / "milling-manipulator.toml")
+    assert replace(read_profile(path), assumed=()) == read_profile(
+        PROFILES / "milling-manipulator.toml"
+    )
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -500,7 +503,9 @@ def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
     text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
     path.write_text(text.replace('"450 kg"', '"450 m"').replace('"2 kN"', '"much"'), "utf-8")
     _, said = talk(path, "\n" * 4 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
-    assert read_profile(path) == read_profile(PROFILES / "milling-manipulator.toml")
+    assert replace(read_profile(path), assumed=()) == read_profile(
+        PROFILES / "milling-manipulator.toml"
+    )
     assert "mode base at 50 Hz" in said
 
 

@@ -71,7 +71,7 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) ->
     -------
     Group
     """
-    printed, axis = _formatter(machine), machine.measures
+    printed, axis = _formatter(machine), machine.axis_units
     length, force = axis.length.si, axis.force.si
     said = printed.labels.say
     modes = _table(
@@ -137,7 +137,7 @@ def describe_optimum(
         peaks.add_row(name, printed.quantity(peak, unit), error)
     lines = [
         f"t_f = {1e3 * solution.t_f:.6f} ms at F_max = {solution.force_limit:g} "
-        f"{machine.measures.force.si}, method {solution.method}"
+        f"{machine.axis_units.force.si}, method {solution.method}"
     ]
     lines += _limit_lines(plant, solution, printed)
     if isinstance(solution, TimeOptimum):
@@ -183,7 +183,7 @@ def _damping_lines(
     machine: Machine, plant: Plant, solution: DampingOptimum, origin: str
 ) -> list[str]:
     """Return cost and weights with their units and where they come from."""
-    force = _squared(machine.measures.force.si)
+    force = _squared(machine.axis_units.force.si)
     weights = [
         f"{item.state} {item.value:.5g} {force}/{_squared(plant.unit(item.state))}"
         for item in solution.weights
@@ -243,7 +243,7 @@ def describe_limits(
     machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[str]
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
-    printed, length = _formatter(machine), machine.measures.length.si
+    printed, length = _formatter(machine), machine.axis_units.length.si
     said, best = printed.labels.say, part["recommended"]
     table = _table("Limits", "a", "j", "Settling", "Residual", "Peak", "Met")
     entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
@@ -310,7 +310,7 @@ def _hold_sentence(item: MoveSizesEntry, printed: Formatter, length: str) -> str
 
 def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
     """Return the worst response of each move and the verdict."""
-    printed, axis = _formatter(machine), machine.measures
+    printed, axis = _formatter(machine), machine.axis_units
     mass, length, force = axis.mass.si, axis.length.si, axis.force.si
     table = _table("Move", "Corner", "Settling", "Residual", "Peak", "F_set")
     for number, move in enumerate(part["moves"], start=1):

@@ -119,7 +119,7 @@ def si_coding(_subject: Subject) -> Coding:
 
 
 def _generic_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    length, force = subject.length, subject.machine.measures.force.si
+    length, force = subject.length, subject.machine.axis_units.force.si
     typed, gains = values.recommended, subject.gains
     delay = subject.tuned.controller.reference_delay
     rows = (

@@ -106,7 +106,7 @@ def _gains(subject: Subject) -> tuple[Entry, ...]:
             Entry(
                 name="p1460",
                 value=type_number(round_down(gains.velocity)),
-                unit=subject.machine.measures.damping.si,
+                unit=subject.machine.axis_units.damping.si,
                 meaning="Kp of this loop, at the axis; a rotary motor needs Nms/rad at its shaft",
             )
         ),

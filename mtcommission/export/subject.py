@@ -87,7 +87,7 @@ class Subject:
     @property
     def length(self) -> str:
         """SI unit of a position."""
-        return self.machine.measures.length.si
+        return self.machine.axis_units.length.si
 
     @property
     def small_unit(self) -> tuple[str, float]:

@@ -17,7 +17,7 @@ from mtcommission.export.plc import PLC_CONTROLS
 from mtcommission.export.rounding import type_limits
 from mtcommission.export.subject import Subject, build_subject, with_gains
 from mtcommission.export.wording import show_value
-from mtcommission.profile.lines import ACCEPTED_DEFAULT
+from mtcommission.record.data import ACCEPTED_DEFAULT
 from mtcommission.record.schema import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.units.quantities import wrap_whole

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.corners import corners
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.machine.variations import corners
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -59,7 +59,7 @@ def require_affordable(machine: Machine) -> None:
     a = machine.drive.motion_force / moving_mass(machine)
     times = [least_motion_time(move, a) for move in machine.moves]
     slowest = max(range(len(times)), key=lambda i: times[i])
-    force, mass = machine.measures.force.si, machine.measures.mass.si
+    force, mass = machine.axis_units.force.si, machine.axis_units.mass.si
     count = f"{cycles:.0f}" if cycles < 1e9 else f"{cycles:.3g}"
     raise ComputationError(
         Outcome.MOVE_TOO_LONG,
@@ -85,7 +85,7 @@ def require_affordable_limits(machine: Machine, limits: MotionLimits) -> None:
     limits
         The slowest that will be judged: what the commissioning rule asks for.
     """
-    band = f"{machine.requirements.tcp_deviation:.3g} {machine.measures.length.si}"
+    band = f"{machine.requirements.tcp_deviation:.3g} {machine.axis_units.length.si}"
     require_few_cycles(
         machine,
         limits,
@@ -123,7 +123,7 @@ def require_few_cycles(
     if cycles <= most:
         return
     detail = (
-        f"{reason} {limits.acceleration:.4g} {machine.measures.acceleration.si} and a ramp of "
+        f"{reason} {limits.acceleration:.4g} {machine.axis_units.acceleration.si} and a ramp of "
         f"{limits.jerk_time:.4g} s, with which a move takes {max(times):.4g} s; in "
         f"{len(corners(machine))} corner(s) all moves together are {cycles:.3g} velocity cycles of "
         f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {most} at most; {remedy}"

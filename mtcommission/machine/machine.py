@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from math import inf
 
-from mtcommission.units.axis_units import LINEAR, ROTARY, Measures
+from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 
 class Motion(Enum):
@@ -377,6 +377,11 @@ class Machine:
         Manipulator or modal description.
     drive, moves, requirements, damping_optimal, control
         See the classes.
+    illustrative
+        Whether the numbers are plausible ones, not those of a real machine.
+    assumed
+        Keys and tables of the profile whose values nobody stated or measured, spelt as in
+        messages, e.g. ``plant.modes[1].damping_ratio``.
     """
 
     name: str
@@ -389,9 +394,15 @@ class Machine:
     motion: Motion = Motion.LINEAR
     damping_optimal: DampingOptimal = field(default_factory=DampingOptimal)
     control: Control = field(default_factory=Control)
+    illustrative: bool = False
+    assumed: tuple[str, ...] = ()
+
+    def is_assumed(self, key: str) -> bool:
+        """Return whether a key, or a table that holds it, is one of ``assumed``."""
+        return any(key == one or key.startswith((f"{one}.", f"{one}[")) for one in self.assumed)
 
     @property
-    def measures(self) -> Measures:
+    def axis_units(self) -> AxisUnits:
         """What masses, forces and lengths are on this axis."""
         return ROTARY if self.motion is Motion.ROTARY else LINEAR
 

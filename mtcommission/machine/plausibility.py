@@ -177,7 +177,7 @@ def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> list[Remark
 
 
 def _check_deflection(machine: Machine, mode: FlexibleMode, *, key: str) -> list[Remark]:
-    unit = machine.measures.length.si
+    unit = machine.axis_units.length.si
     deflection = abs(mode.tcp_gain) * machine.drive.motion_force / mode.natural_frequency**2
     band = machine.requirements.tcp_deviation
     if deflection <= DEFLECTION_RATIO * band:
@@ -192,8 +192,8 @@ def _check_deflection(machine: Machine, mode: FlexibleMode, *, key: str) -> list
 
 def _check_drive(machine: Machine) -> list[Remark]:
     drive, m = machine.drive, moving_mass(machine)
-    measures = machine.measures
-    force, mass, rate = measures.force.si, measures.mass.si, measures.acceleration.si
+    axis = machine.axis_units
+    force, mass, rate = axis.force.si, axis.mass.si, axis.acceleration.si
     low, high = ACCELERATIONS[machine.motion]
     a = drive.motion_force / m
     remarks = []
@@ -226,7 +226,7 @@ def _check_drive(machine: Machine) -> list[Remark]:
 
 def _check_moves(machine: Machine) -> list[Remark]:
     remarks = []
-    a, unit = machine.drive.motion_force / moving_mass(machine), machine.measures.velocity.si
+    a, unit = machine.drive.motion_force / moving_mass(machine), machine.axis_units.velocity.si
     for i, move in enumerate(machine.moves):
         time = least_motion_time(move, a)
         if time > LONGEST_MOVE:
@@ -250,7 +250,7 @@ def _check_moves(machine: Machine) -> list[Remark]:
 
 
 def _check_requirements(machine: Machine) -> list[Remark]:
-    needs, m, unit = machine.requirements, moving_mass(machine), machine.measures.length.si
+    needs, m, unit = machine.requirements, moving_mass(machine), machine.axis_units.length.si
     low, high = DEVIATIONS[machine.motion]
     remarks = []
     if not low <= needs.tcp_deviation <= high:
@@ -258,7 +258,7 @@ def _check_requirements(machine: Machine) -> list[Remark]:
         message = f"{needs.tcp_deviation:.3g} {unit} is {side}; check the unit"
         remarks.append(Remark(key="requirements.tcp_deviation", message=message))
     if needs.payload[1] > PAYLOAD_RATIO * m:
-        mass = machine.measures.mass.si
+        mass = machine.axis_units.mass.si
         message = (
             f"{needs.payload[1]:.4g} {mass} is more than three times the moving mass, "
             f"{m:.4g} {mass}; one set of limits will be slow for the empty axis"
@@ -280,7 +280,7 @@ def _check_control(machine: Machine) -> list[Remark]:
     remarks = []
     mass = control.feedforward_mass
     if mass is not None and not low / FEEDFORWARD_RATIO <= mass <= high * FEEDFORWARD_RATIO:
-        unit = machine.measures.mass.si
+        unit = machine.axis_units.mass.si
         message = (
             f"{mass:.4g} {unit} is far from the moving mass, {low:.4g} to {high:.4g} {unit}; "
             "the feed-forward will push too little or too much"

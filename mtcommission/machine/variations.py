@@ -1,17 +1,119 @@
-"""Machines that differ from the nominal one: drawn, listed, or scaled."""
+"""Machines that differ from the nominal one: its corners, and samples of the same ranges."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.corners import Corner
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, Manipulator
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Corner:
+    """One variation of the machine in which the requirements must hold.
+
+    Parameters
+    ----------
+    payload
+        [kg].
+    frequency_factor, damping_factor
+        Factors on all eigenfrequencies and damping ratios [-].
+    """
+
+    payload: float = 0.0
+    frequency_factor: float = 1.0
+    damping_factor: float = 1.0
+
+
+NOMINAL = Corner()
+"""The machine exactly as the profile states it: no payload, no spread."""
+
+
+def vary(machine: Machine, corner: Corner) -> Machine:
+    """Return the machine in a corner.
+
+    Payload adds to the moving mass (and to the rotary inertia if ``payload_radius`` is given);
+    the frequency factor s acts through stiffness with damping ratios fixed: k s², d s.
+
+    Parameters
+    ----------
+    machine
+        The nominal machine.
+    corner
+        Payload and factors.
+
+    Returns
+    -------
+    Machine
+        With mechanics changed, all else the same.
+
+    Source: the project's definition of corners.
+    """
+    s, d = corner.frequency_factor, corner.frequency_factor * corner.damping_factor
+    mechanics = machine.mechanics
+    if isinstance(mechanics, Manipulator):
+        radius = machine.requirements.payload_radius
+        inertia = mechanics.rotary_inertia + corner.payload * radius**2
+        return replace(
+            machine,
+            mechanics=replace(
+                mechanics,
+                slider_mass=mechanics.slider_mass + corner.payload,
+                rotary_inertia=inertia,
+                base_stiffness=mechanics.base_stiffness * s**2,
+                base_damping=mechanics.base_damping * d,
+                rotary_stiffness=mechanics.rotary_stiffness * s**2,
+                rotary_damping=mechanics.rotary_damping * d,
+            ),
+        )
+    modes = tuple(
+        replace(
+            mode,
+            natural_frequency=mode.natural_frequency * s,
+            damping_ratio=mode.damping_ratio * corner.damping_factor,
+        )
+        for mode in mechanics.modes
+    )
+    return replace(
+        machine,
+        mechanics=replace(
+            mechanics, moving_mass=mechanics.moving_mass + corner.payload, modes=modes
+        ),
+    )
+
+
+def corners(machine: Machine) -> tuple[Corner, ...]:
+    """Return the nominal machine and every combination of the ends of the stated ranges.
+
+    Parameters
+    ----------
+    machine
+        The nominal machine; its requirements hold the ranges.
+
+    Returns
+    -------
+    tuple of Corner
+        First the nominal one, then payload ends x frequency ends x damping ends, none twice.
+    """
+    needs = machine.requirements
+
+    def ends(spread: float) -> tuple[float, ...]:
+        return (1.0 - spread, 1.0 + spread) if spread else (1.0,)
+
+    combinations = product(
+        dict.fromkeys(needs.payload), ends(needs.frequency_spread), ends(needs.damping_spread)
+    )
+    outer = [
+        Corner(payload=payload, frequency_factor=frequency, damping_factor=damping)
+        for payload, frequency, damping in combinations
+    ]
+    return tuple(dict.fromkeys([NOMINAL, *outer]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

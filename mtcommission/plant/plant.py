@@ -283,7 +283,7 @@ def _assemble(
 
 
 def _signal_units(machine: Machine, states: tuple[str, ...]) -> tuple[str, ...]:
-    axis = machine.measures
+    axis = machine.axis_units
     length, velocity = axis.length.si, axis.velocity.si
     known = {"phi": "rad", "v_phi": "rad/s", "F": axis.force.si}
     if isinstance(machine.mechanics, Manipulator):

@@ -68,6 +68,8 @@ def build_machine(table: ProfileTable) -> Machine:
         requirements=_build_requirements(table.requirements),
         damping_optimal=_build_damping_optimal(table.damping_optimal),
         control=_build_control(table.control),
+        illustrative=table.machine.illustrative,
+        assumed=tuple(table.machine.assumed),
     )
 
 

@@ -185,6 +185,8 @@ def _message(detail: ErrorDetails, loc: KeyPath) -> str:
             return f'{MISSING}add kind = "manipulator" or kind = "modal"'
         case "union_tag_invalid":
             return f'got "{context["tag"]}", must be "manipulator" or "modal"'
+        case "bool_type":
+            return f"got {got}, must be true or false"
         case "model_type" | "model_attributes_type":
             return f"got {got}, must be a table"
         case "list_type":

@@ -25,10 +25,6 @@ _PIECE = re.compile(
 _KEY_PART = re.compile(r'"((?:\\.|[^"\\])*)"|\'([^\']*)\'|([A-Za-z0-9_-]+)')
 
 
-ACCEPTED_DEFAULT = "default accepted, not measured"
-"""Comment behind a value that nobody stated: the record gives it as the value's source."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeyLines:
     """The line of every table and of every key that starts a line.
@@ -131,34 +127,6 @@ def find_repetition(text: str, line: int) -> tuple[str, int]:
     known = {path: start for start, declared in reversed(before) for path in declared}
     here = paths[-1]
     return (show_key(here), known[here]) if here and here in known else ("", 0)
-
-
-def find_comments(text: str) -> dict[KeyPath, str]:
-    r"""Return the comment behind each key, without its mark.
-
-    Parameters
-    ----------
-    text
-        Valid TOML.
-
-    Returns
-    -------
-    dict
-        Keys with a comment on their own line only.
-
-    Examples
-    --------
-    >>> find_comments('[drive]\nforce_lag = "1 ms"  # illustrative\n')
-    {('drive', 'force_lag'): 'illustrative'}
-    """
-    comments: dict[int, str] = {}
-    line = 1
-    for match in _PIECE.finditer(text):
-        if match[0].startswith("#"):
-            comments[line] = match[0].lstrip("# ").strip()
-        line += match[0].count("\n")
-    lines = find_key_lines(text).lines
-    return {path: comments[place] for path, place in lines.items() if place in comments}
 
 
 def _walk(text: str) -> Iterator[tuple[int, tuple[KeyPath, ...]]]:

@@ -55,6 +55,14 @@ class MachineTable(Table):
         '"linear"',
         "linear",
     )
+    illustrative: bool = optional(
+        "Whether the numbers are plausible ones, not those of a real machine.", "false", False
+    )
+    assumed: list[Annotated[str, Name()]] = optional(
+        "Keys whose values are defaults that were accepted, not measured.",
+        '["drive.force_lag", "plant.modes[1].damping_ratio"]',
+        [],
+    )
 
 
 class DriveTable(Table):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.profile.build import build_machine
 from mtcommission.profile.faults import list_faults
-from mtcommission.profile.lines import find_key_lines
+from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
 from mtcommission.profile.model import ProfileTable
 from mtcommission.profile.plant_tables import ManipulatorTable, ModalTable
 from mtcommission.profile.syntax import load_toml
@@ -144,14 +144,12 @@ def parse_profile(text: str, *, where: str) -> Machine:
     faults, lines = list(parsed.faults), find_key_lines(parsed.text)
     if wrong_kind:
         line = lines.line_of(("plant", "kind"))
-        faults.append(
-            Fault(
-                where=where,
-                line=line,
-                key="plant.kind",
-                message=Message("verbatim", text=wrong_kind),
-            )
-        )
+        said = Message("verbatim", text=wrong_kind)
+        faults.append(Fault(where=where, line=line, key="plant.kind", message=said))
+    for path, wrong_key in _misspelt(parsed.data):
+        line = lines.line_of(path)
+        said = Message("verbatim", text=wrong_key)
+        faults.append(Fault(where=where, line=line, key=show_key(path), message=said))
     refused = {fault.line for fault in parsed.faults}
     try:
         table = ProfileTable.model_validate(data, context=_context(data))
@@ -204,6 +202,30 @@ def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:
     else:
         wrong = f'missing; add kind = "{kind}", to which the other keys belong'
     return {**data, "plant": {**plant, "kind": kind}}, wrong
+
+
+def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, str]]:
+    """Keys in machine.assumed that the profile does not state, and what is wrong with each."""
+    machine = data.get("machine")
+    named = machine.get("assumed") if isinstance(machine, dict) else None
+    stated = [show_key(path) for path in _paths(data)]
+    for place, key in enumerate(named if isinstance(named, list) else ()):
+        if isinstance(key, str) and key not in stated:
+            close = find_close(key, stated)
+            hint = f'; did you mean "{close}"?' if close else "; name a key as messages spell it"
+            yield ("machine", "assumed", place), f'got "{key}", which is not stated here{hint}'
+
+
+def _paths(value: object, path: KeyPath = ()) -> Iterator[KeyPath]:
+    """The path of every table, array and value."""
+    if path:
+        yield path
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _paths(inner, (*path, name))
+    elif isinstance(value, list):
+        for place, inner in enumerate(value):
+            yield from _paths(inner, (*path, place))
 
 
 def _context(data: Mapping[str, Any]) -> Context:

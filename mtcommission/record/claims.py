@@ -7,8 +7,8 @@ from math import isfinite, pi
 
 import numpy as np
 
-from mtcommission.machine.corners import NOMINAL
 from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.variations import NOMINAL
 from mtcommission.study.comparison import ComparedControl
 from mtcommission.study.feedforward import FedForward
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import isfinite
 
 from mtcommission.machine.machine import Machine, Manipulator, Modal, Move, VelocityStep
 from mtcommission.machine.mechanics import frequency_hz
 from mtcommission.plant.plant import Plant
-from mtcommission.profile.lines import ACCEPTED_DEFAULT, KeyPath, find_comments, find_key_lines
+from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
 from mtcommission.record.schema import Quantity
 
 Row = tuple[str, float, str]
 """Key, value and SI unit."""
 
-DOUBTS = ("illustrative", ACCEPTED_DEFAULT)
-"""Words in a comment that give a value another source than the profile's."""
+ACCEPTED_DEFAULT = "default accepted, not measured"
+"""Source of a value that nobody stated."""
 
 
 def describe_move(move: Move) -> dict[str, float]:
@@ -57,7 +56,7 @@ def list_assumptions(machine: Machine) -> list[str]:
             "The static load takes its amount from the force available for motion; its "
             "deflection is constant and taken up by the integral part of the velocity loop."
         )
-    if "illustrative" in machine.source.lower():
+    if machine.illustrative:
         found.insert(0, "The machine data are illustrative, not those of a real machine.")
     return found
 
@@ -70,15 +69,13 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
     machine, plant
         Nominal.
     profile_text
-        The profile; a comment behind a value may mark it as illustrative, or as a default that
-        was only accepted.
+        The profile: what it does not state is a default.
 
     Returns
     -------
     list of Quantity
         Data of plant and drive have the machine's source, moves and requirements the profile
-        itself, unless a comment behind the value has one of the words ``DOUBTS``; what the
-        profile does not state is a default.
+        itself, but for what ``machine.assumed`` names.
     """
     rows = [
         *_plant_rows(machine),
@@ -86,22 +83,18 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
         *_move_rows(machine),
         *_requirement_rows(machine, plant),
     ]
-    given = {_spelt(machine, path) for path in find_key_lines(profile_text).lines}
-    doubted = {
-        _spelt(machine, path): words
-        for path, comment in find_comments(profile_text).items()
-        for words in DOUBTS
-        if words in comment.lower()
-    }
+    stated = find_key_lines(profile_text).lines
+    given = {_spelt(machine, path) for path in stated}
+    assumed = {_spelt(machine, path) for path in stated if machine.is_assumed(show_key(path))}
     return [
-        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, given, doubted))
+        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, given, assumed))
         for key, value, unit in rows
         if isfinite(value)
     ]
 
 
 def _plant_rows(machine: Machine) -> list[Row]:
-    mechanics, mass = machine.mechanics, machine.measures.mass.si
+    mechanics, mass = machine.mechanics, machine.axis_units.mass.si
     if isinstance(mechanics, Manipulator):
         return [
             ("plant.base_mass", mechanics.base_mass, "kg"),
@@ -127,7 +120,7 @@ def _plant_rows(machine: Machine) -> list[Row]:
 
 
 def _drive_rows(machine: Machine) -> list[Row]:
-    drive, force = machine.drive, machine.measures.force.si
+    drive, force = machine.drive, machine.axis_units.force.si
     return [
         ("drive.force_lag", drive.force_lag, "s"),
         ("drive.max_force", drive.max_force, force),
@@ -137,7 +130,7 @@ def _drive_rows(machine: Machine) -> list[Row]:
 
 
 def _move_rows(machine: Machine) -> list[Row]:
-    axis = machine.measures
+    axis = machine.axis_units
     units = {
         "distance": axis.length.si,
         "velocity_step": axis.velocity.si,
@@ -152,10 +145,10 @@ def _move_rows(machine: Machine) -> list[Row]:
 
 
 def _requirement_rows(machine: Machine, plant: Plant) -> list[Row]:
-    needs, mass = machine.requirements, machine.measures.mass.si
+    needs, mass = machine.requirements, machine.axis_units.mass.si
     units = dict(zip(plant.signals, plant.signal_units, strict=True))
     return [
-        ("requirements.tcp_deviation", needs.tcp_deviation, machine.measures.length.si),
+        ("requirements.tcp_deviation", needs.tcp_deviation, machine.axis_units.length.si),
         ("requirements.max_settling_time", needs.max_settling_time, "s"),
         ("requirements.frequency_spread", needs.frequency_spread, "-"),
         ("requirements.damping_spread", needs.damping_spread, "-"),
@@ -176,10 +169,10 @@ def _spelt(machine: Machine, path: KeyPath) -> str:
             return ".".join(map(str, path))
 
 
-def _source(machine: Machine, key: str, given: set[str], doubted: Mapping[str, str]) -> str:
+def _source(machine: Machine, key: str, given: set[str], assumed: set[str]) -> str:
     plain = key.partition(" (")[0]
-    if plain in doubted:
-        return doubted[plain]
+    if plain in assumed:
+        return "illustrative" if machine.illustrative else ACCEPTED_DEFAULT
     if plain not in given:
         return "default"
     return machine.source if key.startswith(("plant.", "drive.")) else "stated in the profile"

@@ -8,8 +8,8 @@ import numpy as np
 
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.corners import Corner
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
 from mtcommission.record.optima import finite_or_none, series_entry

@@ -112,7 +112,7 @@ def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[str, 
 
 
 def _monte_carlo_entry(machine: Machine, drawn: MonteCarlo) -> MonteCarloEntry:
-    length = machine.measures.length.si
+    length = machine.axis_units.length.si
     return MonteCarloEntry(
         samples=len(drawn.settling_time),
         seed=drawn.seed,

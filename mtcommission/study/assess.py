@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import isfinite
 
 from mtcommission.loop.simulate.response import LoopResponse
-from mtcommission.machine.corners import NOMINAL, Corner
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.plant.plant import Plant
 
 
@@ -88,7 +88,7 @@ def assess(
     Assessment
     """
     needs, drive = machine.requirements, machine.drive
-    length, force = machine.measures.length.si, machine.measures.force.si
+    length, force = machine.axis_units.length.si, machine.axis_units.force.si
     found = [
         (response, describe_place(number, corner, len(machine.moves)))
         for number, row in enumerate(responses, start=1)

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from mtcommission.loop.model.sampled import SampledLoop, build_loop, lift_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.corners import NOMINAL, Corner, corners, vary
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.setpoint import Setpoint

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.batch.varied_response import VariedResponse, respond_to_variations
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.corners import corners
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import (
     Variations,
     as_variations,
+    corners,
     draw_variations,
     scale_variations,
 )

@@ -35,7 +35,7 @@ from mtcommission.units.quantities import (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measures:
+class AxisUnits:
     """The quantities of one kind of axis, named as on the linear one.
 
     Parameters
@@ -65,7 +65,7 @@ class Measures:
     modal_rate: Dimension
 
 
-LINEAR = Measures(
+LINEAR = AxisUnits(
     mass=MASS,
     force=FORCE,
     length=LENGTH,
@@ -78,7 +78,7 @@ LINEAR = Measures(
     modal_deflection=MODAL_DEFLECTION,
     modal_rate=MODAL_RATE,
 )
-ROTARY = Measures(
+ROTARY = AxisUnits(
     mass=INERTIA,
     force=TORQUE,
     length=ANGLE,

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 
+from mtcommission.profile.lines import read_key, read_path, show_key
 from mtcommission.profile.model import MOST_MOVES
 from mtcommission.profile.plant_tables import MOST_MODES
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import FREQUENCY, RATIO, parse_quantity
-from mtcommission.wizard.measures import (
+from mtcommission.wizard.axis_units import (
     MODAL,
     NO,
     PAIR_BY_FREQUENCY,
@@ -18,9 +19,9 @@ from mtcommission.wizard.measures import (
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     YES,
-    measures,
+    axis_units,
 )
-from mtcommission.wizard.question import Answers, list_accepted, si_value
+from mtcommission.wizard.question import Answers, list_accepted, note_accepted, si_value
 from mtcommission.wizard.script import POSITIONING, STEP, list_questions
 
 Data = dict[str, object]
@@ -100,15 +101,27 @@ def to_profile(answers: Answers) -> Data:
     Returns
     -------
     dict
-        Tables in the profile's order, after ``schema``.
+        Tables in the profile's order, after ``schema``; ``machine.assumed`` names the defaults
+        that were only accepted.
     """
+    data = _tables(answers)
+    machine, assumed = data.get("machine"), list_unmeasured(answers)
+    if isinstance(machine, dict):
+        if machine.get("illustrative") in ("true", "false"):
+            machine["illustrative"] = machine["illustrative"] == "true"
+        if assumed:
+            machine["assumed"] = list(assumed)
+    return data
+
+
+def _tables(answers: Answers) -> Data:
     flat = {key: text for key, text in answers.items() if text and _is_profile_key(key)}
     flat = {key: text for key, text in flat.items() if not key.startswith("plant.")}
     plant = {key: text for key, text in _plant(answers).items() if text}
     payload = flat.pop("requirements.payload.1", "")
     least = flat.pop("requirements.payload.0", "")
-    if payload and parse_quantity(payload, measures(answers).mass) > 0.0:
-        flat["requirements.payload.0"] = least or f"0 {measures(answers).mass.si}"
+    if payload and parse_quantity(payload, axis_units(answers).mass) > 0.0:
+        flat["requirements.payload.0"] = least or f"0 {axis_units(answers).mass.si}"
         flat["requirements.payload.1"] = payload
     nested = nest({**flat, **plant})
     ordered: Data = {"schema": 1}
@@ -135,7 +148,7 @@ def list_unmeasured(answers: Answers) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        In the order in which they were accepted.
+        As messages spell them, in the order in which they were accepted.
 
     Examples
     --------
@@ -145,13 +158,14 @@ def list_unmeasured(answers: Answers) -> tuple[str, ...]:
     asked = {question.key for question in list_questions(answers)}
     # The same key of [plant] may come from another description of the mechanics by now.
     valid = [key for key in list_accepted(answers) if key in asked or not key.startswith("plant.")]
-    keys = [DERIVED_FROM.get(key, key) for key in valid if answers.get(key)]
-    written = flatten(to_profile(answers))
-    return tuple(
-        key
-        for key in dict.fromkeys(keys)
-        if any(one == key or one.startswith(f"{key}.") for one in written)
-    )
+    keys = [DERIVED_FROM.get(key, key) for key in valid if _has(answers, key)]
+    written = flatten(_tables(answers))
+    return tuple(show_key(read_path(key)) for key in dict.fromkeys(keys) if _has(written, key))
+
+
+def _has(answers: Answers, key: str) -> bool:
+    """Whether there is a key, or one below it."""
+    return any(text and (one == key or one.startswith(f"{key}.")) for one, text in answers.items())
 
 
 def to_answers(data: Mapping[str, object]) -> dict[str, str]:
@@ -169,6 +183,10 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
     """
     answers = flatten(data)
     answers.pop("schema", None)
+    assumed = [key for key in answers if key.startswith("machine.assumed.")]
+    accepted = [read_key(answers.pop(key)) for key in assumed]
+    if accepted:
+        answers = note_accepted(answers, *accepted)
     kind = answers.pop("plant.kind", "")
     if kind and "wizard.way" not in answers:
         answers["wizard.way"] = MODAL if kind == "modal" else TOWER_BY_STIFFNESS
@@ -295,7 +313,7 @@ def _tower_springs(answers: Answers) -> dict[str, str]:
 
 def pair_of(answers: Answers) -> Pair | None:
     """Return the two masses with their spring; None while something is missing."""
-    unit = measures(answers)
+    unit = axis_units(answers)
     m_1 = si_value(answers, "pair.motor_mass", unit.mass)
     m_2 = si_value(answers, "pair.load_mass", unit.mass)
     zeta = si_value(answers, "pair.damping_ratio", RATIO)
@@ -309,7 +327,7 @@ def pair_of(answers: Answers) -> Pair | None:
 
 
 def _pair_mode(answers: Answers) -> dict[str, str]:
-    pair, unit = pair_of(answers), measures(answers)
+    pair, unit = pair_of(answers), axis_units(answers)
     if pair is None:
         return {}
     return {

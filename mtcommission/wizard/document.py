@@ -4,25 +4,19 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import tomlkit
 
-from mtcommission.profile.lines import (
-    ACCEPTED_DEFAULT,
-    find_comments,
-    find_key_lines,
-    read_path,
-)
-from mtcommission.wizard.convert import Data, as_text, list_unmeasured
-from mtcommission.wizard.measures import (
+from mtcommission.wizard.axis_units import (
     MODAL,
     PAIR_BY_FREQUENCY,
     PAIR_BY_STIFFNESS,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
 )
+from mtcommission.wizard.convert import Data, as_text
 from mtcommission.wizard.question import Answers, list_accepted
 from mtcommission.wizard.script import list_questions
 
@@ -59,12 +53,11 @@ def write_document(data: Data, answers: Answers) -> str:
     comments = {
         question.key: question.text.partition(" (empty:")[0] for question in list_questions(answers)
     }
-    for key in list_unmeasured(answers):
-        comments[key] = "; ".join(filter(None, (comments.get(key, ""), ACCEPTED_DEFAULT)))
+    comments["machine.assumed"] = "Defaults accepted, not measured"
     lines = [
         "# Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.",
         "# Check it with: mtcommission check FILE; compute with: mtcommission run FILE.",
-        f'# Delete "{ACCEPTED_DEFAULT}" behind a value as soon as somebody knows it.',
+        "# Take a key out of assumed as soon as somebody knows its value.",
         "",
         f"schema = {data['schema']}",
     ]
@@ -79,7 +72,7 @@ def write_document(data: Data, answers: Answers) -> str:
     return "\n".join(lines) + "\n"
 
 
-def update_document(text: str, data: Data, unmeasured: Collection[str]) -> str:
+def update_document(text: str, data: Data) -> str:
     """Return a profile with other values; comments, order and unchanged lines stay.
 
     Parameters
@@ -88,8 +81,6 @@ def update_document(text: str, data: Data, unmeasured: Collection[str]) -> str:
         Valid TOML.
     data
         What it shall say.
-    unmeasured
-        Keys of values that are defaults which were only accepted.
 
     Returns
     -------
@@ -99,30 +90,7 @@ def update_document(text: str, data: Data, unmeasured: Collection[str]) -> str:
     if _kind_of(document) != _kind_of(data) and "plant" in document:
         document["plant"] = data["plant"]  # another kind shares no key with it
     _merge(document, data)
-    return _mark(tomlkit.dumps(document), unmeasured)
-
-
-def find_unmeasured(text: str) -> list[str]:
-    """Return the keys of a profile whose comment says that nobody stated the value."""
-    comments = find_comments(text).items()
-    return [".".join(map(str, path)) for path, said in comments if ACCEPTED_DEFAULT in said]
-
-
-def _mark(text: str, unmeasured: Collection[str]) -> str:
-    """Say behind each value whether it is a default that was only accepted."""
-    places, comments = find_key_lines(text), find_comments(text)
-    commented = {places.line_of(path) - 1 for path in comments}
-    present = {places.line_of(read_path(key)) - 1 for key in find_unmeasured(text)}
-    wanted = {places.line_of(read_path(key)) - 1 for key in unmeasured}
-    lines = text.split("\n")
-    for n in present - wanted:
-        line = re.sub(rf";?[ \t]*{ACCEPTED_DEFAULT}", "", lines[n])
-        lines[n] = re.sub(r"[ \t#]+(\r?)$", r"\1", line)
-    for n in wanted - present:
-        line = lines[n].rstrip()
-        mark = "; " if n in commented else "  # "
-        lines[n] = f"{line}{mark}{ACCEPTED_DEFAULT}{lines[n][len(line) :]}"
-    return "\n".join(lines)
+    return tomlkit.dumps(document)
 
 
 def _kind_of(data: Mapping[str, object]) -> str:
@@ -170,7 +138,7 @@ def _origins(answers: Answers) -> Iterator[tuple[str, str]]:
     """What was typed where the profile holds derived values."""
     for key, text in answers.items():
         if key.startswith(("measured.", "pair.")) and text:
-            mark = f" ({ACCEPTED_DEFAULT})" if key in list_accepted(answers) else ""
+            mark = " (default accepted, not measured)" if key in list_accepted(answers) else ""
             yield key.partition(".")[2], f"{text}{mark}"
 
 
@@ -211,7 +179,7 @@ def _inline(value: object) -> str:
         return "[" + ", ".join(map(_inline, value)) + "]"
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{_key(k)} = {_inline(v)}" for k, v in value.items()) + " }"
-    return str(value) if isinstance(value, int) else _string(str(value))
+    return as_text(value) if isinstance(value, int) else _string(str(value))
 
 
 def _string(text: str) -> str:

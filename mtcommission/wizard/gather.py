@@ -17,10 +17,9 @@ from mtcommission.profile.lines import find_key_lines, read_key
 from mtcommission.profile.read import read_profile_text
 from mtcommission.profile.syntax import load_toml
 from mtcommission.profile.values import propose
+from mtcommission.wizard.axis_units import WAYS, YES
 from mtcommission.wizard.convert import OWN, to_answers
-from mtcommission.wizard.document import find_unmeasured
-from mtcommission.wizard.measures import WAYS, YES
-from mtcommission.wizard.question import Answers, note_accepted
+from mtcommission.wizard.question import Answers
 from mtcommission.wizard.script import list_questions
 
 KEPT = ".answers"
@@ -89,7 +88,6 @@ def gather(output: Path, answers_file: Path | None) -> Source:
     if output.exists():
         text = read_profile_text(output)
         answers = to_answers(_load(text, str(output)))
-        answers = note_accepted(answers, *find_unmeasured(text))
     in_profile = frozenset(answers)
     kept = Path(f"{output}{KEPT}")
     if kept.exists():

@@ -18,15 +18,15 @@ from mtcommission.units.quantities import (
     STIFFNESS,
     Dimension,
 )
-from mtcommission.wizard.convert import pair_of
-from mtcommission.wizard.measures import (
+from mtcommission.wizard.axis_units import (
     MODAL,
     PAIR_BY_FREQUENCY,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
+    axis_units,
     is_rotary,
-    measures,
 )
+from mtcommission.wizard.convert import pair_of
 from mtcommission.wizard.question import Answers, si_value
 
 CONTRADICTION = 0.1
@@ -86,7 +86,7 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
         if mode.tcp_gain is not None and force is not None and force > 0.0:
             found.append(_deflection(answers, mode, force))
     mass = _moving_mass(answers)
-    unit = measures(answers)
+    unit = axis_units(answers)
     if force is not None and force <= 0.0:
         text = (
             f"weight or process force leave {force:.4g} {unit.force.si} of the drive's force: "
@@ -104,7 +104,7 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
 
 
 def _motion_force(answers: Answers) -> float | None:
-    unit = measures(answers).force
+    unit = axis_units(answers).force
     force = si_value(answers, "drive.max_force", unit)
     if force is None:
         return None
@@ -112,7 +112,7 @@ def _motion_force(answers: Answers) -> float | None:
 
 
 def _moving_mass(answers: Answers) -> float | None:
-    way, unit = answers.get("wizard.way"), measures(answers).mass
+    way, unit = answers.get("wizard.way"), axis_units(answers).mass
     if way in (TOWER_BY_STIFFNESS, TOWER_BY_FREQUENCY):
         return si_value(answers, "plant.slider_mass", unit)
     if way == MODAL:
@@ -197,7 +197,7 @@ def _bode_modes(answers: Answers) -> list[_Mode]:
                     name=answers.get(f"{place}.name", str(i + 1)),
                     omega=2.0 * pi * f,
                     damping_ratio=si_value(answers, f"{place}.damping_ratio", RATIO),
-                    tcp_gain=si_value(answers, f"{place}.tcp_gain", measures(answers).gain),
+                    tcp_gain=si_value(answers, f"{place}.tcp_gain", axis_units(answers).gain),
                 )
             )
     return found
@@ -205,7 +205,7 @@ def _bode_modes(answers: Answers) -> list[_Mode]:
 
 def _contradictions(answers: Answers) -> list[Insight]:
     """Measured frequencies against those of mass and stiffness."""
-    unit, way = measures(answers), answers.get("wizard.way")
+    unit, way = axis_units(answers), answers.get("wizard.way")
     cases = []
     if way == TOWER_BY_FREQUENCY:
         cases = [

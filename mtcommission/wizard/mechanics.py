@@ -13,7 +13,7 @@ from mtcommission.units.quantities import (
     ROTARY_STIFFNESS,
     STIFFNESS,
 )
-from mtcommission.wizard.measures import (
+from mtcommission.wizard.axis_units import (
     MODAL,
     NO,
     PAIR_BY_FREQUENCY,
@@ -23,10 +23,10 @@ from mtcommission.wizard.measures import (
     WAYS,
     YES,
     ask,
+    axis_units,
     common,
     damping_ratio,
     is_rotary,
-    measures,
 )
 from mtcommission.wizard.question import Answers, Question
 
@@ -182,7 +182,7 @@ def _pair(answers: Answers, *, by_stiffness: bool) -> tuple[Question, ...]:
 
 
 def _pair_masses(answers: Answers) -> tuple[Question, Question]:
-    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
     mass, motor, load = (
         ("Inertia", "2 kg m^2", "6 kg m^2") if turns else ("Mass", "320 kg", "1150 kg")
     )
@@ -238,7 +238,7 @@ def _pair_stiffness(answers: Answers, text: str, where: str, *, is_optional: boo
         "pair.stiffness",
         text,
         where,
-        measures(answers).stiffness,
+        axis_units(answers).stiffness,
         "1 MN m/rad" if is_rotary(answers) else "16 N/um",
         *common(answers).stiffness,
         is_optional=is_optional,
@@ -246,7 +246,7 @@ def _pair_stiffness(answers: Answers, text: str, where: str, *, is_optional: boo
 
 
 def _modal(answers: Answers) -> tuple[Question, ...]:
-    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
     found = [
         ask(
             "plant.moving_mass",
@@ -279,7 +279,7 @@ def _modal(answers: Answers) -> tuple[Question, ...]:
 
 
 def _mode(answers: Answers, index: int) -> tuple[Question, ...]:
-    gain, place = measures(answers).gain, f"plant.modes.{index}"
+    gain, place = axis_units(answers).gain, f"plant.modes.{index}"
     return (
         Question(
             key=f"{place}.name",

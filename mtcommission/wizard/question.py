@@ -197,9 +197,21 @@ def note_accepted(answers: Answers, *keys: str) -> dict[str, str]:
 
 
 def note_stated(answers: Answers, key: str) -> dict[str, str]:
-    """Return the answers with one that somebody stated."""
-    left = tuple(one for one in list_accepted(answers) if one != key)
+    """Return the answers with one that somebody stated.
+
+    Examples
+    --------
+    >>> given = {"drive.max_force": "1 N", "drive.force_lag": "1 s", "wizard.accepted": "drive"}
+    >>> note_stated(given, "drive.max_force")["wizard.accepted"]
+    'drive.force_lag'
+    """
+    left: list[str] = []
     rest = {name: text for name, text in answers.items() if name != ACCEPTED}
+    for one in list_accepted(answers):
+        if key.startswith(f"{one}."):  # a profile may name a whole table
+            left += [name for name in rest if name.startswith(f"{one}.") and name != key]
+        elif one != key:
+            left.append(one)
     return note_accepted(rest, *left) if left else rest
 
 

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from mtcommission.profile.model import MOST_MOVES
 from mtcommission.units.quantities import GAIN, RATIO, TIME
-from mtcommission.wizard.measures import (
+from mtcommission.wizard.axis_units import (
     NO,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     YES,
     ask,
+    axis_units,
     common,
     is_rotary,
-    measures,
 )
 from mtcommission.wizard.mechanics import ask_mechanics
 from mtcommission.wizard.question import Answers, Question
@@ -83,7 +83,7 @@ def _machine() -> tuple[Question, ...]:
 
 
 def _drive(answers: Answers) -> tuple[Question, ...]:
-    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
     force, example = ("torque", "800 N m") if turns else ("force", "2 kN")
     return (
         Question(
@@ -173,7 +173,7 @@ def _velocity_step(answers: Answers, place: str) -> tuple[Question]:
             f"{place}.velocity_step",
             "Velocity at the end",
             "Feed or rapid traverse that is reached; the end position is free.",
-            measures(answers).velocity,
+            axis_units(answers).velocity,
             _example_velocity(answers),
             *common(answers).velocity,
         ),
@@ -181,7 +181,7 @@ def _velocity_step(answers: Answers, place: str) -> tuple[Question]:
 
 
 def _positioning(answers: Answers, place: str) -> tuple[Question, Question]:
-    unit, usual = measures(answers), common(answers)
+    unit, usual = axis_units(answers), common(answers)
     return (
         ask(
             f"{place}.distance",
@@ -208,7 +208,7 @@ def _example_velocity(answers: Answers) -> str:
 
 
 def _requirements(answers: Answers) -> tuple[Question, ...]:
-    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
     return (
         ask(
             "requirements.tcp_deviation",
@@ -291,7 +291,7 @@ def _control(answers: Answers) -> tuple[Question, ...]:
 
 
 def _gains(answers: Answers) -> tuple[Question, ...]:
-    unit, usual, turns = measures(answers), common(answers), is_rotary(answers)
+    unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
     return (
         ask(
             "control.position_gain",

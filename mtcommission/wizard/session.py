@@ -12,8 +12,9 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.message import Message
 from mtcommission.profile.faults import may_be_left_out
-from mtcommission.profile.lines import ACCEPTED_DEFAULT, read_key, read_path, show_key
+from mtcommission.profile.lines import read_key, read_path, show_key
 from mtcommission.profile.read import parse_profile
+from mtcommission.wizard.axis_units import NO, YES
 from mtcommission.wizard.console import (
     BACK,
     COMMANDS,
@@ -27,7 +28,6 @@ from mtcommission.wizard.convert import list_unmeasured, to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.gather import KEPT, Source, gather, keep
 from mtcommission.wizard.insight import find_insights
-from mtcommission.wizard.measures import NO, YES
 from mtcommission.wizard.question import (
     Answers,
     Question,
@@ -290,7 +290,7 @@ def _compose(source: Source, answers: Answers) -> str:
         or text != defaults.get(key)
         or not may_be_left_out(key.split("."))
     }
-    return update_document(source.text, to_profile(kept), list_unmeasured(kept))
+    return update_document(source.text, to_profile(kept))
 
 
 def _summarise(console: Console, answers: Answers, machine: Machine, output: Path) -> None:
@@ -299,7 +299,7 @@ def _summarise(console: Console, answers: Answers, machine: Machine, output: Pat
         console.tell(f"  {'Warning: ' if insight.is_warning else '= '}{insight.text}")
     unmeasured = list_unmeasured(answers)
     if unmeasured:
-        console.tell(f"  {ACCEPTED_DEFAULT.capitalize()}: {', '.join(map(_shown, unmeasured))}")
+        console.tell(f"  Default accepted, not measured: {', '.join(unmeasured)}")
     for remark in check_plausibility(machine):
         console.tell(f"  Warning: {remark.key}: {remark.message}")
 

@@ -18,8 +18,8 @@ from math import exp, floor, pi, sin, sqrt
 import numpy as np
 
 from mtcommission.loop.model.controller import Controller, filter_delay
-from mtcommission.machine.corners import corners, vary
 from mtcommission.machine.machine import Machine, Move, VelocityStep, moving_mass
+from mtcommission.machine.variations import corners, vary
 from mtcommission.plant.plant import Plant, PlantMode
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps

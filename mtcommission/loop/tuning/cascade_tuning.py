@@ -204,7 +204,7 @@ def _close_by_rule(machine: Machine, bench: CornerPlants, settings: TuningSettin
             return found
     softest = close_loop(bench, controller)
     detail = (
-        f"at Kp = {controller.velocity_gain:.4g} {machine.measures.damping.si}, "
+        f"at Kp = {controller.velocity_gain:.4g} {machine.axis_units.damping.si}, "
         f"{LEAST_FRACTION:.0%} of the symmetrical optimum, they are "
         f"{describe_margins(softest.analyses)}"
     )

@@ -17,8 +17,8 @@ from mtcommission.loop.tuning.tuned import (
     describe_margins,
     has_margins,
 )
-from mtcommission.machine.corners import NOMINAL
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import NOMINAL
 from mtcommission.messages.message import Message
 
 LOWERED = 0.9
@@ -144,7 +144,7 @@ def _require_stable(machine: Machine, tuned: TunedLoop, cure: str) -> None:
             where = "the nominal machine" if corner == NOMINAL else str(corner)
             detail = (
                 f"with Kv = {gains.position_gain:.4g} 1/s, "
-                f"Kp = {gains.velocity_gain:.4g} {machine.measures.damping.si}, "
+                f"Kp = {gains.velocity_gain:.4g} {machine.axis_units.damping.si}, "
                 f"Tn = {gains.integral_time:.4g} s on {where}. {cure}"
             )
             raise ComputationError(
@@ -176,7 +176,7 @@ def _name_cure(
         cures += [f"Kv up to {Kv:.4g} 1/s"] if Kv else []
     if given.velocity_gain is not None:
         Kp = _largest(given.velocity_gain, lambda value: keeps(velocity_gain=value))
-        cures += [f"Kp up to {Kp:.4g} {machine.measures.damping.si}"] if Kp else []
+        cures += [f"Kp up to {Kp:.4g} {machine.axis_units.damping.si}"] if Kp else []
     if given.integral_time is not None:
         rate = _largest(1.0 / given.integral_time, lambda value: keeps(integral_time=1.0 / value))
         cures += [f"Tn from {1e3 / rate:.4g} ms on"] if rate else []

@@ -18,8 +18,8 @@ from mtcommission.loop.analysis.frequency import (
 )
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.model.sampled import LiftedLoop, SampledLoop, build_loop, lift_loop
-from mtcommission.machine.corners import Corner, corners, vary
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import Corner, corners, vary
 from mtcommission.plant.plant import Plant, build_plant
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.units.axis_units import LINEAR, ROTARY, Measures
+from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 from mtcommission.units.quantities import RATIO, Dimension
 from mtcommission.wizard.question import Answers, Question
 
@@ -70,7 +70,7 @@ def is_rotary(answers: Answers) -> bool:
     return answers.get("machine.motion") == "rotary"
 
 
-def measures(answers: Answers) -> Measures:
+def axis_units(answers: Answers) -> AxisUnits:
     """Return what is measured on the axis that the answers describe."""
     return ROTARY if is_rotary(answers) else LINEAR
 
