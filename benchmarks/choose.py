@@ -61,7 +61,7 @@ def measure(machine: Machine, points: int) -> Row:
     begun = time.process_time()
     choice = choose_limits(machine, plant, tuned, starts=starts)
     spent = time.process_time() - begun
-    ours = evaluate(machine, plant, tuned, "search", "", choice.limits)
+    ours = evaluate(machine, plant, tuned, choice.limits)
     met = ours.assessment.is_met
     latest = ours.settling_time if isfinite(ours.settling_time) else inf
     limits = candidates(machine, tuned, points, SOONER * latest)

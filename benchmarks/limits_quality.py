@@ -29,6 +29,7 @@ from mtcommission.loop.batch.varied_response import follow_setpoints
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.variations import as_variations
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
@@ -98,19 +99,19 @@ def score_machine(seed: int) -> list[Score]:
     start = process_time()
     searched = choose_limits(machine, plant, tuned).limits
     taken = process_time() - start
-    note(SEARCH, evaluate(machine, plant, tuned, SEARCH, "", searched), taken)
+    note(SEARCH, evaluate(machine, plant, tuned, searched), taken)
     start = process_time()
     by_hand = apply_commissioning_rule(machine, plant, tuned).limits
     taken = process_time() - start
-    note(RULE, evaluate(machine, plant, tuned, RULE, "", by_hand), taken)
+    note(RULE, evaluate(machine, plant, tuned, by_hand), taken)
     for rule in apply_rules_of_thumb(machine, plant):
-        name = rule.name.split(" (")[0]
-        note(name, evaluate(machine, plant, tuned, name, "", rule.limits), 0.0)
+        name = Catalogue().say(rule.name).split(" (")[0]
+        note(name, evaluate(machine, plant, tuned, rule.limits), 0.0)
     start = process_time()
     shaped = compare_shapers(machine, plant, tuned)
     taken = (process_time() - start) / len(shaped)
     for candidate in shaped:
-        note(candidate.name.split(" (")[0], candidate, taken)
+        note(Catalogue().say(candidate.name).split(" (")[0], candidate, taken)
     start = process_time()
     best = search_by_grid(machine, plant, tuned)
     note(BRUTE, best, process_time() - start)
@@ -133,7 +134,7 @@ def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidat
             points.append((outside or used, float(found.settling_time.max()), limits))
     points.sort(key=lambda point: point[:2])
     for _, _, limits in points[:TRIES]:
-        candidate = evaluate(machine, plant, tuned, BRUTE, "", limits)
+        candidate = evaluate(machine, plant, tuned, limits)
         if candidate.assessment.is_met:
             break
     return candidate

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from benchmarks import tools
 from benchmarks.__main__ import with_row
-from benchmarks.answer import Answer, evaluate, grid_answer
+from benchmarks.answer import Answer, grid_answer, judge
 from benchmarks.child import Measurement, measure, read
 from benchmarks.limits_quality import BRUTE, SEARCH, Score, rank, search_by_grid
 from benchmarks.population import random_machine
@@ -25,7 +25,7 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.optimal.solution import constant_arc
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.evaluate import evaluate as judge_limits
+from mtcommission.study.evaluate import judge as judge_limits
 
 DOCS = Path(__file__).parent.parent / "docs"
 
@@ -39,7 +39,7 @@ def solve(module: str, problem: str, cells: int) -> Answer:
 
 @pytest.mark.parametrize("name", [*MAIN, "F_max = 0.5 kN", "4 modes", "rest to rest"])
 def test_our_control_is_exact_by_a_judgement_that_shares_nothing_with_the_solver(name: str) -> None:
-    worth = evaluate(find_problem(name), solve("ours", name, 0))
+    worth = judge(find_problem(name), solve("ours", name, 0))
     assert worth.terminal_error < 1e-9
     assert worth.violation < 1e-8
     assert worth.residual < 1e-12
@@ -49,13 +49,13 @@ def test_linear_programs_come_near_the_certified_time_and_never_below_its_bound(
     # Force held on a grid and integrated exactly: admissible, so it cannot beat a true bound.
     ours, peer = solve("ours", "P1", 0), solve("highs_reach", "P1", 300)
     assert ours.lower_bound * (1.0 - 1e-9) <= peer.t_f < ours.t_f * (1.0 + 1e-4)
-    assert evaluate(find_problem("P1"), peer).terminal_error < 1e-6
+    assert judge(find_problem("P1"), peer).terminal_error < 1e-6
 
 
 def test_linear_programs_under_a_bound_agree_with_the_certified_time() -> None:
     ours, peer = solve("ours", "P2", 0), solve("highs_reach", "P2", 100)
     assert peer.t_f == pytest.approx(ours.t_f, rel=3e-3)
-    assert evaluate(find_problem("P2"), peer).violation < 0.05
+    assert judge(find_problem("P2"), peer).violation < 0.05
 
 
 def test_linear_programs_refuse_a_quadratic_functional_rather_than_answer_something_else() -> None:
@@ -76,7 +76,7 @@ def test_transcriptions_with_ipopt_agree_with_the_damping_optimum(
 def test_collocation_with_ipopt_agrees_with_the_time_optimum() -> None:
     ours, peer = solve("ours", "P1", 0), solve("casadi_collocation", "P1", 100)
     assert peer.t_f == pytest.approx(ours.t_f, rel=1e-3)
-    assert evaluate(find_problem("P1"), peer).terminal_error < 1e-5
+    assert judge(find_problem("P1"), peer).terminal_error < 1e-5
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -111,7 +111,7 @@ def test_the_judgement_integrates_like_an_ordinary_integrator() -> None:
         x = motion.y[:, -1]
         largest = max(largest, float(np.abs(motion.y[5]).max()))
     expected = np.abs(x / problem.state_scale - problem.scaled().target)[problem.scaled().fixed]
-    worth = evaluate(problem, answer)
+    worth = judge(problem, answer)
     assert worth.terminal_error == pytest.approx(expected.max(), rel=1e-8)
     assert worth.violation == pytest.approx(largest / 0.005 - 1.0, rel=1e-4)
 
@@ -124,9 +124,9 @@ def test_the_judgement_sees_a_control_that_is_a_little_wrong() -> None:
         t_f=ours.t_f,
         arcs=(replace(first, t_end=late), replace(second, t_start=late), *rest),
     )
-    assert evaluate(problem, shifted).terminal_error > 1e-4
+    assert judge(problem, shifted).terminal_error > 1e-4
     strong = constant_arc(0.0, ours.t_f, control="+F_max", force=2.2e3)
-    assert evaluate(problem, Answer(t_f=ours.t_f, arcs=(strong,))).violation == pytest.approx(0.1)
+    assert judge(problem, Answer(t_f=ours.t_f, arcs=(strong,))).violation == pytest.approx(0.1)
 
 
 def test_residual_is_the_amplitude_with_which_the_tool_swings_on() -> None:
@@ -151,7 +151,7 @@ def test_residual_is_the_amplitude_with_which_the_tool_swings_on() -> None:
         )
         envelope = free.y[0] * np.exp(zeta * omega * free.t)
         total += abs(mode.tcp_gain) * np.abs(envelope).max()
-    assert evaluate(problem, held).residual == pytest.approx(total, rel=1e-3)
+    assert judge(problem, held).residual == pytest.approx(total, rel=1e-3)
 
 
 def test_a_measurement_in_a_process_of_its_own_is_whole() -> None:

@@ -27,7 +27,7 @@ from mtcommission.machine.machine import Machine, Manipulator
 from mtcommission.machine.mechanics import flexible_modes, frequency_hz
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
-from mtcommission.study.loop_choice import Settings
+from mtcommission.study.settings import Settings
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 
@@ -80,7 +80,7 @@ def test_machines_with_slips_of_units_are_computed_or_refused(
     ],
 )
 def test_the_fuzzer_sees_what_is_bad(ending: Ending, fault: str) -> None:
-    """A evaluate that never finds anything would let every fault pass."""
+    """A judge that never finds anything would let every fault pass."""
     assert fault_of("check", ending, longest=LONGEST) == fault
 
 

@@ -65,7 +65,7 @@ def test_jerk_feedforward_costs_force_and_saves_the_lag() -> None:
     without, with_it = study_loop(
         machine, LoopChoice(tuned=tuned, variants=()), LIMITS
     ).jerk_feedforward
-    own = evaluate(machine, build_plant(machine), tuned, "", "", LIMITS)
+    own = evaluate(machine, build_plant(machine), tuned, LIMITS)
     assert (without.weight, with_it.weight) == (0.0, 1.0)
     assert without.is_used
     assert not with_it.is_used
@@ -76,8 +76,6 @@ def test_jerk_feedforward_costs_force_and_saves_the_lag() -> None:
         machine,
         build_plant(machine),
         tune_loop(quiet_copy(machine, jerk_feedforward=1.0)),
-        "",
-        "",
         LIMITS,
     )
     assert with_it.settling_time == pytest.approx(again.settling_time)

@@ -25,11 +25,11 @@ from mtcommission.study.evaluate import evaluate
 from mtcommission.study.move_sizes import (
     MoveSizes,
     SetpointWay,
+    find_size_filter,
     full_size,
     resize,
     vary_move_sizes,
 )
-from mtcommission.study.size_filter import find_size_filter
 from tests.machines import paper_machine
 
 LIMITS = MotionLimits(acceleration=1.6, jerk=30.0)
@@ -48,7 +48,7 @@ def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> t
     move = resize(item.move, float(item.size[index]) / own)
     control = replace(machine.control, moving_average_time=item.way.moving_average)
     one = replace(machine, moves=(move,), control=control)
-    candidate = evaluate(one, build_plant(one), tuned, "", "", item.way.limits)
+    candidate = evaluate(one, build_plant(one), tuned, item.way.limits)
     return candidate.settling_time, candidate.residual_deviation
 
 

@@ -17,9 +17,10 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
-from mtcommission.study.evaluate import evaluate as judge_here
-from mtcommission.study.loop_choice import Settings, settle_on_loop
-from tests.independent_loop import evaluate, profile_of, run
+from mtcommission.study.evaluate import evaluate
+from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.settings import Settings
+from tests.independent_loop import judge, profile_of, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -35,7 +36,7 @@ def broken_requirements(machine: Machine) -> list[str] | None:
     plant = build_plant(machine)
     tuned = settle_on_loop(machine, plant, Settings()).tuned
     limits = choose_limits(machine, plant, tuned).limits
-    if not judge_here(machine, plant, tuned, "", "", limits).assessment.is_met:
+    if not evaluate(machine, plant, tuned, limits).assessment.is_met:
         return None
     needs, drive, gains = machine.requirements, machine.drive, tuned.controller
     broken = []
@@ -46,7 +47,7 @@ def broken_requirements(machine: Machine) -> list[str] | None:
         samples = ceil((profile.end + gains.reference_delay + TAIL) / gains.velocity_cycle)
         for corner in tuned.corners:
             motion = run(vary(machine, corner), gains, profile, nominal=machine, samples=samples)
-            found = evaluate(
+            found = judge(
                 motion,
                 profile,
                 tau=gains.reference_delay,

@@ -46,8 +46,8 @@ from mtcommission.machine.machine import (
     Requirements,
 )
 from mtcommission.machine.plausibility import check_plausibility
-from mtcommission.messages.formula import find_symbols
 from mtcommission.machine.variations import NOMINAL, Corner
+from mtcommission.messages.formula import find_symbols
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile

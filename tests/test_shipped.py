@@ -69,7 +69,7 @@ def test_limits_exist_that_meet_all_requirements(name: str) -> None:
     assert plain.control.state_feedback is StateFeedback.OFF
     plant, tuned = build_plant(machine), tune_loop(plain)
     choice = choose_limits(plain, plant, tuned, settings=QUICK)
-    assert evaluate(plain, plant, tuned, "", "", choice.limits).assessment.is_met
+    assert evaluate(plain, plant, tuned, choice.limits).assessment.is_met
 
 
 def _without_feedback(text: str) -> str:

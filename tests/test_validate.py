@@ -265,8 +265,8 @@ def test_short_moves_cannot_switch_more_often_than_five_times(plant: Plant) -> N
         waves = np.array([np.exp(pole * tau) for pole in poles])
         functions = np.vstack([np.ones_like(tau), waves.real, waves[np.iscomplex(poles)].imag])
         orthogonal = np.linalg.qr(functions.T)[0]
-        candidates = orthogonal @ random.normal(size=(orthogonal.shape[1], 3000))
-        return int((np.diff(np.sign(candidates), axis=0) != 0).sum(axis=0).max())
+        trials = orthogonal @ random.normal(size=(orthogonal.shape[1], 3000))
+        return int((np.diff(np.sign(trials), axis=0) != 0).sum(axis=0).max())
 
     assert functions_needed(plant) == 6
     assert most_zeros(half) == 5

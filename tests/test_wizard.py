@@ -28,7 +28,7 @@ from mtcommission.profile.read import parse_profile, profile_text_hash, read_pro
 from mtcommission.record.build import build_record
 from mtcommission.record.data import list_data
 from mtcommission.record.schema import Profile
-from mtcommission.study.loop_choice import Settings
+from mtcommission.study.settings import Settings
 from mtcommission.wizard.axis_units import (
     MODAL,
     PAIR_BY_FREQUENCY,

@@ -220,7 +220,8 @@ def simulate(
     from mtcommission.record.moves import simulation_part
     from mtcommission.setpoint.motion_limits import without_jerk_limit
     from mtcommission.study.evaluate import simulate_moves
-    from mtcommission.study.loop_choice import Settings, settle_on_loop
+    from mtcommission.study.loop_choice import settle_on_loop
+    from mtcommission.study.settings import Settings
 
     asked, notes = chosen, []
     if asked.jerk_time < machine.control.position_cycle:

@@ -32,6 +32,8 @@ from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.loop.simulation_budget import require_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION
+from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -60,12 +62,12 @@ class Choice:
 
     limits: MotionLimits
     meets_requirements: bool
-    explain: Callable[[], str]
+    explain: Callable[[], Message]
     chart: Callable[[], Landscape]
     evaluations: int
 
     @property
-    def bound_by(self) -> str:
+    def bound_by(self) -> Message:
         """What forbids faster limits."""
         return self.explain()
 
@@ -241,19 +243,21 @@ FEW = 8
 """Known limits whose force is simulated together, best first."""
 
 
-def _explain(bench: Bench, limits: MotionLimits, feasible: bool) -> str:
+def _explain(bench: Bench, limits: MotionLimits, feasible: bool) -> Message:
     """Name what breaks when either limit is raised a little."""
     if not feasible:
-        return "least settling time; no limits meet all requirements"
+        return Message("bound-by-nothing-met")
     steps = (1.01, 1.03, 1.1)
     pairs = [(f, 1.0) for f in steps] + [(1.0, f) for f in steps] + [(f, f) for f in steps]
     factors = np.array(pairs)
     a = limits.acceleration * factors[:, 0]
     t = a / (limits.jerk * factors[:, 1])
-    used = use_of_bounds(bench, a, t) > 1.0
-    broken = {name for name, column in zip(bench.names, used.T, strict=True) if column.any()}
     residual = settle_exactly(bench, a, t).residual_deviation
-    if np.any(residual > bench.band):
-        broken.add("residual deviation")
-    ordered = [name for name in ("residual deviation", *bench.names) if name in broken]
-    return " and ".join(ordered) if ordered else "settling time (higher limits settle later)"
+    used = use_of_bounds(bench, a, t)
+    columns = zip(
+        (RESIDUAL_DEVIATION, *bench.requirements), (residual / bench.band, *used.T), strict=True
+    )
+    broken = [requirement.message for requirement, share in columns if np.any(share > 1.0)]
+    if not broken:
+        return Message("bound-by-settling-later")
+    return Message("bound-by-requirements", requirements=join_by_and(broken))

@@ -19,7 +19,7 @@ from typing import Any
 from fluent.runtime import FluentBundle, FluentResource
 
 from mtcommission.messages.message import Message, Value
-from mtcommission.messages.quantities import Formatter
+from mtcommission.messages.quantities import DIGITS, Formatter
 
 TEXTS = Path(__file__).with_name("texts")
 
@@ -125,8 +125,10 @@ class Catalogue:
             "NUMBER": lambda value, digits=4: self.format.number(
                 _number(value) or 0.0, digits=int(digits)
             ),
-            "PLAIN": lambda value, digits=4: f"{_number(value) or 0.0:.{int(digits)}g}".replace(
-                ".", self.format.decimal_mark
+            "PLAIN": lambda value, digits=4, times=1: (
+                f"{float(times) * (_number(value) or 0.0):.{int(digits)}g}".replace(
+                    ".", self.format.decimal_mark
+                )
             ),
             "SHARE": lambda value: self.format.percent_if_known(_number(value)),
             "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
@@ -135,7 +137,9 @@ class Catalogue:
         return FluentBundle([self.language], functions=functions, use_isolating=False)
 
     def _quantity(self, unit: str) -> Callable[..., str]:
-        return lambda value: self.format.quantity(_number(value), unit)
+        return lambda value, digits=DIGITS: self.format.quantity(
+            _rounded(_number(value), int(digits)), unit
+        )
 
     def _term(self, key: object) -> str:
         """A text named by a value, e.g. a requirement; one of the user's own stays as it is."""
@@ -178,6 +182,10 @@ def _split(source: str) -> Iterator[tuple[str, str]]:
     ends = [start for start, _ in starts[1:]] + [len(source)]
     for (start, key), end in zip(starts, ends, strict=True):
         yield key, source[start:end]
+
+
+def _rounded(value: float | None, digits: int) -> float | None:
+    return value if value is None or digits >= DIGITS else float(f"{value:.{digits}g}")
 
 
 def _number(value: object) -> float | None:

@@ -19,6 +19,7 @@ from mtcommission.loop.batch.varied_response import follow_setpoints
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.machine.variations import as_variations
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
@@ -53,7 +54,7 @@ class Shaper:
     """
 
     name: str
-    source: str
+    source: Message
     times: tuple[float, ...]
     amplitudes: tuple[float, ...]
 
@@ -90,14 +91,14 @@ def design_shapers(mode: PlantMode) -> tuple[Shaper, ...]:
         zero_vibration(1, frequency_hz=f, damping_ratio=zeta),
         _normed(
             "MZV",
-            "Klipper, Resonance Compensation",
+            Message("source-klipper"),
             (0.0, 0.375 * T_d, 0.75 * T_d),
             (edge, (sqrt(2.0) - 1.0) * K_m, edge * K_m**2),
         ),
         zero_vibration(2, frequency_hz=f, damping_ratio=zeta),
         _normed(
             "EI",
-            "Singhose, Seering & Singer 1994",
+            Message("source-singhose"),
             (0.0, T_d / 2, T_d),
             (0.25 * (1 + V), 0.5 * (1 - V) * K, 0.25 * (1 + V) * K**2),
         ),
@@ -128,14 +129,14 @@ def zero_vibration(order: int, *, frequency_hz: float, damping_ratio: float) -> 
     """
     root = sqrt(1.0 - damping_ratio**2)
     K, half_period = exp(-damping_ratio * pi / root), 0.5 / (frequency_hz * root)
-    source = "Singer & Seering 1990"
+    source = Message("source-singer")
     if order == 1:
         return _normed("ZV", source, (0.0, half_period), (1.0, K))
     return _normed("ZVD", source, (0.0, half_period, 2.0 * half_period), (1.0, 2.0 * K, K**2))
 
 
 def _normed(
-    name: str, source: str, times: tuple[float, ...], amplitudes: tuple[float, ...]
+    name: str, source: Message, times: tuple[float, ...], amplitudes: tuple[float, ...]
 ) -> Shaper:
     total = sum(amplitudes)
     return Shaper(
@@ -198,7 +199,9 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[C
             machine,
             plant,
             tuned,
-            name=f"{shaper.name} shaper ({mode.name}, {mode.frequency_hz:.3g} Hz)",
+            name=Message(
+                "shaper-for-mode", shaper=shaper.name, mode=mode.name, frequency=mode.frequency_hz
+            ),
             source=shaper.source,
             plan=_shaped_by(machine, shaper),
             jerk_time=machine.control.position_cycle,
@@ -210,8 +213,8 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[C
             machine,
             plant,
             tuned,
-            name=f"moving average 1/f ({mode.name}, {mode.frequency_hz:.3g} Hz)",
-            source="jerk filter of the controls, Biagiotti & Melchiorri 2008",
+            name=Message("moving-average-for-mode", mode=mode.name, frequency=mode.frequency_hz),
+            source=Message("source-jerk-filter"),
             plan=lambda move, a: _filtered(move, a, period),
             jerk_time=period,
         )
@@ -235,8 +238,8 @@ def _best_candidate(
     plant: Plant,
     tuned: TunedLoop,
     *,
-    name: str,
-    source: str,
+    name: Message,
+    source: Message,
     plan: Callable[[Move, float], Setpoint],
     jerk_time: float,
 ) -> Candidate:
@@ -268,9 +271,8 @@ def _best_candidate(
             break
         limits = MotionLimits(acceleration=a, jerk=a / jerk_time)
         moves = simulate_setpoints(machine, tuned, setpoints)
-        candidate = replace(
-            evaluate_moves(machine, plant, tuned, name, source, moves), limits=limits
-        )
+        shaped = evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
+        candidate = replace(shaped, limits=limits)
         if candidate.assessment.is_met:
             return candidate
         outside.append(candidate)

@@ -9,9 +9,12 @@ import numpy as np
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.study.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
-from mtcommission.study.loop_choice import Settings, settle_on_loop
+from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.settings import Settings
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
 
@@ -42,7 +45,7 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     starts = [limits for _, limits in condense_optima(machine, plant, optima)]
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
     moves = simulate_moves(machine, tuned, choice.limits)
-    candidate = evaluate_moves(machine, plant, tuned, "recommended", "this search", moves)
+    candidate = evaluate_moves(machine, plant, tuned, moves)
     return chain_cells(plant, optima, moves, candidate, choice.bound_by)
 
 
@@ -51,7 +54,7 @@ def chain_cells(
     optima: Sequence[Optima],
     moves: Sequence[MoveResult],
     candidate: Candidate,
-    bound_by: str,
+    bound_by: Message,
 ) -> tuple[Cell, ...]:
     """Return the result columns of ``limits`` and ``run``.
 
@@ -68,7 +71,7 @@ def chain_cells(
     -------
     tuple
     """
-    limits = candidate.limits
+    limits, limiting = candidate.limits, candidate.assessment.limiting_requirement
     slowest = max((item.time for item in optima), key=lambda time: time.t_f)
     responses = [response for move in moves for response in move.responses]
     largest = np.max([response.peaks for response in responses], axis=0)
@@ -84,6 +87,6 @@ def chain_cells(
         *(peaks[name] for name in peak_signals(plant)),
         max(response.max_force for response in responses),
         candidate.assessment.is_met,
-        bound_by,
-        candidate.assessment.obstacle,
+        Catalogue().say(bound_by),
+        limiting.value if limiting else "",
     )
