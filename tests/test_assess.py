@@ -102,7 +102,8 @@ def test_each_missed_requirement_is_the_limiting_one(changes: dict[str, object],
     limiting = found.limiting_requirement
     assert limiting is not None
     assert limiting.value == name
-    assert named(found, name).where == "payload 100 kg, frequencies x 0.95"
+    where = unspaced(Catalogue().say(named(found, name).where))
+    assert where == "payload 100 kg, frequencies × 0.95"
 
 
 def test_a_requirement_just_met_is_met() -> None:
@@ -120,7 +121,7 @@ def test_the_worst_move_counts_and_is_named() -> None:
     rows = [[response()], [response(settling_time=0.15)]]
     found = assess(machine, build_plant(machine), (NOMINAL,), rows)
     check = named(found, "settling time")
-    assert (check.value, check.where) == (0.15, "move 2, nominal")
+    assert (check.value, Catalogue().say(check.where)) == (0.15, "move 2, nominal")
 
 
 def test_static_load_leaves_less_force() -> None:

@@ -56,8 +56,8 @@ def why_not(machine: Machine, residual: float) -> list[str]:
         (999.96e-6, "1 mm."),
         (0.7e-3, "700 µm."),
         (42e-9, "42 nm."),
-        (3e-13, "0.0003 nm."),
-        (0.0, "0 nm."),
+        (3e-13, "3×10⁻⁴ nm."),
+        (0.0, "0 m."),
     ],
 )
 def test_deviation_of_a_linear_axis_has_a_unit_of_its_size(residual: float, words: str) -> None:

@@ -12,13 +12,13 @@ from scipy.integrate import solve_ivp
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_optima, find_time_optimum
 from mtcommission.machine.machine import Positioning
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.bounded.cruise import compose_cruise
 from mtcommission.optimal.solution import propagate, sample_trajectory
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
-from mtcommission.sheet.labels_de import GERMAN
 from tests.machines import paper_machine, random_modal_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -99,7 +99,7 @@ def test_reference_that_had_to_be_composed_says_so(monkeypatch: pytest.MonkeyPat
     machine = replace(machine, moves=(move,))
     found = find_optima(machine, build_plant(machine), move)
     assert found.time.method == "composed"
-    assert "Nothing is faster than" in found.remarks[0]
+    assert "Nothing is faster than" in Catalogue().say(found.remarks[0])
 
 
 def test_damping_control_that_exceeds_max_velocity_says_so() -> None:
@@ -111,8 +111,10 @@ def test_damping_control_that_exceeds_max_velocity_says_so() -> None:
     assert optima.damping is not None
     share = optima.damping.peaks[plant.velocity] / move.max_velocity
     assert share > 1.01
-    assert [f"reaches {share:.4g} times max_velocity" in r for r in optima.remarks] == [True]
-    german = GERMAN.say(optima.remarks[0])
+    assert [
+        f"reaches {share:.4g} times max_velocity" in Catalogue().say(r) for r in optima.remarks
+    ] == [True]
+    german = Catalogue("de").say(optima.remarks[0])
     assert german.startswith("Die dämpfungsoptimale Steuerung erreicht das")
 
 

@@ -125,12 +125,12 @@ class Catalogue:
             "NUMBER": lambda value, digits=4: self.format.number(
                 _number(value) or 0.0, digits=int(digits)
             ),
-            "PLAIN": lambda value, digits=4, times=1: (
-                f"{float(times) * (_number(value) or 0.0):.{int(digits)}g}".replace(
-                    ".", self.format.decimal_mark
-                )
+            "PLAIN": lambda value, digits=4: f"{_number(value) or 0.0:.{int(digits)}g}".replace(
+                ".", self.format.decimal_mark
             ),
-            "SHARE": lambda value: self.format.percent_if_known(_number(value)),
+            "SHARE": lambda value, digits=3: self.format.percent_if_known(
+                _number(value), digits=int(digits)
+            ),
             "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
             "TERM": self._term,
         }
@@ -138,7 +138,7 @@ class Catalogue:
 
     def _quantity(self, unit: str) -> Callable[..., str]:
         return lambda value, digits=DIGITS: self.format.quantity(
-            _rounded(_number(value), int(digits)), unit
+            _number(value), unit, digits=int(digits)
         )
 
     def _term(self, key: object) -> str:
@@ -182,10 +182,6 @@ def _split(source: str) -> Iterator[tuple[str, str]]:
     ends = [start for start, _ in starts[1:]] + [len(source)]
     for (start, key), end in zip(starts, ends, strict=True):
         yield key, source[start:end]
-
-
-def _rounded(value: float | None, digits: int) -> float | None:
-    return value if value is None or digits >= DIGITS else float(f"{value:.{digits}g}")
 
 
 def _number(value: object) -> float | None:

@@ -7,9 +7,9 @@ bound-by-nothing-met = kleinste Einschwingzeit; keine Grenzwerte erfüllen alle 
 bound-by-settling-later = Einschwingzeit (höhere Grenzwerte schwingen später ein)
 
 # optima; $error: outcome with its remedy
-optimum-composed = Die Bewegung fährt lange mit max_velocity; der gezeigte Vergleichswert ist aus zwei zeitoptimalen Geschwindigkeitssprüngen und einer Fahrt ohne Schwingung zusammengesetzt. Nichts ist schneller als { PLAIN($least, digits: 6, times: 1000) } ms (bewiesene Schranke, { PLAIN($below, digits: 2, times: 100) } % darunter).
+optimum-composed = Die Bewegung fährt lange mit max_velocity; der gezeigte Vergleichswert ist aus zwei zeitoptimalen Geschwindigkeitssprüngen und einer Fahrt ohne Schwingung zusammengesetzt. Nichts ist schneller als { TIME($least, digits: 6) } (bewiesene Schranke, { SHARE($below, digits: 2) } darunter).
 optimum-under-bounds-failed = Optimum mit Höchstwerten: { $error }.
-optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { PLAIN($slower, digits: 1, times: 100) } % langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.
+optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower, digits: 1) } langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.
 damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.
 damping-optimum-exceeds-velocity = Die dämpfungsoptimale Steuerung erreicht das { PLAIN($times, digits: 4) }-fache von max_velocity: ihr Funktional kennt keine Grenzen für Zustände.
 static-load-of-force = static_load { PLAIN($load, digits: 6) } { $axis ->
@@ -19,7 +19,7 @@ static-load-of-force = static_load { PLAIN($load, digits: 6) } { $axis ->
     [rotary] N·m
    *[linear] N
 }
-final-time-below-least = t_f = { PLAIN($final, digits: 9, times: 1000) } ms, aber t_f,min = { PLAIN($least, digits: 9, times: 1000) } ms
+final-time-below-least = t_f = { TIME($final, digits: 9) }, aber t_f,min = { TIME($least, digits: 9) }
 
 # limits condensed from an optimum
 closest-to-time-optimal = nächst der zeitoptimalen Steuerung

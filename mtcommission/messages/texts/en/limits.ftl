@@ -9,9 +9,9 @@ bound-by-nothing-met = least settling time; no limits meet all requirements
 bound-by-settling-later = settling time (higher limits settle later)
 
 # optima; $error: outcome with its remedy
-optimum-composed = The move cruises at max_velocity for long; the reference shown is composed of two time-optimal velocity steps and a cruise at rest. Nothing is faster than { PLAIN($least, digits: 6, times: 1000) } ms (a proved bound, { PLAIN($below, digits: 2, times: 100) } % below).
+optimum-composed = The move cruises at max_velocity for long; the reference shown is composed of two time-optimal velocity steps and a cruise at rest. Nothing is faster than { TIME($least, digits: 6) } (a proved bound, { SHARE($below, digits: 2) } below).
 optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
-optimum-not-exact = The optimum under the bounds on peaks is at most { PLAIN($slower, digits: 1, times: 100) } % slower than the fastest control; exact arcs were not found.
+optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.
 damping-optimum-failed = Damping-optimal control: { $error }.
 damping-optimum-exceeds-velocity = The damping-optimal control reaches { PLAIN($times, digits: 4) } times max_velocity: its functional knows no limits on states.
 static-load-of-force = static_load { PLAIN($load, digits: 6) } { $axis ->
@@ -21,7 +21,7 @@ static-load-of-force = static_load { PLAIN($load, digits: 6) } { $axis ->
     [rotary] N·m
    *[linear] N
 }
-final-time-below-least = t_f = { PLAIN($final, digits: 9, times: 1000) } ms, but t_f,min = { PLAIN($least, digits: 9, times: 1000) } ms
+final-time-below-least = t_f = { TIME($final, digits: 9) }, but t_f,min = { TIME($least, digits: 9) }
 
 # limits condensed from an optimum
 closest-to-time-optimal = closest to the time-optimal control
