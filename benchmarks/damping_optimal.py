@@ -25,7 +25,7 @@ from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import DampingOptimum
-from mtcommission.optimal.transcription.discretisation import TranscriptionSettings
+from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
 from mtcommission.plant.plant import Plant, build_plant
 from tests.independent_damping import follow

@@ -19,7 +19,9 @@ from mtcommission.limits.commissioning_rule.estimate import HOLD_SHARE, LAG_SHAR
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import FlexibleMode, Machine, Modal, VelocityStep, moving_mass
+from mtcommission.machine.machine import Machine, VelocityStep, moving_mass
+from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.evaluate import simulate_moves

@@ -16,9 +16,7 @@ import numpy as np
 from mtcommission.machine.machine import (
     Control,
     Drive,
-    FlexibleMode,
     Machine,
-    Modal,
     Modes,
     Move,
     Positioning,
@@ -26,6 +24,8 @@ from mtcommission.machine.machine import (
     StateFeedback,
     VelocityStep,
 )
+from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.plant.modal import Modal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

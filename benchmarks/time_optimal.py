@@ -20,7 +20,7 @@ import numpy as np
 from mtcommission.errors import ComputationError
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.transcription.discretisation import TranscriptionSettings
+from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
 from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine, random_modal_machine

@@ -29,13 +29,20 @@ def require_folder(folder: Path) -> None:
     while not place.exists() and place != place.parent:
         place = place.parent
     if not place.is_dir():
-        reason = f"{place} is a file" if place != folder else "this is a file"
+        is_above = place != folder
+        reason = Message("file-above", place=str(place)) if is_above else Message("file-itself")
     elif not os.access(place, os.W_OK | os.X_OK):
-        reason = f"no right to write into {place}"
+        reason = Message("file-no-right", folder=str(place))
     else:
         return
-    message = f"cannot write there ({reason}); give another folder with -o"
-    raise InputError([Fault(where=str(folder), message=Message("verbatim", text=message))])
+    raise no_folder(folder, reason)
+
+
+def no_folder(folder: Path, reason: Message | OSError) -> InputError:
+    """Return the error of a folder that cannot be written, for a reason."""
+    said = str(reason.strerror) if isinstance(reason, OSError) else reason
+    message = Message("file-folder-not-writable", reason=said)
+    return InputError([Fault(where=str(folder), message=message)])
 
 
 def require_writable(*names: str) -> None:
@@ -57,14 +64,14 @@ def require_writable(*names: str) -> None:
         if name in ("", "-"):
             continue
         if path.is_dir():
-            reason = "is a folder; give a file name"
+            message = Message("file-is-folder")
         elif not path.parent.is_dir():
-            reason = f"there is no folder {path.parent}; make it first, or give another name"
+            message = Message("file-without-folder", folder=str(path.parent))
         elif not os.access(path.parent, os.W_OK | os.X_OK):
-            reason = f"no right to write into {path.parent}; give another name"
+            message = Message("file-folder-closed", folder=str(path.parent))
         else:
             continue
-        faults.append(Fault(where=name, message=Message("verbatim", text=reason)))
+        faults.append(Fault(where=name, message=message))
     if faults:
         raise InputError(faults)
 
@@ -89,10 +96,7 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
         for name, content in files.items():
             _replace(folder / name, content)
     except OSError as error:
-        message = f"cannot write there ({error.strerror}); give another folder with -o"
-        raise InputError(
-            [Fault(where=str(folder), message=Message("verbatim", text=message))]
-        ) from error
+        raise no_folder(folder, error) from error
 
 
 def write_text(name: str, text: str) -> None:
@@ -116,8 +120,8 @@ def write_text(name: str, text: str) -> None:
     try:
         _replace(Path(name), text.encode())
     except OSError as error:
-        message = f"cannot write this file ({error.strerror}); give another name"
-        raise InputError([Fault(where=name, message=Message("verbatim", text=message))]) from error
+        message = Message("file-not-writable", reason=str(error.strerror))
+        raise InputError([Fault(where=name, message=message)]) from error
 
 
 def _replace(path: Path, content: bytes) -> None:

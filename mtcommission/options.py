@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from math import isfinite
 
 from mtcommission.errors import Fault, InputError
@@ -18,17 +19,37 @@ from mtcommission.loop.simulation_budget import require_few_cycles
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
-from mtcommission.optimal.transcription.discretisation import Scheme, TranscriptionSettings
-from mtcommission.optimal.transcription.transcription import (
-    transcribe_damping_optimal,
-    transcribe_time_optimal,
-)
-from mtcommission.option_texts import read_bound, read_positive
+from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.units.quantities import (
+    ANGLE,
+    ANGULAR_VELOCITY,
+    FORCE,
+    LENGTH,
+    MODAL_DEFLECTION,
+    MODAL_RATE,
+    ROTARY_MODAL_DEFLECTION,
+    ROTARY_MODAL_RATE,
     TIME,
+    TORQUE,
+    VELOCITY,
+    Dimension,
+    parse_quantity,
 )
+
+BY_UNIT = {
+    "m": LENGTH,
+    "m/s": VELOCITY,
+    "rad": ANGLE,
+    "rad/s": ANGULAR_VELOCITY,
+    "N": FORCE,
+    "N m": TORQUE,
+    "N s^2": MODAL_DEFLECTION,
+    "N s": MODAL_RATE,
+    "N m s^2": ROTARY_MODAL_DEFLECTION,
+    "N m s": ROTARY_MODAL_RATE,
+}
 
 MOST_INTERVALS = 20_000
 """Grid of a transcription that still fits into some GB."""
@@ -90,11 +111,13 @@ def with_force(machine: Machine, text: str) -> Machine:
     force = read_positive("--f-max", text, dimension, faults)
     _raise(faults)
     if force <= abs(machine.drive.static_load):
-        message = (
-            f"got {force:g} {dimension.si}, must be above the static load "
-            f"{abs(machine.drive.static_load):g} {dimension.si}"
+        message = Message(
+            "option-force-below-static-load",
+            force=force,
+            load=abs(machine.drive.static_load),
+            unit=dimension.si,
         )
-        raise InputError([Fault(where="--f-max", message=Message("verbatim", text=message))])
+        raise InputError([Fault(where="--f-max", message=message)])
     return replace(machine, drive=replace(machine.drive, max_force=force))
 
 
@@ -170,25 +193,23 @@ def read_optimal_request(
         With every fault found.
     """
     faults: list[Fault] = []
-    _one_of("--kind", kind, ("time", "damping"), faults)
-    _one_of("--method", method, ("exact", "transcription"), faults)
+    require_one_of("--kind", kind, ("time", "damping"), faults)
+    require_one_of("--method", method, ("exact", "transcription"), faults)
     bounds = [read_bound(plant, text, faults) for text in limits]
     for name, count in Counter(text.partition("=")[0].strip() for text in limits).items():
         if count > 1:
-            message = f"{name} is given {count} times; give each state or output once"
-            faults.append(Fault(where="--limit", message=Message("verbatim", text=message)))
+            message = Message("option-given-twice", name=name, count=count)
+            faults.append(Fault(where="--limit", message=message))
     final = read_positive("--t-f", t_f, TIME, faults) if t_f else None
     if kind == "time" and t_f:
-        message = "goes with --kind damping; a time-optimal control finds its own final time"
-        faults.append(Fault(where="--t-f", message=Message("verbatim", text=message)))
+        faults.append(Fault(where="--t-f", message=Message("option-final-time-is-found")))
     schemes = {item.value: item for item in Scheme}
-    _one_of("--scheme", scheme, tuple(schemes), faults)
+    require_one_of("--scheme", scheme, tuple(schemes), faults)
     if not 2 <= intervals <= MOST_INTERVALS:
-        message = f"got {intervals}, must be 2 to {MOST_INTERVALS}"
-        faults.append(Fault(where="--intervals", message=Message("verbatim", text=message)))
+        message = Message("option-between", got=intervals, least=2, most=MOST_INTERVALS)
+        faults.append(Fault(where="--intervals", message=message))
     if kind == "damping" and limits and method == "exact":
-        message = "bounds on a damping-optimal control need --method transcription"
-        faults.append(Fault(where="--limit", message=Message("verbatim", text=message)))
+        faults.append(Fault(where="--limit", message=Message("option-bounds-need-transcription")))
     chosen = _move(
         machine, velocity_step=velocity_step, distance=distance, number=move, faults=faults
     )
@@ -231,6 +252,8 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
         bounds = request.bounds
         if isinstance(move, Positioning) and isfinite(move.max_velocity):
             bounds += (Bound(name=plant.states[plant.velocity], value=move.max_velocity),)
+        from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
+
         return transcribe_time_optimal(
             plant, move, force_limit=force, bounds=bounds, settings=request.transcription
         )
@@ -239,6 +262,8 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     solution = find_damping_optimum(machine, plant, move, t_f=t_f, least=least)
     if exact:
         return solution
+    from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
+
     return transcribe_damping_optimal(
         plant,
         move,
@@ -250,8 +275,8 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     )
 
 
-def final_time_origin(machine: Machine, request: OptimalRequest) -> str:
-    """Return what chose the final time of a damping-optimal control; empty for a time-optimal one.
+def final_time_origin(machine: Machine, request: OptimalRequest) -> Message | None:
+    """Return what chose the final time of a damping-optimal control; None for a time-optimal one.
 
     Parameters
     ----------
@@ -262,15 +287,79 @@ def final_time_origin(machine: Machine, request: OptimalRequest) -> str:
 
     Returns
     -------
-    str
+    Message or None
     """
     if request.kind == "time":
-        return ""
+        return None
     if request.t_f:
-        return "that of --t-f"
+        return Message("terminal-final-time-of-option")
     if machine.damping_optimal.t_f:
-        return "that of the profile (damping_optimal.t_f)"
-    return f"{DAMPING_TIME_FACTOR:g} times t_f,min: neither --t-f nor the profile gives one"
+        return Message("terminal-final-time-of-profile")
+    return Message("terminal-final-time-by-default", factor=DAMPING_TIME_FACTOR)
+
+
+def read_bound(plant: Plant, text: str, faults: list[Fault]) -> Bound:
+    """Return what ``--limit NAME=VALUE`` asks for, or any bound after noting a fault.
+
+    Parameters
+    ----------
+    plant
+        Its signals may be bounded.
+    text
+        Name and value.
+    faults
+        Gets what is wrong with it.
+
+    Returns
+    -------
+    Bound
+    """
+    name, separator, value = text.partition("=")
+    name = name.strip()
+    if not separator:
+        message = Message("option-no-bound", got=repr(text))
+        faults.append(Fault(where="--limit", message=message))
+    elif name not in plant.signals:
+        close = get_close_matches(name, plant.signals, n=1)
+        hint = Message("option-did-you-mean", name=close[0]) if close else None
+        message = Message("option-no-signal", got=repr(name), hint=hint, names=plant.signals)
+        faults.append(Fault(where="--limit", message=message))
+    else:
+        dimension = BY_UNIT[plant.signal_units[plant.signals.index(name)]]
+        found = read_positive(f"--limit {name}", value, dimension, faults)
+        return Bound(name=name, value=found)
+    return Bound(name=name, value=1.0)
+
+
+def read_positive(where: str, text: str, dimension: Dimension, faults: list[Fault]) -> float:
+    """Return a positive quantity, or 1 after noting a fault.
+
+    Parameters
+    ----------
+    where
+        Option, for messages.
+    text
+        SI number, or number and unit.
+    dimension
+        Which units are allowed.
+    faults
+        Gets what is wrong with it.
+
+    Returns
+    -------
+    float
+        SI.
+    """
+    try:
+        value = parse_quantity(text, dimension)
+    except ValueError as error:
+        faults.append(Fault(where=where, message=Message("verbatim", text=str(error))))
+        return 1.0
+    if value <= 0.0:
+        message = Message("option-not-positive", got=text.strip(), unit=dimension.si)
+        faults.append(Fault(where=where, message=message))
+        return 1.0
+    return value
 
 
 def _move(
@@ -278,25 +367,31 @@ def _move(
 ) -> Move:
     axis = machine.axis_units
     if velocity_step and distance:
-        message = "cannot go with --velocity-step; give one of them"
-        faults.append(Fault(where="--distance", message=Message("verbatim", text=message)))
+        faults.append(Fault(where="--distance", message=Message("option-step-or-distance")))
     if velocity_step:
         return VelocityStep(
             velocity_step=read_positive("--velocity-step", velocity_step, axis.velocity, faults)
         )
     if distance:
         return Positioning(distance=read_positive("--distance", distance, axis.length, faults))
-    if not 1 <= number <= len(machine.moves):
-        message = f"got {number}, the profile has moves 1 to {len(machine.moves)}"
-        faults.append(Fault(where="--move", message=Message("verbatim", text=message)))
-        return machine.moves[0]
-    return machine.moves[number - 1]
+    require_move(machine, number, faults)
+    return machine.moves[number - 1 if number <= len(machine.moves) else 0]
 
 
-def _one_of(where: str, text: str, allowed: tuple[str, ...], faults: list[Fault]) -> None:
+def require_move(machine: Machine, number: int, faults: list[Fault]) -> None:
+    """Note a fault where the profile has no move of this number, counted from 1."""
+    count = len(machine.moves)
+    if not 1 <= number <= count:
+        message = Message("option-no-such-move", got=number, count=count)
+        faults.append(Fault(where="--move", message=message))
+
+
+def require_one_of(where: str, text: str, allowed: Sequence[str], faults: list[Fault]) -> None:
+    """Note a fault where an option has none of the words that it takes."""
     if text not in allowed:
-        message = f"got {text!r}, must be {' or '.join(allowed)}"
-        faults.append(Fault(where=where, message=Message("verbatim", text=message)))
+        words = Message("either", first=tuple(allowed[:-1]), last=allowed[-1])
+        message = Message("option-one-of", got=repr(text), allowed=words)
+        faults.append(Fault(where=where, message=message))
 
 
 def _raise(faults: list[Fault]) -> None:

@@ -19,14 +19,8 @@ from scipy.interpolate import BPoly
 from scipy.optimize import brentq
 
 from mtcommission.loop.model.controller import Controller
-from mtcommission.machine.machine import (
-    FilterKind,
-    ForceFilter,
-    Machine,
-    Manipulator,
-    Move,
-    VelocityStep,
-)
+from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Move, VelocityStep
+from mtcommission.plant.manipulator import Manipulator
 
 Array = NDArray[np.float64]
 

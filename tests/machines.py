@@ -9,15 +9,15 @@ import numpy as np
 from mtcommission.machine.machine import (
     Control,
     Drive,
-    FlexibleMode,
     Machine,
-    Manipulator,
-    Modal,
     Modes,
     Requirements,
     StateFeedback,
     VelocityStep,
 )
+from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.plant.manipulator import Manipulator
+from mtcommission.plant.modal import Modal
 
 REQUIREMENTS = Requirements(
     tcp_deviation=5e-6, modes=Modes(surface=2e-6, accuracy=5e-6, speed=20e-6)

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from mtcommission.machine.machine import Drive, Machine, Manipulator, Positioning
+from mtcommission.machine.machine import Drive, Machine, Positioning
 from mtcommission.optimal.bounded.arcs import Piece, Sequence, Touch, piece_states
 from mtcommission.optimal.bounded.breaches import breaches, breaches_in_cores, overloads
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
@@ -28,6 +28,7 @@ from mtcommission.optimal.bounded.rows import FORCE, Contact, bound_rows
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
+from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import build_plant
 from tests.machines import REQUIREMENTS, paper_machine
 

@@ -23,8 +23,8 @@ from benchmarks.mutations import dice_of, mutated, mutated_text, mutated_values,
 from mtcommission.commission import commission
 from mtcommission.errors import ComputationError, InputError
 from mtcommission.limits.choose import SearchSettings
-from mtcommission.machine.machine import Machine, Manipulator
-from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.manipulator import Manipulator
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
 from mtcommission.study.settings import Settings
@@ -220,7 +220,7 @@ def test_machines_far_from_the_examples_end_in_limits_or_a_named_outcome(seed: i
     assert 0.0 < limits.jerk < np.inf
     m = strange.mechanics.slider_mass  # type: ignore[union-attr]
     assert limits.acceleration <= 1.01 * strange.drive.motion_force / m
-    slowest = min(frequency_hz(mode) for mode in flexible_modes(strange))
+    slowest = min(mode.frequency_hz for mode in strange.mechanics.modes)
     assert limits.jerk_time <= 3.1 / slowest
     if found.assessment.is_met:
         assert found.recommended.residual_deviation <= strange.requirements.tcp_deviation

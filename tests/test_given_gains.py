@@ -11,15 +11,10 @@ import pytest
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import check_loop, tune_loop, tune_variants
-from mtcommission.machine.machine import (
-    FilterKind,
-    FlexibleMode,
-    ForceFilter,
-    Machine,
-    Modal,
-    StateFeedback,
-)
+from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, StateFeedback
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.messages.message import Message
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.study.loop_choice import settle_on_loop

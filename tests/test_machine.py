@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtcommission.machine.machine import Drive, Manipulator, Modal, mid_payload, moving_mass
-from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.machine.machine import Drive, mid_payload, moving_mass
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
+from mtcommission.plant.manipulator import Manipulator
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from tests.machines import paper_machine, random_modal_machine
 
@@ -35,7 +36,7 @@ def test_a_corner_scales_frequencies_and_keeps_damping_ratios(
     corner = Corner(payload=payload, frequency_factor=frequency, damping_factor=damping)
     varied = vary(machine, corner)
     assert moving_mass(varied) == pytest.approx(moving_mass(machine) + payload)
-    for before, after in zip(flexible_modes(machine), flexible_modes(varied), strict=True):
+    for before, after in zip(machine.mechanics.modes, varied.mechanics.modes, strict=True):
         assert after.natural_frequency == pytest.approx(frequency * before.natural_frequency)
         assert after.damping_ratio == pytest.approx(damping * before.damping_ratio)
         assert after.tcp_gain == before.tcp_gain
@@ -99,9 +100,9 @@ def test_no_corner_appears_twice(changes: dict[str, object], count: int) -> None
 
 
 def test_modes_of_the_manipulator_by_hand() -> None:
-    base, tower = flexible_modes(paper_machine())
-    assert frequency_hz(base) == pytest.approx((44.41e6 / 450) ** 0.5 / (2 * pi))
-    assert frequency_hz(tower) == pytest.approx((8.2e6 / 40) ** 0.5 / (2 * pi))
+    base, tower = paper_machine().mechanics.modes
+    assert base.frequency_hz == pytest.approx((44.41e6 / 450) ** 0.5 / (2 * pi))
+    assert tower.frequency_hz == pytest.approx((8.2e6 / 40) ** 0.5 / (2 * pi))
     assert base.tcp_gain == base.measured_gain == pytest.approx(1 / 450)
     assert tower.tcp_gain == pytest.approx(0.21 * 0.25 / 40)
     assert tower.measured_gain == 0.0
@@ -125,5 +126,5 @@ def test_random_machines_are_plausible() -> None:
         assert isinstance(machine.mechanics, Modal)
         assert 50.0 <= moving_mass(machine) <= 2000.0
         for mode in machine.mechanics.modes:
-            assert 15.0 <= frequency_hz(mode) <= 300.0
+            assert 15.0 <= mode.frequency_hz <= 300.0
             assert 0.005 <= mode.damping_ratio <= 0.1

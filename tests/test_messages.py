@@ -22,7 +22,7 @@ from mtcommission.messages.catalogue import LANGUAGES, UNITS, Catalogue, entries
 from mtcommission.messages.message import Message, from_json, to_json
 
 SOURCE = Path(mtcommission.__file__).parent
-FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "PLAIN", "SHARE", "CHANGE", "TERM"}
+FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "PLAIN", "SI", "SHARE", "CHANGE", "TERM"}
 
 
 class _Places(Visitor):

@@ -9,15 +9,9 @@ import numpy as np
 import pytest
 
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import (
-    Control,
-    FlexibleMode,
-    Machine,
-    Modal,
-    Positioning,
-    StateFeedback,
-    VelocityStep,
-)
+from mtcommission.machine.machine import Control, Machine, Positioning, StateFeedback, VelocityStep
+from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint

@@ -1,22 +1,17 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from mtcommission.machine.machine import (
-    Control,
-    FlexibleMode,
-    Machine,
-    Manipulator,
-    Modal,
-    Modes,
-    Motion,
-    Positioning,
-    VelocityStep,
-)
-from mtcommission.machine.plausibility import check_patience, check_plausibility
+from mtcommission.machine.machine import Control, Machine, Modes, Motion, Positioning, VelocityStep
+from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.plausibility import Remark, check_patience, check_plausibility
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.plant.manipulator import Manipulator
+from mtcommission.plant.modal import Modal
 from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
 from tests.machines import paper_machine, random_modal_machine
@@ -25,8 +20,13 @@ PROFILES = Path(__file__).parent.parent / "profiles"
 PAPER = paper_machine()
 
 
+def said(machine: Machine, remarks: Sequence[Remark]) -> list[str]:
+    catalogue = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
+    return [catalogue.say(remark.with_key()) for remark in remarks]
+
+
 def remarks_on(machine: Machine) -> list[str]:
-    return [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
+    return said(machine, check_plausibility(machine))
 
 
 def with_mode(**changes: float) -> Machine:
@@ -231,7 +231,7 @@ def test_a_rotary_axis_is_described_in_its_own_units() -> None:
 def test_a_mode_that_rings_for_long_is_announced(damping_ratio: float, words: list[str]) -> None:
     """Else the user believes that the program hangs. 4.605 / (0.004 x 100/s) = 11.5 s."""
     machine = with_mode(natural_frequency=100.0, damping_ratio=damping_ratio)
-    found = [f"{remark.key}: {remark.message}" for remark in check_patience(machine)]
+    found = said(machine, check_patience(machine))
     assert len(found) == len(words)
     assert all(text.startswith(word) for text, word in zip(found, words, strict=True))
     assert damping_ratio != 0.004 or "for 11.5 s until 1 % is left" in found[0]
@@ -248,4 +248,4 @@ def test_a_velocity_cycle_shorter_than_drives_have_is_announced() -> None:
     machine = replace(paper_machine(), control=Control(velocity_cycle=1e-6))
     found = check_patience(machine)
     assert [remark.key for remark in found] == ["control.velocity_cycle"]
-    assert found[0].message.startswith("1 us is shorter than drives have")
+    assert "1 us is shorter than drives have" in said(machine, found)[0]

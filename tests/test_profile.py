@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
+from dataclasses import fields
 from math import inf, pi, sqrt
 from pathlib import Path
 
@@ -13,14 +14,14 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import (
     FilterKind,
     Machine,
-    Manipulator,
-    Modal,
     Motion,
     Positioning,
     StateFeedback,
     TcpSensor,
     VelocityStep,
 )
+from mtcommission.plant.manipulator import Manipulator
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.lines import find_key_lines
 from mtcommission.profile.read import parse_profile, profile_schema, profile_text_hash, read_profile
@@ -876,7 +877,7 @@ def test_the_schema_names_every_key_with_a_description() -> None:
 
 def test_the_examples_of_the_schema_are_valid() -> None:
     """They are what a message proposes for a missing key."""
-    for key in Manipulator.__dataclass_fields__:
+    for key in (field.name for field in fields(Manipulator)):
         text = re.sub(rf"^{key} = .*\n", "", MANIPULATOR, flags=re.M)
         (fault,) = faults_in(text)
         proposal = fault.split("for example ")[1]

@@ -25,7 +25,7 @@ from mtcommission.machine.variations import (
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
-from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
+from mtcommission.record.robustness import robustness_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.study.evaluate import evaluate
@@ -36,6 +36,7 @@ from mtcommission.study.robustness import (
     find_frequency_error,
     find_sensitivities,
     run_monte_carlo,
+    warn_of_narrow_range,
 )
 from tests.machines import paper_machine, slowly_decaying_machine
 
@@ -156,7 +157,10 @@ def test_sensitivities_against_trials() -> None:
     machine = spread_paper_machine()
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
-    found = {item.change: item for item in find_sensitivities(machine, plant, tuned, limits)}
+    found = {
+        unspaced(Catalogue().say(item.change)): item
+        for item in find_sensitivities(machine, plant, tuned, limits)
+    }
     base = evaluate(machine, plant, tuned, limits)
     more = evaluate(machine, plant, tuned, replace(limits, jerk=33.0))
     item = found["jerk +10 %"]

@@ -30,9 +30,7 @@ from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (
     Control,
     Drive,
-    FlexibleMode,
     Machine,
-    Modal,
     Modes,
     Peak,
     Positioning,
@@ -41,7 +39,9 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits

@@ -19,7 +19,6 @@ from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
     Machine,
-    Manipulator,
     Move,
     Positioning,
     StateFeedback,
@@ -28,6 +27,7 @@ from mtcommission.machine.machine import (
     moving_mass,
 )
 from mtcommission.machine.variations import vary
+from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint

@@ -26,6 +26,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from mtcommission.cli import app
+from mtcommission.cli.inputs import list_warnings
 from mtcommission.cli.terminal import describe_simulation
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.limits.commissioning_rule.rule import (
@@ -35,20 +36,12 @@ from mtcommission.limits.commissioning_rule.rule import (
 )
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import (
-    Control,
-    Drive,
-    FlexibleMode,
-    Machine,
-    Modal,
-    Modes,
-    Positioning,
-    Requirements,
-)
-from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.machine.machine import Control, Drive, Machine, Modes, Positioning, Requirements
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.formula import find_symbols
 from mtcommission.messages.message import Message
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
@@ -1072,7 +1065,7 @@ def test_german_knows_every_warning_about_a_machine():
             ),
             control=replace(control, position_cycle=cycle, feedforward_mass=9000.0),
         )
-        texts += [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
+        texts += list_warnings(machine)
     assert len(texts) > 20
     for text in texts:
         assert "Originaltext" not in GERMAN.say(text), text

@@ -13,9 +13,9 @@ from mtcommission import cli
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Modal, Motion, StateFeedback
-from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.machine.machine import Motion, StateFeedback
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile import shipped
 from mtcommission.profile.read import parse_profile
@@ -89,11 +89,11 @@ def test_derivations_in_the_comments_give_the_numbers(
 ) -> None:
     """Two masses and a spring, as each file's head derives them, to the digits printed."""
     machine = read_shipped(name).machine
-    (mode,) = flexible_modes(machine)
+    (mode,) = machine.mechanics.modes
     assert isinstance(machine.mechanics, Modal)
     whole = motor + load
     assert machine.mechanics.moving_mass == pytest.approx(whole, rel=1e-3)
-    assert frequency_hz(mode) == pytest.approx(held_hz * sqrt(1.0 + load / motor), rel=1e-3)
+    assert mode.frequency_hz == pytest.approx(held_hz * sqrt(1.0 + load / motor), rel=1e-3)
     assert mode.tcp_gain == pytest.approx(-1.0 / whole, rel=1e-3)
     assert mode.measured_gain == pytest.approx(load / (motor * whole), rel=1e-3)
 

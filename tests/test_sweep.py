@@ -32,7 +32,7 @@ from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
-from mtcommission.sweep import forces
+from mtcommission.sweep import solve
 from mtcommission.sweep.case_table import read_cases
 from mtcommission.sweep.cases import (
     Axis,
@@ -50,12 +50,14 @@ from mtcommission.sweep.meanings import meaning_of
 from mtcommission.sweep.page import print_sweep
 from mtcommission.sweep.pieces import piece_size
 from mtcommission.sweep.request import read_plan
-from mtcommission.sweep.rows import Answer, Work, columns, key_unit, solve_case
+from mtcommission.sweep.rows import Answer, Work, columns, key_unit
+from mtcommission.sweep.solve import solve_case
 from mtcommission.sweep.store import NAME
 from mtcommission.sweep.table import read_table, summarise_table, write_table
 from tests.machines import paper_machine
 
 PAPER = Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml"
+SWEEPS = PAPER.parent.parent / "docs" / "sweeps.md"
 TEXT = PAPER.read_text(encoding="utf-8")
 MASSES = "plant.slider_mass=600:900:24"
 """Six pieces of four cases."""
@@ -448,7 +450,7 @@ def test_rows_do_not_depend_on_the_threads_of_the_process(
         seen.extend(library["num_threads"] for library in threadpool_info())
         return solve_case(work, number)
 
-    monkeypatch.setattr(forces, "solve_case", count)
+    monkeypatch.setattr(solve, "solve_case", count)
     with threadpool_limits(limits=2, user_api="blas"):
         assert {library["num_threads"] for library in threadpool_info()} == {2}
         run_sweep(plan_of(read_axis("drive.max_force=2kN", where="")), folder=tmp_path)
@@ -685,7 +687,7 @@ def test_a_killed_sweep_leaves_no_lock(tmp_path: Path) -> None:
     held.wait()
     held.stdout.close()
     with hold_folder(tmp_path):
-        assert (tmp_path / ".lock").read_text() == str(os.getpid())
+        assert (tmp_path / ".lock-owner").read_text() == str(os.getpid())
 
 
 def test_peaks_of_a_curve_are_those_of_single_solves(tmp_path: Path) -> None:
@@ -798,13 +800,12 @@ def test_page_shows_the_rows_and_the_profile_of_each_case(tmp_path: Path) -> Non
     assert parse_profile(profile, where="p") == parse_profile(expected, where="p")
 
 
-def test_ranges_of_the_readme_are_read(tmp_path: Path) -> None:
-    """Whoever copies them from the README must not be refused."""
-    readme = (PAPER.parent.parent / "README.md").read_text(encoding="utf-8")
-    part = readme[readme.index("A sweep varies F_max") : readme.index("## The profile")]
-    quoted = re.findall(r"`([^`]+)`", part.replace("\n", " "))
+def test_ranges_of_the_document_are_read(tmp_path: Path) -> None:
+    """Whoever copies them from docs/sweeps.md must not be refused."""
+    text = SWEEPS.read_text(encoding="utf-8")
+    quoted = re.findall(r"`([^`]+)`", text.replace("\n", " "))
     ranges = [text for text in quoted if re.fullmatch(r"(log:|random:)?\d[\w.]*[:,]\S+", text)]
-    counts = {text: len(read_range(text, where="README")) for text in ranges}
+    counts = {text: len(read_range(text, where="docs")) for text in ranges}
     assert list(counts.values()) == [7, 50, 100, 2]
     head = next(text for text in quoted if text.startswith("f_max"))
     table = tmp_path / "cases.csv"
@@ -812,13 +813,12 @@ def test_ranges_of_the_readme_are_read(tmp_path: Path) -> None:
     assert read_plan(PAPER, **request_of(cases=table)).settings(0)[0] == ("drive.max_force", "2 kN")
 
 
-def test_lines_of_the_readme_do_what_they_say(
+def test_lines_of_the_document_do_what_they_say(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Whoever copies them gets certified columns, the same as the command's."""
-    readme = (PAPER.parent.parent / "README.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)
-    lines = next(block for block in blocks if "sweep" in block)
+    text = SWEEPS.read_text(encoding="utf-8")
+    [lines] = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
     assert len([line for line in lines.splitlines() if line.strip()]) <= 6
     monkeypatch.chdir(tmp_path)
     (tmp_path / "profiles").symlink_to(PAPER.parent)

@@ -13,15 +13,8 @@ from scipy.linalg import expm
 from scipy.optimize import linprog
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import (
-    Drive,
-    FlexibleMode,
-    Machine,
-    Modal,
-    Move,
-    Positioning,
-    VelocityStep,
-)
+from mtcommission.machine.machine import Drive, Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.optimal.free.dual_start import start_force
 from mtcommission.optimal.free.flow import dyadic_flow, states_at
 from mtcommission.optimal.free.moments import MomentProblem, moment_problem, moment_rows
@@ -33,6 +26,7 @@ from mtcommission.optimal.solution import (
     propagate,
     sample_trajectory,
 )
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import REQUIREMENTS, paper_machine, random_modal_machine
 from tests.references_optimal import (

@@ -22,7 +22,7 @@ from mtcommission.optimal.solution import (
     sample_trajectory,
 )
 from mtcommission.optimal.transcription import transcription
-from mtcommission.optimal.transcription.discretisation import Scheme, TranscriptionSettings
+from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import (
     transcribe_damping_optimal,
     transcribe_time_optimal,

@@ -23,7 +23,6 @@ from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
     Machine,
-    Modal,
     StateFeedback,
     StateGain,
     TcpSensor,
@@ -31,6 +30,7 @@ from mtcommission.machine.machine import (
     moving_mass,
 )
 from mtcommission.machine.variations import vary
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from tests.independent_loop import axis_of, profile_of, quiet_copy, run

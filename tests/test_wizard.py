@@ -21,8 +21,8 @@ from hypothesis import strategies as st
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings
-from mtcommission.machine.machine import Manipulator, Modal
-from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.plant.manipulator import Manipulator
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, profile_text_hash, read_profile
 from mtcommission.record.build import build_record
@@ -216,7 +216,7 @@ def test_measured_frequencies_give_stiffness_and_damping(tmp_path: Path) -> None
         "50 Hz\n3 %\n60 N/um\n72\n0,05\n\n1\n20 mm\n30 m/min\n\n\n5 um\n" + "\n" * 12,
     )
     machine = read_profile(tmp_path / "tower.toml")
-    found = [(frequency_hz(m), m.damping_ratio) for m in flexible_modes(machine)]
+    found = [(m.frequency_hz, m.damping_ratio) for m in machine.mechanics.modes]
     assert np.allclose(found, [(50.0, 0.03), (72.0, 0.05)], rtol=1e-9)
     text = (tmp_path / "tower.toml").read_text("utf-8")
     assert "#   base_frequency = 50 Hz" in text
@@ -258,8 +258,8 @@ def test_two_masses_have_the_frequency_response_of_their_modal_form(
 def test_pair_of_masses_from_a_file_of_answers(tmp_path: Path) -> None:
     from_answers(tmp_path / "pair.toml", PAIR_TOML)
     machine = read_profile(tmp_path / "pair.toml")
-    (mode,) = flexible_modes(machine)
-    assert frequency_hz(mode) == pytest.approx(30.0 * sqrt(1.0 + 6.0 / 2.0))
+    (mode,) = machine.mechanics.modes
+    assert mode.frequency_hz == pytest.approx(30.0 * sqrt(1.0 + 6.0 / 2.0))
     assert machine.requirements.frequency_spread == 0.0  # as a profile that leaves it out
     assert build_plant(machine).order == 5
 
@@ -764,7 +764,7 @@ def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
         "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 12,
     )
     machine = read_profile(tmp_path / "m.toml")
-    assert [mode.name for mode in flexible_modes(machine)] == ["beam", "ram"]
+    assert [mode.name for mode in machine.mechanics.modes] == ["beam", "ram"]
     assert len(machine.moves) == 2
     data = tomllib.loads((tmp_path / "m.toml").read_text("utf-8"))
     assert to_answers(data)["wizard.way"] == MODAL

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from benchmarks.answer import Answer
 from benchmarks.problems import Problem
-from mtcommission.optimal.transcription.discretisation import TranscriptionSettings
+from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import (
     transcribe_damping_optimal,
     transcribe_time_optimal,

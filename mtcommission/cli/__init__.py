@@ -17,6 +17,7 @@ import typer
 from mtcommission import __version__
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
+from mtcommission.cli.language import ENGLISH, choose, say, words
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
 from mtcommission.cli.records import export, sheet
 from mtcommission.errors import MtcommissionError
@@ -56,18 +57,19 @@ def main() -> NoReturn:
     if hasattr(sys.stdin, "reconfigure"):
         # Bytes of another encoding must reach the question that they answer, to be refused there.
         sys.stdin.reconfigure(errors="surrogateescape")
+    choose(ENGLISH)
     try:
         app()
     except MtcommissionError as error:
-        _fail(str(error), error.exit_code)
+        _fail(error.text(words()), error.exit_code)
     except KeyboardInterrupt:
-        _fail("interrupted; nothing was written", 3)
+        _fail(say("cli-interrupted"), 3)
     except BrokenPipeError:
         os._exit(0)  # the reader of our output has gone: nobody to tell
     except OSError as error:
-        _fail(f"{error.filename or 'file system'}: {error.strerror or error}", 2)
+        _fail(f"{error.filename or say('cli-file-system')}: {error.strerror or error}", 2)
     except Exception as error:
-        _fail(f"internal error, please report it with the profile: {error!r}", 3)
+        _fail(say("cli-internal-error", error=repr(error)), 3)
     sys.exit(0)
 
 

@@ -12,9 +12,6 @@ ForceOption = Annotated[
     str,
     typer.Option("--f-max", metavar="F", help="Force limit for this call, e.g. 2kN."),
 ]
-LanguageOption = Annotated[
-    str, typer.Option("--language", metavar="en|de", help="Language of sheet and summary.")
-]
 JsonOption = Annotated[
     str, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for the screen.")
 ]

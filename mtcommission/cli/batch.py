@@ -11,7 +11,7 @@ import typer
 
 from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
 from mtcommission.cli.inputs import now
-from mtcommission.cli.progress import show_bar, show_stage
+from mtcommission.cli.progress import print_written, show_bar, show_stage
 
 
 def sweep(
@@ -84,8 +84,7 @@ def sweep(
     write_safely(output / "sweep.html", lambda file: file.write(page.encode()))
     summary = summarise_table(table)
     sys.stdout.write(summary.text + "\n")
-    names = ("rows.parquet", "rows.csv", "sweep.html")
-    sys.stdout.write("written: " + ", ".join(str(output / name) for name in names) + "\n")
+    print_written(output, ("rows.parquet", "rows.csv", "sweep.html"))
     raise typer.Exit(0 if summary.is_met else 1 if summary.done else 3)
 
 

@@ -17,7 +17,6 @@ from mtcommission.cli.arguments import (
     FolderOption,
     ForceOption,
     JsonOption,
-    LanguageOption,
     NoPdfOption,
     ProfileArgument,
 )
@@ -28,14 +27,15 @@ from mtcommission.cli.inputs import (
     parse_machine,
     read_machine,
 )
-from mtcommission.cli.progress import show_stage
+from mtcommission.cli.language import ENGLISH, LanguageOption, say
+from mtcommission.cli.progress import print_written, show_stage
 
 
 def run(
     profile: ProfileArgument,
     output: FolderOption = Path("commissioning"),
     f_max: ForceOption = "",
-    language: LanguageOption = "en",
+    language: LanguageOption = ENGLISH,
     no_pdf: NoPdfOption = False,
 ) -> None:
     """Compute the limits; write record, sheet and setpoint.
@@ -54,9 +54,7 @@ def run(
     from mtcommission.record.build import build_record
     from mtcommission.record.files import dump_json
     from mtcommission.sheet import print_html, print_pdf, summarise
-    from mtcommission.sheet.languages import find_labels
 
-    find_labels(language)
     with show_stage() as progress:
         found = commission(machine, progress=progress)
     record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
@@ -74,10 +72,11 @@ def run(
             files[name] = setpoint_csv(move.setpoint, step=cycle).encode()
     write_files(output, files)
     show(summarise(record, language=language))
-    sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
+    print_written(output, files)
     file = shlex.quote(str(output / "record.json"))
-    sys.stdout.write(f"next: mtcommission export {file} --control NAME\n")
-    sys.stdout.write("      (--control ? lists the controls)\n")
+    following = say("cli-next-export", record=file)
+    indent = " " * (following.index(":") + 2)
+    sys.stdout.write(f"{following}\n{indent}{say('cli-list-of-controls')}\n")
     raise typer.Exit(0 if record["assessment"]["met"] else 1)
 
 
@@ -118,6 +117,7 @@ def optimal(
     intervals: Annotated[
         int, typer.Option("--intervals", metavar="N", help="Transcription: intervals.")
     ] = 1000,
+    language: LanguageOption = ENGLISH,
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
 ) -> None:
@@ -169,7 +169,12 @@ def optimal(
         show(describe_optimum(machine, plant, solution, origin=origin))
 
 
-def limits(profile: ProfileArgument, f_max: ForceOption = "", json_file: JsonOption = "") -> None:
+def limits(
+    profile: ProfileArgument,
+    f_max: ForceOption = "",
+    language: LanguageOption = ENGLISH,
+    json_file: JsonOption = "",
+) -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
     from mtcommission.files import require_writable, write_text
 
@@ -199,6 +204,7 @@ def simulate(
     acceleration: Annotated[str, typer.Option("--acceleration", metavar="A", help="E.g. 2m/s^2.")],
     jerk: Annotated[str, typer.Option("--jerk", metavar="J", help="E.g. 100m/s^3.")],
     f_max: ForceOption = "",
+    language: LanguageOption = ENGLISH,
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
 ) -> None:

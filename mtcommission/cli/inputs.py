@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
+    from mtcommission.machine.plausibility import Remark
     from mtcommission.record.schema import Profile
 
 
@@ -45,14 +46,22 @@ def list_warnings(machine: Machine) -> list[str]:
     """Return what is unusual about a machine, in sentences."""
     from mtcommission.machine.plausibility import check_plausibility
 
-    return [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
+    return _said(machine, check_plausibility(machine))
 
 
 def list_delays(machine: Machine) -> list[str]:
     """Return what makes every computation of a machine take long, in sentences."""
     from mtcommission.machine.plausibility import check_patience
 
-    return [f"{remark.key}: {remark.message}" for remark in check_patience(machine)]
+    return _said(machine, check_patience(machine))
+
+
+def _said(machine: Machine, remarks: tuple[Remark, ...]) -> list[str]:
+    from mtcommission.machine.machine import Motion
+    from mtcommission.messages.catalogue import Catalogue
+
+    english = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
+    return [english.say(remark.with_key()) for remark in remarks]
 
 
 def now() -> str:

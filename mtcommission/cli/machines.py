@@ -10,6 +10,8 @@ import typer
 
 from mtcommission.cli.compute import run
 from mtcommission.cli.inputs import list_delays, list_warnings
+from mtcommission.cli.language import ENGLISH, LanguageOption
+from mtcommission.cli.progress import print_written
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
@@ -26,6 +28,7 @@ def wizard(
         bool, typer.Option("--yes", help="Take defaults for what is open instead of asking.")
     ] = False,
     run_after: Annotated[bool, typer.Option("--run", help="Go on to run.")] = False,
+    language: LanguageOption = ENGLISH,
 ) -> None:
     """Ask for the machine and write a commented profile."""
     from mtcommission.files import require_writable
@@ -40,7 +43,7 @@ def wizard(
         offers_run=not run_after,
     )
     if session.ending is Ending.WRITTEN and (run_after or session.wants_run):
-        run(profile=output)
+        run(profile=output, language=language)
 
 
 def check(
@@ -50,6 +53,7 @@ def check(
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of profiles instead.")
     ] = False,
+    language: LanguageOption = ENGLISH,
 ) -> None:
     """Validate a profile; print modes, rigid-body limits and warnings."""
     if schema:
@@ -58,14 +62,7 @@ def check(
         sys.stdout.write(profile_schema().rstrip() + "\n")
         return
     if profile is None:
-        raise InputError(
-            [
-                Fault(
-                    where="check",
-                    message=Message("verbatim", text="got no profile; give a TOML file"),
-                )
-            ]
-        )
+        raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
     from mtcommission.cli.terminal import describe_machine, show
     from mtcommission.loop.tuning.tuning import check_loop
     from mtcommission.plant.plant import build_plant
@@ -103,14 +100,7 @@ def copy_profile(
     found = read_shipped(name)
     target = file or f"{found.name}.toml"
     if target != "-" and Path(target).exists():
-        raise InputError(
-            [
-                Fault(
-                    where=target,
-                    message=Message("verbatim", text="exists already; give another name"),
-                )
-            ]
-        )
+        raise InputError([Fault(where=target, message=Message("cli-file-exists"))])
     write_text(target, found.text)
     if target != "-":
-        sys.stdout.write(f"written: {target}\n")
+        print_written(Path(target))

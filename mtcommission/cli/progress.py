@@ -1,10 +1,13 @@
-"""What a terminal shows while something is computed; a pipe sees nothing of it."""
+"""What a terminal shows while something is computed (a pipe sees nothing of it), and after it."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
+
+from mtcommission.cli.language import say
 
 
 @contextmanager
@@ -39,10 +42,19 @@ def show_bar(total: int) -> Iterator[Callable[[int, int, int], None]]:
         MofNCompleteColumn(),
         TextColumn("{task.fields[rate]:.3g}/s"),
         TimeRemainingColumn(),
-        TextColumn("{task.fields[failures]} failed"),
+        TextColumn("{task.fields[failed]}"),
     )
     with Progress(*layout, console=Console(stderr=True, emoji=False)) as bar:
-        task = bar.add_task("cases", total=total, rate=0.0, failures=0)
+        task = bar.add_task("", total=total, rate=0.0, failed="")
         yield lambda done, total, failures: bar.update(
-            task, completed=done, rate=bar.tasks[0].speed or 0.0, failures=failures
+            task,
+            completed=done,
+            rate=bar.tasks[0].speed or 0.0,
+            failed=say("cli-failed-cases", count=failures),
         )
+
+
+def print_written(folder: Path, names: Iterable[str] = ("",)) -> None:
+    """Say which files were written."""
+    files = tuple(str(folder / name) for name in names)
+    sys.stdout.write(say("cli-written", files=files) + "\n")

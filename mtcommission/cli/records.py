@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from mtcommission.cli.arguments import FolderOption, LanguageOption, NoPdfOption, RecordArgument
-from mtcommission.cli.progress import show_stage
+from mtcommission.cli.arguments import FolderOption, NoPdfOption, RecordArgument
+from mtcommission.cli.language import ENGLISH, LanguageOption
+from mtcommission.cli.progress import print_written, show_stage
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
@@ -21,7 +22,7 @@ def sheet(
         Path | None,
         typer.Option("--compare", metavar="BEFORE", help="Earlier record.json: say what changed."),
     ] = None,
-    language: LanguageOption = "en",
+    language: LanguageOption = ENGLISH,
     no_pdf: NoPdfOption = False,
 ) -> None:
     """Print the sheet again from the record alone."""
@@ -39,15 +40,10 @@ def sheet(
             if not no_pdf:
                 files["sheet.pdf"] = print_pdf(loaded, language=language, before=before)
     except KeyError as error:
-        message = (
-            f"this record lacks {error}: another version of mtcommission wrote it; "
-            "run the profile again, or print it with that version"
-        )
-        raise InputError(
-            [Fault(where=str(record), message=Message("verbatim", text=message))]
-        ) from error
+        message = Message("cli-record-lacks", key=str(error))
+        raise InputError([Fault(where=str(record), message=message)]) from error
     write_files(output, files)
-    sys.stdout.write("written: " + ", ".join(str(output / name) for name in files) + "\n")
+    print_written(output, files)
     raise typer.Exit(0 if loaded["assessment"]["met"] else 1)
 
 
@@ -76,8 +72,7 @@ def export(
         sys.stdout.write(describe_controls())
         return
     if record is None:
-        message = "got no record; give the record.json of a run, or --control ? for the list"
-        raise InputError([Fault(where="export", message=Message("verbatim", text=message))])
+        raise InputError([Fault(where="export", message=Message("cli-no-record"))])
     key = find_control_key(control)
     require_writable(output)
 

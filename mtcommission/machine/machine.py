@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from math import inf
 
+from mtcommission.machine.mechanics import Mechanics
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 
@@ -18,76 +19,6 @@ class Motion(Enum):
 
     LINEAR = "linear"
     ROTARY = "rotary"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Manipulator:
-    """The two-mode manipulator of Christiansen, Maurer & Zirn, eq. (1).
-
-    Parameters
-    ----------
-    base_mass, slider_mass
-        m_b, m_s [kg].
-    rotary_inertia
-        J of the slider tower about the fictive rotary joint [kg m²].
-    lever_arm
-        r, from the joint to the line of the drive force [m].
-    tcp_height
-        h, tool centre point above the joint, signed [m]; the paper gives no sign.
-    base_stiffness, base_damping
-        k_b [N/m], d_b [N s/m].
-    rotary_stiffness, rotary_damping
-        k [N m/rad], d [N m s/rad].
-    """
-
-    base_mass: float
-    slider_mass: float
-    rotary_inertia: float
-    lever_arm: float
-    tcp_height: float
-    base_stiffness: float
-    base_damping: float
-    rotary_stiffness: float
-    rotary_damping: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FlexibleMode:
-    """One mode q'' + 2 ζ ω q' + ω² q = F.
-
-    Parameters
-    ----------
-    name
-        Identifier, used in state names.
-    natural_frequency
-        ω of the undamped mode [rad/s].
-    damping_ratio
-        ζ [-], 0 <= ζ < 1.
-    tcp_gain, measured_gain
-        Share of q in the tool and in the encoder position, signed [1/kg].
-    """
-
-    name: str
-    natural_frequency: float
-    damping_ratio: float
-    tcp_gain: float
-    measured_gain: float = 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Modal:
-    """A rigid mass with flexible modes, as read from a Bode plot.
-
-    Parameters
-    ----------
-    moving_mass
-        Total rigid mass [kg].
-    modes
-        One to eight modes with distinct poles.
-    """
-
-    moving_mass: float
-    modes: tuple[FlexibleMode, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -374,7 +305,7 @@ class Machine:
     motion
         Linear or rotary.
     mechanics
-        Manipulator or modal description.
+        The plant, of any kind.
     drive, moves, requirements, damping_optimal, control
         See the classes.
     illustrative
@@ -387,7 +318,7 @@ class Machine:
     name: str
     axis: str
     source: str
-    mechanics: Manipulator | Modal
+    mechanics: Mechanics
     drive: Drive
     moves: tuple[Move, ...]
     requirements: Requirements
@@ -409,8 +340,7 @@ class Machine:
 
 def moving_mass(machine: Machine) -> float:
     """Return the rigid mass that the drive accelerates [kg]."""
-    mechanics = machine.mechanics
-    return mechanics.slider_mass if isinstance(mechanics, Manipulator) else mechanics.moving_mass
+    return machine.mechanics.moving_mass
 
 
 def mid_payload(machine: Machine) -> float:

@@ -1,67 +1,151 @@
-"""The flexible modes of any machine in one form, whichever way its mechanics are described."""
+"""What a machine knows of its mechanics, whichever kind of plant describes them.
+
+The kinds themselves stand in ``plant``, one file each.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from math import pi, sqrt
+from typing import ClassVar, Protocol, Self
 
-from mtcommission.machine.machine import FlexibleMode, Machine, Manipulator
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.machine.datum import datum
+from mtcommission.machine.ranges import FREQUENCIES, MODE_GAINS, RATIOS
+from mtcommission.messages.message import Message
+from mtcommission.units.axis_units import AxisUnits
+from mtcommission.units.quantities import Dimension
+
+Array = NDArray[np.float64]
+
+Misfit = tuple[str, Message]
+"""Key of a profile, below the table that it belongs to, and what is wrong with its value."""
 
 EQUAL_POLE_TOLERANCE = 1e-6
 """Relative distance of two poles below which they count as one (empirical: beyond it the
 moment equations of the two modes are dependent to half of double precision)."""
 
 
-def flexible_modes(machine: Machine) -> tuple[FlexibleMode, ...]:
-    """Return the flexible modes, all in the form q'' + 2 ζ ω q' + ω² q = F.
-
-    For the manipulator x_b = -q/m_b and φ = r q/J, so the base moves tool and encoder alike
-    (+1/m_b) and the tower moves the tool alone (h r/J).
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlexibleMode:
+    """One mode q'' + 2 ζ ω q' + ω² q = F.
 
     Parameters
     ----------
-    machine
-        Any machine.
-
-    Returns
-    -------
-    tuple of FlexibleMode
-        In the order of the plant's states.
-
-    Source: Christiansen, Maurer & Zirn, eq. (1), divided by m_b and J.
-
-    Examples
-    --------
-    >>> tower = Manipulator(base_mass=450, slider_mass=750, rotary_inertia=40, lever_arm=0.25,
-    ...     tcp_height=0.21, base_stiffness=44.41e6, base_damping=8500, rotary_stiffness=8.2e6,
-    ...     rotary_damping=1800)
-    >>> [round(frequency_hz(mode), 2) for mode in _manipulator_modes(tower)]
-    [50.0, 72.06]
+    name
+        Identifier, used in state names.
+    natural_frequency
+        ω of the undamped mode [rad/s].
+    damping_ratio
+        ζ [-], 0 <= ζ < 1.
+    tcp_gain, measured_gain
+        Share of q in the tool and in the encoder position, signed [1/kg].
     """
-    mechanics = machine.mechanics
-    return _manipulator_modes(mechanics) if isinstance(mechanics, Manipulator) else mechanics.modes
 
-
-def _manipulator_modes(mechanics: Manipulator) -> tuple[FlexibleMode, FlexibleMode]:
-    m_b, J = mechanics.base_mass, mechanics.rotary_inertia
-    k_b, d_b = mechanics.base_stiffness, mechanics.base_damping
-    k, d = mechanics.rotary_stiffness, mechanics.rotary_damping
-    base = FlexibleMode(
-        name="base",
-        natural_frequency=sqrt(k_b / m_b),
-        damping_ratio=d_b / (2 * sqrt(k_b * m_b)),
-        tcp_gain=1 / m_b,
-        measured_gain=1 / m_b,
+    name: str = datum(None, "Name of the mode.", "column")
+    natural_frequency: float = datum(
+        FREQUENCIES, "Eigenfrequency, undamped.", "40 Hz", key="frequency", factor=2.0 * pi
     )
-    tower = FlexibleMode(
-        name="rotation",
-        natural_frequency=sqrt(k / J),
-        damping_ratio=d / (2 * sqrt(k * J)),
-        tcp_gain=mechanics.tcp_height * mechanics.lever_arm / J,
-        measured_gain=0.0,
+    damping_ratio: float = datum(RATIOS, "Damping ratio, 0 to below 1.", "0.03")
+    tcp_gain: float = datum(MODE_GAINS, "Share in the tool position.", "0.002 1/kg")
+    measured_gain: float = datum(
+        MODE_GAINS, "Share in the encoder position.", "0.001 1/kg", default=0.0
     )
-    return base, tower
+
+    @property
+    def frequency_hz(self) -> float:
+        """Natural frequency [Hz]."""
+        return self.natural_frequency / (2 * pi)
+
+    @property
+    def pole(self) -> complex:
+        """The pole with positive imaginary part, -ζω + iω√(1-ζ²) [1/s]."""
+        zeta, omega = self.damping_ratio, self.natural_frequency
+        return complex(-zeta * omega, omega * sqrt(1.0 - zeta**2))
+
+    def find_faults(self) -> list[Misfit]:
+        """Return key and message of what cannot be."""
+        if 0.0 <= self.damping_ratio < 1.0:
+            return []
+        return [("damping_ratio", Message("damping-ratio-beyond-one", got=self.damping_ratio))]
 
 
-def frequency_hz(mode: FlexibleMode) -> float:
-    """Return the natural frequency of a mode [Hz]."""
-    return mode.natural_frequency / (2 * pi)
+@dataclass(frozen=True, slots=True)
+class ModeStates:
+    """Where the coordinate q of a mode stands in the plant.
+
+    Parameters
+    ----------
+    deflection, rate
+        Names of the two states.
+    scale
+        Factor from q to the state.
+    """
+
+    deflection: str
+    rate: str
+    scale: float = 1.0
+
+
+class Mechanics(Protocol):
+    """A rigid mass with flexible modes; a kind of plant is a frozen dataclass that tells this.
+
+    Its fields are described by ``datum``, so that the profile can read it.
+    """
+
+    kind: ClassVar[str]
+    """As ``plant.kind`` of a profile names it."""
+    position: ClassVar[str]
+    velocity: ClassVar[str]
+    """Names of the states of the rigid motion."""
+
+    @property
+    def moving_mass(self) -> float:
+        """Rigid mass that the drive accelerates [kg]."""
+
+    @property
+    def modes(self) -> tuple[FlexibleMode, ...]:
+        """The flexible modes, in the order of the plant's states."""
+
+    def mode_states(self) -> tuple[ModeStates, ...]:
+        """Return where each mode stands in the plant."""
+
+    @classmethod
+    def states(cls, modes: Sequence[str], axis: AxisUnits) -> dict[str, Dimension]:
+        """Return the plant's states in order and what they measure, from the modes' names."""
+
+    def mode_key(self, index: int) -> str:
+        """Return the key of a mode in the profile; "plant" where it follows from several."""
+
+    def vary(
+        self, *, payload: float, payload_radius: float, frequency: float, damping: float
+    ) -> Self:
+        """Return the mechanics with payload [kg, m], frequencies and damping ratios scaled [-]."""
+
+    def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
+        """Return what a mode moves without payload over that with it [-], shape of payload."""
+
+    def find_faults(self) -> list[Misfit]:
+        """Return key below [plant] and message of what does not fit together."""
+
+    def assumptions(self) -> tuple[Message, ...]:
+        """Return what the kind assumes beyond the profile."""
+
+
+def find_equal_poles(modes: Sequence[FlexibleMode]) -> Iterator[tuple[int, Message]]:
+    """Yield the place of each mode that has the poles of an earlier one, and what is wrong."""
+    for place, mode in enumerate(modes):
+        for other in modes[:place]:
+            if abs(mode.pole - other.pole) <= EQUAL_POLE_TOLERANCE * abs(mode.pole):
+                yield (
+                    place,
+                    Message(
+                        "modes-at-one-frequency",
+                        one=other.name,
+                        other=mode.name,
+                        frequency=mode.frequency_hz,
+                    ),
+                )

@@ -6,19 +6,19 @@ literature, widened generously.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf, isfinite, log
 
 from mtcommission.machine.machine import (
-    FlexibleMode,
     Machine,
-    Manipulator,
     Motion,
     VelocityStep,
     moving_mass,
 )
-from mtcommission.machine.mechanics import flexible_modes, frequency_hz
+from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.messages.message import Message
 from mtcommission.units.quantities import convert_to
 
 DAMPING_RATIOS = (0.002, 0.3)
@@ -52,11 +52,15 @@ class Remark:
     key
         Key of the profile, elements of arrays counted from 1.
     message
-        What was found, with numbers and units, and what it means.
+        What was found, and what it means.
     """
 
     key: str
-    message: str
+    message: Message
+
+    def with_key(self) -> Message:
+        """Return the remark with its key, as warnings are listed."""
+        return Message("remark", key=self.key, what=self.message)
 
 
 def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
@@ -74,7 +78,8 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
 
     Examples
     --------
-    >>> from mtcommission.machine.machine import Drive, Modal, Modes, Requirements, VelocityStep
+    >>> from mtcommission.machine.machine import Drive, Modes, Requirements, VelocityStep
+    >>> from mtcommission.plant.modal import Modal
     >>> axis = Machine(name="a", axis="X", source="example",
     ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",
     ...         natural_frequency=250.0, damping_ratio=0.5, tcp_gain=0.01),)),
@@ -84,9 +89,9 @@ def check_plausibility(machine: Machine) -> tuple[Remark, ...]:
     >>> [remark.key for remark in check_plausibility(axis)]
     ['plant.modes[1]']
     """
-    modes = flexible_modes(machine)
+    modes = enumerate(machine.mechanics.modes)
     return (
-        *(remark for i, mode in enumerate(modes) for remark in _check_mode(machine, mode, i)),
+        *(remark for i, mode in modes for remark in _check_mode(machine, mode, i)),
         *_check_drive(machine),
         *_check_moves(machine),
         *_check_requirements(machine),
@@ -109,194 +114,140 @@ def check_patience(machine: Machine) -> tuple[Remark, ...]:
         velocity cycle is at least 20 us.
     """
     remarks = []
-    for i, mode in enumerate(flexible_modes(machine)):
+    for i, mode in enumerate(machine.mechanics.modes):
         decay = mode.damping_ratio * mode.natural_frequency
         ringing = log(100.0) / decay if decay > 0.0 else inf
         if ringing > LONGEST_RINGING:
-            lasts = f"for {ringing:.3g} s until 1 % is left" if decay > 0.0 else "for ever"
-            message = (
-                f"mode {mode.name}: {frequency_hz(mode):.3g} Hz at a damping ratio of "
-                f"{mode.damping_ratio:.3g} rings {lasts}; limits, simulate and run follow it that "
-                "long and may take minutes"
+            kind = "mode-rings-long" if decay > 0.0 else "mode-rings-for-ever"
+            what = Message(
+                kind, frequency=mode.frequency_hz, damping_ratio=mode.damping_ratio, time=ringing
             )
-            remarks.append(Remark(key=_mode_key(machine, i), message=message))
+            remarks.append(_on_mode(machine, mode, i, what))
     cycle = machine.control.velocity_cycle
     if cycle < SHORTEST_VELOCITY_CYCLE:
-        message = (
-            f"{1e6 * cycle:.3g} us is shorter than drives have, 31.25 us to 1 ms; limits, "
-            "simulate and run follow every cycle and may take minutes"
-        )
+        message = Message("cycle-shorter-than-drives-have", cycle=cycle)
         remarks.append(Remark(key="control.velocity_cycle", message=message))
     return tuple(remarks)
 
 
-def _mode_key(machine: Machine, index: int) -> str:
-    is_manipulator = isinstance(machine.mechanics, Manipulator)
-    return "plant" if is_manipulator else f"plant.modes[{index + 1}]"
+def _on_mode(machine: Machine, mode: FlexibleMode, index: int, what: Message) -> Remark:
+    message = Message("remark-on-mode", mode=mode.name, what=what)
+    return Remark(key=machine.mechanics.mode_key(index), message=message)
 
 
-def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> list[Remark]:
-    is_manipulator = isinstance(machine.mechanics, Manipulator)
-    key = _mode_key(machine, index)
-    f, zeta, control = frequency_hz(mode), mode.damping_ratio, machine.control
+def _check_mode(machine: Machine, mode: FlexibleMode, index: int) -> Iterator[Remark]:
+    for what in _doubts(machine, mode, is_stated=machine.mechanics.mode_key(index) != "plant"):
+        yield _on_mode(machine, mode, index, what)
+
+
+def _doubts(machine: Machine, mode: FlexibleMode, *, is_stated: bool) -> Iterator[Message]:
+    """What is unusual about a mode; only a gain that was stated can have the wrong unit."""
+    f, zeta, control = mode.frequency_hz, mode.damping_ratio, machine.control
     low, high = DAMPING_RATIOS
-    remarks = []
-
-    def add(text: str) -> None:
-        remarks.append(Remark(key=key, message=f"mode {mode.name}: {text}"))
-
-    if not low <= zeta <= high:
-        side = "below" if zeta < low else "above"
-        add(f"damping ratio {zeta:.3g} is {side} what machine structures show, {low:g} to {high:g}")
+    if zeta < low:
+        yield Message("mode-damping-low", damping_ratio=zeta, low=low, high=high)
+    if zeta > high:
+        yield Message("mode-damping-high", damping_ratio=zeta, low=low, high=high)
     if f < LOWEST_FREQUENCY_HZ:
-        add(f"{f:.3g} Hz is slower than any machine structure; check stiffness and mass")
+        yield Message("mode-slow", frequency=f)
     in_velocity, in_position = (
         1.0 / (f * cycle) for cycle in (control.velocity_cycle, control.position_cycle)
     )
     if in_velocity < SAMPLES_PER_PERIOD:
-        add(
-            f"{f:.3g} Hz is above a third of the velocity loop's sampling rate, "
-            f"{1.0 / control.velocity_cycle:.4g} Hz; no feedback can damp it"
-        )
+        rate = 1.0 / control.velocity_cycle
+        yield Message("mode-above-velocity-sampling", frequency=f, rate=rate)
     if in_position < SAMPLES_PER_PERIOD:
-        add(
-            f"{f:.3g} Hz is above a third of the position loop's sampling rate, "
-            f"{1.0 / control.position_cycle:.4g} Hz; setpoints at that cycle cannot shape it"
-        )
+        rate = 1.0 / control.position_cycle
+        yield Message("mode-above-position-sampling", frequency=f, rate=rate)
     elif in_position < POSITION_CYCLES_PER_PERIOD:
-        add(
-            f"one period has only {in_position:.2g} position cycles of "
-            f"{1e3 * control.position_cycle:.3g} ms; a jerk time can only be set that coarsely"
-        )
+        cycle = control.position_cycle
+        yield Message("mode-of-few-position-cycles", cycles=in_position, cycle=cycle)
     if mode.tcp_gain == 0.0 and mode.measured_gain == 0.0:
-        add("neither tool nor encoder sees it; it costs time in the optimum for nothing")
+        yield Message("mode-unseen")
     reach = max(abs(mode.tcp_gain), abs(mode.measured_gain)) * moving_mass(machine)
-    if not is_manipulator and reach > GAIN_RATIO:
-        add(f"its gain is {reach:.3g} times 1/moving_mass; check the unit of the gains")
-    return [*remarks, *_check_deflection(machine, mode, key=key)]
-
-
-def _check_deflection(machine: Machine, mode: FlexibleMode, *, key: str) -> list[Remark]:
-    unit = machine.axis_units.length.si
+    if is_stated and reach > GAIN_RATIO:
+        yield Message("mode-gain-large", ratio=reach)
     deflection = abs(mode.tcp_gain) * machine.drive.motion_force / mode.natural_frequency**2
     band = machine.requirements.tcp_deviation
-    if deflection <= DEFLECTION_RATIO * band:
-        return []
-    message = (
-        f"mode {mode.name}: the full force bends the tool by {deflection:.3g} {unit}, "
-        f"{deflection / band:.3g} times tcp_deviation = {band:.3g} {unit}; "
-        "check the stiffness and the band"
-    )
-    return [Remark(key=key, message=message)]
+    if deflection > DEFLECTION_RATIO * band:
+        yield Message("mode-bends-far", deflection=deflection, ratio=deflection / band, band=band)
 
 
-def _check_drive(machine: Machine) -> list[Remark]:
+def _check_drive(machine: Machine) -> Iterator[Remark]:
     drive, m = machine.drive, moving_mass(machine)
-    axis = machine.axis_units
-    force, mass, rate = axis.force.si, axis.mass.si, axis.acceleration.si
     low, high = ACCELERATIONS[machine.motion]
     a = drive.motion_force / m
-    remarks = []
     if not low <= a <= high:
-        side = "hardly moves the axis" if a < low else "is more than a machine axis bears"
-        message = (
-            f"{drive.motion_force:.4g} {force} on {m:.4g} {mass} give {a:.3g} {rate}, "
-            f"which {side}; check both units"
-        )
-        remarks.append(Remark(key="drive.max_force", message=message))
+        kind = "force-hardly-moves-axis" if a < low else "force-beyond-axis"
+        message = Message(kind, force=drive.motion_force, mass=m, acceleration=a)
+        yield Remark(key="drive.max_force", message=message)
     if abs(drive.static_load) > LOAD_SHARE * drive.max_force:
-        message = (
-            f"{abs(drive.static_load):.4g} {force} take more than half of max_force = "
-            f"{drive.max_force:.4g} {force}; consider a counterbalance"
+        message = Message(
+            "static-load-large", load=abs(drive.static_load), max_force=drive.max_force
         )
-        remarks.append(Remark(key="drive.static_load", message=message))
+        yield Remark(key="drive.static_load", message=message)
     if isfinite(drive.continuous_force) and drive.continuous_force > drive.max_force:
-        message = (
-            f"{drive.continuous_force:.4g} {force} is above max_force = {drive.max_force:.4g} "
-            f"{force}, so it limits nothing; the two may be swapped"
+        message = Message(
+            "continuous-force-above-max", force=drive.continuous_force, max_force=drive.max_force
         )
-        remarks.append(Remark(key="drive.continuous_force", message=message))
+        yield Remark(key="drive.continuous_force", message=message)
     if drive.force_lag > LONGEST_FORCE_LAG:
-        message = (
-            f"{1e3 * drive.force_lag:.3g} ms is long for a force loop (servo drives: 0.5 to 5 ms)"
-        )
-        remarks.append(Remark(key="drive.force_lag", message=message))
-    return remarks
+        yield Remark(key="drive.force_lag", message=Message("force-lag-long", lag=drive.force_lag))
 
 
-def _check_moves(machine: Machine) -> list[Remark]:
-    remarks = []
-    a, unit = machine.drive.motion_force / moving_mass(machine), machine.axis_units.velocity.si
+def _check_moves(machine: Machine) -> Iterator[Remark]:
+    a, fastest = machine.drive.motion_force / moving_mass(machine), VELOCITIES[machine.motion]
     for i, move in enumerate(machine.moves):
         time = least_motion_time(move, a)
         if time > LONGEST_MOVE:
-            message = (
-                f"a rigid axis would need {time:.3g} s for this move; "
-                "check distance, velocity and force"
-            )
-            remarks.append(Remark(key=f"moves[{i + 1}]", message=message))
+            yield Remark(key=f"moves[{i + 1}]", message=Message("move-lasts-long", time=time))
         name, velocity = (
             ("velocity_step", move.velocity_step)
             if isinstance(move, VelocityStep)
             else ("max_velocity", move.max_velocity)
         )
-        if VELOCITIES[machine.motion] < velocity < inf:
-            message = (
-                f"{velocity:.4g} {unit} is faster than machine axes move, "
-                f"{VELOCITIES[machine.motion]:g} {unit}; check the unit"
-            )
-            remarks.append(Remark(key=f"moves[{i + 1}].{name}", message=message))
-    return remarks
+        if fastest < velocity < inf:
+            message = Message("move-fast", velocity=velocity, fastest=fastest)
+            yield Remark(key=f"moves[{i + 1}].{name}", message=message)
 
 
-def _check_requirements(machine: Machine) -> list[Remark]:
-    needs, m, unit = machine.requirements, moving_mass(machine), machine.axis_units.length.si
+def _check_requirements(machine: Machine) -> Iterator[Remark]:
+    needs, m = machine.requirements, moving_mass(machine)
     low, high = DEVIATIONS[machine.motion]
-    remarks = []
     if not low <= needs.tcp_deviation <= high:
-        side = "finer than encoders resolve" if needs.tcp_deviation < low else "no accuracy at all"
-        message = f"{needs.tcp_deviation:.3g} {unit} is {side}; check the unit"
-        remarks.append(Remark(key="requirements.tcp_deviation", message=message))
+        kind = "band-finer-than-encoders" if needs.tcp_deviation < low else "band-no-accuracy"
+        message = Message(kind, band=needs.tcp_deviation)
+        yield Remark(key="requirements.tcp_deviation", message=message)
     if needs.payload[1] > PAYLOAD_RATIO * m:
-        mass = machine.axis_units.mass.si
-        message = (
-            f"{needs.payload[1]:.4g} {mass} is more than three times the moving mass, "
-            f"{m:.4g} {mass}; one set of limits will be slow for the empty axis"
-        )
-        remarks.append(Remark(key="requirements.payload", message=message))
+        message = Message("payload-large", payload=needs.payload[1], mass=m)
+        yield Remark(key="requirements.payload", message=message)
     bands = needs.modes
     if not bands.surface <= bands.accuracy <= bands.speed:
-        message = (
-            f"surface {bands.surface:.3g}, accuracy {bands.accuracy:.3g} and speed "
-            f"{bands.speed:.3g} {unit} do not widen in this order; they may be swapped"
+        message = Message(
+            "bands-not-widening",
+            surface=bands.surface,
+            accuracy=bands.accuracy,
+            speed=bands.speed,
         )
-        remarks.append(Remark(key="requirements.modes", message=message))
-    return remarks
+        yield Remark(key="requirements.modes", message=message)
 
 
-def _check_control(machine: Machine) -> list[Remark]:
+def _check_control(machine: Machine) -> Iterator[Remark]:
     control, m = machine.control, moving_mass(machine)
     low, high = (m + payload for payload in machine.requirements.payload)
-    remarks = []
     mass = control.feedforward_mass
     if mass is not None and not low / FEEDFORWARD_RATIO <= mass <= high * FEEDFORWARD_RATIO:
-        unit = machine.axis_units.mass.si
-        message = (
-            f"{mass:.4g} {unit} is far from the moving mass, {low:.4g} to {high:.4g} {unit}; "
-            "the feed-forward will push too little or too much"
-        )
-        remarks.append(Remark(key="control.feedforward_mass", message=message))
+        message = Message("feedforward-mass-far", mass=mass, low=low, high=high)
+        yield Remark(key="control.feedforward_mass", message=message)
     gain = control.position_gain
     if gain is not None and gain < LEAST_POSITION_GAIN:
-        message = (
-            f"Kv = {gain:.4g} 1/s is only {convert_to(gain, '(m/min)/mm'):.3g} (m/min)/mm; "
-            f'if {gain:.4g} (m/min)/mm is meant, write the unit: "{gain:.4g} (m/min)/mm"'
-        )
-        remarks.append(Remark(key="control.position_gain", message=message))
+        in_custom = convert_to(gain, "(m/min)/mm")
+        message = Message("position-gain-without-unit", gain=gain, in_custom=in_custom)
+        yield Remark(key="control.position_gain", message=message)
     if control.minimum_bandwidth_hz * control.velocity_cycle * SAMPLES_PER_PERIOD > 1.0:
-        message = (
-            f"{control.minimum_bandwidth_hz:.4g} Hz is above a third of the velocity loop's "
-            f"sampling rate, {1.0 / control.velocity_cycle:.4g} Hz"
+        message = Message(
+            "bandwidth-above-sampling",
+            bandwidth=control.minimum_bandwidth_hz,
+            rate=1.0 / control.velocity_cycle,
         )
-        remarks.append(Remark(key="control.minimum_bandwidth", message=message))
-    return remarks
+        yield Remark(key="control.minimum_bandwidth", message=message)

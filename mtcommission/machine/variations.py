@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.machine import Machine, Manipulator
+from mtcommission.machine.machine import Machine
 
 Array = NDArray[np.float64]
 
@@ -55,37 +55,13 @@ def vary(machine: Machine, corner: Corner) -> Machine:
 
     Source: the project's definition of corners.
     """
-    s, d = corner.frequency_factor, corner.frequency_factor * corner.damping_factor
-    mechanics = machine.mechanics
-    if isinstance(mechanics, Manipulator):
-        radius = machine.requirements.payload_radius
-        inertia = mechanics.rotary_inertia + corner.payload * radius**2
-        return replace(
-            machine,
-            mechanics=replace(
-                mechanics,
-                slider_mass=mechanics.slider_mass + corner.payload,
-                rotary_inertia=inertia,
-                base_stiffness=mechanics.base_stiffness * s**2,
-                base_damping=mechanics.base_damping * d,
-                rotary_stiffness=mechanics.rotary_stiffness * s**2,
-                rotary_damping=mechanics.rotary_damping * d,
-            ),
-        )
-    modes = tuple(
-        replace(
-            mode,
-            natural_frequency=mode.natural_frequency * s,
-            damping_ratio=mode.damping_ratio * corner.damping_factor,
-        )
-        for mode in mechanics.modes
+    mechanics = machine.mechanics.vary(
+        payload=corner.payload,
+        payload_radius=machine.requirements.payload_radius,
+        frequency=corner.frequency_factor,
+        damping=corner.damping_factor,
     )
-    return replace(
-        machine,
-        mechanics=replace(
-            mechanics, moving_mass=mechanics.moving_mass + corner.payload, modes=modes
-        ),
-    )
+    return replace(machine, mechanics=mechanics)
 
 
 def corners(machine: Machine) -> tuple[Corner, ...]:

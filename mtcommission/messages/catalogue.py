@@ -47,6 +47,9 @@ UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
 )
 """Functions of the texts for quantities: SI unit on a linear axis and on a rotary one."""
 
+PER_SI: Mapping[str, float] = MappingProxyType({"": 1.0, "ms": 1e3, "us": 1e6, "%": 100.0})
+"""Units in which a text may ask for a plain number, and how many make one of SI."""
+
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=", re.MULTILINE)
 _REFERENCE = re.compile(r"\{\s*(-?[a-z][\w-]*)")
 
@@ -107,6 +110,16 @@ class Catalogue:
             raise ValueError(f"{self.language}: {kind}: {faults[0]}")
         return str(text)
 
+    def plain(self, value: float, digits: int, style: str) -> str:
+        """Return a number as Python's format prints it, with the language's decimal mark.
+
+        Examples
+        --------
+        >>> Catalogue("de").plain(1.25, 1, "e")
+        '1,2e+00'
+        """
+        return f"{value:.{digits}{style}}".replace(".", self.format.decimal_mark)
+
     def has(self, kind: str) -> bool:
         """Return whether there is a text of this kind."""
         return kind in entries_of(self.language)
@@ -125,8 +138,9 @@ class Catalogue:
             "NUMBER": lambda value, digits=4: self.format.number(
                 _number(value) or 0.0, digits=int(digits)
             ),
-            "PLAIN": lambda value, digits=4: f"{_number(value) or 0.0:.{int(digits)}g}".replace(
-                ".", self.format.decimal_mark
+            "PLAIN": self._plain,
+            "SI": lambda value, quantity, digits=4: (
+                f"{self._plain(value, digits)} {UNITS[str(quantity)][self.rotary]}"
             ),
             "SHARE": lambda value, digits=3: self.format.percent_if_known(
                 _number(value), digits=int(digits)
@@ -140,6 +154,13 @@ class Catalogue:
         return lambda value, digits=DIGITS: self.format.quantity(
             _number(value), unit, digits=int(digits)
         )
+
+    def _plain(
+        self, value: object, digits: object = DIGITS, unit: str = "", style: object = "g"
+    ) -> str:
+        """A number as people type it, in a unit that the text writes."""
+        number = PER_SI[unit] * (_number(value) or 0.0)
+        return self.plain(number, int(str(digits)), str(style))
 
     def _term(self, key: object) -> str:
         """A text named by a value, e.g. a requirement; one of the user's own stays as it is."""

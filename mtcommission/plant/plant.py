@@ -16,11 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Machine, Manipulator, moving_mass
-from mtcommission.machine.mechanics import EQUAL_POLE_TOLERANCE, flexible_modes
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.mechanics import FlexibleMode, find_equal_poles
 from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
+
+OUTPUTS = ("tcp", "encoder", "tcp_vibration")
+"""Rows of C: tool, encoder, and the elastic part of the tool."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,8 +196,9 @@ def build_plant(machine: Machine) -> Plant:
 
     Examples
     --------
-    >>> from mtcommission.machine.machine import (
-    ...     Drive, FlexibleMode, Modal, Modes, Requirements, VelocityStep)
+    >>> from mtcommission.machine.machine import Drive, Modes, Requirements, VelocityStep
+    >>> from mtcommission.machine.mechanics import FlexibleMode
+    >>> from mtcommission.plant.modal import Modal
     >>> axis = Machine(name="a", axis="X", source="example",
     ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",
     ...         natural_frequency=2 * pi * 40, damping_ratio=0.03, tcp_gain=0.01),)),
@@ -204,48 +208,26 @@ def build_plant(machine: Machine) -> Plant:
     >>> build_plant(axis).states
     ('x', 'v', 'q_column', 'v_column', 'F')
     """
-    modes = flexible_modes(machine)
-    if isinstance(machine.mechanics, Manipulator):
-        states: tuple[str, ...] = ("x_b", "x_s", "phi", "v_b", "v_s", "v_phi", "F")
-        position, velocity = 1, 4
-        places: tuple[tuple[int, int], ...] = ((0, 3), (2, 5))
-        scales: tuple[float, ...] = (
-            -1.0 / machine.mechanics.base_mass,
-            machine.mechanics.lever_arm / machine.mechanics.rotary_inertia,
-        )
-    else:
-        names = [name for mode in modes for name in (f"q_{mode.name}", f"v_{mode.name}")]
-        states = ("x", "v", *names, "F")
-        position, velocity = 0, 1
-        places = tuple((2 + 2 * i, 3 + 2 * i) for i in range(len(modes)))
-        scales = (1.0,) * len(modes)
-    placed = tuple(
+    mechanics = machine.mechanics
+    dimensions = mechanics.states([mode.name for mode in mechanics.modes], machine.axis_units)
+    states = tuple(dimensions)
+    modes = tuple(
         PlantMode(
             name=mode.name,
             natural_frequency=mode.natural_frequency,
             damping_ratio=mode.damping_ratio,
             tcp_gain=mode.tcp_gain,
             measured_gain=mode.measured_gain,
-            scale=scale,
-            deflection=deflection,
-            rate=rate,
+            scale=place.scale,
+            deflection=states.index(place.deflection),
+            rate=states.index(place.rate),
         )
-        for mode, (deflection, rate), scale in zip(modes, places, scales, strict=True)
+        for mode, place in zip(mechanics.modes, mechanics.mode_states(), strict=True)
     )
-    _check_modes(placed)
-    return _assemble(machine, states, placed, position=position, velocity=velocity)
-
-
-def _assemble(
-    machine: Machine,
-    states: tuple[str, ...],
-    modes: tuple[PlantMode, ...],
-    *,
-    position: int,
-    velocity: int,
-) -> Plant:
+    _check_modes(mechanics.modes, modes)
     n, force = len(states), len(states) - 1
-    m, T = moving_mass(machine), machine.drive.force_lag
+    position, velocity = states.index(mechanics.position), states.index(mechanics.velocity)
+    m, T = mechanics.moving_mass, machine.drive.force_lag
     A = np.zeros((n, n))
     A[position, velocity] = 1.0
     A[velocity, force] = 1.0 / m
@@ -267,46 +249,30 @@ def _assemble(
     C = np.vstack([tcp, encoder, vibration])
     for array in (A, B, C):
         array.setflags(write=False)
+    length = machine.axis_units.length.si
     return Plant(
         states=states,
         A=A,
         B=B,
-        outputs=("tcp", "encoder", "tcp_vibration"),
+        outputs=OUTPUTS,
         C=C,
         modes=modes,
         moving_mass=m,
         force_lag=T,
         position=position,
         velocity=velocity,
-        signal_units=_signal_units(machine, states),
+        signal_units=(*(unit.si for unit in dimensions.values()), length, length, length),
     )
 
 
-def _signal_units(machine: Machine, states: tuple[str, ...]) -> tuple[str, ...]:
-    axis = machine.axis_units
-    length, velocity = axis.length.si, axis.velocity.si
-    known = {"phi": "rad", "v_phi": "rad/s", "F": axis.force.si}
-    if isinstance(machine.mechanics, Manipulator):
-        known |= {"x_b": "m", "v_b": "m/s", "x_s": length, "v_s": velocity}
-    else:
-        known |= {"x": length, "v": velocity}
-        for mode in machine.mechanics.modes:
-            known |= {
-                f"q_{mode.name}": axis.modal_deflection.si,
-                f"v_{mode.name}": axis.modal_rate.si,
-            }
-    return (*(known[state] for state in states), length, length, length)
-
-
-def _check_modes(modes: tuple[PlantMode, ...]) -> None:
-    for i, one in enumerate(modes):
-        if one.scale == 0.0:
-            detail = f"mode {one.name} is not driven by the force (lever arm 0)"
-            raise ComputationError(Outcome.NOT_CONTROLLABLE, Message("verbatim", text=detail))
-        for other in modes[:i]:
-            if abs(one.pole - other.pole) <= EQUAL_POLE_TOLERANCE * abs(one.pole):
-                detail = f"modes {other.name} and {one.name} at {one.frequency_hz:.6g} Hz"
-                raise ComputationError(Outcome.EQUAL_POLES, Message("verbatim", text=detail))
+def _check_modes(modes: tuple[FlexibleMode, ...], placed: tuple[PlantMode, ...]) -> None:
+    for mode in placed:
+        if mode.scale == 0.0:
+            raise ComputationError(
+                Outcome.NOT_CONTROLLABLE, Message("mode-not-driven", mode=mode.name)
+            )
+    for _, detail in find_equal_poles(modes):
+        raise ComputationError(Outcome.EQUAL_POLES, detail)
 
 
 def kalman_rank(plant: Plant) -> int:

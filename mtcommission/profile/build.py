@@ -9,11 +9,8 @@ from mtcommission.machine.machine import (
     DampingOptimal,
     Drive,
     FilterKind,
-    FlexibleMode,
     ForceFilter,
     Machine,
-    Manipulator,
-    Modal,
     Modes,
     Motion,
     Move,
@@ -33,7 +30,6 @@ from mtcommission.profile.model import (
     ProfileTable,
     RequirementsTable,
 )
-from mtcommission.profile.plant_tables import ManipulatorTable, ModalTable
 
 MODE_BANDS = (0.4, 1.0, 4.0)
 """Default bands of surface, accuracy and speed in units of tcp_deviation (interface)."""
@@ -57,7 +53,7 @@ def build_machine(table: ProfileTable) -> Machine:
         axis=table.machine.axis,
         source=table.machine.source,
         motion=Motion(table.machine.motion),
-        mechanics=_build_mechanics(table.plant),
+        mechanics=table.plant.build(),
         drive=Drive(
             force_lag=table.drive.force_lag,
             max_force=table.drive.max_force,
@@ -75,22 +71,6 @@ def build_machine(table: ProfileTable) -> Machine:
 
 def _or_infinite(value: float | None) -> float:
     return inf if value is None else value
-
-
-def _build_mechanics(plant: ManipulatorTable | ModalTable) -> Manipulator | Modal:
-    if isinstance(plant, ManipulatorTable):
-        return Manipulator(**plant.model_dump(exclude={"kind"}))
-    modes = tuple(
-        FlexibleMode(
-            name=mode.name,
-            natural_frequency=2.0 * pi * mode.frequency,
-            damping_ratio=mode.damping_ratio,
-            tcp_gain=mode.tcp_gain,
-            measured_gain=mode.measured_gain,
-        )
-        for mode in plant.modes
-    )
-    return Modal(moving_mass=plant.moving_mass, modes=modes)
 
 
 def _build_move(move: MoveTable) -> Move:

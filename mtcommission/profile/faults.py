@@ -24,16 +24,19 @@ from mtcommission.profile.model import (
     RequirementsTable,
     SetpointFilterTable,
 )
-from mtcommission.profile.plant_tables import ManipulatorTable, ModalTable, ModeTable
+from mtcommission.profile.plant_tables import PLANT_TABLES, element_tables
 from mtcommission.profile.table import Table
 from mtcommission.profile.values import Faults, describe, find_close, propose
 
 _TABLES: Mapping[tuple[str, ...], type[Table]] = {
     (): ProfileTable,
     ("machine",): MachineTable,
-    ("plant", "manipulator"): ManipulatorTable,
-    ("plant", "modal"): ModalTable,
-    ("plant", "modal", "modes"): ModeTable,
+    **{("plant", kind): table for kind, table in PLANT_TABLES.items()},
+    **{
+        ("plant", kind, key): element
+        for kind, table in PLANT_TABLES.items()
+        for key, element in element_tables(table).items()
+    },
     ("drive",): DriveTable,
     ("moves",): MoveTable,
     ("requirements",): RequirementsTable,
@@ -133,14 +136,14 @@ def _fields_at(names: tuple[str, ...]) -> dict[str, FieldInfo]:
     return {
         field.alias or key: field
         for place, table in _TABLES.items()
-        if tuple(part for part in place if part not in ("manipulator", "modal")) == names
+        if _written(place) == names
         for key, field in table.model_fields.items()
     }
 
 
 def _written(loc: KeyPath) -> KeyPath:
     """The path as the file has it: pydantic puts the plant's kind into it."""
-    if loc[:1] == ("plant",) and loc[1:2] in (("manipulator",), ("modal",)):
+    if loc[:1] == ("plant",) and loc[1:2] and loc[1] in PLANT_TABLES:
         return (loc[0], *loc[2:])
     return loc
 
@@ -162,7 +165,9 @@ def _translate(detail: ErrorDetails, where: str, lines: KeyLines) -> list[Fault]
                 where=where,
                 line=lines.line_of(key),
                 key=show_key(key),
-                message=Message("verbatim", text=message),
+                message=message
+                if isinstance(message, Message)
+                else Message("verbatim", text=message),
             )
         )
     return faults
@@ -182,9 +187,9 @@ def _message(detail: ErrorDetails, loc: KeyPath) -> str:
         case "literal_error":
             return f"got {got}, must be {context['expected'].replace(chr(39), chr(34))}"
         case "union_tag_not_found":
-            return f'{MISSING}add kind = "manipulator" or kind = "modal"'
+            return MISSING + "add " + " or ".join(f'kind = "{kind}"' for kind in PLANT_TABLES)
         case "union_tag_invalid":
-            return f'got "{context["tag"]}", must be "manipulator" or "modal"'
+            return f'got "{context["tag"]}", must be {quote_kinds()}'
         case "bool_type":
             return f"got {got}, must be true or false"
         case "model_type" | "model_attributes_type":
@@ -199,6 +204,11 @@ def _message(detail: ErrorDetails, loc: KeyPath) -> str:
         case "too_long":
             return f"got too many elements, at most {context['max_length']} allowed"
     return f"got {got}: {detail['msg']}"
+
+
+def quote_kinds() -> str:
+    """Return the kinds of plant in quotes, for messages."""
+    return " or ".join(f'"{kind}"' for kind in PLANT_TABLES)
 
 
 def _remedy(name: str, examples: Sequence[object] | None) -> str:

@@ -10,31 +10,39 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from mtcommission.profile.plant_tables import ManipulatorTable, ModalTable, damping_ratios
-from mtcommission.profile.ranges import (
-    ARM_Q,
-    BAND_Q,
-    CYCLE_Q,
-    DELAY_Q,
-    DISTANCE_Q,
-    DWELL_Q,
-    FEEDFORWARD_Q,
-    FILTER_DAMPING_Q,
-    FILTER_TIME_Q,
-    FORCE_Q,
-    FREQUENCY_Q,
-    GAIN_Q,
-    LAG_Q,
-    LOAD_Q,
-    MASS_Q,
-    SPREAD_Q,
-    TIME_Q,
-    VELOCITY_GAIN_Q,
-    VELOCITY_Q,
-    WEIGHT_Q,
+from mtcommission.machine.ranges import (
+    ARMS,
+    BANDS,
+    CYCLES,
+    DELAYS,
+    DISTANCES,
+    DWELLS,
+    FEEDFORWARDS,
+    FILTER_DAMPINGS,
+    FILTER_TIMES,
+    FORCES,
+    FREQUENCIES,
+    LAGS,
+    LOADS,
+    MASSES,
+    POSITION_GAINS,
+    SPREADS,
+    STATIC_LOADS,
+    TIMES,
+    VELOCITIES,
+    VELOCITY_GAINS,
 )
+from mtcommission.profile.plant_tables import AnyKind, PlantTable
 from mtcommission.profile.table import Table, optional, raise_all, required
-from mtcommission.profile.values import Faults, Name, PerSignal, SignalTable, describe
+from mtcommission.profile.values import (
+    Faults,
+    Name,
+    PerSignal,
+    Read,
+    SignalTable,
+    context_of,
+    describe,
+)
 
 MOST_MOVES = 50
 LARGEST_FREQUENCY_SPREAD = 0.5
@@ -68,19 +76,21 @@ class MachineTable(Table):
 class DriveTable(Table):
     """[drive]."""
 
-    force_lag: Annotated[float, LAG_Q] = required("Time constant of the force loop, T.", '"2.5 ms"')
-    max_force: Annotated[float, FORCE_Q] = required("Largest force, F_max.", '"2 kN"')
-    continuous_force: Annotated[float | None, FORCE_Q] = optional(
+    force_lag: Annotated[float, Read(LAGS)] = required(
+        "Time constant of the force loop, T.", '"2.5 ms"'
+    )
+    max_force: Annotated[float, Read(FORCES)] = required("Largest force, F_max.", '"2 kN"')
+    continuous_force: Annotated[float | None, Read(FORCES)] = optional(
         "Thermal (RMS) limit over move and dwell.", '"1 kN"'
     )
-    static_load: Annotated[float, WEIGHT_Q] = optional(
+    static_load: Annotated[float, Read(STATIC_LOADS)] = optional(
         "Weight or process force; its amount is not available for motion.", '"0 N"', 0.0
     )
 
     @model_validator(mode="after")
     def _check(self, info: ValidationInfo) -> Self:
         if abs(self.static_load) >= self.max_force:
-            unit = FORCE_Q.si_of(info)
+            unit = context_of(info).axis.force.si
             message = (
                 f"got {self.static_load:g} {unit} against max_force = {self.max_force:g} {unit}; "
                 "its amount must be smaller, or no force is left for motion"
@@ -92,16 +102,16 @@ class DriveTable(Table):
 class MoveTable(Table):
     """[[moves]]."""
 
-    velocity_step: Annotated[float | None, VELOCITY_Q] = optional(
+    velocity_step: Annotated[float | None, Read(VELOCITIES)] = optional(
         "Accelerate from rest to this velocity; the end position is free.", '"0.1 m/s"'
     )
-    distance: Annotated[float | None, DISTANCE_Q] = optional(
+    distance: Annotated[float | None, Read(DISTANCES)] = optional(
         "Move over this distance from rest to rest.", '"20 mm"'
     )
-    max_velocity: Annotated[float | None, VELOCITY_Q] = optional(
+    max_velocity: Annotated[float | None, Read(VELOCITIES)] = optional(
         "Velocity limit of a move over a distance.", '"0.5 m/s"'
     )
-    dwell: Annotated[float, DWELL_Q] = optional("Rest after the move.", '"0 s"', 0.0)
+    dwell: Annotated[float, Read(DWELLS)] = optional("Rest after the move.", '"0 s"', 0.0)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -117,34 +127,34 @@ class MoveTable(Table):
 class ModeBands(Table):
     """[requirements.modes]."""
 
-    surface: Annotated[float | None, BAND_Q] = optional("Band for finishing.", '"2 um"')
-    accuracy: Annotated[float | None, BAND_Q] = optional("Band for contours.", '"5 um"')
-    speed: Annotated[float | None, BAND_Q] = optional("Band for roughing.", '"20 um"')
+    surface: Annotated[float | None, Read(BANDS)] = optional("Band for finishing.", '"2 um"')
+    accuracy: Annotated[float | None, Read(BANDS)] = optional("Band for contours.", '"5 um"')
+    speed: Annotated[float | None, Read(BANDS)] = optional("Band for roughing.", '"20 um"')
 
 
 class RequirementsTable(Table):
     """[requirements]."""
 
-    tcp_deviation: Annotated[float, BAND_Q] = required(
+    tcp_deviation: Annotated[float, Read(BANDS)] = required(
         "Half width of the band about the delayed setpoint.", '"5 um"'
     )
-    max_settling_time: Annotated[float | None, TIME_Q] = optional(
+    max_settling_time: Annotated[float | None, Read(TIMES)] = optional(
         "Longest settling time.", '"0.2 s"'
     )
-    frequency_spread: Annotated[float, SPREAD_Q] = optional(
+    frequency_spread: Annotated[float, Read(SPREADS)] = optional(
         "Relative uncertainty of all eigenfrequencies.", '"5 %"', 0.0
     )
-    damping_spread: Annotated[float, SPREAD_Q] = optional(
+    damping_spread: Annotated[float, Read(SPREADS)] = optional(
         "Relative uncertainty of all damping ratios.", '"0 %"', 0.0
     )
-    payload: list[Annotated[float, LOAD_Q]] | None = Field(
+    payload: list[Annotated[float, Read(LOADS)]] | None = Field(
         None,
         description="Least and largest payload.",
         examples=['["0 kg", "100 kg"]'],
         min_length=2,
         max_length=2,
     )
-    payload_radius: Annotated[float, ARM_Q] = optional(
+    payload_radius: Annotated[float, Read(ARMS)] = optional(
         "Radius of gyration of the payload about the rotary joint.", '"0.3 m"', 0.0
     )
     peaks: Annotated[dict[str, float], SignalTable(PerSignal.BOUND)] = optional(
@@ -162,7 +172,7 @@ class RequirementsTable(Table):
             spread = f"{self.damping_spread:g} ({100.0 * self.damping_spread:g} %)"
             faults.append(("damping_spread", f"got {spread}, must be >= 0 and < 1 (100 %)"))
         if self.payload is not None and self.payload[0] > self.payload[1]:
-            (low, high), unit = self.payload, MASS_Q.si_of(info)
+            (low, high), unit = self.payload, context_of(info).axis.mass.si
             message = f"got {low:g} {unit} to {high:g} {unit}, the least comes first"
             faults.append(("payload", message))
         if self.payload_radius < 0.0:
@@ -174,7 +184,7 @@ class RequirementsTable(Table):
 class DampingOptimalTable(Table):
     """[damping_optimal]."""
 
-    t_f: Annotated[float | None, TIME_Q] = optional("Final time.", '"52.2 ms"')
+    t_f: Annotated[float | None, Read(TIMES)] = optional("Final time.", '"52.2 ms"')
     weights: Annotated[str | dict[str, float], SignalTable(PerSignal.WEIGHT, ("balanced",))] = (
         optional("Weights c_i of the squared states.", '"balanced"', "balanced")
     )
@@ -184,15 +194,15 @@ class SetpointFilterTable(Table):
     """setpoint_filter of [control]."""
 
     kind: Literal["moving_average"] = required("Kind of filter.", '"moving_average"')
-    time: Annotated[float, FILTER_TIME_Q] = required("Length of the filter.", '"20 ms"')
+    time: Annotated[float, Read(FILTER_TIMES)] = required("Length of the filter.", '"20 ms"')
 
 
 class ForceFilterTable(Table):
     """An element of force_filters of [control]."""
 
     kind: Literal["notch", "low_pass"] = required("Kind of filter.", '"notch"')
-    frequency: Annotated[float, FREQUENCY_Q] = required("Frequency of the filter.", '"72 Hz"')
-    damping: Annotated[float, FILTER_DAMPING_Q] = required(
+    frequency: Annotated[float, Read(FREQUENCIES)] = required("Frequency of the filter.", '"72 Hz"')
+    damping: Annotated[float, Read(FILTER_DAMPINGS)] = required(
         "Damping ratio: of the denominator of a low-pass, of the numerator of a notch.", "0.1"
     )
 
@@ -200,29 +210,29 @@ class ForceFilterTable(Table):
 class ControlTable(Table):
     """[control]; what is left out is tuned."""
 
-    position_gain: Annotated[float | None, GAIN_Q] = optional("Kv.", '"60 1/s"')
-    velocity_gain: Annotated[float | None, VELOCITY_GAIN_Q] = optional("Kp.", '"200 kN s/m"')
-    integral_time: Annotated[float | None, TIME_Q] = optional("Tn.", '"20 ms"')
-    reference_model_time: Annotated[float, DELAY_Q] = optional(
+    position_gain: Annotated[float | None, Read(POSITION_GAINS)] = optional("Kv.", '"60 1/s"')
+    velocity_gain: Annotated[float | None, Read(VELOCITY_GAINS)] = optional("Kp.", '"200 kN s/m"')
+    integral_time: Annotated[float | None, Read(TIMES)] = optional("Tn.", '"20 ms"')
+    reference_model_time: Annotated[float, Read(DELAYS)] = optional(
         "Time constant of the reference model in the integral branch; 0 = none.", '"5 ms"', 0.0
     )
-    velocity_feedforward: Annotated[float, FEEDFORWARD_Q] = optional("Weight.", "1.0", 1.0)
-    acceleration_feedforward: Annotated[float, FEEDFORWARD_Q] = optional(
+    velocity_feedforward: Annotated[float, Read(FEEDFORWARDS)] = optional("Weight.", "1.0", 1.0)
+    acceleration_feedforward: Annotated[float, Read(FEEDFORWARDS)] = optional(
         "Weight, times feedforward_mass.", "1.0", 1.0
     )
-    jerk_feedforward: Annotated[float, FEEDFORWARD_Q] = optional(
+    jerk_feedforward: Annotated[float, Read(FEEDFORWARDS)] = optional(
         "Weight, times feedforward_mass and force_lag.", "0.0", 0.0
     )
-    feedforward_mass: Annotated[float | None, MASS_Q] = optional(
+    feedforward_mass: Annotated[float | None, Read(MASSES)] = optional(
         "Mass of the feed-forward; default: moving mass at mid payload.", '"800 kg"'
     )
-    reference_delay: Annotated[float | None, DELAY_Q] = optional(
+    reference_delay: Annotated[float | None, Read(DELAYS)] = optional(
         "Delay of the reference path, or auto.", '"auto"'
     )
-    position_cycle: Annotated[float, CYCLE_Q] = optional(
+    position_cycle: Annotated[float, Read(CYCLES)] = optional(
         "Position controller cycle.", '"2 ms"', 2e-3
     )
-    velocity_cycle: Annotated[float, CYCLE_Q] = optional(
+    velocity_cycle: Annotated[float, Read(CYCLES)] = optional(
         "Velocity controller cycle.", '"125 us"', 125e-6
     )
     tcp_sensor: Literal["none", "position"] = optional(
@@ -239,7 +249,7 @@ class ControlTable(Table):
     force_filters: list[ForceFilterTable] = Field(
         default_factory=list, description="Filters in the set-force path.", max_length=8
     )
-    minimum_bandwidth: Annotated[float | None, FREQUENCY_Q] = optional(
+    minimum_bandwidth: Annotated[float | None, Read(FREQUENCIES)] = optional(
         "What tuning must at least reach, closed velocity loop, -3 dB.", '"15 Hz"'
     )
 
@@ -271,9 +281,7 @@ class ProfileTable(Table):
         alias="schema", description="Version of the format.", examples=["1"]
     )
     machine: MachineTable = Field(description="What the sheet calls the axis.")
-    plant: Annotated[ManipulatorTable | ModalTable, Field(discriminator="kind")] = Field(
-        description="The mechanics."
-    )
+    plant: Annotated[PlantTable, AnyKind()] = Field(description="The mechanics.")
     drive: DriveTable = Field(description="The motor as the axis feels it.")
     moves: list[MoveTable] = Field(
         description="One or more; the limits must serve all of them.",
@@ -296,7 +304,8 @@ class ProfileTable(Table):
     @model_validator(mode="after")
     def _check(self) -> Self:
         spread = self.requirements.damping_spread
-        largest = max(damping_ratios(self.plant)) * (1.0 + spread)
+        ratios = (mode.damping_ratio for mode in self.plant.build().modes)
+        largest = max(ratios) * (1.0 + spread)
         if largest >= 1.0:
             message = (
                 f"got {spread:g}, which raises a damping ratio to {largest:.3g} in the worst "

@@ -13,24 +13,20 @@ from pydantic import ValidationError
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
+from mtcommission.plant.kinds import KINDS
+from mtcommission.plant.plant import OUTPUTS
 from mtcommission.profile.build import build_machine
-from mtcommission.profile.faults import list_faults
+from mtcommission.profile.faults import list_faults, quote_kinds
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
 from mtcommission.profile.model import ProfileTable
-from mtcommission.profile.plant_tables import ManipulatorTable, ModalTable
+from mtcommission.profile.plant_tables import PLANT_TABLES
 from mtcommission.profile.syntax import load_toml
 from mtcommission.profile.values import Context, describe, find_close
 from mtcommission.units.axis_units import LINEAR, ROTARY
-from mtcommission.units.quantities import ANGLE, ANGULAR_VELOCITY, Dimension
+from mtcommission.units.quantities import Dimension
 
 LARGEST_FILE = 1_000_000
 """Bytes; a profile has a few thousand."""
-
-KINDS: Mapping[str, type[ManipulatorTable | ModalTable]] = {
-    "manipulator": ManipulatorTable,
-    "modal": ModalTable,
-}
-"""Kinds of plant and their keys."""
 
 
 def read_profile(path: Path | str) -> Machine:
@@ -190,15 +186,16 @@ def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:
     """
     plant = data.get("plant")
     given = plant.get("kind", "") if isinstance(plant, dict) else ""
-    if not isinstance(plant, dict) or (isinstance(given, str) and given in KINDS):
+    if not isinstance(plant, dict) or (isinstance(given, str) and given in PLANT_TABLES):
         return data, ""
-    kind = find_close(given, KINDS) if isinstance(given, str) else ""
+    kind = find_close(given, PLANT_TABLES) if isinstance(given, str) else ""
     shared = {
-        name: sum(key in table.model_fields for key in plant) for name, table in KINDS.items()
+        name: sum(key in table.model_fields for key in plant)
+        for name, table in PLANT_TABLES.items()
     }
     kind = kind or max(shared, key=lambda name: shared[name])
     if "kind" in plant:
-        wrong = f'got {describe(given)}, must be "manipulator" or "modal"; did you mean "{kind}"?'
+        wrong = f'got {describe(given)}, must be {quote_kinds()}; did you mean "{kind}"?'
     else:
         wrong = f'missing; add kind = "{kind}", to which the other keys belong'
     return {**data, "plant": {**plant, "kind": kind}}, wrong
@@ -233,19 +230,11 @@ def _context(data: Mapping[str, Any]) -> Context:
     machine, plant = data.get("machine"), data.get("plant")
     is_rotary = isinstance(machine, dict) and machine.get("motion") == "rotary"
     axis = ROTARY if is_rotary else LINEAR
-    position, velocity, force = axis.length, axis.velocity, axis.force
-    kind = plant.get("kind") if isinstance(plant, dict) else ""
     states: dict[str, Dimension] = {}
-    if isinstance(plant, dict) and kind == "manipulator":
-        states = {"x_b": position, "x_s": position, "phi": ANGLE}
-        states |= {"v_b": velocity, "v_s": velocity, "v_phi": ANGULAR_VELOCITY, "F": force}
-    if isinstance(plant, dict) and kind == "modal":
+    if isinstance(plant, dict) and (kind := KINDS.get(plant["kind"])):
         modes = plant.get("modes")
-        tables = (
-            [mode for mode in modes if isinstance(mode, dict)] if isinstance(modes, list) else []
-        )
-        states = {"x": position, "v": velocity, "F": force}
-        for name in (mode.get("name") for mode in tables):
-            states |= {f"q_{name}": axis.modal_deflection, f"v_{name}": axis.modal_rate}
-    outputs = dict.fromkeys(("tcp", "encoder", "tcp_vibration"), position)
-    return Context(is_rotary=is_rotary, states=states, outputs=outputs)
+        tables = modes if isinstance(modes, list) else []
+        names = [str(mode.get("name")) for mode in tables if isinstance(mode, dict)]
+        states = kind.states(names, axis)
+    outputs = dict.fromkeys(OUTPUTS, axis.length)
+    return Context(axis=axis, states=states, outputs=outputs)

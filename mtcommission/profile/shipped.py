@@ -9,7 +9,6 @@ from textwrap import wrap
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.mechanics import flexible_modes, frequency_hz
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile, read_profile_text
 
@@ -89,7 +88,7 @@ def describe_shipped(profile: ShippedProfile) -> str:
         Lines, the last one ended.
     """
     machine = profile.machine
-    modes = ", ".join(f"{frequency_hz(mode):.3g} Hz" for mode in flexible_modes(machine))
+    modes = ", ".join(f"{mode.frequency_hz:.3g} Hz" for mode in machine.mechanics.modes)
     about = f"{machine.name}, axis {machine.axis} ({machine.motion.value}; modes at {modes})"
     lines = [profile.name]
     for sentence in (about, f"Source: {machine.source}"):

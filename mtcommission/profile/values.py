@@ -19,6 +19,9 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
+from mtcommission.machine.ranges import AxisRange, Range
+from mtcommission.messages.message import Message
+from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import LARGEST, Dimension, parse_quantity
 
 LONGEST_NAME = 80
@@ -35,9 +38,9 @@ class Faults(ValueError):
         Dotted key below the value ("" for the value itself) and message.
     """
 
-    def __init__(self, items: Sequence[tuple[str, str]]) -> None:
+    def __init__(self, items: Sequence[tuple[str, str | Message]]) -> None:
         self.items = tuple(items)
-        super().__init__("; ".join(message for _, message in self.items))
+        super().__init__(self.items)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,67 +49,28 @@ class Context:
 
     Parameters
     ----------
-    is_rotary
-        Whether inertia stands for mass, torque for force and rad for m.
+    axis
+        What masses, forces and lengths are.
     states, outputs
         Names of the plant's signals and what they measure; empty if the plant is not known.
     """
 
-    is_rotary: bool
+    axis: AxisUnits
     states: Mapping[str, Dimension]
     outputs: Mapping[str, Dimension]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Range:
-    """A dimension with the values that make sense; the ends are generous.
-
-    Parameters
-    ----------
-    dimension
-        What is measured.
-    low, high
-        Smallest and largest value [SI].
-    above
-        Physical bound that is not itself allowed [SI]; -inf if there is none.
-    """
-
-    dimension: Dimension
-    low: float
-    high: float
-    above: float = -inf
-
-    def read(self, value: object) -> float:
-        """Return the SI value, or raise ValueError with the message."""
-        number = _read_number(value, self.dimension)
-        unit = f" {self.dimension.si}" if self.dimension.si else ""
-        got = f"got {value.strip()}" if isinstance(value, str) else f"got {number:g}{unit}"
-        if number <= self.above:
-            raise ValueError(f"{got}, must be > {self.above:g}{unit}")
-        if self.above == -inf and number < self.low and self.low == 0.0:
-            raise ValueError(f"{got}, must be >= 0{unit}")
-        if not self.low <= number <= self.high:
-            raise ValueError(
-                f"{got}, must be from {self.low:g} to {self.high:g}{unit}; check the unit"
-            )
-        return number
-
-
 @dataclass(frozen=True, slots=True)
-class Quantity:
+class Read:
     """Reader of a number or a text with a unit.
 
     Parameters
     ----------
-    linear, rotary
-        What is allowed on a linear and on a rotary axis.
-    word
-        Text accepted in place of a number, e.g. "auto"; "" for none.
+    allowed
+        What it may be.
     """
 
-    linear: Range
-    rotary: Range
-    word: str = ""
+    allowed: AxisRange
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
@@ -118,27 +82,20 @@ class Quantity:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         """Return the JSON schema: a number in SI, or a text with a unit."""
-        unit = self.linear.dimension.si or "no unit"
         return {
             "anyOf": [{"type": "number"}, {"type": "string"}],
-            "x-unit": unit,
-            "x-unit-rotary": self.rotary.dimension.si or "no unit",
+            "x-unit": self.allowed.linear.dimension.si or "no unit",
+            "x-unit-rotary": self.allowed.rotary.dimension.si or "no unit",
         }
 
-    def si_of(self, info: ValidationInfo) -> str:
-        """Return the SI unit on the axis that is being read."""
-        return self._allowed(info).dimension.si
-
-    def _allowed(self, info: ValidationInfo) -> Range:
-        return self.rotary if _context(info).is_rotary else self.linear
-
     def _read(self, value: object, info: ValidationInfo) -> float | None:
-        if self.word and value == self.word:
+        word = self.allowed.word
+        if word and value == word:
             return None
         try:
-            return self._allowed(info).read(value)
+            return _read_within(self.allowed.on(context_of(info).axis), value)
         except ValueError as error:
-            beside = f', or "{self.word}"' if self.word else ""
+            beside = f', or "{word}"' if word else ""
             raise Faults([("", f"{error}{beside}")]) from error
 
 
@@ -229,7 +186,7 @@ class SignalTable:
         if not isinstance(value, dict):
             words = "".join(f'"{word}" or ' for word in self.words)
             raise Faults([("", f"got {describe(value)}, must be {words}a table of signals")])
-        context = _context(info)
+        context = context_of(info)
         if not context.states:  # the plant is at fault, and that is said there
             return {}
         is_bound = self.kind is PerSignal.BOUND
@@ -241,7 +198,7 @@ class SignalTable:
                 faults.append((name, f"no such signal{propose(name, signals)}"))
                 continue
             try:
-                numbers[name] = self._range(signals[name], context).read(number)
+                numbers[name] = _read_within(self._range(signals[name], context), number)
             except ValueError as error:
                 faults.append((name, str(error)))
         if faults:
@@ -251,10 +208,10 @@ class SignalTable:
     def _range(self, signal: Dimension, context: Context) -> Range:
         gain = context.states["F"].per(signal)
         if self.kind is PerSignal.BOUND:
-            return Range(dimension=signal, low=0.0, high=LARGEST_NUMBER, above=0.0)
+            return Range(signal, 0.0, LARGEST_NUMBER, above=0.0)
         if self.kind is PerSignal.WEIGHT:
-            return Range(dimension=gain.squared(), low=0.0, high=LARGEST_NUMBER)
-        return Range(dimension=gain, low=-LARGEST_NUMBER, high=LARGEST_NUMBER)
+            return Range(gain.squared(), 0.0, LARGEST_NUMBER)
+        return Range(gain, -LARGEST_NUMBER, LARGEST_NUMBER)
 
 
 def describe(value: object) -> str:
@@ -324,11 +281,28 @@ def find_close(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
     return next(iter(get_close_matches(name, list(known), n=1, cutoff=0.6)), "")
 
 
-def _context(info: ValidationInfo) -> Context:
+def context_of(info: ValidationInfo) -> Context:
+    """Return what the values of the profile that is being read depend on."""
     context = info.context
     if not isinstance(context, Context):
         raise TypeError("a profile is validated with a Context")
     return context
+
+
+def _read_within(allowed: Range, value: object) -> float:
+    """Return the SI value, or raise ValueError with the message."""
+    number = _read_number(value, allowed.dimension)
+    unit = f" {allowed.dimension.si}" if allowed.dimension.si else ""
+    got = f"got {value.strip()}" if isinstance(value, str) else f"got {number:g}{unit}"
+    if number <= allowed.above:
+        raise ValueError(f"{got}, must be > {allowed.above:g}{unit}")
+    if allowed.above == -inf and number < allowed.low and allowed.low == 0.0:
+        raise ValueError(f"{got}, must be >= 0{unit}")
+    if not allowed.low <= number <= allowed.high:
+        raise ValueError(
+            f"{got}, must be from {allowed.low:g} to {allowed.high:g}{unit}; check the unit"
+        )
+    return number
 
 
 def _read_number(value: object, dimension: Dimension) -> float:

@@ -9,7 +9,6 @@ from importlib.metadata import version
 from mtcommission import __version__
 from mtcommission.commission import Commissioning
 from mtcommission.limits.optima import Optima
-from mtcommission.machine.machine import Manipulator
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.comparisons import comparison_entry
 from mtcommission.record.data import describe_move, list_assumptions, list_data
@@ -63,7 +62,7 @@ def build_record(
             "axis": machine.axis,
             "motion": machine.motion.value,
             "source": machine.source,
-            "kind": "manipulator" if isinstance(machine.mechanics, Manipulator) else "modal",
+            "kind": machine.mechanics.kind,
         },
         data=list_data(machine, plant, profile["text"]),
         settings=_settings_entry(commissioning),

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from math import isfinite
 
-from mtcommission.machine.machine import Machine, Manipulator, Modal, Move, VelocityStep
-from mtcommission.machine.mechanics import frequency_hz
+from mtcommission.machine.datum import list_quantities
+from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
 from mtcommission.record.schema import Quantity
@@ -43,14 +44,8 @@ def list_assumptions(machine: Machine) -> list[str]:
         "by a band, so the two answer different questions.",
         "A calculated record is not an acceptance test (e.g. ISO 230); confirm on the machine.",
     ]
-    if isinstance(machine.mechanics, Manipulator):
-        sign = "above" if machine.mechanics.tcp_height >= 0 else "below"
-        found.insert(
-            0,
-            f"tcp_height is taken as the height of the tool centre point {sign} the rotary joint, "
-            "so the tool stands at x_s - x_b + h phi as seen from the base; the paper names h but "
-            "gives no equation and no sign.",
-        )
+    english = Catalogue("en")
+    found[:0] = [english.say(message) for message in machine.mechanics.assumptions()]
     if machine.drive.static_load:
         found.append(
             "The static load takes its amount from the force available for motion; its "
@@ -78,7 +73,7 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
         itself, but for what ``machine.assumed`` names.
     """
     rows = [
-        *_plant_rows(machine),
+        *list_quantities(machine.mechanics, "plant", machine.axis_units),
         *_drive_rows(machine),
         *_move_rows(machine),
         *_requirement_rows(machine, plant),
@@ -91,32 +86,6 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
         for key, value, unit in rows
         if isfinite(value)
     ]
-
-
-def _plant_rows(machine: Machine) -> list[Row]:
-    mechanics, mass = machine.mechanics, machine.axis_units.mass.si
-    if isinstance(mechanics, Manipulator):
-        return [
-            ("plant.base_mass", mechanics.base_mass, "kg"),
-            ("plant.slider_mass", mechanics.slider_mass, "kg"),
-            ("plant.rotary_inertia", mechanics.rotary_inertia, "kg m^2"),
-            ("plant.lever_arm", mechanics.lever_arm, "m"),
-            ("plant.tcp_height", mechanics.tcp_height, "m"),
-            ("plant.base_stiffness", mechanics.base_stiffness, "N/m"),
-            ("plant.base_damping", mechanics.base_damping, "N s/m"),
-            ("plant.rotary_stiffness", mechanics.rotary_stiffness, "N m/rad"),
-            ("plant.rotary_damping", mechanics.rotary_damping, "N m s/rad"),
-        ]
-    rows: list[Row] = [("plant.moving_mass", mechanics.moving_mass, mass)]
-    for mode in mechanics.modes:
-        place = f"plant.modes.{mode.name}"
-        rows += [
-            (f"{place}.frequency", frequency_hz(mode), "Hz"),
-            (f"{place}.damping_ratio", mode.damping_ratio, "-"),
-            (f"{place}.tcp_gain", mode.tcp_gain, f"1/({mass})"),
-            (f"{place}.measured_gain", mode.measured_gain, f"1/({mass})"),
-        ]
-    return rows
 
 
 def _drive_rows(machine: Machine) -> list[Row]:
@@ -163,7 +132,7 @@ def _spelt(machine: Machine, path: KeyPath) -> str:
     match path:
         case ("moves", int(index), key):
             return f"moves[{index + 1}].{key}"
-        case ("plant", "modes", int(index), key) if isinstance(machine.mechanics, Modal):
+        case ("plant", "modes", int(index), key):
             return f"plant.modes.{machine.mechanics.modes[index].name}.{key}"
         case _:
             return ".".join(map(str, path))

@@ -41,13 +41,13 @@ def load_cases(path: Path) -> Axis:
             data = file.read(LARGEST_TABLE + 1)
         text = data.decode("utf-8-sig")
     except FileNotFoundError as error:
-        raise _fault(where, "there is no such file; check the name") from error
+        raise _fault(where, Message("sweep-no-file")) from error
     except OSError as error:
-        raise _fault(where, f"cannot be read: {error.strerror}") from error
+        raise _fault(where, Message("sweep-unreadable", reason=str(error.strerror))) from error
     except UnicodeDecodeError as error:
-        raise _fault(where, "is not UTF-8 text; save it as CSV in UTF-8") from error
+        raise _fault(where, Message("sweep-no-text")) from error
     if len(data) > LARGEST_TABLE:
-        raise _fault(where, f"is larger than {LARGEST_TABLE} bytes; split it into several sweeps")
+        raise _fault(where, Message("sweep-table-too-large", most=LARGEST_TABLE))
     return read_cases(text, where=where)
 
 
@@ -79,14 +79,15 @@ def read_cases(text: str, *, where: str) -> Axis:
     """
     table = _cells(text, where)
     if len(table) < 2 or not all(table[0][1]):
-        raise _fault(where, "needs a header of keys and at least one case below it", line=1)
+        raise _fault(where, Message("sweep-table-without-cases"), line=1)
     if len(table) - 1 > MOST_VALUES:
-        raise _fault(where, f"has {len(table) - 1} cases, must be at most {MOST_VALUES}")
+        message = Message("sweep-table-too-long", count=len(table) - 1, most=MOST_VALUES)
+        raise _fault(where, message)
     heads = [_split_head(head) for head in table[0][1]]
     faults = [
-        Fault(where=where, line=line, message=Message("verbatim", text=message))
+        Fault(where=where, line=line, message=wrong)
         for line, cells in table[1:]
-        if (message := _wrong_with(cells, heads))
+        if (wrong := _wrong_with(cells, heads))
     ]
     if faults:
         raise InputError(faults)
@@ -107,7 +108,9 @@ def _cells(text: str, where: str) -> list[tuple[int, list[str]]]:
     try:
         lines = [(reader.line_num, [cell.strip() for cell in line]) for line in reader]
     except csv.Error as error:
-        raise _fault(where, f"is no CSV: {error}", line=reader.line_num) from error
+        raise _fault(
+            where, Message("sweep-no-csv", reason=str(error)), line=reader.line_num
+        ) from error
     return [(number, cells) for number, cells in lines if any(cells)]
 
 
@@ -117,21 +120,21 @@ def _split_head(head: str) -> tuple[str, str]:
     return (match[1], match[2].strip()) if match else (head, "")
 
 
-def _wrong_with(cells: list[str], heads: list[tuple[str, str]]) -> str:
-    """What is wrong with a line; "" if nothing is."""
+def _wrong_with(cells: list[str], heads: list[tuple[str, str]]) -> Message | None:
+    """What is wrong with a line; None if nothing is."""
     if len(cells) != len(heads):
-        return f"needs {len(heads)} values, got {len(cells)}"
+        return Message("sweep-count-of-cells", wanted=len(heads), got=len(cells))
     for cell, (key, unit) in zip(cells, heads, strict=True):
         if not cell:
-            return f"{key}: has no value"
+            return Message("sweep-empty-cell", key=key)
         if unit and NUMBER.match(cell) and not NUMBER.fullmatch(cell):
-            return f'{key}: got "{cell}" below a heading in {unit}, must be a plain number'
-    return ""
+            return Message("sweep-two-units", key=key, got=cell, unit=unit)
+    return None
 
 
 def _join_unit(cell: str, unit: str) -> str:
     return f"{cell} {unit}" if unit and NUMBER.fullmatch(cell) else cell
 
 
-def _fault(where: str, message: str, *, line: int = 0) -> InputError:
-    return InputError([Fault(where=where, line=line, message=Message("verbatim", text=message))])
+def _fault(where: str, message: Message, *, line: int = 0) -> InputError:
+    return InputError([Fault(where=where, line=line, message=message)])

@@ -18,7 +18,7 @@ import tomlkit
 
 from mtcommission import __version__
 from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
+from mtcommission.messages.message import Message, Value
 from mtcommission.optimal.solution import Bound
 from mtcommission.units.quantities import NUMBER
 from mtcommission.units.symbols import read_unit
@@ -141,16 +141,12 @@ def check_plan(plan: Plan) -> None:
     faults = []
     twice = sorted({key for key in plan.keys if plan.keys.count(key) > 1})
     faults += [
-        Fault(
-            where="--vary", key=key, message=Message("verbatim", text="varies twice; give it once")
-        )
-        for key in twice
+        Fault(where="--vary", key=key, message=Message("sweep-varies-twice")) for key in twice
     ]
     sizes = {len(axis.rows) for axis in plan.axes}
     if plan.is_paired and len(sizes) > 1:
-        got = ", ".join(f"{axis.keys[0]} {len(axis.rows)}" for axis in plan.axes)
-        message = f"needs as many values for each key, got {got}"
-        faults.append(Fault(where="--paired", message=Message("verbatim", text=message)))
+        got = tuple(f"{axis.keys[0]} {len(axis.rows)}" for axis in plan.axes)
+        faults.append(Fault(where="--paired", message=Message("sweep-unequal-lengths", got=got)))
     if faults:
         raise InputError(faults)
     vary_profile(plan.profile_text, plan.settings(0), where=plan.where)
@@ -182,14 +178,7 @@ def read_axis(text: str, *, where: str) -> Axis:
     """
     key, separator, values = text.partition("=")
     if not separator or not key.strip():
-        raise InputError(
-            [
-                Fault(
-                    where=where,
-                    message=Message("verbatim", text=f"got {text!r}, must be KEY=RANGE"),
-                )
-            ]
-        )
+        raise InputError([Fault(where=where, message=Message("sweep-no-axis", got=repr(text)))])
     return Axis(keys=(key.strip(),), rows=read_range(values, where=f"{where} {key.strip()}"))
 
 
@@ -222,42 +211,41 @@ def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:
     if len(parts) == 1:
         values = [value.strip() for value in text.split(",")]
         if not all(values):
-            raise InputError(
-                [
-                    Fault(
-                        where=where,
-                        message=Message("verbatim", text=f"got {text!r} with an empty value"),
-                    )
-                ]
-            )
+            message = Message("sweep-empty-value", got=repr(text))
+            raise InputError([Fault(where=where, message=message)])
         return tuple((value,) for value in values)
     kind = parts.pop(0) if parts[0] in ("log", "random") else "even"
     try:
         numbers, unit = _spread(kind, parts)
-    except ValueError as error:
-        raise InputError(
-            [Fault(where=where, message=Message("verbatim", text=f"got {text!r}: {error}"))]
-        ) from error
+    except _NoRangeError as error:
+        message = Message("sweep-no-range", got=repr(text), reason=error.reason)
+        raise InputError([Fault(where=where, message=message)]) from error
     return tuple((f"{number!r} {unit}".strip(),) for number in numbers)
+
+
+class _NoRangeError(ValueError):
+    """A text that is no range, and why."""
+
+    def __init__(self, kind: str, /, **values: Value) -> None:
+        self.reason = Message(kind, **values)
 
 
 def _spread(kind: str, parts: list[str]) -> tuple[list[float], str]:
     wanted = {"even": 3, "log": 3, "random": 4}[kind]
     if len(parts) != wanted:
-        forms = "START:STOP:COUNT, log:START:STOP:COUNT or random:LOW:HIGH:COUNT:SEED"
-        raise ValueError(f"must be {forms}, or a comma list")
+        raise _NoRangeError("sweep-forms-of-ranges")
     (low, low_unit), (high, high_unit) = _split(parts[0]), _split(parts[1])
     # A bare number is SI, so "300:20kN" could be meant in two ways.
     if low_unit != high_unit:
-        raise ValueError("write both ends with the same unit, or both without (SI)")
+        raise _NoRangeError("sweep-ends-with-two-units")
     whole = [part for part in parts[2:] if not part.isascii() or not part.isdigit()]
     if whole:
-        raise ValueError(f"{whole[0]!r} must be a whole number")
+        raise _NoRangeError("sweep-no-whole-number", got=repr(whole[0]))
     count = int(parts[2])
     if not 1 <= count <= MOST_VALUES:
-        raise ValueError(f"the count must be 1 to {MOST_VALUES}")
+        raise _NoRangeError("sweep-count-of-range", most=MOST_VALUES)
     if kind == "log" and not (low > 0.0 and high > 0.0):
-        raise ValueError("a logarithmic range needs ends > 0")
+        raise _NoRangeError("sweep-logarithm-of-zero")
     if kind == "random":
         found = np.random.default_rng(int(parts[3])).uniform(low, high, count)
     else:
@@ -268,7 +256,7 @@ def _spread(kind: str, parts: list[str]) -> tuple[list[float], str]:
 def _split(text: str) -> tuple[float, str]:
     match = NUMBER.match(text)
     if match is None:
-        raise ValueError(f"{text!r} does not begin with a number")
+        raise _NoRangeError("sweep-no-number", got=repr(text))
     return float(match[0]), text[match.end() :].strip()
 
 
@@ -345,24 +333,17 @@ def _mark_places(text: str, keys: tuple[str, ...], *, mark: str, where: str) -> 
     try:
         document = tomlkit.parse(text)
     except ValueError as error:
-        message = f"TOML syntax: {error}"
-        raise InputError([Fault(where=where, message=Message("verbatim", text=message))]) from error
+        message = Message("sweep-no-toml", reason=str(error))
+        raise InputError([Fault(where=where, message=message)]) from error
     for number, key in enumerate(keys):
         try:
             _place(document, plain_key(key).split("."), f"{mark}{number}")
         except LookupError as error:
-            message = (
-                "the profile has no such element; they count from 1 in brackets, e.g. "
-                f"{EXAMPLE_KEY}; write a missing one there first"
-            )
-            raise InputError(
-                [Fault(where=where, key=key, message=Message("verbatim", text=message))]
-            ) from error
+            message = Message("sweep-no-element", example=EXAMPLE_KEY)
+            raise InputError([Fault(where=where, key=key, message=message)]) from error
         except (TypeError, ValueError) as error:
-            message = f"there is no such key; elements of arrays go by number, e.g. {EXAMPLE_KEY}"
-            raise InputError(
-                [Fault(where=where, key=key, message=Message("verbatim", text=message))]
-            ) from error
+            message = Message("sweep-no-key", example=EXAMPLE_KEY)
+            raise InputError([Fault(where=where, key=key, message=message)]) from error
     return document.as_string()
 
 

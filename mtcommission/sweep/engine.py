@@ -29,12 +29,19 @@ from typing import Any
 from mtcommission.errors import ComputationError, Fault, InputError, Outcome
 from mtcommission.messages.message import Message
 from mtcommission.sweep.cases import Plan, check_plan
-from mtcommission.sweep.forces import solve_piece
 from mtcommission.sweep.lock import hold_folder
 from mtcommission.sweep.pieces import count_pieces, cut_work, piece_size
 from mtcommission.sweep.rows import DONE, Answer, Work
 from mtcommission.sweep.signals import end_as_if_by_keyboard, shield_tracker
-from mtcommission.sweep.store import Finished, Opened, append, open_store, read_finished
+from mtcommission.sweep.solve import solve_piece
+from mtcommission.sweep.store import (
+    Finished,
+    Opened,
+    append,
+    disk_full,
+    open_store,
+    read_finished,
+)
 
 LOSSES = 3
 """Lost workers in a row, without a finished piece between, that end a sweep."""
@@ -124,8 +131,8 @@ def _complete(
     try:
         _complete_pieces(plan, store, engine, tally)
     except KeyboardInterrupt as error:
-        detail = f"{tally.done} of {plan.count} cases are on disk in {folder}"
-        raise ComputationError(Outcome.STOPPED, Message("verbatim", text=detail)) from error
+        detail = Message("sweep-cases-kept", done=tally.done, count=plan.count, folder=str(folder))
+        raise ComputationError(Outcome.STOPPED, detail) from error
     return store
 
 
@@ -142,10 +149,10 @@ def _complete_pieces(plan: Plan, store: Opened, engine: Engine, tally: _Tally) -
         except (BrokenExecutor, CancelledError) as error:
             losses = losses + 1 if len(left) == before else 1
             if losses >= LOSSES:
-                detail = f"{tally.done} of {plan.count} cases are on disk, piece {min(left)} is not"
-                raise ComputationError(
-                    Outcome.WORKER_LOST, Message("verbatim", text=detail)
-                ) from error
+                detail = Message(
+                    "sweep-piece-lost", done=tally.done, count=plan.count, piece=min(left)
+                )
+                raise ComputationError(Outcome.WORKER_LOST, detail) from error
 
 
 class _Tally:
@@ -186,10 +193,7 @@ def _keep(store: Opened, work: Work, answers: tuple[Answer, ...]) -> None:
                 records.mkdir(exist_ok=True)
                 path.write_text(answer.record, encoding="utf-8")
             except OSError as error:
-                message = f"cannot write ({error.strerror}); free space, continue with --resume"
-                raise InputError(
-                    [Fault(where=str(path), message=Message("verbatim", text=message))]
-                ) from error
+                raise disk_full(path, error) from error
     append(store, Finished(piece=work.piece, rows=tuple(answer.row for answer in answers)))
 
 
@@ -260,17 +264,13 @@ def _open_cluster(address: str) -> Iterator[Lane]:
     try:
         from distributed import Client, KilledWorker
     except ImportError as error:
-        message = 'needs the cluster extra: pip install "mtcommission[cluster]"'
-        raise InputError(
-            [Fault(where="--scheduler", message=Message("verbatim", text=message))]
-        ) from error
+        message = Message("sweep-no-cluster-extra")
+        raise InputError([Fault(where="--scheduler", message=message)]) from error
     try:
         client = Client(address, timeout=10)
     except (OSError, ValueError) as error:
-        message = f"no scheduler answers at {address}; start it with: dask scheduler"
-        raise InputError(
-            [Fault(where="--scheduler", message=Message("verbatim", text=message))]
-        ) from error
+        message = Message("sweep-no-scheduler", address=address)
+        raise InputError([Fault(where="--scheduler", message=message)]) from error
     with client, client.get_executor(pure=False) as executor:
         try:
             yield Lane(executor=executor, width=2 * max(1, sum(client.nthreads().values())))

@@ -1,11 +1,11 @@
-"""A piece of work -> its rows: cases that differ in F_max alone are solved as one curve."""
+"""Cases that differ in F_max alone -> their rows, solved as one curve."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isfinite
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from mtcommission.errors import MtcommissionError
 from mtcommission.machine.machine import Machine, Positioning
@@ -15,60 +15,28 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.cases import (
     FORCE_KEY,
-    PEAKS_KEY,
-    Quantity,
-    Settings,
     si_number,
-    unit_of,
     vary_profile,
 )
 from mtcommission.sweep.peaks import curve_peaks
-from mtcommission.sweep.pieces import FEWEST
-from mtcommission.sweep.rows import Answer, Work, done, proof_cells, solve_case, switch_cells
+from mtcommission.sweep.rows import Answer, Work, done, proof_cells, switch_cells
 
 
-def solve_piece(work: Work) -> tuple[Answer, ...]:
-    """Return the rows of a piece, in the order of its cases.
-
-    In one thread, whatever the process allows: matrices have some ten rows, so that threads cost
-    more than they give, and the order of summation would change with their number.
+def solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
+    """Return the rows that the curve proves; what is missing is solved case by case.
 
     Parameters
     ----------
     work
-        Cases that are computed together.
+        A piece for ``optimal``.
+    members
+        Places of its cases that differ in F_max alone.
 
     Returns
     -------
-    tuple of Answer
+    dict
+        Answers by place.
     """
-    with threadpool_limits(limits=1, user_api="blas"):
-        return _solve(work)
-
-
-def _solve(work: Work) -> tuple[Answer, ...]:
-    answers: dict[int, Answer] = {}
-    keys = [key for settings in work.settings[:1] for key, _ in settings]
-    bounded = bool(work.base.bounds) or any(key.startswith(PEAKS_KEY) for key in keys)
-    if work.base.quantity is Quantity.OPTIMAL and not bounded:
-        groups: dict[Settings, list[int]] = {}
-        for number, settings in enumerate(work.settings):
-            groups.setdefault(_without_force(settings), []).append(number)
-        for members in groups.values():
-            if len(members) >= FEWEST:
-                answers |= _solve_group(work, members)
-    return tuple(
-        answers.get(number) or solve_case(work, number) for number in range(len(work.settings))
-    )
-
-
-def _without_force(settings: Settings) -> Settings:
-    # The unit stays: a force in kilograms must meet the reader, not the curve.
-    return tuple((key, unit_of(text) if key == FORCE_KEY else text) for key, text in settings)
-
-
-def _solve_group(work: Work, members: list[int]) -> dict[int, Answer]:
-    """Return the rows that the curve proves; what is missing is solved case by case."""
     texts = [dict(work.settings[number]).get(FORCE_KEY, "") for number in members]
     forces = np.array([si_number(text) for text in texts])
     if not np.all(np.isfinite(forces)):

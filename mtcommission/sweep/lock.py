@@ -9,36 +9,22 @@ from __future__ import annotations
 
 import errno
 import os
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import BinaryIO
+
+from filelock import FileLock, Timeout
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.files import no_folder
 from mtcommission.messages.message import Message
 
 NAME = ".lock"
+OWNER = ".lock-owner"
+"""Holds the number of the process: Windows lets nobody read a file that is locked."""
 
-TAKEN = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
-"""How systems say that somebody else holds a lock."""
-
-if sys.platform == "win32":
-    import msvcrt
-
-    def _take(file: BinaryIO) -> None:
-        file.seek(FAR)
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-
-else:
-    import fcntl
-
-    def _take(file: BinaryIO) -> None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
-FAR = 1 << 20
-"""Byte that is locked where locks keep others from reading: far behind the text."""
+UNKNOWN = {errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP}
+"""How file systems say that they have no locks."""
 
 
 @contextmanager
@@ -55,38 +41,24 @@ def hold_folder(folder: Path) -> Iterator[None]:
     InputError
         If another sweep is at work there, or the folder cannot be written.
     """
-    path = folder / NAME
+    lock, owner = FileLock(folder / NAME, timeout=0, fallback_to_soft=False), folder / OWNER
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        file = path.open("a+b")
+        lock.acquire()
+    except Timeout as error:
+        raise InputError([Fault(where=str(folder), message=_in_use(owner))]) from error
     except OSError as error:
-        message = f"cannot write there ({error.strerror}); give another folder with -o"
-        raise InputError(
-            [Fault(where=str(folder), message=Message("verbatim", text=message))]
-        ) from error
-    with file:
-        try:
-            _take(file)
-        except OSError as error:
-            if error.errno in TAKEN:
-                file.seek(0)
-                who = file.read(20).decode(errors="replace").strip()
-                message = (
-                    f"another sweep is at work there{f' (process {who})' if who else ''}; "
-                    "wait until it ends, or give another folder with -o"
-                )
-                raise InputError(
-                    [Fault(where=str(folder), message=Message("verbatim", text=message))]
-                ) from error
-        _sign(file)
-        yield
-
-
-def _sign(file: BinaryIO) -> None:
-    """Leave our number for the message; a full disk must not stop what needs no space."""
+        if error.errno not in UNKNOWN:
+            raise no_folder(folder, error) from error
+    with suppress(OSError):  # a full disk must not stop what needs no space
+        owner.write_text(str(os.getpid()))
     try:
-        file.truncate(0)
-        file.write(str(os.getpid()).encode())
-        file.flush()
-    except OSError:
-        return
+        yield
+    finally:
+        lock.release()
+
+
+def _in_use(owner: Path) -> Message:
+    with suppress(OSError, ValueError):
+        return Message("sweep-folder-in-use-by", process=str(int(owner.read_text()[:20])))
+    return Message("sweep-folder-in-use")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
-from mtcommission.option_texts import read_bound
+from mtcommission.options import read_bound, require_move, require_one_of
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, read_profile_text
 from mtcommission.sweep.case_table import load_cases
@@ -74,10 +74,12 @@ def read_plan(
     fixed, varied = split_limits(limits)
     bounds = tuple(read_bound(plant, limit, faults) for limit in fixed)
     found = _read_axes(f_max=f_max, vary=vary, limits=varied, cases=cases, faults=faults)
-    faults += _refuse_options(quantity, {"--limit": bool(limits), "--move": move != 1})
-    if not 1 <= move <= len(machine.moves):
-        message = f"got {move}, the profile has moves 1 to {len(machine.moves)}"
-        faults.append(Fault(where="--move", message=Message("verbatim", text=message)))
+    require_one_of("--quantity", quantity, [item.value for item in Quantity], faults)
+    if quantity in (Quantity.LIMITS.value, Quantity.RUN.value):
+        message = Message("sweep-taken-from-profile", quantity=quantity)
+        given = {"--limit": bool(limits), "--move": move != 1}
+        faults += [Fault(where=name, message=message) for name in given if given[name]]
+    require_move(machine, move, faults)
     if faults:
         raise InputError(faults)
     plan = Plan(
@@ -122,22 +124,6 @@ def _read_axes(
         except InputError as error:
             faults.extend(error.faults)
     return found
-
-
-def _refuse_options(quantity: str, given: dict[str, bool]) -> list[Fault]:
-    """An unknown quantity, and options that it does not go with."""
-    names = [item.value for item in Quantity]
-    if quantity not in names:
-        message = f"got {quantity!r}, must be {', '.join(names[:-1])} or {names[-1]}"
-        return [Fault(where="--quantity", message=Message("verbatim", text=message))]
-    if quantity == Quantity.OPTIMAL.value:
-        return []
-    message = f"only goes with --quantity optimal; {quantity} takes it from the profile"
-    return [
-        Fault(where=name, message=Message("verbatim", text=message))
-        for name, is_given in given.items()
-        if is_given
-    ]
 
 
 def split_limits(texts: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -1,7 +1,4 @@
-"""One case -> one row: the columns of each quantity, and how they are computed.
-
-A case that fails is a row with its named outcome; nothing here stops a sweep.
-"""
+"""What a row is: the columns of each quantity, and how their cells are filled."""
 
 from __future__ import annotations
 
@@ -12,8 +9,7 @@ from hashlib import sha256
 from math import isnan
 from typing import Any
 
-from mtcommission.errors import ComputationError, InputError
-from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.machine import Motion
 from mtcommission.optimal.free.time_optimal import GAP_TOLERANCE
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import parse_profile, profile_schema
@@ -24,13 +20,10 @@ from mtcommission.sweep.cases import (
     Settings,
     plain_key,
     si_number,
-    vary_profile,
 )
 from mtcommission.sweep.store import Cell, Row
 
 DONE = "done"
-WRONG_INPUT = "wrong_input"
-INTERNAL = "internal_error"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -249,51 +242,6 @@ class Work:
 def input_hash(work: Work, settings: Settings) -> str:
     """Return the SHA-256 of all that the row of a case depends on."""
     return sha256(json.dumps([work.base_digest, settings]).encode()).hexdigest()
-
-
-def solve_case(work: Work, number: int) -> Answer:
-    """Return the row of one case, whatever happens to it.
-
-    Parameters
-    ----------
-    work
-        The piece that the case belongs to.
-    number
-        Its place there.
-
-    Returns
-    -------
-    Answer
-    """
-    settings = work.settings[number]
-    try:
-        text = vary_profile(work.base.profile_text, settings, where=work.base.where)
-        machine = parse_profile(text, where=work.base.where)
-        return _compute(work, number, text, machine)
-    except InputError as error:
-        return failed(work, number, WRONG_INPUT, str(error))
-    except ComputationError as error:
-        return failed(work, number, error.outcome.name.lower(), str(error))
-    except Exception as error:  # one case must not take the others with it
-        return failed(work, number, INTERNAL, f"please report it with the profile: {error!r}")
-
-
-def _compute(work: Work, number: int, text: str, machine: Machine) -> Answer:
-    # What each of them needs takes up to seconds to load.
-    base = work.base
-    if base.quantity is Quantity.OPTIMAL:
-        from mtcommission.sweep.single import solve_single
-
-        return done(work, number, solve_single(machine, base, work.settings[number]))
-    if base.quantity is Quantity.LIMITS:
-        from mtcommission.sweep.chain import choose_case
-
-        return done(work, number, choose_case(machine))
-    from mtcommission.sweep.whole_run import run_case
-
-    name = f"case-{work.first + number:06d}.json"
-    found = run_case(machine, text=text, name=base.where, created=base.created)
-    return done(work, number, (*found.cells, f"records/{name}"), record=found.record)
 
 
 def proof_cells(t_f: float, lower_bound: float) -> tuple[Cell, ...]:

@@ -15,6 +15,7 @@ from typing import Any
 from zlib import crc32
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.files import no_folder
 from mtcommission.messages.message import Message
 
 NAME = "finished.log"
@@ -90,10 +91,7 @@ def open_store(folder: Path, *, digest: str, created: str, resume: bool) -> Open
         path.unlink(missing_ok=True)
         append_line(path, {"plan": digest, "created": created})
     except OSError as error:
-        message = f"cannot write there ({error.strerror}); give another folder with -o"
-        raise InputError(
-            [Fault(where=str(folder), message=Message("verbatim", text=message))]
-        ) from error
+        raise no_folder(folder, error) from error
     return Opened(path=path, pieces=frozenset(), created=created)
 
 
@@ -111,15 +109,11 @@ def _holds_rows(path: Path) -> bool:
 
 def _continue(path: Path, digest: str, *, resume: bool) -> Opened:
     if not resume:
-        message = "holds a sweep already; continue it with --resume or give another folder"
-        raise InputError([Fault(where=str(path.parent), message=Message("verbatim", text=message))])
+        raise InputError([Fault(where=str(path.parent), message=Message("sweep-folder-holds-one"))])
     head = _head(path) or {}
     if head.get("plan") != digest:
-        message = (
-            "holds another sweep (other profile, ranges, quantity or version); "
-            "give another folder, or the options it was begun with"
-        )
-        raise InputError([Fault(where=str(path.parent), message=Message("verbatim", text=message))])
+        message = Message("sweep-folder-holds-another")
+        raise InputError([Fault(where=str(path.parent), message=message)])
     sound = 0
     pieces = set()
     with path.open("r+b") as file:
@@ -146,13 +140,13 @@ def append(store: Opened, finished: Finished) -> None:
     try:
         append_line(store.path, {"piece": finished.piece, "rows": finished.rows})
     except OSError as error:
-        message = (
-            f"cannot write ({error.strerror}); all rows before are kept: "
-            "free space and continue with --resume"
-        )
-        raise InputError(
-            [Fault(where=str(store.path), message=Message("verbatim", text=message))]
-        ) from error
+        raise disk_full(store.path, error) from error
+
+
+def disk_full(path: Path, error: OSError) -> InputError:
+    """Return the error of a file that could not be written while the rows before are kept."""
+    message = Message("sweep-disk-full", reason=str(error.strerror))
+    return InputError([Fault(where=str(path), message=message)])
 
 
 def append_line(path: Path, entry: dict[str, Any]) -> None:

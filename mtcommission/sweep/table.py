@@ -12,13 +12,11 @@ from typing import BinaryIO
 
 import polars as pl
 
-from mtcommission.errors import Fault, InputError
-from mtcommission.messages.message import Message
 from mtcommission.sweep.cases import Plan
 from mtcommission.sweep.meanings import describe_request, meaning_of
 from mtcommission.sweep.pieces import piece_size
 from mtcommission.sweep.rows import DONE, Column, columns
-from mtcommission.sweep.store import Opened, read_finished
+from mtcommission.sweep.store import Opened, disk_full, read_finished
 
 TYPES = {"float": pl.Float64(), "int": pl.Int64(), "bool": pl.Boolean(), "str": pl.String()}
 
@@ -174,7 +172,4 @@ def write_safely(path: Path, fill: Callable[[BinaryIO], object]) -> None:
         os.replace(name, path)
     except OSError as error:
         Path(name or path).unlink(missing_ok=True)
-        message = f"cannot write ({error.strerror}); free space and continue with --resume"
-        raise InputError(
-            [Fault(where=str(path), message=Message("verbatim", text=message))]
-        ) from error
+        raise disk_full(path, error) from error

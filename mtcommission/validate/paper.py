@@ -5,15 +5,8 @@ Source: B. Christiansen, H. Maurer, O. Zirn, Optimal Control of Machine Tool Man
 
 from __future__ import annotations
 
-from mtcommission.machine.machine import (
-    Drive,
-    Machine,
-    Manipulator,
-    Modes,
-    Requirements,
-    VelocityStep,
-    Weight,
-)
+from mtcommission.machine.machine import Drive, Machine, Modes, Requirements, VelocityStep, Weight
+from mtcommission.plant.manipulator import Manipulator
 
 MECHANICS = Manipulator(
     base_mass=450.0,

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 
+from mtcommission.plant.modal import MOST_MODES
 from mtcommission.profile.lines import read_key, read_path, show_key
 from mtcommission.profile.model import MOST_MOVES
-from mtcommission.profile.plant_tables import MOST_MODES
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import FREQUENCY, RATIO, parse_quantity
 from mtcommission.wizard.axis_units import (

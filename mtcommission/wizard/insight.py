@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sqrt
 
-from mtcommission.profile.plant_tables import MOST_MODES
+from mtcommission.plant.modal import MOST_MODES
 from mtcommission.units.quantities import (
     DAMPING,
     FREQUENCY,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mtcommission.profile.plant_tables import MOST_MODES
+from mtcommission.plant.modal import MOST_MODES
 from mtcommission.units.quantities import (
     DAMPING,
     FREQUENCY,

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import write_text
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.faults import may_be_left_out
 from mtcommission.profile.lines import read_key, read_path, show_key
@@ -300,8 +301,9 @@ def _summarise(console: Console, answers: Answers, machine: Machine, output: Pat
     unmeasured = list_unmeasured(answers)
     if unmeasured:
         console.tell(f"  Default accepted, not measured: {', '.join(unmeasured)}")
+    catalogue = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
     for remark in check_plausibility(machine):
-        console.tell(f"  Warning: {remark.key}: {remark.message}")
+        console.tell(f"  Warning: {catalogue.say(remark.with_key())}")
 
 
 def _offer_run(console: Console) -> bool:

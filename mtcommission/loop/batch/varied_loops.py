@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.model.sampled import SampledLoop
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine, Manipulator
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Variations
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
@@ -91,12 +91,12 @@ def _discretise_all(
     """Zero-order-hold plants of the samples over a velocity cycle, (n_samples, n, n), (…, n)."""
     payload = variations.payload[part]
     s, d = variations.frequency_factor[part], variations.damping_factor[part]
-    n = plant.order
+    n, radius = plant.order, machine.requirements.payload_radius
     joint = np.zeros((len(payload), n + 1, n + 1))
     joint[:, :n, :n], joint[:, :n, n] = plant.A, plant.B
     joint[:, plant.velocity, plant.force] = 1.0 / (plant.moving_mass + payload)
     for mode in plant.modes:
-        loosened = _inertia_ratio(machine, mode.name, payload)
+        loosened = machine.mechanics.inertia_ratio(mode.name, payload, radius)
         joint[:, mode.rate, mode.deflection] *= s**2 * loosened
         joint[:, mode.rate, mode.rate] *= s * d * loosened
         joint[:, mode.rate, plant.force] *= loosened
@@ -106,15 +106,6 @@ def _discretise_all(
     for k in range(TAYLOR_TERMS, 0, -1):
         result = eye + (joint / k) @ result
     return result[:, :n, :n], result[:, :n, n]
-
-
-def _inertia_ratio(machine: Machine, mode: str, payload: Array) -> Array:
-    """Rotary inertia without payload over that with it; 1 for all modes but the tower's."""
-    mechanics = machine.mechanics
-    if not isinstance(mechanics, Manipulator) or mode != "rotation":
-        return np.ones_like(payload)
-    J = mechanics.rotary_inertia
-    return np.asarray(J / (J + payload * machine.requirements.payload_radius**2))
 
 
 def own_size(loop: SampledLoop) -> int:

@@ -76,6 +76,8 @@ def solve_damping_optimal(
     --------
     >>> from itertools import groupby
     >>> from mtcommission.machine.machine import *
+    >>> from mtcommission.machine.mechanics import FlexibleMode
+    >>> from mtcommission.plant.modal import Modal
     >>> from mtcommission.plant.plant import build_plant
     >>> axis = Machine(name="a", axis="X", source="example",
     ...     mechanics=Modal(moving_mass=100.0, modes=(FlexibleMode(name="column",

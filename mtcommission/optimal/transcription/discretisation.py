@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -40,37 +41,6 @@ class Aim(Enum):
     TIME = "least final time"
     FUNCTIONAL = "least functional by a given time"
     REACH = "largest multiple of the target by a given time"
-
-
-class Scheme(Enum):
-    """Integration scheme of one interval."""
-
-    EULER = "euler"
-    TRAPEZOIDAL = "trapezoidal"
-    GAUSS = "gauss"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TranscriptionSettings:
-    """Numerical settings of a direct transcription.
-
-    Parameters
-    ----------
-    scheme
-        Integration scheme.
-    intervals
-        N, at least 2.
-    tolerance
-        IPOPT's tolerance on the optimality conditions, for an objective of about 1; a looser
-        one blurs the switches over several intervals.
-    max_iterations
-        IPOPT's limit.
-    """
-
-    scheme: Scheme = Scheme.GAUSS
-    intervals: int = 1000
-    tolerance: float = 1e-11
-    max_iterations: int = 3000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

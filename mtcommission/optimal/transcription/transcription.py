@@ -30,11 +30,11 @@ from mtcommission.optimal.transcription.discretisation import (
     Aim,
     GridProblem,
     GridSolution,
-    TranscriptionSettings,
     bounded_rows,
     solve_grid,
 )
 from mtcommission.optimal.transcription.grid_motion import follow_grid, grid_arcs
+from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]

@@ -12,13 +12,7 @@ optimum-under-bounds-failed = Optimum mit Höchstwerten: { $error }.
 optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower, digits: 1) } langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.
 damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.
 damping-optimum-exceeds-velocity = Die dämpfungsoptimale Steuerung erreicht das { PLAIN($times, digits: 4) }-fache von max_velocity: ihr Funktional kennt keine Grenzen für Zustände.
-static-load-of-force = static_load { PLAIN($load, digits: 6) } { $axis ->
-    [rotary] N·m
-   *[linear] N
-} von max_force { PLAIN($force, digits: 6) } { $axis ->
-    [rotary] N·m
-   *[linear] N
-}
+static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } von max_force { SI($force, "FORCE", digits: 6) }
 final-time-below-least = t_f = { TIME($final, digits: 9) }, aber t_f,min = { TIME($least, digits: 9) }
 
 # limits condensed from an optimum

@@ -14,13 +14,7 @@ optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
 optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.
 damping-optimum-failed = Damping-optimal control: { $error }.
 damping-optimum-exceeds-velocity = The damping-optimal control reaches { PLAIN($times, digits: 4) } times max_velocity: its functional knows no limits on states.
-static-load-of-force = static_load { PLAIN($load, digits: 6) } { $axis ->
-    [rotary] N·m
-   *[linear] N
-} of max_force { PLAIN($force, digits: 6) } { $axis ->
-    [rotary] N·m
-   *[linear] N
-}
+static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } of max_force { SI($force, "FORCE", digits: 6) }
 final-time-below-least = t_f = { TIME($final, digits: 9) }, but t_f,min = { TIME($least, digits: 9) }
 
 # limits condensed from an optimum

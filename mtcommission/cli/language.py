@@ -1,0 +1,64 @@
+"""The language that the terminal speaks: that of ``--language``, one for a call of the program."""
+
+from __future__ import annotations
+
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message, Value
+
+if TYPE_CHECKING:
+    from mtcommission.messages.catalogue import Catalogue
+
+ENGLISH = "en"
+
+_spoken = ContextVar("spoken", default=ENGLISH)
+
+
+def choose(language: str) -> str:
+    """Speak a language from now on.
+
+    Parameters
+    ----------
+    language
+        Code, e.g. "en".
+
+    Returns
+    -------
+    str
+        The same.
+
+    Raises
+    ------
+    InputError
+        If there is no such language.
+    """
+    if language != ENGLISH:  # the catalogue takes a tenth of a second to load
+        from mtcommission.messages.catalogue import LANGUAGES
+
+        if language not in LANGUAGES:
+            message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
+            raise InputError([Fault(where="--language", message=message)])
+    _spoken.set(language)
+    return language
+
+
+LanguageOption = Annotated[
+    str,
+    typer.Option("--language", metavar="en|de", help="Language.", callback=choose, is_eager=True),
+]
+
+
+def words(*, rotary: bool = False) -> Catalogue:
+    """Return the catalogue of the chosen language for one kind of axis."""
+    from mtcommission.messages.catalogue import Catalogue
+
+    return Catalogue(_spoken.get(), rotary=rotary)
+
+
+def say(kind: str, /, **values: Value) -> str:
+    """Return a text of the command line itself."""
+    return words().text(kind, **values)

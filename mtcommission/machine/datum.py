@@ -1,0 +1,89 @@
+"""How the fields of a dataclass stand in a profile: key, meaning, range, and what it is printed in.
+
+A description only: the profile's tables are built from it, and the record's list of data.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import MISSING, Field, dataclass, field, fields
+from typing import Any
+
+from mtcommission.machine.ranges import AxisRange
+from mtcommission.units.axis_units import AxisUnits
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Datum:
+    """One key of a profile.
+
+    Parameters
+    ----------
+    meaning, example
+        For the profile's schema and for remedies.
+    allowed
+        What a quantity may be; None for an identifier, and for an array of tables.
+    key
+        As the profile spells it.
+    factor
+        Value of the field per value of the key, SI.
+    parts
+        Dataclass of the array's elements; None for a single value.
+    most
+        Largest number of elements.
+    """
+
+    meaning: str
+    example: str = ""
+    allowed: AxisRange | None = None
+    key: str = ""
+    factor: float = 1.0
+    parts: type[Any] | None = None
+    most: int = 0
+
+
+def datum(
+    allowed: AxisRange | None,
+    meaning: str,
+    example: str,
+    *,
+    key: str = "",
+    factor: float = 1.0,
+    default: Any = MISSING,
+) -> Any:
+    """Return a field that stands in the profile as a quantity, or as an identifier."""
+    about = Datum(meaning=meaning, example=example, allowed=allowed, key=key, factor=factor)
+    return field(default=default, metadata={"datum": about})
+
+
+def data_array(parts: type[Any], meaning: str, *, most: int) -> Any:
+    """Return a field that stands in the profile as an array of one to ``most`` tables."""
+    return field(metadata={"datum": Datum(meaning=meaning, parts=parts, most=most)})
+
+
+def list_data(kind: type[Any]) -> Iterator[tuple[str, Field[Any], Datum]]:
+    """Yield key, field and description of a dataclass, in the profile's order."""
+    for one in fields(kind):
+        about: Datum = one.metadata["datum"]
+        yield about.key or one.name, one, about
+
+
+def list_quantities(data: Any, place: str, axis: AxisUnits) -> Iterator[tuple[str, float, str]]:
+    """Yield key, value and SI unit of every quantity, elements of arrays by their names.
+
+    Parameters
+    ----------
+    data
+        Dataclass whose fields are described.
+    place
+        Where it stands in the profile, e.g. ``"plant"``.
+    axis
+        What masses, forces and lengths are.
+    """
+    for key, one, about in list_data(type(data)):
+        value, here = getattr(data, one.name), f"{place}.{key}"
+        if about.parts:
+            for part in value:
+                yield from list_quantities(part, f"{here}.{part.name}", axis)
+        elif about.allowed:
+            yield here, value / about.factor, about.allowed.on(axis).dimension.si or "-"

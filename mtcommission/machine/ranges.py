@@ -1,0 +1,105 @@
+"""What a quantity of a machine may be: its dimension and the ends that make sense.
+
+The ends only catch slips of units: a thousand tonnes, a nanometre, a kilometre.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.units.quantities import (
+    FREQUENCY,
+    GAIN,
+    INERTIA,
+    LENGTH,
+    RATIO,
+    ROTARY_DAMPING,
+    ROTARY_STIFFNESS,
+    TIME,
+    Dimension,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """A dimension with the values that make sense; the ends are generous.
+
+    Parameters
+    ----------
+    dimension
+        What is measured.
+    low, high
+        Smallest and largest value [SI].
+    above
+        Physical bound that is not itself allowed [SI]; -inf if there is none.
+    """
+
+    dimension: Dimension
+    low: float
+    high: float
+    above: float = -inf
+
+
+@dataclass(frozen=True, slots=True)
+class AxisRange:
+    """What is allowed on a linear and on a rotary axis.
+
+    Parameters
+    ----------
+    linear, rotary
+        The ranges of the two.
+    word
+        Text accepted in place of a number, e.g. "auto"; "" for none.
+    """
+
+    linear: Range
+    rotary: Range
+    word: str = ""
+
+    def on(self, axis: AxisUnits) -> Range:
+        """Return the range on one kind of axis."""
+        return self.rotary if axis is ROTARY else self.linear
+
+
+def _same(dimension: Dimension, low: float, high: float, above: float = -inf) -> AxisRange:
+    both = Range(dimension, low, high, above)
+    return AxisRange(both, both)
+
+
+MASSES = AxisRange(Range(LINEAR.mass, 1e-3, 1e6, 0.0), Range(ROTARY.mass, 1e-9, 1e7, 0.0))
+LOADS = AxisRange(Range(LINEAR.mass, 0.0, 1e6), Range(ROTARY.mass, 0.0, 1e7))
+# The tower turns on a rotary axis as well, so its own quantities stay rotary.
+INERTIAS = _same(INERTIA, 1e-9, 1e7, 0.0)
+ROTARY_STIFFNESSES = _same(ROTARY_STIFFNESS, 1e-3, 1e13, 0.0)
+ROTARY_DAMPINGS = _same(ROTARY_DAMPING, 0.0, 1e11)
+ARMS = AxisRange(Range(LENGTH, -100.0, 100.0), Range(RATIO, -1e4, 1e4))
+STIFFNESSES = AxisRange(
+    Range(LINEAR.stiffness, 1.0, 1e12, 0.0), Range(ROTARY.stiffness, 1e-3, 1e13, 0.0)
+)
+DAMPINGS = AxisRange(Range(LINEAR.damping, 0.0, 1e10), Range(ROTARY.damping, 0.0, 1e11))
+FORCES = AxisRange(Range(LINEAR.force, 1e-3, 1e8, 0.0), Range(ROTARY.force, 1e-6, 1e8, 0.0))
+STATIC_LOADS = AxisRange(Range(LINEAR.force, -1e8, 1e8), Range(ROTARY.force, -1e8, 1e8))
+VELOCITIES = AxisRange(
+    Range(LINEAR.velocity, 1e-6, 100.0, 0.0), Range(ROTARY.velocity, 1e-6, 1e4, 0.0)
+)
+DISTANCES = AxisRange(Range(LINEAR.length, 1e-7, 1e3, 0.0), Range(ROTARY.length, 1e-7, 1e5, 0.0))
+BANDS = AxisRange(Range(LINEAR.length, 1e-10, 0.1, 0.0), Range(ROTARY.length, 1e-10, 1.0, 0.0))
+MODE_GAINS = AxisRange(Range(LINEAR.gain, -1e6, 1e6), Range(ROTARY.gain, -1e12, 1e12))
+VELOCITY_GAINS = AxisRange(
+    Range(LINEAR.damping, 1e-6, 1e12, 0.0), Range(ROTARY.damping, 1e-9, 1e12, 0.0)
+)
+DELAYS = AxisRange(Range(TIME, 0.0, 10.0), Range(TIME, 0.0, 10.0), word="auto")
+LAGS = _same(TIME, 1e-6, 0.1, 0.0)
+FILTER_TIMES = _same(TIME, 1e-6, 1.0, 0.0)
+# Drives have 31.25 us and more, controls up to 20 ms; every simulation steps through them.
+CYCLES = _same(TIME, 1e-5, 0.05, 0.0)
+DWELLS = _same(TIME, 0.0, 1e5)
+TIMES = _same(TIME, 1e-6, 1e4, 0.0)
+FREQUENCIES = _same(FREQUENCY, 1e-2, 1e5, 0.0)
+POSITION_GAINS = _same(GAIN, 1e-3, 1e5, 0.0)
+RATIOS = _same(RATIO, -1e30, 1e30)
+SPREADS = _same(RATIO, 0.0, 1e30)
+FILTER_DAMPINGS = _same(RATIO, 0.0, 10.0)
+FEEDFORWARDS = _same(RATIO, 0.0, 10.0)

@@ -1,0 +1,36 @@
+either = { $first } oder { $last }
+
+option-one-of = erhalten { $got }, muss { $allowed } sein
+option-between = erhalten { $got }, muss zwischen { $least } und { PLAIN($most, digits: 12) } liegen
+option-not-positive = erhalten { $got }, muss > 0 { $unit } sein
+option-no-such-move = erhalten { $got }, das Profil hat die Bewegungen 1 bis { $count }
+option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über der statischen Last { PLAIN($load, digits: 6) } { $unit } liegen
+option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
+option-final-time-is-found = gehört zu --kind damping; eine zeitoptimale Steuerung findet ihre Endzeit selbst
+option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
+option-step-or-distance = verträgt sich nicht mit --velocity-step; eines von beiden angeben
+option-no-bound = erhalten { $got }, muss NAME=WERT sein
+option-no-signal = kein Zustand oder Ausgang { $got }{ $hint }; es gibt: { $names }
+option-did-you-mean = ; gemeint { $name }?
+option-no-language = erhalten "{ $got }", muss eine davon sein: { $allowed }
+
+file-folder-not-writable = dort kann nicht geschrieben werden ({ $reason }); mit -o einen anderen Ordner angeben
+file-above = { $place } ist eine Datei
+file-itself = das ist eine Datei
+file-no-right = kein Recht, in { $folder } zu schreiben
+file-is-folder = ist ein Ordner; einen Dateinamen angeben
+file-without-folder = es gibt keinen Ordner { $folder }; ihn erst anlegen oder einen anderen Namen angeben
+file-folder-closed = { file-no-right }; einen anderen Namen angeben
+file-not-writable = diese Datei kann nicht geschrieben werden ({ $reason }); einen anderen Namen angeben
+
+cli-no-profile = kein Profil angegeben; eine TOML-Datei angeben
+cli-no-record = kein Protokoll angegeben; das record.json eines Laufs angeben, oder --control ? für die Liste
+cli-file-exists = gibt es schon; einen anderen Namen angeben
+cli-record-lacks = in diesem Protokoll fehlt { $key }: eine andere Version von mtcommission hat es geschrieben; das Profil neu rechnen oder mit jener Version drucken
+cli-interrupted = abgebrochen; nichts wurde geschrieben
+cli-file-system = Dateisystem
+cli-internal-error = interner Fehler, bitte mit dem Profil einsenden: { $error }
+cli-written = geschrieben: { $files }
+cli-next-export = weiter: mtcommission export { $record } --control NAME
+cli-list-of-controls = (--control ? nennt die Steuerungen)
+cli-failed-cases = { $count } gescheitert

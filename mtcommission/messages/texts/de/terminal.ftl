@@ -1,0 +1,95 @@
+terminal-head-mode = Eigenform
+terminal-head-frequency = Frequenz
+terminal-head-damping-ratio = Dämpfungsgrad
+terminal-head-seen = Vom Lagegeber gesehen
+terminal-head-rigid-body-limit = Grenze des starren Körpers
+terminal-head-value = Wert
+terminal-head-reason = Grund
+terminal-head-arc = Bogen
+terminal-head-from = Von
+terminal-head-to = Bis
+terminal-head-set-force = F_set
+terminal-head-signal = Zustand oder Ausgang
+terminal-head-peak = Höchstwert
+terminal-head-terminal-error = Endfehler
+terminal-head-limits = Grenzwerte
+terminal-head-a = a
+terminal-head-j = j
+terminal-head-settling = Einschwingen
+terminal-head-residual = Rest
+terminal-head-met = Erfüllt
+terminal-head-move = Bewegung
+terminal-head-corner = Ecke
+terminal-machine = { $name }, Achse { $axis_name }
+terminal-source = Quelle der Daten: { $source }
+terminal-controllable = Steuerbar: Kalman-Rang { $rank } von { $order } Zuständen.
+terminal-no-warnings = Keine Warnungen.
+terminal-warning = Warnung: { $warning }
+terminal-at-full-force = { $value } bei F_max
+terminal-yes = ja
+terminal-no = nein
+terminal-acceleration = Beschleunigung
+terminal-force-on-mass = { $force } an { $mass }
+terminal-time-of-move = Zeit der Bewegung { $number }
+terminal-rigid-time = mit dieser Beschleunigung, ohne Ruckbegrenzung, ohne Schwingung: keine Steuerung ist schneller
+terminal-time-optimal = Zeitoptimale Steuerung
+terminal-damping-optimal = Dämpfungsoptimale Steuerung
+terminal-more-arcs = { $count } weitere:
+terminal-see-json = siehe --json
+terminal-final-time = t_f = { $t_f } bei F_max = { PLAIN($force, digits: 6) } { $unit }, Verfahren { $method }
+terminal-grid-proves-nothing = Ein Gitter beweist keine untere Schranke von t_f; --method exact tut es.
+terminal-lower-bound = Keine Steuerung ist schneller als { $bound } (relative Lücke { PLAIN($gap, digits: 1, style: "e") }).
+terminal-loose-proof = Höchstens { PLAIN($percent, digits: 1) } % langsamer als das Optimum; genaue Bögen wurden nicht gefunden.
+terminal-law-in-cells = { -switching-law }: bis auf eine Zelle eines Netzes erfüllt. Bögen namens "interior" ({ PLAIN($percent, digits: 2) } % von t_f) stehen für Umschaltungen und Berührpunkte, die zu dicht liegen, um unterschieden zu werden; der Beweis von t_f ruht nicht auf ihnen. Was die Kraft dort tut, steht in --csv.
+terminal-law-fails = { -switching-law }: NICHT ERFÜLLT.
+terminal-origin-of-final-time = t_f ist { $origin }.
+terminal-final-time-of-option = das von --t-f
+terminal-final-time-of-profile = das des Profils (damping_optimal.t_f)
+terminal-final-time-by-default = das { PLAIN($factor, digits: 6) }-Fache von t_f,min: weder --t-f noch das Profil gibt eines an
+terminal-weight = { $state } { PLAIN($value, digits: 5) } { $unit }
+terminal-velocity-exceeded = max_velocity ist kein Teil dieses Optimums: |{ $name }| überschreitet sie um { PLAIN($percent, digits: 2) } %; --limit { $name }=... mit --method transcription hält sie ein.
+terminal-cost = Kosten { PLAIN($cost, digits: 9) } { $unit }; Gesetz (16) bis auf { PLAIN($residual, digits: 1, style: "e") } F_max erfüllt.
+terminal-reached = erreicht
+terminal-not-reached = nicht erreicht
+terminal-exceeded = zwischen den Punkten des Gitters um { PLAIN($percent, digits: 1) } % überschritten
+terminal-limit = Grenze |{ $name }| <= { $value }: { $acts }.
+terminal-touched = { $limit } berührt bei { PLAIN($ms, digits: 4, style: "f") } ms
+terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
+terminal-recommended = empfohlen
+terminal-limits = Grenzwerte
+terminal-not-settled = nicht eingeschwungen
+terminal-bound-by = Begrenzt durch: { $what }.
+terminal-by-hand = Von Hand, mit der Inbetriebnahmeregel ({ $chosen }): a = { ACCELERATION($acceleration) }, j = { JERK($jerk) }.
+terminal-in-the-way = Im Weg: { $obstacle }; statt { $limit } wäre einzuhalten: { $value }.
+terminal-no-size = keiner Größe
+terminal-response = Antwort des Regelkreises
+terminal-nominal = nominell
+terminal-corner = { $payload }, f x { PLAIN($frequency, digits: 6) }, zeta x { PLAIN($damping, digits: 6) }
+terminal-saturated = { $force } in der Begrenzung
+terminal-check-met = erfüllt: { $name } { $value }, erlaubt { $limit } ({ $where })
+terminal-check-not-met = NICHT ERFÜLLT: { $name } { $value }, erlaubt { $limit } ({ $where })
+
+-switching-law = Schaltgesetz F_set = -sign(lambda_F) F_max
+terminal-head-tool-per-force = { $axis ->
+    [rotary] Werkzeug je Moment, statisch
+   *[linear] Werkzeug je Kraft, statisch
+}
+terminal-law-holds = { -switching-law }: erfüllt{ $grid ->
+    [yes] { " " }bis auf einen Schritt des Gitters
+   *[no] { "" }
+}{ $boundary ->
+    [yes] { " " }außerhalb der Randbögen
+   *[no] { "" }
+}.
+terminal-weights = { $chosen ->
+    [stated] Gewichte, aus dem Profil
+   *[balanced] Gewichte, ausgewogen
+}: { $weights }
+terminal-size-missed = Bei { $sizes ->
+    [steps] Geschwindigkeitssprüngen
+   *[distances] Wegen
+} von { $own } lassen die empfohlenen Grenzwerte mehr als die erlaubte Abweichung.
+terminal-sizes-kept = Die empfohlenen Grenzwerte bleiben für { $sizes ->
+    [steps] Geschwindigkeitssprünge
+   *[distances] Wege
+} von { $least } bis { $largest } in der erlaubten Abweichung; der Beschleunigungsgrenzwert wird ab { $reached } erreicht.

@@ -1,0 +1,39 @@
+# What the command line says: options, files, the end of a command.
+
+either = { $first } or { $last }
+
+option-one-of = got { $got }, must be { $allowed }
+option-between = got { $got }, must be { $least } to { PLAIN($most, digits: 12) }
+option-not-positive = got { $got }, must be > 0 { $unit }
+option-no-such-move = got { $got }, the profile has moves 1 to { $count }
+# $force, $load: SI, printed as typed
+option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above the static load { PLAIN($load, digits: 6) } { $unit }
+option-given-twice = { $name } is given { $count } times; give each state or output once
+option-final-time-is-found = goes with --kind damping; a time-optimal control finds its own final time
+option-bounds-need-transcription = bounds on a damping-optimal control need --method transcription
+option-step-or-distance = cannot go with --velocity-step; give one of them
+option-no-bound = got { $got }, must be NAME=VALUE
+option-no-signal = no state or output { $got }{ $hint }; there are: { $names }
+option-did-you-mean = ; did you mean { $name }?
+option-no-language = got "{ $got }", must be one of: { $allowed }
+
+file-folder-not-writable = cannot write there ({ $reason }); give another folder with -o
+file-above = { $place } is a file
+file-itself = this is a file
+file-no-right = no right to write into { $folder }
+file-is-folder = is a folder; give a file name
+file-without-folder = there is no folder { $folder }; make it first, or give another name
+file-folder-closed = { file-no-right }; give another name
+file-not-writable = cannot write this file ({ $reason }); give another name
+
+cli-no-profile = got no profile; give a TOML file
+cli-no-record = got no record; give the record.json of a run, or --control ? for the list
+cli-file-exists = exists already; give another name
+cli-record-lacks = this record lacks { $key }: another version of mtcommission wrote it; run the profile again, or print it with that version
+cli-interrupted = interrupted; nothing was written
+cli-file-system = file system
+cli-internal-error = internal error, please report it with the profile: { $error }
+cli-written = written: { $files }
+cli-next-export = next: mtcommission export { $record } --control NAME
+cli-list-of-controls = (--control ? lists the controls)
+cli-failed-cases = { $count } failed

@@ -1,0 +1,20 @@
+# What a kind of plant assumes beyond the profile.
+
+# $side: above or below, the place of the tool
+tcp-height-assumed = tcp_height is taken as the height of the tool centre point { $side ->
+    [above] above
+   *[below] below
+} the rotary joint, so the tool stands at x_s - x_b + h phi as seen from the base; the paper names h but gives no equation and no sign.
+
+# What does not fit together in the data of a plant.
+
+damping-ratio-beyond-one = got { PLAIN($got, digits: 6) }, must be >= 0 and < 1
+# $frequency [Hz]
+modes-at-one-frequency = modes { $one } and { $other } at { PLAIN($frequency, digits: 6) } Hz
+# $modes: modes-at-one-frequency
+equal-poles = { $modes }: { modes-have-equal-poles }
+mode-not-driven = mode { $mode } is not driven by the force (lever arm 0)
+mode-named-twice = got "{ $name }" twice, names must differ
+lever-arm-zero = got 0, but the force must turn the tower; give the arm, or describe the axis as kind = "modal"
+# $got, $most: in $unit
+damping-beyond-critical = got { PLAIN($got, digits: 6) } { $unit }, a damping ratio of { PLAIN($ratio, digits: 3) }; must be < { PLAIN($most, digits: 4) } { $unit } (ratio 1)

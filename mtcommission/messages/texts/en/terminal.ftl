@@ -1,0 +1,99 @@
+# What the terminal prints of a machine, an optimal control, limits and a response.
+
+terminal-head-mode = Mode
+terminal-head-frequency = Frequency
+terminal-head-damping-ratio = Damping ratio
+terminal-head-seen = Seen by encoder
+terminal-head-rigid-body-limit = Rigid-body limit
+terminal-head-value = Value
+terminal-head-reason = Reason
+terminal-head-arc = Arc
+terminal-head-from = From
+terminal-head-to = To
+terminal-head-set-force = F_set
+terminal-head-signal = State or output
+terminal-head-peak = Peak
+terminal-head-terminal-error = Terminal error
+terminal-head-limits = Limits
+terminal-head-a = a
+terminal-head-j = j
+terminal-head-settling = Settling
+terminal-head-residual = Residual
+terminal-head-met = Met
+terminal-head-move = Move
+terminal-head-corner = Corner
+terminal-machine = { $name }, axis { $axis_name }
+terminal-source = Source of the data: { $source }
+terminal-controllable = Controllable: Kalman rank { $rank } of { $order } states.
+terminal-no-warnings = No warnings.
+terminal-warning = Warning: { $warning }
+terminal-at-full-force = { $value } at F_max
+terminal-yes = yes
+terminal-no = no
+terminal-acceleration = acceleration
+terminal-force-on-mass = { $force } on { $mass }
+terminal-time-of-move = time of move { $number }
+terminal-rigid-time = at this acceleration, no jerk limit, no vibration: no control is faster
+terminal-time-optimal = Time-optimal control
+terminal-damping-optimal = Damping-optimal control
+terminal-more-arcs = { $count } more:
+terminal-see-json = see --json
+terminal-final-time = t_f = { $t_f } at F_max = { PLAIN($force, digits: 6) } { $unit }, method { $method }
+terminal-grid-proves-nothing = A grid proves no lower bound of t_f; --method exact does.
+terminal-lower-bound = No control is faster than { $bound } (relative gap { PLAIN($gap, digits: 1, style: "e") }).
+terminal-loose-proof = At most { PLAIN($percent, digits: 1) } % slower than the optimum; exact arcs were not found.
+terminal-law-in-cells = { -switching-law }: kept to one cell of a mesh. Arcs named "interior" ({ PLAIN($percent, digits: 2) } % of t_f) stand for switches and touch points too close to be told apart; the proof of t_f does not rest on them. What the force does there is in --csv.
+terminal-law-fails = { -switching-law }: DOES NOT HOLD.
+terminal-origin-of-final-time = t_f is { $origin }.
+terminal-final-time-of-option = that of --t-f
+terminal-final-time-of-profile = that of the profile (damping_optimal.t_f)
+terminal-final-time-by-default = { PLAIN($factor, digits: 6) } times t_f,min: neither --t-f nor the profile gives one
+terminal-weight = { $state } { PLAIN($value, digits: 5) } { $unit }
+terminal-velocity-exceeded = max_velocity is no part of this optimum: |{ $name }| exceeds it by { PLAIN($percent, digits: 2) } %; --limit { $name }=... with --method transcription keeps it.
+terminal-cost = Cost { PLAIN($cost, digits: 9) } { $unit }; law (16) kept to { PLAIN($residual, digits: 1, style: "e") } F_max.
+terminal-reached = reached
+terminal-not-reached = not reached
+terminal-exceeded = exceeded by { PLAIN($percent, digits: 1) } % between the points of the grid
+terminal-limit = Limit |{ $name }| <= { $value }: { $acts }.
+terminal-touched = { $limit } touched at { PLAIN($ms, digits: 4, style: "f") } ms
+terminal-more-touches = ... and { $count } touch points more: see --json
+terminal-recommended = recommended
+terminal-limits = Limits
+terminal-not-settled = not settled
+terminal-bound-by = Bound by: { $what }.
+terminal-by-hand = By hand, with the commissioning rule ({ $chosen }): a = { ACCELERATION($acceleration) }, j = { JERK($jerk) }.
+terminal-in-the-way = In the way: { $obstacle }; instead of { $limit } could be met: { $value }.
+terminal-no-size = no size
+terminal-response = Response of the loop
+terminal-nominal = nominal
+terminal-corner = { $payload }, f x { PLAIN($frequency, digits: 6) }, zeta x { PLAIN($damping, digits: 6) }
+terminal-saturated = { $force } saturated
+terminal-check-met = met: { $name } { $value }, allowed { $limit } ({ $where })
+terminal-check-not-met = NOT MET: { $name } { $value }, allowed { $limit } ({ $where })
+
+-switching-law = Switching law F_set = -sign(lambda_F) F_max
+terminal-head-tool-per-force = { $axis ->
+    [rotary] Tool per torque, static
+   *[linear] Tool per force, static
+}
+# $grid, $boundary: yes or no
+terminal-law-holds = { -switching-law }: holds{ $grid ->
+    [yes] { " " }within a step of the grid
+   *[no] { "" }
+}{ $boundary ->
+    [yes] { " " }off the boundary arcs
+   *[no] { "" }
+}.
+terminal-weights = { $chosen ->
+    [stated] Weights, from the profile
+   *[balanced] Weights, balanced
+}: { $weights }
+# $sizes: steps or distances
+terminal-size-missed = { $sizes ->
+    [steps] With velocity steps
+   *[distances] With distances
+} of { $own } the recommended limits leave more than the permitted deviation.
+terminal-sizes-kept = The recommended limits stay within the permitted deviation for { $sizes ->
+    [steps] velocity steps
+   *[distances] distances
+} from { $least } to { $largest }; the acceleration limit is reached from { $reached } on.
