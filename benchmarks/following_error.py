@@ -1,4 +1,4 @@
-"""The servo's tail after one ramp, over the length of the ramp: the numbers behind the rule's 1.5.
+"""The following-error transient of one ramp over its length: the numbers behind the rule's 1.5.
 
     python -m benchmarks.following_error --count 70
 
@@ -75,9 +75,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=70)
     count = parser.parse_args().count
-    tails = np.array([measure(seed) for seed in range(count)])
+    transients = np.array([measure(seed) for seed in range(count)])
     print("| ω_v t_j | median | 95 % | largest |\n|---|---|---|---|")
-    for ramp, column in zip(RAMPS, tails.T, strict=True):
+    for ramp, column in zip(RAMPS, transients.T, strict=True):
         low, high = np.quantile(column, [0.5, 0.95])
         print(f"| {ramp:g} | {low:.2f} | {high:.2f} | {column.max():.2f} |")
 

@@ -73,7 +73,7 @@ def test_impossible_rms_force() -> None:
     assert is_met(asked(settling=0.15, rms=1.0001 * item.value), item)
 
 
-def test_two_obstacles_must_give_way_together() -> None:
+def test_two_requirements_must_give_way_together() -> None:
     """If it failed, relaxing one would be promised to help, or nothing be said at all."""
     bound = Peak(name="v_s", bound=0.05)
     found = attainable(asked(settling=0.02, peaks=(bound,)))

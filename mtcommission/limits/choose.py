@@ -49,7 +49,7 @@ class Choice:
     Parameters
     ----------
     limits
-        Rounded to what is typed in.
+        Rounded to the control's resolution.
     meets_requirements
         Whether all requirements hold by the search's own judgement.
     explain
@@ -122,7 +122,7 @@ def choose_limits(
     -------
     Choice
         Never slower than a rule or a start that meets all requirements (up to the rounding of
-        what is typed in). Where nothing meets them, the limits with the least settling time
+        the resolution). Where nothing meets them, the limits with the least settling time
         within force and peaks.
 
     Raises

@@ -1,7 +1,7 @@
 """Where no limits meet the requirements: which requirement is in the way, and what could be met.
 
 Each requirement is relaxed alone, the others kept: if limits are found then, that requirement is
-an obstacle, and the value that those limits reach is what could be asked for instead. Where none
+a limiting one, and the value that those limits reach is what could be asked for instead. Where none
 helps alone, several hold the limits back together: as few as possible are then relaxed by one
 common factor, the least that is found to help.
 """

@@ -39,7 +39,7 @@ SIZES = 96
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetpointWay:
-    """Limits, perhaps behind a moving average, as they are typed in.
+    """Limits, perhaps behind a moving average, as the control takes them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How the recommended limits fare where the machine or the typed values differ a little.
+"""How the recommended limits fare where the machine or the values entered differ a little.
 
 Three views: thousands of machines drawn from the stated spread, all frequencies off by a common
 error, and small changes of each limit.

@@ -1,4 +1,4 @@
-"""From the limits looked at to those that are typed in: few digits, judged exactly."""
+"""Limits looked at, rounded to the control's resolution: few digits, judged exactly."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class RoundedLimits:
 
 
 def round_best(bench: Bench, pool: Pool, settings: SearchSettings) -> RoundedLimits:
-    """Return the best limits after rounding to typed digits.
+    """Return the best limits after rounding to the control's resolution.
 
     Parameters
     ----------
