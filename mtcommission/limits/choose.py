@@ -72,29 +72,9 @@ class Choice:
         return self.explain()
 
     @property
-    def acceleration(self) -> Array:
-        """First axis of the landscape [m/s²]."""
-        return self.chart().acceleration
-
-    @property
-    def jerk_time(self) -> Array:
-        """Second axis of the landscape [s]."""
-        return self.chart().jerk_time
-
-    @property
-    def settling_time(self) -> Array:
-        """Of the landscape [s]."""
-        return self.chart().settling_time
-
-    @property
-    def residual_deviation(self) -> Array:
-        """Of the landscape [m]."""
-        return self.chart().residual_deviation
-
-    @property
-    def usage(self) -> Array:
-        """Of the landscape [-]."""
-        return self.chart().usage
+    def landscape(self) -> Landscape:
+        """Settling time, residual deviation and use of force over all limits."""
+        return self.chart()
 
 
 def choose_limits(

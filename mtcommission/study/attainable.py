@@ -119,14 +119,15 @@ def find_least_residual(
     Attainable or None
         None if no limits keep the other requirements, whatever the band.
     """
+    seen = choice.landscape
     a, t_j = (
-        axis.ravel() for axis in np.meshgrid(choice.acceleration, choice.jerk_time, indexing="ij")
+        axis.ravel() for axis in np.meshgrid(seen.acceleration, seen.jerk_time, indexing="ij")
     )
     ends = [jerk_steps(move, acceleration=a, jerk=a / t_j).duration for move in machine.moves]
     earliest = np.max(ends, axis=0) + machine.control.moving_average_time
     earliest += tuned.controller.reference_delay
-    possible = (choice.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
-    residual = np.where(possible, choice.residual_deviation.ravel(), inf)
+    possible = (seen.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
+    residual = np.where(possible, seen.residual_deviation.ravel(), inf)
     best: Attainable | None = None
     for i in np.argsort(residual, kind="stable")[: min(CANDIDATES, int(possible.sum()))]:
         limits = MotionLimits(acceleration=_rounded(a[i]), jerk=_rounded(a[i] / t_j[i]))

@@ -52,16 +52,9 @@ PERIODS = (1, 2, 3)
 """Ramps of so many periods of a mode are tried (more would save over 4 % of time on one machine
 in twenty, see the docs)."""
 
-DESCRIPTION = Message("rule-description")
-VALIDITY = Message(
-    "rule-validity",
-    lowest=15.0,
-    highest=200.0,
-    damping=(0.005, 0.1),
-    spread=0.1,
-    payload=0.3,
-    band=(2e-6, 50e-6),
-)
+DESCRIPTION, ADVICE = Message("rule-description"), Message("rule-advice")
+VALIDITY = Message("rule-validity")
+"""The rule in words, what to try, and where it holds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
