@@ -39,7 +39,7 @@ def fed(settling: float, residual: float) -> FedForward:
 def why_not(machine: Machine, residual: float) -> list[str]:
     ours = fed(0.08, machine.requirements.tcp_deviation)
     rows = [
-        (Message("time-optimal"), [fed(12.3456, residual)]),
+        (Message("control-time-optimal"), [fed(12.3456, residual)]),
         (Message("recommended-limits"), [ours]),
     ]
     words = Catalogue(rotary=machine.motion is Motion.ROTARY)
@@ -82,7 +82,7 @@ def test_rotary_axis_speaks_of_degrees_and_arc_seconds(degrees: float, words: st
 
 def compared(transfer: float, overshoot: float) -> ComparedControl:
     return ComparedControl(
-        name=Message("recommended"),
+        name=Message("way-recommended"),
         transfer_time=transfer,
         overshoot=overshoot,
         peaks=np.zeros(1),

@@ -13,14 +13,16 @@ from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margin
 from mtcommission.loop.tuning.tuning import check_loop, tune_loop, tune_variants
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, StateFeedback
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
-from mtcommission.sheet.labels_de import GERMAN
 from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.settings import Settings
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
+
+GERMAN = Catalogue("de")
 
 WANTED = TuningSettings()
 

@@ -22,7 +22,7 @@ from mtcommission.messages.catalogue import LANGUAGES, UNITS, Catalogue, entries
 from mtcommission.messages.message import Message, from_json, to_json
 
 SOURCE = Path(mtcommission.__file__).parent
-FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "PLAIN", "SI", "SHARE", "CHANGE", "TERM"}
+FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "PLAIN", "SI", "SHARE", "CHANGE", "SYMBOL"}
 
 
 class _Places(Visitor):
@@ -137,7 +137,7 @@ def test_a_message_survives_the_record() -> None:
 def test_every_outcome_tells_what_was_computed_and_survives_a_process() -> None:
     """A worker of a sweep hands its error over; a kind without a text would hide the remedy."""
     for outcome in Outcome:
-        error = ComputationError(outcome, Message("requirement-peak", signal="v_phi"))
+        error = ComputationError(outcome, Message("requirement-peak", signal="v_b"))
         again = pickle.loads(pickle.dumps(error))
-        assert str(again).startswith(f"{outcome.name.lower().replace('_', ' ')}: peak v_phi: ")
-        assert ": Höchstwert v_phi: " in again.text(Catalogue("de"))
+        assert str(again).startswith(f"{outcome.name.lower().replace('_', ' ')}: peak v_b: ")
+        assert ": Höchstwert v_b: " in again.text(Catalogue("de"))

@@ -10,9 +10,11 @@ import pytest
 from mtcommission.loop.tuning.mixing import MixedMode, explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import StateFeedback
-from mtcommission.sheet.labels_de import GERMAN
+from mtcommission.messages.catalogue import Catalogue
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
+
+GERMAN = Catalogue("de")
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ import pytest
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Control, Machine, Positioning, StateFeedback, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
@@ -147,7 +148,7 @@ def test_only_the_filter_keeps_whole_periods_on_small_steps() -> None:
         name="j = a f", limits=MotionLimits(acceleration=1.0, jerk=20.0), moving_average=0.0
     )
     average = SetpointWay(
-        name="moving average",
+        name=Message("way-moving-average"),
         limits=MotionLimits(acceleration=1.0, jerk=1.0 / NO_JERK_LIMIT),
         moving_average=0.05,
     )

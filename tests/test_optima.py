@@ -21,6 +21,8 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from tests.machines import paper_machine, random_modal_machine
 
+GERMAN = Catalogue("de")
+
 PROFILES = Path(__file__).parent.parent / "profiles"
 
 

@@ -17,9 +17,10 @@ from types import MappingProxyType
 from typing import Any
 
 from fluent.runtime import FluentBundle, FluentResource
+from fluent.runtime.types import FluentNone, FluentNumber, fluent_number
 
 from mtcommission.messages.message import Message, Value
-from mtcommission.messages.quantities import DIGITS, Formatter
+from mtcommission.messages.quantities import DIGITS, Formatter, symbol
 
 TEXTS = Path(__file__).with_name("texts")
 
@@ -51,6 +52,7 @@ PER_SI: Mapping[str, float] = MappingProxyType({"": 1.0, "ms": 1e3, "us": 1e6, "
 """Units in which a text may ask for a plain number, and how many make one of SI."""
 
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=", re.MULTILINE)
+_NO_WORD = re.compile(r"[^a-zA-Z0-9]+")
 _REFERENCE = re.compile(r"\{\s*(-?[a-z][\w-]*)")
 
 
@@ -74,8 +76,8 @@ class Catalogue:
         self.language, self.rotary = language, rotary
         self.format = Formatter(rotary=rotary, decimal_mark=LANGUAGES[language])
 
-    def say(self, message: Message) -> str:
-        """Return the text of a message.
+    def say(self, message: Message | str) -> str:
+        """Return the text of a message; one of the user's own stays as it is.
 
         Raises
         ------
@@ -89,6 +91,10 @@ class Catalogue:
         >>> Catalogue("de").say(Message("requirement-settling-time"))
         'Einschwingzeit'
         """
+        if isinstance(message, str):
+            from mtcommission.sheet.phrases import say  # until the record holds messages
+
+            return say(message, self)
         return self.text(message.kind, **message.values)
 
     def text(self, kind: str, /, **values: Value) -> str:
@@ -109,6 +115,25 @@ class Catalogue:
         if faults:
             raise ValueError(f"{self.language}: {kind}: {faults[0]}")
         return str(text)
+
+    def known(self, kind: str, otherwise: str) -> str:
+        """Return the text of a kind, or another one where the catalogue has no such kind."""
+        return self.text(kind) if self.has(kind) else otherwise
+
+    def name(self, key: str) -> str:
+        """Return the name of a state, an output or a dotted key of the profile.
+
+        Examples
+        --------
+        >>> words = Catalogue()
+        >>> words.name("plant.base_mass"), words.name("v_phi"), words.name("q_column")
+        ('Base mass', 'Tower rotation rate v_φ', 'Deflection of mode column')
+        """
+        last = key.rpartition(".")[2]
+        kind = f"name-{_NO_WORD.sub('-', last).strip('-')}"
+        coordinate, _, mode = last.partition("_")
+        form = {"q": "mode-deflection", "v": "mode-rate"}.get(coordinate)
+        return self.known(kind, self.text(form, mode=mode) if form and mode else last)
 
     def plain(self, value: float, digits: int, style: str) -> str:
         """Return a number as Python's format prints it, with the language's decimal mark.
@@ -146,7 +171,7 @@ class Catalogue:
                 _number(value), digits=int(digits)
             ),
             "CHANGE": lambda value: self.format.signed_percent(_number(value) or 0.0),
-            "TERM": self._term,
+            "SYMBOL": lambda name: symbol(str(name)),
         }
         return FluentBundle([self.language], functions=functions, use_isolating=False)
 
@@ -162,16 +187,14 @@ class Catalogue:
         number = PER_SI[unit] * (_number(value) or 0.0)
         return self.plain(number, int(str(digits)), str(style))
 
-    def _term(self, key: object) -> str:
-        """A text named by a value, e.g. a requirement; one of the user's own stays as it is."""
-        return self.text(str(key)) if self.has(str(key)) else str(key)
-
-    def _spoken(self, value: Value) -> float | int | str:
+    def _spoken(self, value: Value) -> float | str | FluentNumber | FluentNone:
         """A value as Fluent takes it; messages inside are said, several joined by commas."""
         if isinstance(value, Message):
             return self.say(value)
         if isinstance(value, tuple):
             return ", ".join(str(self._spoken(inner)) for inner in value)
+        if isinstance(value, int):
+            return fluent_number(value, useGrouping=False)
         return "" if value is None else value
 
     def _load(self, kind: str) -> None:

@@ -119,6 +119,20 @@ class Formatter:
             shown = float(f"{shown:.{DIGITS}g}")
         return self.with_unit(self.number(shown, digits=digits), scale.unit)
 
+    def axis(self, value: float | None, unit: str, *, missing: str = "–") -> str:
+        """Return a value of the axis's own motion, as ``quantity`` does.
+
+        Parameters
+        ----------
+        value
+            SI; None where the record has no number.
+        unit
+            SI unit that it has on a linear axis, e.g. ``"m/s^2"``; see ``motion_unit``.
+        missing
+            Text for None.
+        """
+        return self.quantity(value, motion_unit(unit, rotary=self.rotary), missing=missing)
+
     def with_unit(self, number: str, unit: str) -> str:
         """Return number and unit with a thin space; degrees follow without one."""
         gap = "" if unit[:1] in ("", "°", "″") else THIN_SPACE
@@ -211,6 +225,17 @@ def pretty_unit(unit: str) -> str:
     text = re.sub(r"\^(-?\d)", lambda match: match[1].translate(SUPERSCRIPTS), unit.strip())
     text = re.sub(r"\((\w+)\)", r"\1", text)
     return "" if text == "-" else text.replace(" ", "·")
+
+
+def symbol(name: str) -> str:
+    """Return a state or output as printed.
+
+    Examples
+    --------
+    >>> symbol("v_phi"), symbol("v_base")
+    ('v_φ', 'v_base')
+    """
+    return name.removesuffix("phi") + "φ" if name in ("phi", "v_phi") else name
 
 
 def tick_text(value: float, decimal_mark: str) -> str:

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from math import isfinite
 
-from mtcommission.commission import MoveComparison
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
-from mtcommission.record.claims import explain_why_not, state_claims
-from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
     ComparedEntry,
     ComparisonEntry,
     ContinuousEntry,
     FedForwardEntry,
 )
+from mtcommission.record.shape import entry_of
+from mtcommission.study.comparison import MoveComparison
 from mtcommission.study.evaluate import MoveResult
 
 
@@ -38,33 +37,20 @@ def comparison_entry(
     """
     return ComparisonEntry(
         controls=[
-            ComparedEntry(
-                name=control.name,
-                transfer_time=finite_or_none(control.transfer_time),
-                overshoot=control.overshoot,
+            entry_of(
+                ComparedEntry,
+                control,
                 peaks=dict(zip(plant.signals, control.peaks.tolist(), strict=True)),
-                max_force=control.max_force,
-                heat=control.heat,
-                work=control.work,
             )
             for control in comparison.controls
         ],
         fed_forward=[
-            FedForwardEntry(
-                control=name,
-                payload=found.corner.payload,
-                frequency_factor=found.corner.frequency_factor,
-                damping_factor=found.corner.damping_factor,
-                settling_time=finite_or_none(found.settling_time),
-                residual_deviation=finite_or_none(found.residual_deviation),
-                peak_deviation=found.peak_deviation,
-                saturated_share=found.saturated_share,
-            )
+            entry_of(FedForwardEntry, found, found.corner, control=name)
             for name, rows in comparison.fed_forward
             for found in rows
         ],
-        claims=state_claims(comparison.controls),
-        why_not_the_optimum=explain_why_not(machine, comparison.fed_forward),
+        claims=list(comparison.claims),
+        why_not_the_optimum=list(comparison.why_not_the_optimum),
         continuous=continuous_entry(
             comparison.continuous,
             result.responses[0],

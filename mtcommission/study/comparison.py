@@ -113,9 +113,9 @@ def compare_move(
     MoveComparison
     """
     solutions = {
-        "time-optimal": optima.time,
-        "constrained": optima.constrained,
-        "damping-optimal": optima.damping,
+        "control-time-optimal": optima.time,
+        "control-constrained": optima.constrained,
+        "control-damping-optimal": optima.damping,
     }
     found = {Message(kind): item for kind, item in solutions.items() if item is not None}
     controls = compare_controls(

@@ -91,7 +91,7 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
         ),
         remarks=(
             Message(
-                "state-feedback-used" if helps else "state-feedback-left-out",
+                "state-feedback-chosen" if helps else "state-feedback-left-out",
                 with_it=_settling(with_it),
                 without=_settling(without),
             ),

@@ -8,10 +8,14 @@ from dataclasses import dataclass, replace
 from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.attainable import Attainable, find_least_residual
 from mtcommission.study.evaluate import Candidate, evaluate
+
+NO_LIMITS = Message("no-limits-with-this-band")
+"""Why a mode has no values."""
 
 MODES = ("surface", "accuracy", "speed")
 

@@ -148,7 +148,7 @@ def compare_move_sizes(
     cure = find_size_filter(machine, plant, tuned)
     ways = [
         SetpointWay(name=Message(kind), limits=limits, moving_average=own)
-        for kind, limits in (("recommended", recommended), ("commissioning-rule", by_rule))
+        for kind, limits in (("way-recommended", recommended), ("commissioning-rule", by_rule))
     ]
     return vary_move_sizes(machine, tuned, [*ways, cure] if cure else ways)
 
@@ -289,7 +289,9 @@ def find_size_filter(machine: Machine, plant: Plant, tuned: TunedLoop) -> Setpoi
         if not np.all(found.meets(filtered)):
             continue
         if evaluate(filtered, plant, tuned, limits).assessment.is_met:
-            return SetpointWay(name=Message("moving-average"), limits=limits, moving_average=period)
+            return SetpointWay(
+                name=Message("way-moving-average"), limits=limits, moving_average=period
+            )
     return None
 
 

@@ -8,4 +8,5 @@ requirement-rms-force = { $axis ->
     [rotary] Effektivmoment
    *[linear] Effektivkraft
 }
-requirement-peak = Höchstwert { $signal }
+requirement-peak = Höchstwert { SYMBOL($signal) }
+requirement-together-with = { $requirement }, zusammen mit { $others }

@@ -1,7 +1,7 @@
 # candidates and ways
-recommended = empfohlen
+way-recommended = empfohlen
 recommended-limits = empfohlene Grenzwerte
-moving-average = gleitender Mittelwert
+way-moving-average = gleitender Mittelwert
 shaper-for-mode = { $shaper }-Shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 moving-average-for-mode = gleitender Mittelwert 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
@@ -22,8 +22,7 @@ with-state-feedback = mit Zustandsrückführung
 without-state-feedback = ohne Zustandsrückführung
 loop-in-use = der verwendete Regelkreis
 time-value = { TIME($time) }
-not-settled = nicht eingeschwungen
-state-feedback-used = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird verwendet.
+state-feedback-chosen = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird verwendet.
 state-feedback-left-out = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird weggelassen.
 state-feedback-stiffness = Damit ist das Werkzeug { NUMBER($ratio, digits: 3) }-mal so steif gegen eine Störung.
 control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, state_feedback = "off" setzen.
@@ -43,9 +42,9 @@ missed-where-higher = { $requirement } (wo sie höher liegen)
 no-limits-with-this-band = es wurden keine Grenzwerte gefunden, die mit diesem Band alle Anforderungen erfüllen
 
 # the paper's comparison
-time-optimal = zeitoptimal
-constrained = zeitoptimal, beschränkt
-damping-optimal = dämpfungsoptimal
+control-time-optimal = zeitoptimal
+control-constrained = zeitoptimal, beschränkt
+control-damping-optimal = dämpfungsoptimal
 rectangular-in-the-loop = rechteckförmige Beschleunigung, im Regelkreis
 trapezoidal-in-the-loop = trapezförmige Beschleunigung, im Regelkreis
 time-optimal-on-the-plant = zeitoptimale Steuerung, an der Strecke

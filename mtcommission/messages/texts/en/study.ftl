@@ -1,9 +1,9 @@
 # Limits through the loop: candidates, robustness, comparisons.
 
 # candidates and ways
-recommended = recommended
+way-recommended = recommended
 recommended-limits = recommended limits
-moving-average = moving average
+way-moving-average = moving average
 shaper-for-mode = { $shaper } shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 moving-average-for-mode = moving average 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
@@ -24,8 +24,7 @@ with-state-feedback = with state feedback
 without-state-feedback = without state feedback
 loop-in-use = the loop that is used
 time-value = { TIME($time) }
-not-settled = not settled
-state-feedback-used = Best settling time { $with_it } with it, { $without } without it: it is used.
+state-feedback-chosen = Best settling time { $with_it } with it, { $without } without it: it is used.
 state-feedback-left-out = Best settling time { $with_it } with it, { $without } without it: it is left out.
 state-feedback-stiffness = With it the tool is { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
 control-needs-state-feedback = The control must offer state feedback; if yours does not, set state_feedback = "off".
@@ -45,9 +44,9 @@ missed-where-higher = { $requirement } (where they are higher)
 no-limits-with-this-band = no limits were found that meet all requirements with this band
 
 # the paper's comparison
-time-optimal = time-optimal
-constrained = constrained time-optimal
-damping-optimal = damping-optimal
+control-time-optimal = time-optimal
+control-constrained = constrained time-optimal
+control-damping-optimal = damping-optimal
 rectangular-in-the-loop = rectangular acceleration, in the loop
 trapezoidal-in-the-loop = trapezoidal acceleration, in the loop
 time-optimal-on-the-plant = time-optimal control, on the plant

@@ -1,0 +1,45 @@
+record-not-readable = kein Protokoll von mtcommission run: { $why }
+record-lacks-keys = kein Protokoll von mtcommission run: { $keys } fehlt
+record-of-earlier-schema = Protokoll nach Schema { $given } einer früheren Version, diese liest { $read }; das Profil erneut rechnen
+record-of-other-schema = Protokoll nach Schema { $given }, diese Version liest { $read }; das Profil erneut rechnen oder mit der Version drucken, die es schrieb
+record-edited = sein Inhalt ist nicht der, den mtcommission run schrieb: es wurde geändert oder beschädigt; stattdessen das Profil ändern und erneut rechnen
+record-edited-where = sein Inhalt ist nicht der, den mtcommission run schrieb: es wurde geändert oder beschädigt; { $wrong }; stattdessen das Profil ändern und erneut rechnen
+record-of-other-version = eine andere Version von mtcommission hat es geschrieben; das Profil erneut rechnen oder jene Version verwenden
+record-of-other-version-where = eine andere Version von mtcommission hat es geschrieben; { $wrong }; das Profil erneut rechnen oder jene Version verwenden
+record-both = { $first }; { $then }
+record-has-more-wrong = und weitere
+record-wrong-at = { $key }: { $fault }
+record-got = { $got }, erwartet { $expected }
+record-missing = fehlt
+record-of-no-known-form = von keiner hier bekannten Form
+json-object = ein Objekt
+json-array = eine Liste
+json-message = eine hier bekannte Meldung
+json-text = ein Text
+json-boolean = true oder false
+json-number = eine Zahl
+json-number-or-null = eine Zahl oder null
+json-number-or-text = eine Zahl oder ein Text
+json-whole-number = eine ganze Zahl
+
+assumption-illustrative = Die Maschinendaten sind Beispielwerte, nicht die einer wirklichen Maschine.
+assumption-linear = { $axis ->
+    [rotary] Die Achse gilt als lineares System: starrer Körper, ein Momentenregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastmomente und Momente der Energieführung bleiben außer Betracht.
+   *[linear] Die Achse ist linear: eine starre Masse, ein Kraftregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastkräfte und Kräfte der Energieführung bleiben außer Betracht.
+}
+assumption-encoder = Der Lagegeber misst fehlerfrei; die Geschwindigkeit ist die exakte Ableitung der Geberlage in jedem Takt des Geschwindigkeitsreglers.
+assumption-cycles = Lageregler und Vorsteuerung wirken einen Lagereglertakt verspätet und werden einen Takt lang gehalten; { $axis ->
+    [rotary] das Drehmoment
+   *[linear] die Kraft
+} wirkt einen Takt des Geschwindigkeitsreglers verspätet.
+assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Toleranzband gemessen. Beide beantworten verschiedene Fragen.
+assumption-calculated = Ein berechnetes Protokoll ist keine Abnahmeprüfung (z. B. ISO 230); an der Maschine bestätigen.
+assumption-static-load = Die statische Last mindert { $axis ->
+    [rotary] das Drehmoment
+   *[linear] die Kraft
+} für die Bewegung um ihren Betrag; ihre Verformung ist konstant, und der Integralanteil des Geschwindigkeitsreglers nimmt sie auf.
+
+source-default = Vorgabewert
+source-stated = im Profil angegeben
+source-illustrative = Beispielwert
+source-accepted-default = Vorgabe übernommen, nicht gemessen

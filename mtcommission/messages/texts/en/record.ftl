@@ -1,0 +1,52 @@
+# Reading a record.
+# $key, $keys: where in the JSON; $given, $read: versions of the schema; $got: what stands there
+
+record-not-readable = not a record of mtcommission run: { $why }
+record-lacks-keys = not a record of mtcommission run: { $keys } missing
+record-of-earlier-schema = record schema { $given } was written by an earlier version, this one reads { $read }; run the profile again
+record-of-other-schema = record schema { $given }, this version reads { $read }; run the profile again, or print it with the version that wrote it
+record-edited = its contents are not those that mtcommission run wrote: it was edited or damaged; change the profile instead, and run it again
+record-edited-where = its contents are not those that mtcommission run wrote: it was edited or damaged; { $wrong }; change the profile instead, and run it again
+record-of-other-version = another version of mtcommission wrote it; run the profile again, or use that version
+record-of-other-version-where = another version of mtcommission wrote it; { $wrong }; run the profile again, or use that version
+record-both = { $first }; { $then }
+record-has-more-wrong = and more
+record-wrong-at = { $key }: { $fault }
+record-got = got { $got }, expected { $expected }
+record-missing = missing
+record-of-no-known-form = of no form that is known here
+json-object = an object
+json-array = an array
+json-message = a message that is known here
+json-text = a text
+json-boolean = true or false
+json-number = a number
+json-number-or-null = a number or null
+json-number-or-text = a number or a text
+json-whole-number = a whole number
+
+# What is assumed beyond the profile.
+
+assumption-illustrative = The machine data are illustrative, not those of a real machine.
+assumption-linear = { $axis ->
+    [rotary] The axis is taken as a linear system: a rigid body, a first-order torque lag and decoupled flexible modes. Friction, backlash, cogging and cable drag are left out.
+   *[linear] The axis is linear: a rigid mass, a first-order force lag and decoupled flexible modes. Friction, backlash, cogging and cable forces are left out.
+}
+assumption-encoder = The encoder measures without error; velocity is the exact rate of the encoder position at each velocity cycle.
+assumption-cycles = Position controller and feed-forward act one position cycle late and are held for one cycle; the { $axis ->
+    [rotary] torque
+   *[linear] force
+} acts one velocity cycle late.
+assumption-exact-rest = The time-optimal reference demands exact rest of all modes; the recommendation is judged by a band, so the two answer different questions.
+assumption-calculated = A calculated record is not an acceptance test (e.g. ISO 230); confirm on the machine.
+assumption-static-load = The static load takes its amount from the { $axis ->
+    [rotary] torque
+   *[linear] force
+} available for motion; its deflection is constant and taken up by the integral part of the velocity loop.
+
+# Where a datum comes from.
+
+source-default = default
+source-stated = stated in the profile
+source-illustrative = illustrative
+source-accepted-default = default accepted, not measured
