@@ -187,6 +187,16 @@ class Formatter:
             text = f"{text}×10{str(int(power)).translate(SUPERSCRIPTS)}"
         return ("−" if value < 0.0 else "") + text.replace(".", self.decimal_mark)
 
+    def plain(self, value: float, digits: int, style: str) -> str:
+        """Return a number as Python's format prints it, with the language's decimal mark.
+
+        Examples
+        --------
+        >>> Formatter(decimal_mark=",").plain(1.25, 1, "e")
+        '1,2e+00'
+        """
+        return f"{value:.{digits}{style}}".replace(".", self.decimal_mark)
+
     def percent(self, fraction: float, *, digits: int = 3) -> str:
         """Return a fraction in per cent."""
         return self.with_unit(self.number(100.0 * fraction, digits=digits), "%")

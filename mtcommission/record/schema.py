@@ -609,7 +609,7 @@ class AssessmentPart:
 
     met: bool
     checks: list[Check]
-    obstacle: Words
+    obstacle: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import LANGUAGES
+from mtcommission.messages.message import Message
 from mtcommission.record.schema import Record
 from mtcommission.sheet.content import compose
-from mtcommission.sheet.languages import require_language
 
 if TYPE_CHECKING:
     from mtcommission.sheet.terminal import Summary
@@ -47,7 +48,7 @@ def print_html(record: Record, *, language: str = "en", before: Record | None = 
     """
     from mtcommission.sheet.html import set_html
 
-    require_language(language)
+    _require(language)
     document = compose(record, language, before=before)
     return set_html(document, decimal_mark=LANGUAGES[language])
 
@@ -77,7 +78,7 @@ def print_pdf(record: Record, *, language: str = "en", before: Record | None = N
     """
     from mtcommission.sheet.pdf import set_pdf
 
-    require_language(language)
+    _require(language)
     document = compose(record, language, before=before)
     return set_pdf(document, decimal_mark=LANGUAGES[language])
 
@@ -103,5 +104,11 @@ def summarise(record: Record, *, language: str = "en") -> Summary:
     """
     from mtcommission.sheet.terminal import Summary
 
-    require_language(language)
+    _require(language)
     return Summary(record=record, language=language)
+
+
+def _require(language: str) -> None:
+    if language not in LANGUAGES:
+        message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
+        raise InputError([Fault(where="--language", message=message)])

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.formula import Expression, write_formula
+from mtcommission.messages.formula import Expression, symbol
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import ModeEntry, Record, RuleText
-from mtcommission.sheet.model import Column, Formula, Paragraph, Section, Table, Tone
+from mtcommission.sheet.model import Cell, Column, Formula, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import residual
 from mtcommission.sheet.verdict_part import band
 
@@ -48,7 +48,6 @@ def _formulas(part: RuleText, words: Catalogue) -> tuple[Formula, ...]:
     return tuple(
         Formula(
             tree=item.tree,
-            source=write_formula(item.tree),
             aside=words.say(item.aside) if item.aside else "",
         )
         for item in part.formula
@@ -92,11 +91,11 @@ def _symbols(record: Record, words: Catalogue) -> Table:
     return Table(
         caption=text("rule-symbols-caption", modes="; ".join(m.name for m in modes)),
         columns=(
-            Column(head=text("symbol"), width=0.6, is_formula=True),
+            Column(head=text("symbol"), width=0.6),
             Column(head=text("meaning"), width=2.6),
             Column(head=text("value"), width=1.6, is_number=True),
         ),
-        rows=tuple(rows),
+        rows=tuple((symbol(letter), *row) for letter, *row in rows),
     )
 
 
@@ -127,7 +126,7 @@ def _steps(record: Record, words: Catalogue) -> Table:
         caption=text("rule-steps-caption"),
         columns=(
             Column(head=text("rule-step"), width=1.6),
-            Column(head=text("rule-how"), width=2.4, is_formula=True),
+            Column(head=text("rule-how"), width=2.4),
             Column(head=text("value"), width=1.0, is_number=True),
         ),
         rows=tuple(
@@ -141,8 +140,8 @@ def _steps(record: Record, words: Catalogue) -> Table:
     )
 
 
-def _how(formula: Expression | Message, words: Catalogue) -> str:
-    return words.say(formula) if isinstance(formula, Message) else write_formula(formula)
+def _how(formula: Expression | Message, words: Catalogue) -> Cell:
+    return words.say(formula) if isinstance(formula, Message) else formula
 
 
 def _value(value: float | None, unit: str, words: Catalogue) -> str:

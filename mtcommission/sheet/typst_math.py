@@ -1,4 +1,4 @@
-"""Formulas on paper: mathematics of the typesetter, made of nothing but the parsed tree."""
+"""Formulas on paper: mathematics of the typesetter, made of nothing but its tree."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
+from typing import Any
 
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
@@ -56,6 +57,11 @@ class LoopChoice:
     tuned: TunedLoop
     variants: tuple[LoopVariant, ...] = ()
     remarks: tuple[Message, ...] = ()
+
+    @property
+    def model(self) -> Any:
+        """The loop as a ``control.StateSpace`` to go on with, e.g. ``control.bode_plot``."""
+        return self.tuned.model
 
 
 def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:

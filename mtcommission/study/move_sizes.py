@@ -16,9 +16,9 @@ from math import inf, nan
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.batch.response import simulate_limits_batched
 from mtcommission.loop.batch.settling import settle
 from mtcommission.loop.batch.tables import ResponseTables, build_tables, sketch_tables
-from mtcommission.loop.batch.varied_response import respond_to_variations
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep, moving_mass
 from mtcommission.machine.variations import as_variations
@@ -114,8 +114,8 @@ def vary_move_sizes(
         each = [_steps(way, move, shares) for move in machine.moves]
         longest = max(float(steps.duration.max()) for steps in each)
         tables = [
-            build_tables(loop, lifted, longest=longest, filtered=way.moving_average > 0.0)
-            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+            build_tables(loop, longest=longest, filtered=way.moving_average > 0.0)
+            for loop in tuned.loops
         ]
         for move, steps in zip(machine.moves, each, strict=True):
             band = machine.requirements.tcp_deviation
@@ -284,7 +284,7 @@ def find_size_filter(machine: Machine, plant: Plant, tuned: TunedLoop) -> Setpoi
     for _, period, a in sorted(candidates):
         limits = MotionLimits(acceleration=a, jerk=a / NO_JERK_LIMIT)
         filtered = replace(machine, control=replace(machine.control, moving_average_time=period))
-        found = respond_to_variations(filtered, plant, tuned, limits, variations=places)
+        found = simulate_limits_batched(filtered, plant, tuned, limits, variations=places)
         # What saturates takes long to simulate: only what seems good is judged in full.
         if not np.all(found.meets(filtered)):
             continue
@@ -308,8 +308,8 @@ def _settle_in_all_sizes(
         for move in machine.moves
     ]
     longest = max(float(steps.duration.max()) for steps in moves)
-    for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True):
-        tables = build_tables(loop, lifted, longest=longest, filtered=True)
+    for loop in tuned.loops:
+        tables = build_tables(loop, longest=longest, filtered=True)
         rough = sketch_tables(tables, loop.plant)
         for steps in moves:
             found = settle(rough, steps, band=band)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.batch.varied_response import VariedResponse, respond_to_variations
+from mtcommission.loop.batch.response import BatchedResponse, simulate_limits_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import Requirement
@@ -303,7 +303,7 @@ def run_monte_carlo(
     MonteCarlo
     """
     variations = draw_variations(machine, samples=samples, seed=seed)
-    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
     band = machine.requirements.tcp_deviation
     return MonteCarlo(
         variations=variations,
@@ -350,7 +350,7 @@ def find_frequency_error(
         frequency_factor=np.repeat(factor, len(places)),
         damping_factor=np.tile(each.damping_factor, len(factor)),
     )
-    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
     shape = (len(factor), len(places))
     kept = np.all(found.meets(machine).reshape(shape), axis=1)
     low, high = _stretch_about(kept, middle)
@@ -406,20 +406,20 @@ def find_sensitivities(
         ("change-frequencies", -0.01, limits, scale_variations(places, frequency=0.99)),
         ("change-damping", -0.1, limits, scale_variations(places, damping=0.9)),
     ]
-    base = respond_to_variations(machine, plant, tuned, limits, variations=places)
+    base = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
     return tuple(
         _compare(
             machine,
             Message(kind, change=change),
             base,
-            respond_to_variations(machine, plant, tuned, varied, variations=variations),
+            simulate_limits_batched(machine, plant, tuned, varied, variations=variations),
         )
         for kind, change, varied, variations in cases
     )
 
 
 def _compare(
-    machine: Machine, change: Message, base: VariedResponse, found: VariedResponse
+    machine: Machine, change: Message, base: BatchedResponse, found: BatchedResponse
 ) -> Sensitivity:
     settling = float(found.settling_time.max())
     residual = float(found.residual_deviation.max())

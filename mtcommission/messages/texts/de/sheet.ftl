@@ -449,7 +449,6 @@ signature-field-4 = Bemerkungen
 
 ## Faults
 
-unknown-language = „{ $language }“ gibt es nicht; möglich: { $allowed }
 # $got, $wanted: linear or rotary
 compared-with-other-motion = die Achse ist { $got ->
     [rotary] rotatorisch

@@ -449,6 +449,5 @@ signature-field-4 = Remarks
 
 ## Faults
 
-unknown-language = got "{ $language }", must be one of: { $allowed }
 # $got, $wanted: linear or rotary
 compared-with-other-motion = got a { $got } axis, must be { $wanted } like the record to be printed
