@@ -128,8 +128,12 @@ def test_terminal_shows_the_peak_of_every_row(
     rows = [line.split("  ") for line in capsys.readouterr().out.splitlines()]
     peaks = [
         found.recommended.peak_deviation,
-        *(mode.trial.peak_deviation for mode in found.modes if mode.trial.assessment.is_met),
-        *(trial.peak_deviation for trial in (*found.alternatives, *found.rules)),
+        *(
+            mode.candidate.peak_deviation
+            for mode in found.modes
+            if mode.candidate.assessment.is_met
+        ),
+        *(candidate.peak_deviation for candidate in (*found.alternatives, *found.rules)),
     ]
     shown = [cell.strip() for row in rows for cell in row]
     assert "Peak" in shown

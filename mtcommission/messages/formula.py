@@ -8,7 +8,7 @@ lists of a name and its arguments; ``write_formula`` says it in one line of plai
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from types import MappingProxyType
 
 GREEK: Mapping[str, str] = MappingProxyType(
@@ -207,6 +207,25 @@ def _parts(tree: Expression) -> tuple[Expression, ...]:
         case Enclosed(inner) | Root(inner) | Sum(inner):
             return (inner,)
     return ()
+
+
+def with_decimal_mark(tree: Expression, mark: str) -> Expression:
+    """Return a formula whose numbers have a language's decimal mark.
+
+    Examples
+    --------
+    >>> write_formula(with_decimal_mark(0.4 * symbol("T"), ","))
+    '0,4 T'
+    """
+
+    def marked(part: object) -> object:
+        if isinstance(part, tuple):
+            return tuple(map(marked, part))
+        return with_decimal_mark(part, mark) if isinstance(part, Expression) else part
+
+    if isinstance(tree, Number):
+        return Number(tree.digits.replace(".", mark))
+    return type(tree)(*(marked(getattr(tree, item.name)) for item in fields(tree)))  # type: ignore[arg-type]
 
 
 def write_formula(tree: Expression) -> str:
