@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.formula import Expression, symbol
+from mtcommission.messages.formula import Expression, symbol, with_decimal_mark
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import ModeEntry, Record, RuleText
@@ -47,7 +47,7 @@ def _formulas(part: RuleText, words: Catalogue) -> tuple[Formula, ...]:
     """Return each formula of the rule in a line of its own."""
     return tuple(
         Formula(
-            tree=item.tree,
+            tree=with_decimal_mark(item.tree, words.format.decimal_mark),
             aside=words.say(item.aside) if item.aside else "",
         )
         for item in part.formula
@@ -141,7 +141,9 @@ def _steps(record: Record, words: Catalogue) -> Table:
 
 
 def _how(formula: Expression | Message, words: Catalogue) -> Cell:
-    return words.say(formula) if isinstance(formula, Message) else formula
+    if isinstance(formula, Message):
+        return words.say(formula)
+    return with_decimal_mark(formula, words.format.decimal_mark)
 
 
 def _value(value: float | None, unit: str, words: Catalogue) -> str:
