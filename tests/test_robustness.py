@@ -280,14 +280,14 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
     said = unspaced(Catalogue().say(warning))
     lost = (
         "residual deviation (where they are lower) and set force (where they are higher) and "
-        "peak v_phi (where they are higher)"
+        "peak v_φ (where they are higher)"
     )
     assert f"off by {english}. Missed outside this range: {lost}. State requirements" in said
     translated = unspaced(Catalogue("de").say(warning))
     assert german in translated
     lost = (
         "Restabweichung (wo sie tiefer liegen) und Sollkraft (wo sie höher liegen) und "
-        "Höchstwert v_phi (wo sie höher liegen)"
+        "Höchstwert v_φ (wo sie höher liegen)"
     )
     assert f"Außerhalb davon verletzt: {lost}." in translated
     needs = replace(machine.requirements, frequency_spread=0.03)

@@ -750,7 +750,7 @@ class Record:
     machine: MachineEntry
     data: list[Datum]
     settings: dict[str, float | str]
-    assumptions: list[Message]
+    assumptions: list[Words]
     warnings: list[Words]
     plant: PlantEntry
     optima: list[OptimaEntry]

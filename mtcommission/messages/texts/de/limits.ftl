@@ -43,7 +43,10 @@ commissioning-rule = Inbetriebnahmeregel
 source-commissioning-rule = dieses Projekt, von Hand; Herleitung und Prüfung in docs/commissioning-rule.md
 rule-description = Eine Regel für die Anwendung von Hand: jeder Rucksprung hinterlässt in jeder Eigenform eine Schwingung und im Regelkreis einen Nachlauf, beide proportional zum Ruck; Rampen von ganzen Perioden löschen die Schwingung. Von den versuchten Rampen gilt die mit der kürzesten Bewegung.
 rule-advice = Zu versuchen: t_j = 1, 2, 3 Perioden jeder Eigenform und das t_j, das keine Auslöschung braucht (R = 2); die kürzeste Bewegung gilt.
-rule-validity = Starre Achse mit Verzögerung und schwach gedämpften Eigenformen (15 bis 200 Hz, Dämpfung 0,5 bis 10 %), Kaskade mit voller Geschwindigkeitsvorsteuerung und selbst bestimmter Sollwertverzögerung, Streuung bis 10 %, Zuladung bis 30 % der bewegten Masse, Band 2 bis 50 µm; kein Sollwertfilter, keine Grenzen für Höchstwerte oder { $axis ->
+rule-validity = Starre Achse mit Verzögerung und schwach gedämpften Eigenformen (15 bis 200 Hz, Dämpfung 0,5 bis 10 %), Kaskade mit voller Geschwindigkeitsvorsteuerung und selbst bestimmter Sollwertverzögerung, Streuung bis 10 %, Zuladung bis 30 % { $axis ->
+    [rotary] des bewegten Trägheitsmoments
+   *[linear] der bewegten Masse
+}, Band 2 bis 50 µm; kein Sollwertfilter, keine Grenzen für Höchstwerte oder { $axis ->
     [rotary] Effektivmoment
    *[linear] Effektivkraft
 }. Das Band wird bei den meisten Maschinen eingehalten, nicht bei allen: vor Gebrauch simulieren.
@@ -64,7 +67,10 @@ rule-for-positioning = beim Positionieren
 rule-within-the-spread = innerhalb der Streuung
 rule-speed-loop = Geschwindigkeitsregelkreis ω_v
 rule-servo-sensitivity = Ruckempfindlichkeit des Regelkreises C_S
-rule-unknown-mass = unbekannter Anteil der Masse ε
+rule-unknown-mass = { $axis ->
+    [rotary] unbekannter Anteil des Trägheitsmoments ε
+   *[linear] unbekannter Anteil der Masse ε
+}
 rule-payload-sensitivity = Ruckempfindlichkeit durch die Zuladung C_P
 rule-mode-sensitivity = Ruckempfindlichkeit C der Eigenform { $mode }
 rule-mode-spread = Streuung der Eigenform { $mode } über die angegebene hinaus

@@ -45,7 +45,10 @@ commissioning-rule = commissioning rule
 source-commissioning-rule = this project, by hand; derived and validated in docs/commissioning-rule.md
 rule-description = A rule to apply by hand: each jerk step leaves a vibration in every mode and a following-error transient of the servo loop, both in proportion to the jerk; ramps of whole periods cancel the vibration. Of the ramps tried, the one with the shortest motion is taken.
 rule-advice = Try t_j = 1, 2, 3 periods of each mode, and the t_j that needs no cancelling (R = 2); take the shortest motion.
-rule-validity = Rigid axis with lag and weakly damped modes (15 to 200 Hz, damping 0.5 to 10 %), cascade with full velocity feed-forward and automatic reference delay, spread up to 10 %, payload up to 30 % of the moving mass, band 2 to 50 µm; no setpoint filter, no bounds on peaks or { $axis ->
+rule-validity = Rigid axis with lag and weakly damped modes (15 to 200 Hz, damping 0.5 to 10 %), cascade with full velocity feed-forward and automatic reference delay, spread up to 10 %, payload up to 30 % of the moving { $axis ->
+    [rotary] moment of inertia
+   *[linear] mass
+}, band 2 to 50 µm; no setpoint filter, no bounds on peaks or { $axis ->
     [rotary] RMS torque
    *[linear] RMS force
 }. The band is met in most machines, not in all: simulate before use.
@@ -66,7 +69,10 @@ rule-for-positioning = for positioning
 rule-within-the-spread = within the spread
 rule-speed-loop = speed loop ω_v
 rule-servo-sensitivity = jerk sensitivity C_S of the servo
-rule-unknown-mass = unknown share of the mass ε
+rule-unknown-mass = { $axis ->
+    [rotary] unknown share of the moment of inertia ε
+   *[linear] unknown share of the mass ε
+}
 rule-payload-sensitivity = jerk sensitivity C_P by the payload
 rule-mode-sensitivity = jerk sensitivity C of mode { $mode }
 rule-mode-spread = spread of mode { $mode } beyond the stated one
