@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import highspy
 import numpy as np
-from highspy import HighsBasisStatus, HighsModelStatus
+from highspy import HighsBasisStatus, HighsModelStatus, cb
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
@@ -175,7 +175,29 @@ def _solver(
     }
     for name, value in options.items():
         solver.setOptionValue(name, value)
+    _stop_circles(solver, most=settings.checks_per_step * steps)
     return solver
+
+
+def _stop_circles(solver: highspy.Highs, *, most: int) -> None:
+    """Stop a simplex method that has asked too often whether it shall go on.
+
+    It asks at each step, and again at each new factorisation: one that turns in circles without
+    counting its steps goes on asking.
+    """
+    left = iter(range(most))
+
+    def answer(
+        kind: cb.HighsCallbackType,
+        message: str,
+        said: cb.HighsCallbackOutput,
+        told: cb.HighsCallbackInput,
+        data: object,
+    ) -> None:
+        told.user_interrupt = next(left, None) is None
+
+    solver.setCallback(answer, None)
+    solver.startCallback(cb.HighsCallbackType.kCallbackSimplexInterrupt)
 
 
 def _solution(solver: highspy.Highs, *, equations: int) -> Solution:
