@@ -122,7 +122,7 @@ def test_continuous_loop_is_near_the_sampled_one(seed: int) -> None:
     plant = build_plant(made)
     move = Positioning(distance=0.02)
     setpoint = plan_setpoint(move, MotionLimits(acceleration=1.0, jerk=30.0))
-    sampled = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=made.drive, band=5e-6)
+    sampled = simulate(tuned.loops[0], setpoint, drive=made.drive, band=5e-6)
     until = sampled.t_end + 0.2
     found = simulate_continuous(
         plant, tuned.controller, setpoint, model=plant, band=5e-6, until=until
@@ -140,7 +140,7 @@ def test_continuous_loop_with_stiff_delays_does_not_grow() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     setpoint = plan_setpoint(machine.moves[0], MotionLimits(acceleration=2.0, jerk=40.0))
     band = machine.requirements.tcp_deviation
-    sampled = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=machine.drive, band=band)
+    sampled = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=band)
     found = simulate_continuous(
         plant, tuned.controller, setpoint, model=plant, band=band, until=sampled.t_end + 0.5
     )
@@ -152,7 +152,7 @@ def test_continuous_difference_on_the_paper_machine_is_as_documented(
 ) -> None:
     """docs/feedback-loop.md states 0.1 to 1.4 % for the settling time."""
     setpoint = plan_setpoint(machine.moves[0], LIMITS)
-    sampled = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=machine.drive, band=5e-6)
+    sampled = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=5e-6)
     found = simulate_continuous(
         plant, tuned.controller, setpoint, model=plant, band=5e-6, until=0.5
     )

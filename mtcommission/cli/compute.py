@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -29,6 +30,19 @@ from mtcommission.cli.inputs import (
 )
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.messages.message import Message
+
+if TYPE_CHECKING:
+    from mtcommission.machine.machine import Machine
+
+
+def _in_english(machine: Machine) -> list[str]:
+    """The warnings as the record holds them."""
+    from mtcommission.machine.machine import Motion
+    from mtcommission.messages.catalogue import Catalogue
+
+    english = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
+    return [english.say(message) for message in list_warnings(machine)]
 
 
 def run(
@@ -57,7 +71,7 @@ def run(
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
-    record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
+    record = build_record(found, profile=source, created=now(), warnings=_in_english(machine))
     with show_stage() as progress:
         progress("sheet")
         files = {
@@ -77,7 +91,7 @@ def run(
     following = say("cli-next-export", record=file)
     indent = " " * (following.index(":") + 2)
     sys.stdout.write(f"{following}\n{indent}{say('cli-list-of-controls')}\n")
-    raise typer.Exit(0 if record["assessment"]["met"] else 1)
+    raise typer.Exit(0 if record.assessment.met else 1)
 
 
 def optimal(
@@ -136,6 +150,7 @@ def optimal(
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.optima import optimum_entry
+    from mtcommission.record.shape import to_plain
 
     require_writable(json_file, csv_file)
     machine = read_machine(profile, f_max)
@@ -158,7 +173,7 @@ def optimal(
         begun = perf_counter()
         solution = solve(machine, plant, request)
         elapsed = perf_counter() - begun
-    entry = {**optimum_entry(plant, solution), "solve_time": elapsed}
+    entry = {**to_plain(optimum_entry(plant, solution)), "solve_time": elapsed}
     entry.pop("series")
     if json_file:
         write_text(json_file, dump_json(entry))
@@ -194,7 +209,7 @@ def limits(
         write_text(json_file, dump_json(part))
     if json_file != "-":
         narrow = warn_of_narrow_range(machine, found.robustness.frequency_error)
-        warnings = [*found.tuned.warnings, *narrow]
+        warnings: list[Message | str] = [*found.tuned.warnings, *narrow]
         show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if met else 1)
 
@@ -243,11 +258,11 @@ def simulate(
         progress("response")
         moves = run_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
-    part["warnings"] = [*notes, *part["warnings"]]
+    part = replace(part, warnings=[*notes, *part.warnings])
     if json_file:
         write_text(json_file, dump_json(part))
     if csv_file:
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
         show(describe_simulation(machine, part))
-    raise typer.Exit(0 if part["assessment"]["met"] else 1)
+    raise typer.Exit(0 if part.assessment.met else 1)

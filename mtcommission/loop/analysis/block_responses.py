@@ -52,7 +52,7 @@ class Blocks:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sight:
+class PlantResponse:
     """What is seen of the plant, per newton.
 
     Parameters
@@ -70,7 +70,7 @@ class Sight:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Answers:
+class BlockResponses:
     """What plant and observer do at some frequencies.
 
     Parameters
@@ -88,8 +88,8 @@ class Answers:
     blocks: Blocks
     omega: Array
     z: ComplexArray
-    moved: Sight
-    disturbed: Sight
+    moved: PlantResponse
+    disturbed: PlantResponse
     estimates: ComplexArray
 
 
@@ -119,7 +119,7 @@ def build_blocks(plant: Plant, controller: Controller) -> Blocks:
     )
 
 
-def answer_on_grid(plant: Plant, controller: Controller) -> Answers:
+def scan_blocks_on_grid(plant: Plant, controller: Controller) -> BlockResponses:
     """Return what ``scan`` needs of a loop, the same for all gains.
 
     Parameters
@@ -129,13 +129,13 @@ def answer_on_grid(plant: Plant, controller: Controller) -> Answers:
 
     Returns
     -------
-    Answers
+    BlockResponses
         From 0.1 Hz to the Nyquist frequency of the velocity cycle, before refinement.
     """
-    return answer_at(build_blocks(plant, controller), _grid(plant, controller))
+    return scan_blocks(build_blocks(plant, controller), _grid(plant, controller))
 
 
-def answer_at(blocks: Blocks, omega: Array) -> Answers:
+def scan_blocks(blocks: Blocks, omega: Array) -> BlockResponses:
     """Return what plant and observer do at given frequencies.
 
     Parameters
@@ -147,24 +147,24 @@ def answer_at(blocks: Blocks, omega: Array) -> Answers:
 
     Returns
     -------
-    Answers
+    BlockResponses
     """
     z = np.exp(1j * omega * blocks.velocity_cycle)
     states = resolvent(blocks.A, blocks.entries, z)
     estimates = resolvent(blocks.observer, blocks.drives, z).swapaxes(1, 2)
-    return Answers(
+    return BlockResponses(
         blocks=blocks,
         omega=omega,
         z=z,
-        moved=_look_at(blocks, states[:, :, 0]),
-        disturbed=_look_at(blocks, states[:, :, 1]),
+        moved=_read_outputs(blocks, states[:, :, 0]),
+        disturbed=_read_outputs(blocks, states[:, :, 1]),
         estimates=np.ascontiguousarray(estimates),
     )
 
 
-def _look_at(blocks: Blocks, states: ComplexArray) -> Sight:
+def _read_outputs(blocks: Blocks, states: ComplexArray) -> PlantResponse:
     rate, encoder, tool, *_ = (states @ row for row in blocks.rows)
-    return Sight(rate=rate, encoder=encoder, tool=tool, sensors=states @ blocks.rows[3:].T)
+    return PlantResponse(rate=rate, encoder=encoder, tool=tool, sensors=states @ blocks.rows[3:].T)
 
 
 def _grid(plant: Plant, controller: Controller) -> Array:

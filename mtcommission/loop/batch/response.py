@@ -1,6 +1,6 @@
 """The same limits on thousands of machines at once: settling, residual, use of the bounds.
 
-The loops of all samples advance together, driven by the same setpoint (``varied_motion``).
+The loops of all samples advance together, driven by the same setpoint (``run``).
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.batch.varied_loops import build_loops
-from mtcommission.loop.batch.varied_motion import bounded_signals, follow, shares_of_bounds
-from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.loop.batch.loops import discretise_variations
+from mtcommission.loop.batch.run import bounded_signals, run_batch, shares_of_bounds
+from mtcommission.loop.model.assembly import lift_on_plants
+from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Variations
 from mtcommission.plant.plant import Plant
@@ -27,7 +28,7 @@ CHUNK = 1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class VariedResponse:
+class BatchedResponse:
     """What limits do on many machines.
 
     Parameters
@@ -70,14 +71,14 @@ class VariedResponse:
         return tuple(name for name, is_missed in found if is_missed[samples].any())
 
 
-def respond_to_variations(
+def simulate_limits_batched(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
     limits: MotionLimits,
     *,
     variations: Variations,
-) -> VariedResponse:
+) -> BatchedResponse:
     """Return settling time and residual deviation of the same limits on many machines.
 
     Parameters
@@ -93,21 +94,21 @@ def respond_to_variations(
 
     Returns
     -------
-    VariedResponse
+    BatchedResponse
     """
     time = machine.control.moving_average_time
     setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
-    return follow_setpoints(machine, plant, tuned, setpoints, variations=variations)
+    return simulate_batched(machine, plant, tuned, setpoints, variations=variations)
 
 
-def follow_setpoints(
+def simulate_batched(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
     setpoints: Sequence[Setpoint],
     *,
     variations: Variations,
-) -> VariedResponse:
+) -> BatchedResponse:
     """Return what given setpoints do on many machines, worst over the setpoints.
 
     Parameters
@@ -123,60 +124,24 @@ def follow_setpoints(
 
     Returns
     -------
-    VariedResponse
-    """
-    found = follow_each(machine, plant, tuned, setpoints, variations=variations)
-    return VariedResponse(
-        settling_time=np.max([item.settling_time for item in found], axis=0),
-        residual_deviation=np.max([item.residual_deviation for item in found], axis=0),
-        shares=np.max([item.shares for item in found], axis=0),
-        bounds=found[0].bounds,
-    )
-
-
-def follow_each(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    setpoints: Sequence[Setpoint],
-    *,
-    variations: Variations,
-) -> tuple[VariedResponse, ...]:
-    """Return what each of many setpoints does on many machines.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        See ``follow_setpoints``.
-    setpoints
-        Filters included.
-    variations
-        The machines.
-
-    Returns
-    -------
-    tuple of VariedResponse
-        In the order of the setpoints.
+    BatchedResponse
     """
     count, loop = len(variations.payload), tuned.loops[0]
     signals = bounded_signals(machine, plant, loop)
-    found = [
-        VariedResponse(
-            settling_time=np.zeros(count),
-            residual_deviation=np.zeros(count),
-            shares=np.zeros((count, len(signals.names))),
-            bounds=signals.names,
-        )
-        for _ in setpoints
-    ]
+    settling, residual = np.zeros(count), np.zeros(count)
+    shares = np.zeros((count, len(signals.names)))
     for start in range(0, count, CHUNK):
         part = slice(start, start + CHUNK)
-        lifted = build_loops(
-            machine, plant, tuned, variations=variations, part=part, signals=signals.rows
+        A, B = discretise_variations(
+            machine, plant, loop.controller.velocity_cycle, variations=variations, part=part
         )
-        for response, setpoint in zip(found, setpoints, strict=True):
-            motion = follow(machine, plant, loop, lifted, signals, setpoint)
-            response.settling_time[part] = motion.settling
-            response.residual_deviation[part] = motion.residual
-            response.shares[part] = shares_of_bounds(motion, signals, setpoint)
-    return tuple(found)
+        rows = lift_on_plants(loop, A, B, signals=signals.rows)
+        for setpoint in setpoints:
+            run = run_batch(machine, loop, rows, signals, setpoint)
+            used = shares_of_bounds(run, signals, setpoint)
+            settling[part] = np.maximum(settling[part], run.settling)
+            residual[part] = np.maximum(residual[part], run.residual)
+            shares[part] = np.maximum(shares[part], used)
+    return BatchedResponse(
+        settling_time=settling, residual_deviation=residual, shares=shares, bounds=signals.names
+    )

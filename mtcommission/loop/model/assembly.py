@@ -1,4 +1,4 @@
-"""One position cycle of the sampled loop, as arithmetic and as matrices.
+"""The matrices of the loop, quickly: one assembly for every engine, held to ``diagram`` by a test.
 
 Which path carries which dead time:
 
@@ -14,20 +14,21 @@ Which path carries which dead time:
   later and is held.
 
 The same step advances numbers (a simulation, with saturation) and unit vectors (the matrices
-of the linear loop), so the two cannot differ.
+of the linear loop), so the two cannot differ. It takes a tenth of a millisecond, the diagram some
+thirty: tuning assembles hundreds of loops, a batch thousands.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import ceil, exp, inf
+from dataclasses import dataclass, field
+from math import exp, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.model.controller import Controller, reference_state
 from mtcommission.loop.model.discrete import Stage, discretise, discretise_filter
-from mtcommission.loop.model.interpolation import delay_weights
+from mtcommission.loop.model.interpolation import delay_weights, kept_samples
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -35,53 +36,8 @@ Array = NDArray[np.float64]
 INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
 
 HELD = ("held_correction", "held_velocity", "held_force", "held_force_rate")
-"""What the position cycle hands down: position controller output, velocity and force ahead, and
-how the force by the wanted state changes until the next one."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SampledLoop:
-    """A plant under a controller, ready to be advanced by position cycles.
-
-    Parameters
-    ----------
-    plant, controller
-        What it was built from; the plant may differ from the one the controller was tuned for.
-    step
-        State one velocity cycle later, before the new force and the integrator, shape (n, n).
-    demand
-        Force asked for, as a row over the state, shape (n,).
-    integration
-        What the integrator adds in a velocity cycle, shape (n,).
-    observation
-        Outputs at a velocity cycle, shape (n_outputs, n).
-    handed_down
-        What the position cycle computes (``HELD``), over (state, references), shape (4, n + 4).
-    states
-        Names of the loop's states.
-    outputs
-        Names per velocity cycle: tcp, encoder, force, then the plant's states.
-    """
-
-    plant: Plant
-    controller: Controller
-    step: Array
-    demand: Array
-    integration: Array
-    observation: Array
-    handed_down: Array
-    states: tuple[str, ...]
-    outputs: tuple[str, ...]
-
-    @property
-    def integrator(self) -> int:
-        """Index of the integrator; the pending force follows it."""
-        return self.plant.order
-
-    @property
-    def held(self) -> int:
-        """Index of the first of ``HELD``; the kept setpoint samples follow them."""
-        return self.states.index("held_correction")
+"""What the position cycle hands down: position controller output, feed-forward of velocity and
+force, and how the force by the wanted state changes until the next one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,6 +65,70 @@ class LiftedLoop:
     outputs: tuple[str, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SampledLoop:
+    """A plant under a controller, ready to be advanced by position cycles.
+
+    Parameters
+    ----------
+    plant, controller
+        What it was built from; the plant may differ from the one the controller was tuned for.
+    step
+        State one velocity cycle later, before the new force and the integrator, shape (n, n).
+    demand
+        Force asked for, as a row over the state, shape (n,).
+    integration
+        What the integrator adds in a velocity cycle, shape (n,).
+    observation
+        Outputs at a velocity cycle, shape (n_outputs, n).
+    handed_down
+        What the position cycle computes (``HELD``), over (state, references), shape (4, n + 4).
+    states
+        Names of the loop's states.
+    outputs
+        Names per velocity cycle: tcp, encoder, force, then the plant's states.
+    lifted
+        The same loop, linear, at the position cycle.
+    """
+
+    plant: Plant
+    controller: Controller
+    step: Array
+    demand: Array
+    integration: Array
+    observation: Array
+    handed_down: Array
+    states: tuple[str, ...]
+    outputs: tuple[str, ...]
+    lifted: LiftedLoop = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lifted", _lift(self))
+
+    @property
+    def cycle(self) -> Array:
+        """Linear state one velocity cycle later, force and integrator included, shape (n, n)."""
+        cycle = self.step.copy()
+        cycle[self.integrator] += self.integration
+        cycle[self.integrator + 1] = self.demand
+        return cycle
+
+    @property
+    def integrator(self) -> int:
+        """Index of the integrator; the pending force follows it."""
+        return self.plant.order
+
+    @property
+    def held(self) -> int:
+        """Index of the first of ``HELD``; the kept setpoint samples follow them."""
+        return self.states.index("held_correction")
+
+    @property
+    def own_size(self) -> int:
+        """Number of states without the kept setpoint samples, which end it."""
+        return self.held + len(HELD)
+
+
 def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> SampledLoop:
     """Return the loop of a plant under a controller.
 
@@ -125,9 +145,7 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     -------
     SampledLoop
     """
-    T_p, tau = controller.position_cycle, controller.reference_delay
-    arrival = controller.reference_age
-    delays = max(ceil(tau / T_p - 1e-9), ceil(arrival / T_p - 1e-9))
+    delays = kept_samples(controller)
     filters = tuple(discretise_filter(item, controller) for item in controller.force_filters)
     names = [f"plant.{name}" for name in plant.states]
     names += ["integrator", "pending_force"]
@@ -148,9 +166,7 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
         observation=np.vstack(
             [plant.row("tcp") @ P, plant.row("encoder") @ P, unit[plant.order + 1], P]
         ),
-        handed_down=_position_cycle(
-            plant, controller, model, arrival=arrival, delays=delays, size=len(names)
-        ),
+        handed_down=_position_cycle(plant, controller, model, delays=delays, size=len(names)),
         states=tuple(names),
         outputs=("tcp", "encoder", "force", *plant.states),
     )
@@ -186,7 +202,7 @@ def _velocity_cycle(
     error = held[0] + held[1] - plant.row("encoder") @ plant.A @ P
     integrated = error
     if controller.reference_model_time:
-        # Only the correction passes the model: the velocity ahead already arrives in time.
+        # Only the correction passes the model: the fed-forward velocity already arrives in time.
         share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
         step[modelled] += share * (held[0] - unit[modelled])
         integrated = error + unit[modelled] - held[0]
@@ -202,11 +218,11 @@ def _velocity_cycle(
 
 
 def _position_cycle(
-    plant: Plant, controller: Controller, model: Plant, *, arrival: float, delays: int, size: int
+    plant: Plant, controller: Controller, model: Plant, *, delays: int, size: int
 ) -> Array:
     """Correction, velocity, force and its rate handed down, as rows over (state, references)."""
     T_p, m = controller.position_cycle, controller.feedforward_mass
-    delayed = delay_weights(arrival, cycle=T_p, delays=delays)
+    delayed = delay_weights(controller.reference_age, cycle=T_p, delays=delays)
     position = delay_weights(controller.reference_delay, cycle=T_p, delays=delays)[0]
     wanted = controller.state_gains @ reference_state(model, controller)
     # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
@@ -214,7 +230,7 @@ def _position_cycle(
     force = wanted @ delayed - 0.5 * (T_p - controller.velocity_cycle) * rate
     force[2] += controller.acceleration_feedforward * m
     force[3] += controller.jerk_feedforward * m * controller.force_lag
-    ahead = np.vstack(
+    by_setpoint = np.vstack(
         [
             controller.position_gain * position,
             controller.velocity_feedforward * delayed[1],
@@ -223,8 +239,8 @@ def _position_cycle(
         ]
     )
     rows = np.zeros((len(HELD), size + 4))
-    rows[:, size:] = ahead[:, :4]
-    rows[:, size - 4 * delays : size] = ahead[:, 4:]
+    rows[:, size:] = by_setpoint[:, :4]
+    rows[:, size - 4 * delays : size] = by_setpoint[:, 4:]
     rows[0, : plant.order] = -controller.position_gain * plant.row("encoder")
     return rows
 
@@ -269,19 +285,8 @@ def advance_cycle(
     return np.vstack([X[:held], handed_down, kept]), outputs
 
 
-def lift_loop(loop: SampledLoop) -> LiftedLoop:
-    """Return the linear loop as matrices at the position cycle.
-
-    Parameters
-    ----------
-    loop
-        The loop.
-
-    Returns
-    -------
-    LiftedLoop
-        By advancing unit states and unit references.
-    """
+def _lift(loop: SampledLoop) -> LiftedLoop:
+    """The linear loop at the position cycle, by advancing unit states and unit references."""
     n = len(loop.states)
     unit = np.eye(n + 4)
     following, outputs = advance_cycle(loop, unit[:n], unit[n:])
@@ -297,3 +302,35 @@ def lift_loop(loop: SampledLoop) -> LiftedLoop:
         inputs=INPUTS,
         outputs=tuple(names),
     )
+
+
+def lift_on_plants(loop: SampledLoop, A: Array, B: Array, *, signals: Array) -> Array:
+    """Return the loop on many plants at the position cycle, without the kept setpoint samples.
+
+    Parameters
+    ----------
+    loop
+        The same controller on one of them.
+    A, B
+        The plants over a velocity cycle, shapes (n_plants, n, n), (n_plants, n).
+    signals
+        Rows over the loop's state (``own_size`` columns), shape (n_signals, n).
+
+    Returns
+    -------
+    ndarray
+        Shape (n_plants, n + (n_signals + 1) cycles, n). The first n rows are A in X⁺ = A X plus
+        what the setpoint hands down; then each signal at each velocity cycle, as rows over X;
+        then the tool position. One product is faster than three.
+    """
+    n, size = loop.plant.order, loop.own_size
+    cycle = np.repeat(loop.cycle[None, :size, :size], len(A), axis=0)
+    cycle[:, :n, :n], cycle[:, :n, loop.integrator + 1] = A, B
+    rows = np.repeat(np.vstack([signals, loop.observation[:1, :size]])[None], len(A), axis=0)
+    pieces = []
+    for _ in range(loop.controller.cycles):
+        pieces.append(rows)
+        rows = rows @ cycle
+    lifted = np.linalg.matrix_power(cycle, loop.controller.cycles)
+    lifted[:, loop.held :] = loop.handed_down[:, :size]
+    return np.concatenate([lifted, np.stack(pieces, axis=2).reshape(len(A), -1, size)], axis=1)

@@ -12,8 +12,8 @@ from math import ceil, inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.batch.varied_loops import VariedLoops, hand_down, own_size
-from mtcommission.loop.model.sampled import SampledLoop
+from mtcommission.loop.batch.loops import hand_down
+from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.simulate.response import DECAYED, HORIZON
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant, longest_period
@@ -64,7 +64,7 @@ def bounded_signals(machine: Machine, plant: Plant, loop: SampledLoop) -> Signal
     -------
     Signals
     """
-    drive, peaks, size = machine.drive, machine.requirements.peaks, own_size(loop)
+    drive, peaks, size = machine.drive, machine.requirements.peaks, loop.own_size
     outputs = loop.observation[:, :size]
     states = outputs[-plant.order :]
     rows = [outputs[loop.outputs.index("force")], *(plant.row(p.name) @ states for p in peaks)]
@@ -82,7 +82,7 @@ def bounded_signals(machine: Machine, plant: Plant, loop: SampledLoop) -> Signal
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Motion:
+class BatchRun:
     """What is known so far of the motion of one chunk.
 
     Parameters
@@ -94,7 +94,7 @@ class Motion:
     first, square
         Integrals of the motor force and of its square over [0, t_e + dwell], (n_samples,).
     X
-        Loop state of the samples that are still followed, shape (n_alive, n, 1).
+        Loop state of the samples that still move, shape (n_alive, n, 1).
     alive
         Which samples those are.
     last
@@ -121,22 +121,21 @@ class _Course:
     fed: Array
 
 
-def follow(
+def run_batch(
     machine: Machine,
-    plant: Plant,
     loop: SampledLoop,
-    lifted: VariedLoops,
+    rows: Array,
     signals: Signals,
     setpoint: Setpoint,
-) -> Motion:
+) -> BatchRun:
     """Return settling time, residual and use of the bounds of one setpoint on a chunk of samples.
 
     Parameters
     ----------
-    machine, plant, loop
+    machine, loop
         Nominal.
-    lifted
-        The loops of the chunk, built with these signals.
+    rows
+        The loops of the chunk, from ``lift_on_plants`` with these signals.
     signals
         What is bounded.
     setpoint
@@ -144,41 +143,41 @@ def follow(
 
     Returns
     -------
-    Motion
+    BatchRun
         Settling time and residual are inf where a sample is outside the band even in the last
         stretch of the horizon.
     """
     T_p, until = loop.controller.position_cycle, setpoint.duration + loop.controller.reference_delay
     band = machine.requirements.tcp_deviation
     first = int(until / T_p)
-    stretch = ceil(max(min(longest_period(plant), 0.2), EARLIEST_STOP) / T_p)
+    stretch = ceil(max(min(longest_period(loop.plant), 0.2), EARLIEST_STOP) / T_p)
     last = first + ceil(HORIZON / T_p)
     fed = hand_down(loop, setpoint, last + stretch)
     course = _Course(loop=loop, signals=signals, setpoint=setpoint, fed=fed)
-    motion, rows = _at_rest(lifted, signals, until=until), lifted.rows
+    run = _at_rest(rows, signals, until=until)
     tool = loop.controller.cycles
-    _advance(motion, course, np.ascontiguousarray(rows[:, :-tool]), 0, first)
+    _advance(run, course, np.ascontiguousarray(rows[:, :-tool]), 0, first)
     for start in range(first, last, stretch):
-        tip = _advance(motion, course, rows, start, start + stretch)
+        tip = _advance(run, course, rows, start, start + stretch)
         t, e = _deviation(course, tip, start, until=until)
-        size = _note(motion, t, np.abs(e), band=band)
+        size = _note(run, t, np.abs(e), band=band)
         moving = size > DECAYED * band
-        motion.alive, motion.X, motion.last = (
-            motion.alive[moving],
-            motion.X[moving],
-            motion.last[moving],
+        run.alive, run.X, run.last = (
+            run.alive[moving],
+            run.X[moving],
+            run.last[moving],
         )
         rows = rows[moving]
-        if not motion.alive.size:
-            return motion
-    lost = motion.alive[size[moving] > band]
-    motion.settling[lost], motion.residual[lost] = inf, inf
-    return motion
+        if not run.alive.size:
+            return run
+    lost = run.alive[size[moving] > band]
+    run.settling[lost], run.residual[lost] = inf, inf
+    return run
 
 
-def _at_rest(lifted: VariedLoops, signals: Signals, *, until: float) -> Motion:
-    count, n = len(lifted.rows), lifted.rows.shape[2]
-    return Motion(
+def _at_rest(rows: Array, signals: Signals, *, until: float) -> BatchRun:
+    count, n = len(rows), rows.shape[2]
+    return BatchRun(
         settling=np.full(count, until),
         residual=np.zeros(count),
         peaks=np.zeros((count, len(signals.bounds))),
@@ -189,7 +188,7 @@ def _at_rest(lifted: VariedLoops, signals: Signals, *, until: float) -> Motion:
     )
 
 
-def _advance(motion: Motion, course: _Course, rows: Array, start: int, stop: int) -> Array:
+def _advance(run: BatchRun, course: _Course, rows: Array, start: int, stop: int) -> Array:
     """Advance by some position cycles; return what ``rows`` hold behind the signals.
 
     That is the tool at every velocity cycle, shape (n_alive, n_cycles of both), if anything.
@@ -201,51 +200,51 @@ def _advance(motion: Motion, course: _Course, rows: Array, start: int, stop: int
         count = min(BLOCK, stop - begin)
         seen = np.empty((len(rows), count, rows.shape[1] - n))
         for k in range(count):
-            Y = rows @ motion.X
+            Y = rows @ run.X
             seen[:, k] = Y[:, n:, 0]
-            motion.X = Y[:, :n]
-            motion.X[:, held:, 0] += course.fed[begin + k]
-        _note_signals(motion, course, seen[:, :, : behind - n], begin)
+            run.X = Y[:, :n]
+            run.X[:, held:, 0] += course.fed[begin + k]
+        _note_signals(run, course, seen[:, :, : behind - n], begin)
         tips.append(seen[:, :, behind - n :].reshape(len(rows), -1))
     return np.concatenate(tips, axis=1) if tips else np.zeros((len(rows), 0))
 
 
-def _note_signals(motion: Motion, course: _Course, values: Array, begin: int) -> None:
+def _note_signals(run: BatchRun, course: _Course, values: Array, begin: int) -> None:
     """Add a block of the bounded signals, shape (n_alive, n_block, n_signals velocity cycles)."""
     controller, signals, setpoint = course.loop.controller, course.signals, course.setpoint
-    cycles, step, alive = controller.cycles, controller.velocity_cycle, motion.alive
+    cycles, step, alive = controller.cycles, controller.velocity_cycle, run.alive
     values = values.reshape(len(alive), values.shape[1], -1, cycles)
     peaks = np.abs(values[:, :, : len(signals.bounds)]).max(axis=(1, 3))
-    motion.peaks[alive] = np.maximum(motion.peaks[alive], peaks)
+    run.peaks[alive] = np.maximum(run.peaks[alive], peaks)
     if isfinite(signals.continuous):
         # Each sample stands for the velocity cycle about it; the window cuts the last one.
         t = begin * controller.position_cycle + step * np.arange(values.shape[1] * cycles)
         window = setpoint.duration + setpoint.move.dwell
         share = np.clip((window - t) / step + 0.5, 0.0, 1.0) * step
         force = values[:, :, -1].reshape(len(alive), -1)
-        motion.first[alive] += force @ share
-        motion.square[alive] += force**2 @ share
+        run.first[alive] += force @ share
+        run.square[alive] += force**2 @ share
 
 
-def shares_of_bounds(motion: Motion, signals: Signals, setpoint: Setpoint) -> Array:
+def shares_of_bounds(run: BatchRun, signals: Signals, setpoint: Setpoint) -> Array:
     """Return the share of every bound that is used, shape (n_samples, n_names) [-].
 
     Parameters
     ----------
-    motion
-        From ``follow``.
+    run
+        From ``run_batch``.
     signals, setpoint
-        What it was followed with. The motion may go either way against the static load.
+        What it was run with. The motion may go either way against the static load.
 
     Returns
     -------
     ndarray
     """
-    used = motion.peaks / signals.bounds
+    used = run.peaks / signals.bounds
     if not isfinite(signals.continuous):
         return np.asarray(used)
     window, load = setpoint.duration + setpoint.move.dwell, abs(signals.static_load)
-    mean, square = motion.first / window, motion.square / window
+    mean, square = run.first / window, run.square / window
     rms = np.sqrt(square + load**2 + 2.0 * load * np.abs(mean))
     return np.column_stack([used, rms / signals.continuous])
 
@@ -270,12 +269,12 @@ def _deviation(course: _Course, tip: Array, start: int, *, until: float) -> tupl
     return np.append(until, t[begin:]), np.column_stack([at_end, e[:, begin:]])
 
 
-def _note(motion: Motion, t: Array, e: Array, *, band: float) -> Array:
+def _note(run: BatchRun, t: Array, e: Array, *, band: float) -> Array:
     """Add a stretch of |e| to what is known; return its largest, shape (n_alive,)."""
-    alive = motion.alive
-    motion.residual[alive] = np.maximum(motion.residual[alive], e.max(axis=1))
-    if motion.last.size:  # a crossing may lie between two stretches
-        e = np.hstack([motion.last[:, None], e])
+    alive = run.alive
+    run.residual[alive] = np.maximum(run.residual[alive], e.max(axis=1))
+    if run.last.size:  # a crossing may lie between two stretches
+        e = np.hstack([run.last[:, None], e])
         t = np.append(2.0 * t[0] - t[1], t)
     outside = e > band
     row = np.flatnonzero(outside.any(axis=1))
@@ -283,6 +282,6 @@ def _note(motion: Motion, t: Array, e: Array, *, band: float) -> Array:
     following = np.minimum(final + 1, e.shape[1] - 1)
     here, there = e[row, final], e[row, following]
     share = np.where(following > final, (here - band) / np.maximum(here - there, 1e-300), 0.0)
-    motion.settling[alive[row]] = t[final] + (t[following] - t[final]) * share
-    motion.last = e[:, -1]
+    run.settling[alive[row]] = t[final] + (t[following] - t[final]) * share
+    run.last = e[:, -1]
     return np.asarray(e.max(axis=1))
