@@ -1,9 +1,9 @@
-"""Linear programs by the simplex method of HiGHS, from a known basis where there is one."""
+"""Linear programs by the simplex method of HiGHS, from a known basis: only door to HiGHS."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import highspy
 import numpy as np
@@ -61,6 +61,17 @@ class Basis:
 
     unknowns: tuple[HighsBasisStatus, ...]
     constraints: tuple[HighsBasisStatus, ...]
+
+    def split(self, parts: list[int]) -> Basis:
+        """Return the basis in which the parts of the first unknowns are what each of them was.
+
+        One part only of an unknown in the basis is in it, so that the basis keeps its size.
+        """
+        unknowns: list[HighsBasisStatus] = []
+        for was, count in zip(self.unknowns, parts, strict=False):
+            other = HighsBasisStatus.kUpper if was == HighsBasisStatus.kBasic else was
+            unknowns += [was, *[other] * (count - 1)]
+        return replace(self, unknowns=(*unknowns, *self.unknowns[len(parts) :]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
