@@ -14,7 +14,7 @@ from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Positioning, StateFeedback
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import TimeOptimum, sample_evenly
+from mtcommission.optimal.solution import Bang, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -81,7 +81,7 @@ def test_samples_of_an_optimum_are_those_of_an_integrator(
     states = sample_evenly(plant, optimum.arcs, step=step, until=0.06)
     state = np.zeros(plant.order)
     for arc in optimum.arcs:
-        force = 2e3 if arc.control == "+F_max" else -2e3
+        force = 2e3 if arc.control == Bang(1) else -2e3
         first = int(np.ceil(arc.t_start / step))
         inside = np.arange(first, int(np.ceil(arc.t_end / step))) * step
         solved = solve_ivp(

@@ -15,6 +15,8 @@ from mtcommission.messages.quantities import THIN_SPACE
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
+GERMAN = Catalogue("de")
+
 
 @pytest.fixture(scope="module")
 def tuned() -> TunedLoop:

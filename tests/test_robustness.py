@@ -21,11 +21,11 @@ from mtcommission.machine.variations import (
     draw_variations,
     vary,
 )
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.sheet.languages import find_labels
 from mtcommission.study.evaluate import judge
 from mtcommission.study.robustness import (
     FrequencyError,
@@ -218,7 +218,7 @@ def test_nothing_is_drawn_without_a_spread_and_less_on_slow_moves() -> None:
     plant, tuned = build_plant(alone), tune_loop(alone)
     found = examine_robustness(alone, plant, tuned, limits, settings=settings)
     assert found.monte_carlo is None
-    assert robustness_part(alone, found)["monte_carlo"] is None
+    assert robustness_part(alone, found).monte_carlo is None
     machine = spread_paper_machine()
     for cycles, samples in ((1_000_000, 300), (10_000, 100)):
         few = replace(settings, sample_cycles=cycles, frequency_points=2)
@@ -234,22 +234,22 @@ def test_record_holds_the_distribution() -> None:
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     settings = RobustnessSettings(samples=200, frequency_points=2)
     found = examine_robustness(machine, plant, tuned, limits, settings=settings)
-    drawn, entry = found.monte_carlo, robustness_part(machine, found)["monte_carlo"]
+    drawn, entry = found.monte_carlo, robustness_part(machine, found).monte_carlo
     assert drawn is not None
     assert entry is not None
-    part = entry["residual_deviation"]
-    assert part["not_settled"] == 0
-    assert sum(part["histogram"]["counts"]) == 200
-    edges = part["histogram"]["edges"]
+    part = entry.residual_deviation
+    assert part.not_settled == 0
+    assert sum(part.histogram.counts) == 200
+    edges = part.histogram.edges
     assert edges[0] == drawn.residual_deviation.min()
     assert edges[-1] == drawn.residual_deviation.max()
-    for item in part["quantiles"]:
-        value = item["value"]
+    for item in part.quantiles:
+        value = item.value
         assert value is not None
         below = np.mean(drawn.residual_deviation <= value)
-        assert item["share"] <= below < item["share"] + 1 / 200 + 1e-12
-    assert entry["worst"]["residual_deviation"] == drawn.residual_deviation.max()
-    assert entry["slowest"]["settling_time"] == drawn.settling_time.max()
+        assert item.share <= below < item.share + 1 / 200 + 1e-12
+    assert entry.worst.residual_deviation == drawn.residual_deviation.max()
+    assert entry.slowest.settling_time == drawn.settling_time.max()
 
 
 @pytest.mark.parametrize(
@@ -272,7 +272,7 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
         "peak v_phi (where they are higher)"
     )
     assert f"off by {english}. Missed outside this range: {lost}. State requirements" in warning
-    translated = find_labels("de").say(warning)
+    translated = Catalogue("de").say(warning)
     assert german in translated
     lost = (
         "Restabweichung (wo sie tiefer liegen) und Sollkraft (wo sie höher liegen) und "

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -78,7 +79,7 @@ def run(
     following = say("cli-next-export", record=file)
     indent = " " * (following.index(":") + 2)
     sys.stdout.write(f"{following}\n{indent}{say('cli-list-of-controls')}\n")
-    raise typer.Exit(0 if record["assessment"]["met"] else 1)
+    raise typer.Exit(0 if record.assessment.met else 1)
 
 
 def optimal(
@@ -137,6 +138,7 @@ def optimal(
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.optima import optimum_entry
+    from mtcommission.record.shape import to_plain
 
     require_writable(json_file, csv_file)
     machine = read_machine(profile, f_max)
@@ -159,7 +161,7 @@ def optimal(
         begun = perf_counter()
         solution = solve(machine, plant, request)
         elapsed = perf_counter() - begun
-    entry = {**optimum_entry(plant, solution), "solve_time": elapsed}
+    entry = {**to_plain(optimum_entry(plant, solution)), "solve_time": elapsed}
     entry.pop("series")
     if json_file:
         write_text(json_file, dump_json(entry))
@@ -244,11 +246,11 @@ def simulate(
         progress("response")
         moves = run_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
-    part["warnings"] = [*notes, *part["warnings"]]
+    part = replace(part, warnings=[*notes, *part.warnings])
     if json_file:
         write_text(json_file, dump_json(part))
     if csv_file:
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
         show(describe_simulation(machine, part))
-    raise typer.Exit(0 if part["assessment"]["met"] else 1)
+    raise typer.Exit(0 if part.assessment.met else 1)
