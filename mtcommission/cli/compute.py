@@ -9,7 +9,7 @@ import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -31,6 +31,18 @@ from mtcommission.cli.inputs import (
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
 from mtcommission.messages.message import Message
+
+if TYPE_CHECKING:
+    from mtcommission.machine.machine import Machine
+
+
+def _in_english(machine: Machine) -> list[str]:
+    """The warnings as the record holds them."""
+    from mtcommission.machine.machine import Motion
+    from mtcommission.messages.catalogue import Catalogue
+
+    english = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
+    return [english.say(message) for message in list_warnings(machine)]
 
 
 def run(
@@ -59,7 +71,7 @@ def run(
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
-    record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
+    record = build_record(found, profile=source, created=now(), warnings=_in_english(machine))
     with show_stage() as progress:
         progress("sheet")
         files = {

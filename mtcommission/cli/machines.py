@@ -69,8 +69,8 @@ def check(
     from mtcommission.profile.read import read_profile
 
     machine = read_profile(profile)
-    warnings: list[Message | str] = [*list_warnings(machine), *list_delays(machine)]
-    warnings += check_loop(machine)
+    warnings: list[Message | str]
+    warnings = [*list_warnings(machine), *list_delays(machine), *check_loop(machine)]
     show(describe_machine(machine, build_plant(machine), warnings))
 
 

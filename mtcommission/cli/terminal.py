@@ -380,7 +380,7 @@ def _verdict(spoken: Catalogue, assessment: AssessmentPart) -> list[RenderableTy
     return lines
 
 
-def _warnings(spoken: Catalogue, warnings: Sequence[str]) -> list[Text]:
+def _warnings(spoken: Catalogue, warnings: Sequence[Message | str]) -> list[Text]:
     lines = [spoken.text("terminal-warning", warning=spoken.say(line)) for line in warnings]
     return [Text(line, style="yellow") for line in lines]
 
