@@ -83,6 +83,23 @@ class InputError(MtcommissionError):
         return "\n".join(fault.text(catalogue) for fault in self.faults)
 
 
+class Refused(ValueError):
+    """A value cannot be used; whoever knows where it stands makes a fault of it.
+
+    Parameters
+    ----------
+    message
+        What was got, what is allowed, what to do.
+    """
+
+    def __init__(self, message: Message) -> None:
+        super().__init__(message)
+        self.message = message
+
+    def __str__(self) -> str:
+        return _english().say(self.message)
+
+
 class Outcome(Enum):
     """How a computation can end without a result; the text of the key tells the remedy."""
 

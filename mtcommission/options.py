@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from math import isfinite
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.limits.optima import (
     DAMPING_TIME_FACTOR,
     find_damping_optimum,
@@ -155,8 +155,8 @@ def require_short_moves(machine: Machine, limits: MotionLimits) -> None:
         machine,
         limits,
         most=MOST_SIMULATED_CYCLES,
-        reason="asked for are",
-        remedy="check the units of --acceleration and --jerk",
+        reason=Message("budget-asked-for"),
+        remedy=Message("budget-check-options"),
     )
 
 
@@ -352,8 +352,8 @@ def read_positive(where: str, text: str, dimension: Dimension, faults: list[Faul
     """
     try:
         value = parse_quantity(text, dimension)
-    except ValueError as error:
-        faults.append(Fault(where=where, message=Message("verbatim", text=str(error))))
+    except Refused as error:
+        faults.append(Fault(where=where, message=error.message))
         return 1.0
     if value <= 0.0:
         message = Message("option-not-positive", got=text.strip(), unit=dimension.si)

@@ -126,12 +126,12 @@ def with_needs(**changes: object) -> Machine:
     [
         (
             with_drive(max_force=2.0),
-            "drive.max_force: 2 N on 750 kg give 0.00267 m/s^2, which hardly moves the axis; "
+            "drive.max_force: 2 N on 750 kg give 0.00267 m/s², which hardly moves the axis; "
             "check both units",
         ),
         (
             replace(with_needs(tcp_deviation=1e-3), drive=replace(PAPER.drive, max_force=2e6)),
-            "drive.max_force: 2e+06 N on 750 kg give 2.67e+03 m/s^2, which is more than a machine "
+            "drive.max_force: 2×10⁶ N on 750 kg give 2.67×10³ m/s², which is more than a machine "
             "axis bears; check both units",
         ),
         (
@@ -155,7 +155,7 @@ def with_needs(**changes: object) -> Machine:
         ),
         (
             replace(PAPER, moves=(Positioning(distance=1.0, max_velocity=1e-3),)),
-            "moves[1]: a rigid axis would need 1e+03 s for this move; "
+            "moves[1]: a rigid axis would need 1×10³ s for this move; "
             "check distance, velocity and force",
         ),
         (
@@ -169,7 +169,7 @@ def with_needs(**changes: object) -> Machine:
         ),
         (
             with_needs(modes=Modes(surface=20e-6, accuracy=5e-6, speed=2e-6)),
-            "requirements.modes: surface 2e-05, accuracy 5e-06 and speed 2e-06 m do not widen in "
+            "requirements.modes: surface 2×10⁻⁵, accuracy 5×10⁻⁶ and speed 2×10⁻⁶ m do not widen in "
             "this order; they may be swapped",
         ),
         (
@@ -189,7 +189,7 @@ def with_needs(**changes: object) -> Machine:
         ),
         (
             replace(PAPER, control=Control(minimum_bandwidth_hz=15e3)),
-            "control.minimum_bandwidth: 1.5e+04 Hz is above a third of the velocity loop's "
+            "control.minimum_bandwidth: 1.5×10⁴ Hz is above a third of the velocity loop's "
             "sampling rate, 8000 Hz",
         ),
     ],
@@ -215,7 +215,7 @@ def test_stiffness_a_thousand_times_too_soft_is_noticed() -> None:
 def test_a_rotary_axis_is_described_in_its_own_units() -> None:
     axis = replace(PAPER, motion=Motion.ROTARY, drive=replace(PAPER.drive, max_force=2.0))
     assert remarks_on(axis) == [
-        "drive.max_force: 2 N m on 750 kg m^2 give 0.00267 rad/s^2, which hardly moves the axis; "
+        "drive.max_force: 2 N m on 750 kg m² give 0.00267 rad/s², which hardly moves the axis; "
         "check both units"
     ]
 

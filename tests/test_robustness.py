@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from benchmarks.population import random_machine
-from mtcommission.loop.batch.varied_response import respond_to_variations
-from mtcommission.loop.model.sampled import build_loop, lift_loop
+from mtcommission.loop.batch.response import simulate_limits_batched
+from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Control, Machine, Peak, Positioning, StateFeedback
@@ -76,7 +76,7 @@ def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> No
     """If it failed, the printed distribution would be that of other machines."""
     plant, tuned = build_plant(machine), tune_loop(machine)
     variations = draw_variations(machine, samples=5, seed=1)
-    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
     for i in range(5):
         varied = build_plant(vary(machine, variations.corner(i)))
         loop = build_loop(varied, tuned.controller, model=plant)
@@ -84,7 +84,6 @@ def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> No
         one = [
             simulate(
                 loop,
-                lift_loop(loop),
                 plan_setpoint(move, limits, moving_average=time),
                 drive=replace(machine.drive, max_force=1e9),
                 band=machine.requirements.tcp_deviation,
@@ -139,7 +138,7 @@ def test_worst_case_and_share_agree_with_the_samples() -> None:
         frequency_factor=np.array([found.variations.corner(found.worst).frequency_factor]),
         damping_factor=np.array([found.variations.corner(found.worst).damping_factor]),
     )
-    alone = respond_to_variations(machine, plant, tuned, limits, variations=worst)
+    alone = simulate_limits_batched(machine, plant, tuned, limits, variations=worst)
     assert alone.residual_deviation[0] == pytest.approx(found.residual_deviation.max(), rel=1e-9)
     late = found.settling_time > found.settling_time.min() + 1e-9
     assert np.all(found.residual_deviation[late] > band)
@@ -171,7 +170,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     places = as_variations(corners(machine))
-    found = respond_to_variations(machine, plant, tuned, limits, variations=places)
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
     checks = judge(machine, plant, tuned, "", "", limits).assessment.checks
     shares = {check.name: check.value / check.limit for check in checks}
     used = max(shares[name] for name in ("set force", "peak v_phi", "RMS force"))
@@ -186,7 +185,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
             strict = replace(machine, drive=replace(machine.drive, continuous_force=bound))
         else:
             strict = replace(machine, drive=replace(machine.drive, max_force=bound))
-        found = respond_to_variations(strict, plant, tuned, limits, variations=places)
+        found = simulate_limits_batched(strict, plant, tuned, limits, variations=places)
         share = shares[name] * next(c.limit for c in checks if c.name == name) / bound
         assert found.usage.max() == pytest.approx(share, rel=2e-3), name
         assert not found.meets(strict).any()
@@ -325,7 +324,6 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
         loop = build_loop(varied, tuned.controller, model=plant)
         response = simulate(
             loop,
-            lift_loop(loop),
             plan_setpoint(move, limits),
             drive=replace(machine.drive, max_force=1e9),
             band=machine.requirements.tcp_deviation,

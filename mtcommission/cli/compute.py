@@ -9,7 +9,7 @@ import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -30,6 +30,19 @@ from mtcommission.cli.inputs import (
 )
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.messages.message import Message
+
+if TYPE_CHECKING:
+    from mtcommission.machine.machine import Machine
+
+
+def _in_english(machine: Machine) -> list[str]:
+    """The warnings as the record holds them."""
+    from mtcommission.machine.machine import Motion
+    from mtcommission.messages.catalogue import Catalogue
+
+    english = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
+    return [english.say(message) for message in list_warnings(machine)]
 
 
 def run(
@@ -58,7 +71,7 @@ def run(
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
-    record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
+    record = build_record(found, profile=source, created=now(), warnings=_in_english(machine))
     with show_stage() as progress:
         progress("sheet")
         files = {
@@ -196,7 +209,7 @@ def limits(
         write_text(json_file, dump_json(part))
     if json_file != "-":
         narrow = warn_of_narrow_range(machine, found.robustness.frequency_error)
-        warnings = [*found.tuned.warnings, *narrow]
+        warnings: list[Message | str] = [*found.tuned.warnings, *narrow]
         show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if met else 1)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
-    from mtcommission.machine.plausibility import Remark
+    from mtcommission.messages.message import Message
     from mtcommission.record.schema import Profile
 
 
@@ -42,26 +42,18 @@ def _with_force(machine: Machine, f_max: str) -> Machine:
     return with_force(machine, f_max) if f_max else machine
 
 
-def list_warnings(machine: Machine) -> list[str]:
-    """Return what is unusual about a machine, in sentences."""
+def list_warnings(machine: Machine) -> list[Message]:
+    """Return what is unusual about a machine."""
     from mtcommission.machine.plausibility import check_plausibility
 
-    return _said(machine, check_plausibility(machine))
+    return [remark.with_key() for remark in check_plausibility(machine)]
 
 
-def list_delays(machine: Machine) -> list[str]:
-    """Return what makes every computation of a machine take long, in sentences."""
+def list_delays(machine: Machine) -> list[Message]:
+    """Return what makes every computation of a machine take long."""
     from mtcommission.machine.plausibility import check_patience
 
-    return _said(machine, check_patience(machine))
-
-
-def _said(machine: Machine, remarks: tuple[Remark, ...]) -> list[str]:
-    from mtcommission.machine.machine import Motion
-    from mtcommission.messages.catalogue import Catalogue
-
-    english = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
-    return [english.say(remark.with_key()) for remark in remarks]
+    return [remark.with_key() for remark in check_patience(machine)]
 
 
 def now() -> str:

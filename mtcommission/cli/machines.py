@@ -69,6 +69,7 @@ def check(
     from mtcommission.profile.read import read_profile
 
     machine = read_profile(profile)
+    warnings: list[Message | str]
     warnings = [*list_warnings(machine), *list_delays(machine), *check_loop(machine)]
     show(describe_machine(machine, build_plant(machine), warnings))
 

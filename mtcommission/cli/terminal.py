@@ -21,9 +21,13 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import (
     TIGHT_GAP,
+    Boundary,
     DampingOptimum,
+    Interior,
     TimeOptimum,
+    control_text,
     excess_velocity,
+    side_text,
 )
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.schema import (
@@ -131,7 +135,7 @@ def describe_optimum(
     joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
     for number, run in enumerate(joined[:SHOWN_ARCS], start=1):
         start, end = _ms(spoken, run[0].t_start), _ms(spoken, run[-1].t_end)
-        arcs.add_row(str(number), start, end, run[0].control)
+        arcs.add_row(str(number), start, end, control_text(run[0].control))
     if len(joined) > SHOWN_ARCS:
         more = spoken.text("terminal-more-arcs", count=len(joined) - SHOWN_ARCS)
         arcs.add_row("...", more, spoken.text("terminal-see-json"), "")
@@ -176,13 +180,15 @@ def _ms(spoken: Catalogue, seconds: float) -> str:
 def _law_line(solution: TimeOptimum) -> Message:
     """Return whether the force switches with the adjoint, or why that is not to be seen."""
     if solution.certificate.switching_law_holds:
-        held = any(arc.control.startswith("boundary:") for arc in solution.arcs)
+        held = any(isinstance(arc.control, Boundary) for arc in solution.arcs)
         return Message(
             "terminal-law-holds",
             grid="yes" if solution.method == "transcription" else "no",
             boundary="yes" if held else "no",
         )
-    loose = sum(arc.t_end - arc.t_start for arc in solution.arcs if arc.control == "interior")
+    loose = sum(
+        arc.t_end - arc.t_start for arc in solution.arcs if isinstance(arc.control, Interior)
+    )
     if solution.method != "exact" or not loose:
         return Message("terminal-law-fails")
     return Message("terminal-law-in-cells", percent=100.0 * loose / solution.t_f)
@@ -245,7 +251,8 @@ def _touch_lines(solution: TimeOptimum) -> list[Message]:
     """Return the first touch points, and how many there are more."""
     touches = solution.touch_points
     lines = [
-        Message("terminal-touched", limit=p.limit, ms=1e3 * p.t) for p in touches[:SHOWN_TOUCHES]
+        Message("terminal-touched", limit=side_text(p.signal, p.side), ms=1e3 * p.t)
+        for p in touches[:SHOWN_TOUCHES]
     ]
     if len(touches) > SHOWN_TOUCHES:
         lines.append(Message("terminal-more-touches", count=len(touches) - SHOWN_TOUCHES))
@@ -373,7 +380,7 @@ def _verdict(spoken: Catalogue, assessment: AssessmentPart) -> list[RenderableTy
     return lines
 
 
-def _warnings(spoken: Catalogue, warnings: Sequence[str]) -> list[Text]:
+def _warnings(spoken: Catalogue, warnings: Sequence[Message | str]) -> list[Text]:
     lines = [spoken.text("terminal-warning", warning=spoken.say(line)) for line in warnings]
     return [Text(line, style="yellow") for line in lines]
 

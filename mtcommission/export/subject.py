@@ -315,7 +315,7 @@ def _as_recorded(record: Record) -> Machine:
 
 def _require_same_loop(subject: Subject) -> None:
     recorded = np.array(subject.record.loop.closed_loop.A)
-    rebuilt = subject.tuned.lifted[0].A
+    rebuilt = subject.tuned.loops[0].lifted.A
     same = recorded.shape == rebuilt.shape and np.allclose(
         recorded, rebuilt, rtol=REBUILT, atol=ROUNDING * float(np.max(np.abs(rebuilt)))
     )

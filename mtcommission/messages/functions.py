@@ -5,11 +5,12 @@ A function named after a quantity knows its unit, on a linear axis and on a rota
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from mtcommission.messages.quantities import DIGITS, Formatter, symbol
+from mtcommission.messages.quantities import DIGITS, SUPERSCRIPTS, Formatter, symbol
 
 UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
@@ -43,8 +44,8 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
         A value with its engineering unit, from an SI unit that is the same for every axis.
     ``NUMBER($x, digits: 3)``, ``PLAIN($x, digits: 6, unit: "ms", style: "f")``
         A number as print has it, 1×10⁶, and as one types it, 1e+06.
-    ``SI($x, "LENGTH")``
-        A number as one types it, with its SI unit.
+    ``ROUND($x, digits: 3, unit: "ms")``, ``SI($x, "LENGTH")``
+        The same with powers of ten as printed; with its SI unit.
     ``SHARE($x)``, ``PERCENT($x)``, ``CHANGE($x)``
         A share in per cent with three digits, in whole per cent, and a change with its sign.
     ``SYMBOL($name)``
@@ -59,6 +60,10 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
     def plain(value: object, digits: object = DIGITS, unit: str = "", style: object = "g") -> str:
         return form.plain(PER_SI[unit] * (_number(value) or 0.0), int(str(digits)), str(style))
 
+    def rounded(value: object, digits: object = DIGITS, unit: str = "") -> str:
+        number, _, power = plain(value, digits, unit).partition("e")
+        return f"{number}×10{str(int(power)).translate(SUPERSCRIPTS)}" if power else number
+
     def quantity(unit: str) -> Callable[..., str]:
         return lambda value, digits=DIGITS: form.quantity(_number(value), unit, digits=int(digits))
 
@@ -68,14 +73,19 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
             _number(value) or 0.0, digits=int(digits)
         ),
         "PLAIN": plain,
+        "ROUND": rounded,
         "SI": lambda value, quantity, digits=DIGITS: (
-            f"{plain(value, digits)} {UNITS[str(quantity)][form.rotary]}"
+            f"{rounded(value, digits)} {_printed(UNITS[str(quantity)][form.rotary])}"
         ),
         "SHARE": lambda value, digits=3: form.percent_if_known(_number(value), digits=int(digits)),
         "PERCENT": lambda value: form.with_unit(f"{100.0 * (_number(value) or 0.0):.0f}", "%"),
         "CHANGE": lambda value: form.signed_percent(_number(value) or 0.0),
         "SYMBOL": lambda name: symbol(str(name)),
     }
+
+
+def _printed(unit: str) -> str:
+    return re.sub(r"\^(-?\d)", lambda power: power[1].translate(SUPERSCRIPTS), unit)
 
 
 def _number(value: object) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -26,7 +27,7 @@ from mtcommission.profile.model import (
 )
 from mtcommission.profile.plant_tables import PLANT_TABLES, element_tables
 from mtcommission.profile.table import Table
-from mtcommission.profile.values import Faults, describe, find_close, propose
+from mtcommission.profile.values import Faults, describe, find_close, one_of, propose
 
 _TABLES: Mapping[tuple[str, ...], type[Table]] = {
     (): ProfileTable,
@@ -46,8 +47,6 @@ _TABLES: Mapping[tuple[str, ...], type[Table]] = {
     ("control", "setpoint_filter"): SetpointFilterTable,
     ("control", "force_filters"): ForceFilterTable,
 }
-
-MISSING = "missing; "
 
 
 def list_faults(error: ValidationError, *, where: str, lines: KeyLines) -> list[Fault]:
@@ -78,20 +77,16 @@ def list_faults(error: ValidationError, *, where: str, lines: KeyLines) -> list[
         found = _translate(detail, where, lines)
         if close:
             meant.add(beside[close])
-            message = f'unknown key; did you mean "{close}", which is missing?'
-            found = [replace(fault, message=Message("verbatim", text=message)) for fault in found]
+            message = Message("key-misspelt", meant=close)
+            found = [replace(fault, message=message) for fault in found]
         faults += found
     gone = {show_key(_written(path)) for path in meant}
-    kept = [
-        f
-        for f in faults
-        if not (f.key in gone and str(f.message.values["text"]).startswith(MISSING))
-    ]
+    kept = [f for f in faults if not (f.key in gone and f.message.kind == "key-missing")]
     return sorted(kept, key=lambda fault: fault.line)
 
 
-def find_unknown(path: Sequence[str]) -> str:
-    """Return a proposal for the part of a key that no profile knows; "" if all are known.
+def find_unknown(path: Sequence[str]) -> Message | None:
+    """Return a proposal for the part of a key that no profile knows; None if all are known.
 
     Parameters
     ----------
@@ -100,22 +95,22 @@ def find_unknown(path: Sequence[str]) -> str:
 
     Returns
     -------
-    str
-        As ``propose`` words it. Names below a table of signals are free.
+    Message or None
+        From ``propose``. Names below a table of signals are free.
 
     Examples
     --------
     >>> find_unknown(["drive", "force_lg"])
-    '; did you mean "force_lag"?'
+    Message('hint-did-you-mean', name='force_lag')
     >>> find_unknown(["moves", "0", "distance"]), find_unknown(["requirements", "peaks", "x"])
-    ('', '')
+    (None, None)
     """
     names = tuple(name for name in path if not name.isdigit())
     for depth, name in enumerate(names):
         fields = _fields_at(names[:depth])
         if fields and name not in fields:
             return propose(name, fields)
-    return ""
+    return None
 
 
 def may_be_left_out(path: Sequence[str]) -> bool:
@@ -165,15 +160,13 @@ def _translate(detail: ErrorDetails, where: str, lines: KeyLines) -> list[Fault]
                 where=where,
                 line=lines.line_of(key),
                 key=show_key(key),
-                message=message
-                if isinstance(message, Message)
-                else Message("verbatim", text=message),
+                message=message,
             )
         )
     return faults
 
 
-def _message(detail: ErrorDetails, loc: KeyPath) -> str:
+def _message(detail: ErrorDetails, loc: KeyPath) -> Message:
     got = describe(detail["input"])
     context = detail.get("ctx", {})
     table = _TABLES.get(tuple(part for part in loc[:-1] if isinstance(part, str)), ProfileTable)
@@ -181,41 +174,45 @@ def _message(detail: ErrorDetails, loc: KeyPath) -> str:
     name = str(loc[-1]) if loc else ""
     match detail["type"]:
         case "extra_forbidden":
-            return f"unknown key{propose(name, fields)}"
+            return Message("key-unknown", hint=propose(name, fields))
         case "missing":
-            return f"{MISSING}{_remedy(name, fields[name].examples if name in fields else None)}"
+            return Message("key-missing", remedy=_remedy(name, fields.get(name)))
         case "literal_error":
-            return f"got {got}, must be {context['expected'].replace(chr(39), chr(34))}"
+            return Message("got-other-word", got=got, words=_words(context["expected"]))
         case "union_tag_not_found":
-            return MISSING + "add " + " or ".join(f'kind = "{kind}"' for kind in PLANT_TABLES)
+            *first, last = (f'kind = "{kind}"' for kind in PLANT_TABLES)
+            kinds = Message("one-or-other", first=", ".join(first), last=last)
+            return Message("key-missing", remedy=Message("add-kind", kinds=kinds))
         case "union_tag_invalid":
-            return f'got "{context["tag"]}", must be {quote_kinds()}'
+            return Message(
+                "got-other-word", got=f'"{context["tag"]}"', words=one_of(tuple(PLANT_TABLES))
+            )
         case "bool_type":
-            return f"got {got}, must be true or false"
+            return Message("got-no-boolean", got=got)
         case "model_type" | "model_attributes_type":
-            return f"got {got}, must be a table"
+            return Message("got-no-table", got=got)
         case "list_type":
-            hint = "; write the header as [[moves]]" if name == "moves" else ""
-            return f"got {got}, must be an array{hint}"
+            hint = Message("hint-moves-header") if name == "moves" else None
+            return Message("got-no-array", got=got, hint=hint)
         case "too_short":
-            return (
-                f"got {context['actual_length']} elements, at least {context['min_length']} needed"
+            return Message(
+                "array-too-short", length=context["actual_length"], least=context["min_length"]
             )
         case "too_long":
-            return f"got too many elements, at most {context['max_length']} allowed"
-    return f"got {got}: {detail['msg']}"
+            return Message("array-too-long", most=context["max_length"])
+    return Message("value-refused", got=got, reason=detail["msg"])
 
 
-def quote_kinds() -> str:
-    """Return the kinds of plant in quotes, for messages."""
-    return " or ".join(f'"{kind}"' for kind in PLANT_TABLES)
+def _words(expected: str) -> Message | str:
+    """The words of a Literal, which pydantic lists as 'a', 'b' or 'c'; a number stands alone."""
+    words = re.findall(r"'([^']*)'", expected)
+    return one_of(words) if words else expected
 
 
-def _remedy(name: str, examples: Sequence[object] | None) -> str:
+def _remedy(name: str, field: FieldInfo | None) -> Message:
     """What to add; the number in it is an example, not the user's."""
     if name == "schema":
-        return "add schema = 1"
-    if examples:
-        return f"add the value of your machine, for example {name} = {examples[0]}"
-    header = "[[moves]]" if name == "moves" else f"[{name}]"
-    return f"add a table {header}"
+        return Message("add-schema")
+    if field is not None and field.examples:
+        return Message("add-value", key=name, example=str(field.examples[0]))
+    return Message("add-table", header="[[moves]]" if name == "moves" else f"[{name}]")

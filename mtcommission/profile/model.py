@@ -10,6 +10,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from mtcommission.machine.mechanics import Misfit
 from mtcommission.machine.ranges import (
     ARMS,
     BANDS,
@@ -32,6 +33,7 @@ from mtcommission.machine.ranges import (
     VELOCITIES,
     VELOCITY_GAINS,
 )
+from mtcommission.messages.message import Message
 from mtcommission.profile.plant_tables import AnyKind, PlantTable
 from mtcommission.profile.table import Table, optional, raise_all, required
 from mtcommission.profile.values import (
@@ -91,9 +93,8 @@ class DriveTable(Table):
     def _check(self, info: ValidationInfo) -> Self:
         if abs(self.static_load) >= self.max_force:
             unit = context_of(info).axis.force.si
-            message = (
-                f"got {self.static_load:g} {unit} against max_force = {self.max_force:g} {unit}; "
-                "its amount must be smaller, or no force is left for motion"
+            message = Message(
+                "static-load-takes-all", got=self.static_load, max_force=self.max_force, unit=unit
             )
             raise Faults([("static_load", message)])
         return self
@@ -116,11 +117,10 @@ class MoveTable(Table):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if (self.velocity_step is None) == (self.distance is None):
-            got = "neither" if self.distance is None else "both"
-            raise Faults([("", f"got {got} of velocity_step and distance, give exactly one")])
+            kind = "move-with-neither" if self.distance is None else "move-with-both"
+            raise Faults([("", Message(kind))])
         if self.max_velocity is not None and self.distance is None:
-            message = "belongs to a move with distance; give distance, or remove it"
-            raise Faults([("max_velocity", message)])
+            raise Faults([("max_velocity", Message("max-velocity-without-distance"))])
         return self
 
 
@@ -164,19 +164,20 @@ class RequirementsTable(Table):
 
     @model_validator(mode="after")
     def _check(self, info: ValidationInfo) -> Self:
-        faults = []
+        faults: list[Misfit] = []
         if self.frequency_spread > LARGEST_FREQUENCY_SPREAD:
-            spread = f"{self.frequency_spread:g} ({100.0 * self.frequency_spread:g} %)"
-            faults.append(("frequency_spread", f"got {spread}, must be from 0 to 0.5 (50 %)"))
+            message = Message("frequency-spread-large", got=self.frequency_spread)
+            faults.append(("frequency_spread", message))
         if self.damping_spread >= 1.0:
-            spread = f"{self.damping_spread:g} ({100.0 * self.damping_spread:g} %)"
-            faults.append(("damping_spread", f"got {spread}, must be >= 0 and < 1 (100 %)"))
+            message = Message("damping-spread-large", got=self.damping_spread)
+            faults.append(("damping_spread", message))
         if self.payload is not None and self.payload[0] > self.payload[1]:
             (low, high), unit = self.payload, context_of(info).axis.mass.si
-            message = f"got {low:g} {unit} to {high:g} {unit}, the least comes first"
-            faults.append(("payload", message))
+            faults.append(("payload", Message("payload-reversed", low=low, high=high, unit=unit)))
         if self.payload_radius < 0.0:
-            faults.append(("payload_radius", f"got {self.payload_radius:g}, must be >= 0"))
+            got = f"{self.payload_radius:g}"
+            message = Message("must-be-at-least", got=got, bound=0.0, unit="")
+            faults.append(("payload_radius", message))
         raise_all(faults)
         return self
 
@@ -257,18 +258,18 @@ class ControlTable(Table):
     @classmethod
     def _none_is_left_out(cls, value: object) -> object:
         if isinstance(value, str) and value != "none":
-            raise Faults(
-                [("", f'got {describe(value)}, must be "none" or a table with kind and time')]
-            )
+            raise Faults([("", Message("got-no-filter", got=describe(value)))])
         return None if value == "none" else value
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         ratio = self.position_cycle / self.velocity_cycle
         if round(ratio) < 1 or abs(ratio - round(ratio)) > WHOLE_MULTIPLE * ratio:
-            message = (
-                f"got {self.position_cycle:g} s, {ratio:.6g} times velocity_cycle = "
-                f"{self.velocity_cycle:g} s; must be a whole multiple"
+            message = Message(
+                "cycle-no-multiple",
+                got=self.position_cycle,
+                ratio=ratio,
+                velocity_cycle=self.velocity_cycle,
             )
             raise Faults([("position_cycle", message)])
         return self
@@ -298,7 +299,7 @@ class ProfileTable(Table):
     @classmethod
     def _is_no_boolean(cls, value: object) -> object:
         if isinstance(value, bool):  # True == 1 in Python
-            raise Faults([("", f"got {describe(value)}, must be 1")])
+            raise Faults([("", Message("schema-not-one", got=describe(value)))])
         return value
 
     @model_validator(mode="after")
@@ -307,9 +308,6 @@ class ProfileTable(Table):
         ratios = (mode.damping_ratio for mode in self.plant.build().modes)
         largest = max(ratios) * (1.0 + spread)
         if largest >= 1.0:
-            message = (
-                f"got {spread:g}, which raises a damping ratio to {largest:.3g} in the worst "
-                "corner; must stay < 1"
-            )
+            message = Message("damping-spread-beyond-one", got=spread, largest=largest)
             raise Faults([("requirements.damping_spread", message)])
         return self

@@ -16,12 +16,12 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.kinds import KINDS
 from mtcommission.plant.plant import OUTPUTS
 from mtcommission.profile.build import build_machine
-from mtcommission.profile.faults import list_faults, quote_kinds
+from mtcommission.profile.faults import list_faults
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
 from mtcommission.profile.model import ProfileTable
 from mtcommission.profile.plant_tables import PLANT_TABLES
 from mtcommission.profile.syntax import load_toml
-from mtcommission.profile.values import Context, describe, find_close
+from mtcommission.profile.values import Context, describe, find_close, one_of
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import Dimension
 
@@ -72,24 +72,22 @@ def read_profile_text(path: Path | str) -> str:
         with Path(path).open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
     except FileNotFoundError as error:
-        raise _file_fault(where, "there is no such file; check the name") from error
+        raise _file_fault(where, Message("file-missing")) from error
     except IsADirectoryError as error:
-        raise _file_fault(where, "is a directory; name a profile (.toml) in it") from error
+        raise _file_fault(where, Message("file-is-directory")) from error
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise _file_fault(where, f"cannot be read: {reason}") from error
+        raise _file_fault(where, Message("file-unreadable", reason=reason)) from error
     if len(data) > LARGEST_FILE:
-        raise _file_fault(where, f"is larger than {LARGEST_FILE} bytes; that is no profile")
+        raise _file_fault(where, Message("file-too-large", most=LARGEST_FILE))
     if b"\0" in data:
-        raise _file_fault(where, "is a binary or UTF-16 file; save the profile as UTF-8 text")
+        raise _file_fault(where, Message("file-binary"))
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the profile as UTF-8 text"
-        raise InputError(
-            [Fault(where=where, line=line, message=Message("verbatim", text=message))]
-        ) from error
+        message = Message("file-not-utf8", byte=f"0x{data[error.start]:02x}")
+        raise InputError([Fault(where=where, line=line, message=message)]) from error
 
 
 def profile_text_hash(data: bytes) -> str:
@@ -133,19 +131,16 @@ def parse_profile(text: str, *, where: str) -> Machine:
         With every fault found, ordered by line.
     """
     if not text.strip():
-        message = "is empty; start from a shipped profile (mtcommission profiles list)"
-        raise InputError([Fault(where=where, line=1, message=Message("verbatim", text=message))])
+        raise InputError([Fault(where=where, line=1, message=Message("file-empty"))])
     parsed = load_toml(text, where=where)
     data, wrong_kind = _mend_kind(parsed.data)
     faults, lines = list(parsed.faults), find_key_lines(parsed.text)
     if wrong_kind:
         line = lines.line_of(("plant", "kind"))
-        said = Message("verbatim", text=wrong_kind)
-        faults.append(Fault(where=where, line=line, key="plant.kind", message=said))
+        faults.append(Fault(where=where, line=line, key="plant.kind", message=wrong_kind))
     for path, wrong_key in _misspelt(parsed.data):
         line = lines.line_of(path)
-        said = Message("verbatim", text=wrong_key)
-        faults.append(Fault(where=where, line=line, key=show_key(path), message=said))
+        faults.append(Fault(where=where, line=line, key=show_key(path), message=wrong_key))
     refused = {fault.line for fault in parsed.faults}
     try:
         table = ProfileTable.model_validate(data, context=_context(data))
@@ -175,11 +170,11 @@ def profile_schema() -> str:
     return json.dumps(ProfileTable.model_json_schema(by_alias=True), indent=2)
 
 
-def _file_fault(where: str, message: str) -> InputError:
-    return InputError([Fault(where=where, message=Message("verbatim", text=message))])
+def _file_fault(where: str, message: Message) -> InputError:
+    return InputError([Fault(where=where, message=message)])
 
 
-def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:
+def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], Message | None]:
     """Return the data with the likeliest kind of plant, and what is wrong with the one given.
 
     Without a kind nothing else in [plant] could be checked.
@@ -187,7 +182,7 @@ def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:
     plant = data.get("plant")
     given = plant.get("kind", "") if isinstance(plant, dict) else ""
     if not isinstance(plant, dict) or (isinstance(given, str) and given in PLANT_TABLES):
-        return data, ""
+        return data, None
     kind = find_close(given, PLANT_TABLES) if isinstance(given, str) else ""
     shared = {
         name: sum(key in table.model_fields for key in plant)
@@ -195,13 +190,15 @@ def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], str]:
     }
     kind = kind or max(shared, key=lambda name: shared[name])
     if "kind" in plant:
-        wrong = f'got {describe(given)}, must be {quote_kinds()}; did you mean "{kind}"?'
+        hint = Message("hint-did-you-mean", name=kind)
+        words = one_of(tuple(PLANT_TABLES))
+        wrong = Message("got-other-word-for", got=describe(given), words=words, hint=hint)
     else:
-        wrong = f'missing; add kind = "{kind}", to which the other keys belong'
+        wrong = Message("key-missing", remedy=Message("add-kind-of-keys", kind=kind))
     return {**data, "plant": {**plant, "kind": kind}}, wrong
 
 
-def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, str]]:
+def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, Message]]:
     """Keys in machine.assumed that the profile does not state, and what is wrong with each."""
     machine = data.get("machine")
     named = machine.get("assumed") if isinstance(machine, dict) else None
@@ -209,8 +206,8 @@ def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, str]]:
     for place, key in enumerate(named if isinstance(named, list) else ()):
         if isinstance(key, str) and key not in stated:
             close = find_close(key, stated)
-            hint = f'; did you mean "{close}"?' if close else "; name a key as messages spell it"
-            yield ("machine", "assumed", place), f'got "{key}", which is not stated here{hint}'
+            hint = Message("hint-did-you-mean", name=close) if close else Message("hint-key")
+            yield ("machine", "assumed", place), Message("key-not-stated", got=key, hint=hint)
 
 
 def _paths(value: object, path: KeyPath = ()) -> Iterator[KeyPath]:

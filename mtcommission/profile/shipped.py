@@ -65,9 +65,9 @@ def read_shipped(name: str) -> ShippedProfile:
     known, wanted = shipped_names(), name.strip().removesuffix(".toml")
     if wanted not in known:
         close = get_close_matches(wanted, known, n=1)
-        hint = f"; did you mean {close[0]}?" if close else "."
-        message = f"no shipped profile {name!r}{hint} There are: {', '.join(known)}"
-        raise InputError([Fault(where="profiles", message=Message("verbatim", text=message))])
+        meant = Message("profile-meant", name=close[0]) if close else Message("profile-none-meant")
+        message = Message("profile-unknown", got=repr(name), meant=meant, names=", ".join(known))
+        raise InputError([Fault(where="profiles", message=message)])
     text = read_profile_text(_folder() / f"{wanted}.toml")
     return ShippedProfile(
         name=wanted, machine=parse_profile(text, where=f"{wanted}.toml"), text=text

@@ -83,10 +83,8 @@ def load_toml(text: str, *, where: str) -> Parsed:
             read = "\n".join(lines)
             return Parsed(data=tomllib.loads(read), text=read, faults=_with_keys(faults, read))
         except RecursionError as error:
-            message = "is nested too deeply; a profile needs no more than three levels"
-            raise InputError(
-                [Fault(where=where, line=1, message=Message("verbatim", text=message))]
-            ) from error
+            message = Message("toml-nested-deeply")
+            raise InputError([Fault(where=where, line=1, message=message)]) from error
         except ValueError as error:
             fault = _refused(str(error), lines, where=where)
             is_new = fault.line not in {known.line for known in faults}
@@ -119,16 +117,15 @@ def _refused(reason: str, lines: list[str], *, where: str) -> Fault:
     text = "\n".join(lines)
     key, first = find_repetition(text, line) if _TWICE.search(reason) else ("", 0)
     if key:
-        message = f"stands in line {first} already; remove one of the two"
-        return Fault(where=where, line=line, key=key, message=Message("verbatim", text=message))
+        return Fault(where=where, line=line, key=key, message=Message("key-twice", first=first))
     shown = _printable(lines[line - 1].strip()) if line <= len(lines) else ""
     entry = _ENTRY.fullmatch(shown)
-    message = _remedy(entry["value"]) if entry else ""
+    message = _remedy(entry["value"]) if entry else None
     if not entry and shown and not re.search(r"[\[\]{}\"'#=]", shown[:1] + shown[-1:]):
-        message = f'got "{_short(shown)}"; a line is a [table], a key = value, or a comment after #'
+        message = Message("line-no-toml", got=_short(shown))
     if not message:
-        message = f"TOML syntax: {re.sub(r' ?[(]at [^)]*[)]', '', reason)}"
-    return Fault(where=where, line=min(line, len(lines)), message=Message("verbatim", text=message))
+        message = Message("toml-refused", reason=re.sub(r" ?[(]at [^)]*[)]", "", reason))
+    return Fault(where=where, line=min(line, len(lines)), message=message)
 
 
 def _line_without_place(reason: str, lines: list[str]) -> int:
@@ -145,33 +142,32 @@ def _line_without_place(reason: str, lines: list[str]) -> int:
     return 1
 
 
-def _remedy(value: str) -> str:
-    """What is wrong with a value, and how to write it; "" for what is not foreseen."""
+def _remedy(value: str) -> Message | None:
+    """What is wrong with a value, and how to write it; None for what is not foreseen."""
     bare, got = _bare(value), _short(value)
     if not value:
-        return "got no value after the =; add one, or delete the line"
+        return Message("value-missing")
     if any(mark in value for mark in _TYPOGRAPHIC):
-        return f'got {got} with typographic quotes; write "{bare}" with straight ones'
+        return Message("value-in-typographic-quotes", got=got, wanted=bare)
     if value[0] == "[" and value[-1] == "]":
         items = ", ".join(f'"{_bare(item)}"' for item in value[1:-1].split(","))
-        return f"got {got}; values with a unit stand in quotes: [{items}]"
+        return Message("values-without-quotes", got=got, wanted=items)
     if value[0] == "[" and value[-1] != "]" and bare != "[":
-        return f"got {got} without the closing bracket ]"
+        return Message("value-without-bracket", got=got)
     if value[0] in "\"'" and value.count(value[0]) == 1 and bare:
-        return f'got {got} without the closing quote; write "{bare}"'
+        return Message("value-without-closing-quote", got=got, wanted=bare)
     if re.search(r"\d{4000}", value):
-        return "got a number of thousands of digits; check it"
+        return Message("value-of-many-digits")
     if re.fullmatch(rf"{_NUMBER}", value):
-        return f"got {got}; write digits on both sides of the point: {float(value):g}"
+        return Message("value-with-bare-point", got=got, wanted=f"{float(value):g}")
     comma = re.fullmatch(r"([-+]?\d+),(\d+)(.*)", value)
     if comma:
-        number = f"{comma[1]}.{comma[2]}"
-        unit = comma[3].strip(" \"'")
-        wanted = f'"{number} {unit}", in quotes' if unit else number
-        return f"got {got} with a comma; write it with a point: {wanted}"
+        number, unit = f"{comma[1]}.{comma[2]}", comma[3].strip(" \"'")
+        kind = "value-with-comma-and-unit" if unit else "value-with-comma"
+        return Message(kind, got=got, wanted=f"{number} {unit}" if unit else number)
     if re.fullmatch(rf"{_NUMBER}\s*[A-Za-zµμ°%(].*", value) or re.fullmatch(r"[A-Za-z_]\w*", value):
-        return f'got {got} without quotes; write "{bare}"'
-    return ""
+        return Message("value-without-quotes", got=got, wanted=bare)
+    return None
 
 
 def _bare(value: str) -> str:

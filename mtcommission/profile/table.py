@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from mtcommission.messages.message import Message
+from mtcommission.machine.mechanics import Misfit
 from mtcommission.profile.values import Faults
 
 
@@ -27,7 +27,7 @@ def optional(description: str, example: str, default: object = None) -> Any:
     return Field(default, description=description, examples=[example])
 
 
-def raise_all(faults: Sequence[tuple[str, str | Message]]) -> None:
+def raise_all(faults: Sequence[Misfit]) -> None:
     """Raise the faults of a table, as pairs of key and message; nothing if there are none."""
     if faults:
         raise Faults(faults)

@@ -19,6 +19,8 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
+from mtcommission.errors import Refused
+from mtcommission.machine.mechanics import Misfit
 from mtcommission.machine.ranges import AxisRange, Range
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
@@ -38,7 +40,7 @@ class Faults(ValueError):
         Dotted key below the value ("" for the value itself) and message.
     """
 
-    def __init__(self, items: Sequence[tuple[str, str | Message]]) -> None:
+    def __init__(self, items: Sequence[Misfit]) -> None:
         self.items = tuple(items)
         super().__init__(self.items)
 
@@ -94,9 +96,11 @@ class Read:
             return None
         try:
             return _read_within(self.allowed.on(context_of(info).axis), value)
-        except ValueError as error:
-            beside = f', or "{word}"' if word else ""
-            raise Faults([("", f"{error}{beside}")]) from error
+        except Refused as error:
+            said = error.message
+            raise Faults(
+                [("", Message("or-word", what=said, word=word) if word else said)]
+            ) from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,17 +132,15 @@ class Name:
 
     def _read(self, value: object) -> str:
         if not isinstance(value, str):
-            raise Faults([("", f"got {describe(value)}, must be a text in quotes")])
+            raise Faults([("", Message("got-no-text", got=describe(value)))])
         if len(value) > self.longest:
-            message = f"got {len(value)} characters, at most {self.longest} are allowed"
-            raise Faults([("", message)])
+            raise Faults([("", Message("text-too-long", length=len(value), most=self.longest))])
         if any(unicodedata.category(letter).startswith("C") for letter in value):
-            raise Faults([("", "got control characters, remove them")])
+            raise Faults([("", Message("text-with-control-characters"))])
         if self.is_identifier and not value.isidentifier():
-            message = f'got "{value}", must be letters, digits and _, not beginning with a digit'
-            raise Faults([("", message)])
+            raise Faults([("", Message("name-no-identifier", got=value))])
         if not value.strip():
-            raise Faults([("", "got an empty text, give a name")])
+            raise Faults([("", Message("name-empty"))])
         return value
 
 
@@ -184,23 +186,24 @@ class SignalTable:
         if isinstance(value, str) and value in self.words:
             return value
         if not isinstance(value, dict):
-            words = "".join(f'"{word}" or ' for word in self.words)
-            raise Faults([("", f"got {describe(value)}, must be {words}a table of signals")])
+            words = one_of(self.words) if self.words else None
+            kind = "got-no-signals-or-word" if words else "got-no-signals"
+            raise Faults([("", Message(kind, got=describe(value), words=words))])
         context = context_of(info)
         if not context.states:  # the plant is at fault, and that is said there
             return {}
         is_bound = self.kind is PerSignal.BOUND
         signals = {**context.states, **(context.outputs if is_bound else {})}
         numbers: dict[str, float] = {}
-        faults: list[tuple[str, str]] = []
+        faults: list[Misfit] = []
         for name, number in value.items():
             if name not in signals:
-                faults.append((name, f"no such signal{propose(name, signals)}"))
+                faults.append((name, Message("no-such-signal", hint=propose(name, signals))))
                 continue
             try:
                 numbers[name] = _read_within(self._range(signals[name], context), number)
-            except ValueError as error:
-                faults.append((name, str(error)))
+            except Refused as error:
+                faults.append((name, error.message))
         if faults:
             raise Faults(faults)
         return numbers
@@ -214,7 +217,13 @@ class SignalTable:
         return Range(gain, -LARGEST_NUMBER, LARGEST_NUMBER)
 
 
-def describe(value: object) -> str:
+def one_of(words: Sequence[str]) -> Message | str:
+    """Return words in quotes as alternatives: "a", "b" or "c"."""
+    *first, last = (f'"{word}"' for word in words)
+    return Message("one-or-other", first=", ".join(first), last=last) if first else last
+
+
+def describe(value: object) -> Message | str:
     """Return a short description of a TOML value for a message.
 
     Parameters
@@ -224,12 +233,13 @@ def describe(value: object) -> str:
 
     Returns
     -------
-    str
+    str or Message
+        As it was written, or what it is.
 
     Examples
     --------
     >>> describe(True), describe([1, 2]), describe("x" * 100)[:8]
-    ('true', 'an array', '"xxxxxxx')
+    ('true', Message('an-array'), '"xxxxxxx')
     """
     if isinstance(value, bool):
         return str(value).lower()
@@ -239,16 +249,16 @@ def describe(value: object) -> str:
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, int):
-        return f"{value}" if abs(value) < 10**18 else "an integer beyond all bounds"
+        return f"{value}" if abs(value) < 10**18 else Message("a-huge-integer")
     if isinstance(value, list):
-        return "an array"
+        return Message("an-array")
     if isinstance(value, date | datetime | time):
-        return "a date or time"
-    return "a table"
+        return Message("a-date")
+    return Message("a-table")
 
 
-def propose(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
-    """Return "; did you mean ...?" or the list of what there is.
+def propose(name: str, known: Mapping[str, object] | Sequence[str]) -> Message:
+    """Return a hint: what was meant, or the list of what there is.
 
     Parameters
     ----------
@@ -259,15 +269,17 @@ def propose(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
 
     Returns
     -------
-    str
+    Message
 
     Examples
     --------
     >>> propose("base_mas", ["base_mass", "slider_mass"])
-    '; did you mean "base_mass"?'
+    Message('hint-did-you-mean', name='base_mass')
     """
     close = find_close(name, known)
-    return f'; did you mean "{close}"?' if close else f"; there are {', '.join(known)}"
+    if close:
+        return Message("hint-did-you-mean", name=close)
+    return Message("hint-there-are", names=", ".join(known))
 
 
 def find_close(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
@@ -290,18 +302,17 @@ def context_of(info: ValidationInfo) -> Context:
 
 
 def _read_within(allowed: Range, value: object) -> float:
-    """Return the SI value, or raise ValueError with the message."""
+    """Return the SI value, or raise what is wrong with it."""
     number = _read_number(value, allowed.dimension)
     unit = f" {allowed.dimension.si}" if allowed.dimension.si else ""
-    got = f"got {value.strip()}" if isinstance(value, str) else f"got {number:g}{unit}"
-    if number <= allowed.above:
-        raise ValueError(f"{got}, must be > {allowed.above:g}{unit}")
-    if allowed.above == -inf and number < allowed.low and allowed.low == 0.0:
-        raise ValueError(f"{got}, must be >= 0{unit}")
-    if not allowed.low <= number <= allowed.high:
-        raise ValueError(
-            f"{got}, must be from {allowed.low:g} to {allowed.high:g}{unit}; check the unit"
-        )
+    got = value.strip() if isinstance(value, str) else f"{number:g}{unit}"
+    low, high, above = allowed.low, allowed.high, allowed.above
+    if number <= above:
+        raise Refused(Message("must-be-above", got=got, bound=above, unit=unit))
+    if above == -inf and number < low and low == 0.0:
+        raise Refused(Message("must-be-at-least", got=got, bound=0.0, unit=unit))
+    if not low <= number <= high:
+        raise Refused(Message("must-be-between", got=got, low=low, high=high, unit=unit))
     return number
 
 
@@ -309,7 +320,7 @@ def _read_number(value: object, dimension: Dimension) -> float:
     if isinstance(value, str):
         return parse_quantity(value, dimension)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"got {describe(value)}, must be {dimension.name}, {dimension.usual}")
+        raise Refused(Message("got-no-quantity", got=describe(value), expected=dimension.expected))
     if not abs(value) <= LARGEST:
-        raise ValueError(f"got {describe(value)}, must be a finite number")
+        raise Refused(Message("got-infinite", got=describe(value)))
     return float(value)

@@ -38,8 +38,8 @@ PUSH_STEP = 0.5e-3
 def loop_part(commissioning: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant = commissioning.tuned, commissioning.plant
-    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.lifted[0]
-    mixed = find_mixed_modes(plant, lifted, nominal.mode_damping)
+    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.loops[0].lifted
+    mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return entry_of(
         LoopPart,
         nominal,

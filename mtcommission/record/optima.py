@@ -11,7 +11,9 @@ from mtcommission.optimal.solution import (
     Certificate,
     DampingOptimum,
     TimeOptimum,
+    control_text,
     sample_trajectory,
+    side_text,
 )
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
@@ -50,7 +52,9 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
         "f_max": solution.force_limit,
         "move": describe_move(solution.move),
         "limits": {bound.name: bound.value for bound in solution.bounds},
-        "arcs": [entry_of(ArcEntry, arc) for arc in solution.arcs],
+        "arcs": [
+            entry_of(ArcEntry, arc, control=control_text(arc.control)) for arc in solution.arcs
+        ],
         "switching_times": [arc.t_end for arc in solution.arcs[:-1]],
         "peaks": dict(zip(plant.signals, solution.peaks.tolist(), strict=True)),
         "terminal_error": dict(zip(plant.states, solution.terminal_error.tolist(), strict=True)),
@@ -62,7 +66,10 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
             solution,
             **shared,
             kind="time",
-            touch_points=[entry_of(TouchPointEntry, point) for point in solution.touch_points],
+            touch_points=[
+                TouchPointEntry(t=point.t, limit=side_text(point.signal, point.side))
+                for point in solution.touch_points
+            ],
             cost=None,
             cost_terms={},
             weights={},

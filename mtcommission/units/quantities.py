@@ -12,6 +12,8 @@ from itertools import product
 from math import isfinite, pi
 from textwrap import wrap
 
+from mtcommission.errors import Refused
+from mtcommission.messages.message import Message
 from mtcommission.units.advice import find_worth, list_candidates
 from mtcommission.units.symbols import LONGEST_TEXT, ONE, SYMBOLS, Unit, read_unit
 
@@ -34,31 +36,45 @@ class Dimension:
     Parameters
     ----------
     name
-        With its article, for messages: "a mass".
+        Said with its article: a mass.
     si
         The SI unit, for messages.
     forms
         Units that count as 1 of this quantity. The first is the SI unit; further ones admit
         what is written by custom, e.g. N m beside N m/rad.
     usual
-        Units to propose, with their preposition.
+        Units to propose.
     """
 
-    name: str
+    name: Message
     si: str
     forms: tuple[Unit, ...]
-    usual: str
+    usual: tuple[str, ...]
+
+    @property
+    def expected(self) -> Message:
+        """What it is and in which units, e.g. a mass, in kg, g or t."""
+        *first, last = self.usual
+        kind = "unit-in-one-of" if first else "unit-none-or" if not self.si else "unit-in"
+        return Message(
+            "quantity-expected",
+            what=self.name,
+            units=Message(kind, first=", ".join(first), last=last),
+        )
 
     def per(self, other: Dimension) -> Dimension:
         """Return the quantity "this per other", e.g. a force per velocity."""
         forms = tuple(a * b**-1 for a, b in product(self.forms, other.forms))
         si = f"{self.si}/({other.si})"
-        return Dimension(f"{self.name} per {other.name.split(' ', 1)[1]}", si, forms, f"in {si}")
+        bare = Message(f"{other.name.kind}-bare")
+        name = Message("dimension-per", what=self.name, other=bare)
+        return Dimension(name, si, forms, (si,))
 
     def squared(self) -> Dimension:
         """Return the square of the quantity."""
         forms = tuple(unit**2 for unit in self.forms)
-        return Dimension(f"{self.name} squared", f"({self.si})^2", forms, f"in ({self.si})^2")
+        si = f"({self.si})^2"
+        return Dimension(Message("dimension-squared", what=self.name), si, forms, (si,))
 
 
 def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = False) -> float:
@@ -80,57 +96,70 @@ def parse_quantity(text: str, dimension: Dimension, *, decimal_comma: bool = Fal
 
     Raises
     ------
-    ValueError
+    Refused
         With a message that says what was got and what to write.
 
     Examples
     --------
     >>> parse_quantity("44.41 N/um", STIFFNESS)
     44410000.0
-    >>> parse_quantity("20 deg", LENGTH)
+    >>> parse_quantity("20 deg", FORCE)
     Traceback (most recent call last):
     ...
-    ValueError: got "20 deg", which is an angle; must be a length, in m, mm, um or nm
+    mtcommission.errors.Refused: got "20 deg", which is an angle; must be a force, in N, kN or MN
     """
     text = text.replace("\t", " ")
     shown = _shorten(text)
     if not text.isprintable():
-        raise ValueError(f'got "{shown}" with control characters; remove them')
+        raise Refused(Message("quantity-with-control-characters", got=shown))
     if len(text) > LONGEST_TEXT:
-        raise ValueError(f'got "{shown}"; a quantity has at most {LONGEST_TEXT} characters')
+        raise Refused(Message("quantity-too-long", got=shown, most=LONGEST_TEXT))
     number, unit = _split_number(text, shown, dimension, decimal_comma=decimal_comma)
     try:
         meanings = read_unit(unit)
-    except ValueError as error:
-        advice = _advise(unit, dimension)
-        raise ValueError(f'got "{shown}": {error}{advice}; {_expected(dimension)}') from error
+    except Refused as error:
+        raise Refused(
+            Message(
+                "quantity-without-unit",
+                got=shown,
+                why=error.message,
+                advice=_advise(unit, dimension),
+                expected=dimension.expected,
+            )
+        ) from error
     if not unit:
         return _value(number, ONE, shown)
     for meaning, form in product(meanings, dimension.forms):
         if meaning.exponents == form.exponents:
             return _value(number, meaning * form**-1, shown)
-    hint = "; g is the gram here, write 9.81 m/s^2" if unit == "g" else ""
     name = _name(meanings[0])
-    advice = _advise(unit, dimension) if name.startswith("a quantity in") else ""
-    raise ValueError(f'got "{shown}", which is {name}{advice}; {_expected(dimension)}{hint}')
+    raise Refused(
+        Message(
+            "quantity-of-another-kind",
+            got=shown,
+            what=name or Message("dimension-in", units=_in_si(meanings[0])),
+            advice=None if name else _advise(unit, dimension),
+            expected=dimension.expected,
+            hint=Message("g-is-the-gram") if unit == "g" else None,
+        )
+    )
 
 
-def _advise(unit: str, dimension: Dimension) -> str:
+def _advise(unit: str, dimension: Dimension) -> Message | None:
     """Return what the unit is worth, or which one may have been meant that fits here."""
     worth = find_worth(unit)
     if worth:
-        return f" ({worth})"
-    usual = re.split(", | or ", dimension.usual.removeprefix("in "))
-    for candidate in list_candidates(unit, usual, tuple(SYMBOLS)):
+        return Message("unit-worth", worth=worth)
+    for candidate in list_candidates(unit, dimension.usual, tuple(SYMBOLS)):
         if _fits(candidate, dimension):
-            return f' (did you mean "{candidate}"?)'
-    return ""
+            return Message("unit-meant", unit=candidate)
+    return None
 
 
 def _fits(unit: str, dimension: Dimension) -> bool:
     try:
         meanings = read_unit(unit)
-    except ValueError:
+    except Refused:
         return False
     exponents = {form.exponents for form in dimension.forms}
     return any(meaning.exponents in exponents for meaning in meanings)
@@ -145,27 +174,27 @@ def _split_number(
     if digits is not None and "," in digits[0]:
         plain = digits[0].replace(",", ".") + plain[digits.end() :]
         if plain.count(".", 0, digits.end()) > 1:
-            raise ValueError(f'got "{shown}"; write the number without thousands separators')
+            raise Refused(Message("number-with-separators", got=shown))
         if not decimal_comma:
-            raise ValueError(f'got "{shown}" with a comma; write it with a point: "{plain}"')
+            raise Refused(Message("number-with-comma", got=shown, wanted=plain))
     match = NUMBER.match(plain)
     if match is not None:
         return match[0], plain[match.end() :].strip()
     if re.match(r"[+-]?(nan|inf)", plain, re.IGNORECASE):
-        raise ValueError(f'got "{shown}", must be a finite number; {_expected(dimension)}')
-    raise ValueError(f'got "{shown}", which does not begin with a number; {_expected(dimension)}')
+        raise Refused(Message("quantity-infinite", got=shown, expected=dimension.expected))
+    raise Refused(Message("quantity-without-number", got=shown, expected=dimension.expected))
 
 
 def _value(number: str, unit: Unit, shown: str) -> float:
     rough = float(number)
     if not isfinite(rough):
-        raise ValueError(f'got "{shown}", must be a finite number')
+        raise Refused(Message("number-infinite", got=shown))
     # Also keeps "0e999999999" from being spelt out as a fraction.
     if rough == 0.0:
         return 0.0
     exact = Fraction(number) * unit.factor
     if abs(exact) > LARGEST:
-        raise ValueError(f'got "{shown}", must be a finite number')
+        raise Refused(Message("number-infinite", got=shown))
     return float(exact) * pi**unit.pi_power
 
 
@@ -227,54 +256,52 @@ def _shorten(text: str) -> str:
     return printable if len(printable) <= LONGEST_TEXT else printable[: LONGEST_TEXT - 3] + "..."
 
 
-def _expected(dimension: Dimension) -> str:
-    return f"must be {dimension.name}, {dimension.usual}"
+def _name(unit: Unit) -> Message | None:
+    names = (one.name for one in DIMENSIONS if unit.exponents == one.forms[0].exponents)
+    return next(names, None)
 
 
-def _name(unit: Unit) -> str:
-    for dimension in DIMENSIONS:
-        if unit.exponents == dimension.forms[0].exponents:
-            return dimension.name
+def _in_si(unit: Unit) -> str:
     parts = zip(("m", "kg", "s", "rad"), unit.exponents, strict=True)
-    symbols = [symbol if power == 1 else f"{symbol}^{power}" for symbol, power in parts if power]
-    return "a quantity in " + " ".join(symbols)
+    return " ".join(
+        symbol if power == 1 else f"{symbol}^{power}" for symbol, power in parts if power
+    )
 
 
-def _dimension(name: str, si: str, usual: str, *custom: Unit) -> Dimension:
-    return Dimension(name, si, (read_unit(si)[0], *custom), usual)
+def _dimension(kind: str, si: str, usual: str, *custom: Unit) -> Dimension:
+    name = Message(f"dimension-{kind}")
+    return Dimension(name, si, (read_unit(si)[0], *custom), tuple(usual.split(", ")))
 
 
 # The radian counts, but custom drops it wherever no length could be meant instead.
-MASS = _dimension("a mass", "kg", "in kg, g or t")
-LENGTH = _dimension("a length", "m", "in m, mm, um or nm")
-ANGLE = _dimension("an angle", "rad", "in rad, mrad, deg, arcsec or rev")
-TIME = _dimension("a time", "s", "in s, ms, us or min")
-FREQUENCY = _dimension(
-    "a frequency", "Hz", "in Hz, kHz or 1/min", Unit((0, 0, -1, 1), Fraction(2), 1)
-)
-FORCE = _dimension("a force", "N", "in N, kN or MN")
-TORQUE = _dimension("a torque", "N m", "in N m or kN m")
-INERTIA = _dimension("a moment of inertia", "kg m^2", "in kg m^2, kg cm^2 or kg mm^2")
-VELOCITY = _dimension("a velocity", "m/s", "in m/s, mm/s, m/min or mm/min")
-ANGULAR_VELOCITY = _dimension("an angular velocity", "rad/s", "in rad/s, deg/s or rev/min")
-ACCELERATION = _dimension("an acceleration", "m/s^2", "in m/s^2 or mm/s^2")
-ANGULAR_ACCELERATION = _dimension("an angular acceleration", "rad/s^2", "in rad/s^2 or deg/s^2")
-JERK = _dimension("a jerk", "m/s^3", "in m/s^3 or mm/s^3")
-ANGULAR_JERK = _dimension("an angular jerk", "rad/s^3", "in rad/s^3 or deg/s^3")
-STIFFNESS = _dimension("a stiffness", "N/m", "in N/m, N/mm, N/um or kN/mm")
-DAMPING = _dimension("a damping constant", "N s/m", "in N s/m or kN s/m")
-ROTARY_STIFFNESS = _dimension("a rotary stiffness", "N m/rad", "in N m/rad", Unit((2, 1, -2, 0)))
+MASS = _dimension("mass", "kg", "kg, g, t")
+LENGTH = _dimension("length", "m", "m, mm, um, nm")
+ANGLE = _dimension("angle", "rad", "rad, mrad, deg, arcsec, rev")
+TIME = _dimension("time", "s", "s, ms, us, min")
+FREQUENCY = _dimension("frequency", "Hz", "Hz, kHz, 1/min", Unit((0, 0, -1, 1), Fraction(2), 1))
+FORCE = _dimension("force", "N", "N, kN, MN")
+TORQUE = _dimension("torque", "N m", "N m, kN m")
+INERTIA = _dimension("moment-of-inertia", "kg m^2", "kg m^2, kg cm^2, kg mm^2")
+VELOCITY = _dimension("velocity", "m/s", "m/s, mm/s, m/min, mm/min")
+ANGULAR_VELOCITY = _dimension("angular-velocity", "rad/s", "rad/s, deg/s, rev/min")
+ACCELERATION = _dimension("acceleration", "m/s^2", "m/s^2, mm/s^2")
+ANGULAR_ACCELERATION = _dimension("angular-acceleration", "rad/s^2", "rad/s^2, deg/s^2")
+JERK = _dimension("jerk", "m/s^3", "m/s^3, mm/s^3")
+ANGULAR_JERK = _dimension("angular-jerk", "rad/s^3", "rad/s^3, deg/s^3")
+STIFFNESS = _dimension("stiffness", "N/m", "N/m, N/mm, N/um, kN/mm")
+DAMPING = _dimension("damping-constant", "N s/m", "N s/m, kN s/m")
+ROTARY_STIFFNESS = _dimension("rotary-stiffness", "N m/rad", "N m/rad", Unit((2, 1, -2, 0)))
 ROTARY_DAMPING = _dimension(
-    "a rotary damping constant", "N m s/rad", "in N m s/rad", Unit((2, 1, -1, 0))
+    "rotary-damping-constant", "N m s/rad", "N m s/rad", Unit((2, 1, -1, 0))
 )
-GAIN = _dimension("a position gain", "1/s", "in 1/s or (m/min)/mm")
-PER_MASS = _dimension("a gain per mass", "1/kg", "in 1/kg")
-PER_INERTIA = _dimension("a gain per inertia", "1/(kg m^2)", "in 1/(kg m^2)", Unit((-2, -1, 0, 1)))
-MODAL_DEFLECTION = _dimension("a modal deflection", "N s^2", "in N s^2")
-MODAL_RATE = _dimension("a modal rate", "N s", "in N s")
-ROTARY_MODAL_DEFLECTION = _dimension("a rotary modal deflection", "N m s^2", "in N m s^2")
-ROTARY_MODAL_RATE = _dimension("a rotary modal rate", "N m s", "in N m s")
-RATIO = _dimension("a ratio", "", "without a unit or in %")
+GAIN = _dimension("position-gain", "1/s", "1/s, (m/min)/mm")
+PER_MASS = _dimension("gain-per-mass", "1/kg", "1/kg")
+PER_INERTIA = _dimension("gain-per-inertia", "1/(kg m^2)", "1/(kg m^2)", Unit((-2, -1, 0, 1)))
+MODAL_DEFLECTION = _dimension("modal-deflection", "N s^2", "N s^2")
+MODAL_RATE = _dimension("modal-rate", "N s", "N s")
+ROTARY_MODAL_DEFLECTION = _dimension("rotary-modal-deflection", "N m s^2", "N m s^2")
+ROTARY_MODAL_RATE = _dimension("rotary-modal-rate", "N m s", "N m s")
+RATIO = _dimension("ratio", "", "%")
 
 DIMENSIONS = (
     MASS, LENGTH, ANGLE, TIME, FREQUENCY, FORCE, TORQUE, INERTIA, VELOCITY, ANGULAR_VELOCITY,

@@ -14,6 +14,9 @@ from itertools import product
 from math import pi
 from typing import NamedTuple
 
+from mtcommission.errors import Refused
+from mtcommission.messages.message import Message
+
 LONGEST_TEXT = 80
 """Characters of a quantity; keeps hostile input from costing time."""
 
@@ -138,7 +141,7 @@ def read_unit(text: str) -> tuple[Unit, ...]:
     2
     """
     if len(text) > LONGEST_TEXT:
-        raise ValueError(f"a unit has at most {LONGEST_TEXT} characters")
+        raise Refused(Message("unit-too-long", most=LONGEST_TEXT))
     plain = text.replace("μ", "µ").replace("per cent", "%").replace("×", "*")
     plain = re.sub("[·⋅]", "*", plain)
     plain = re.sub("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda m: "^" + m[0].translate(SUPERSCRIPTS), plain).strip()
@@ -147,7 +150,7 @@ def read_unit(text: str) -> tuple[Unit, ...]:
     tokens = _tokens("1" + plain if plain.startswith("/") else plain, text)
     units = _product(tokens, text)
     if tokens:
-        raise ValueError(f'"{text}" is not a unit: an opening parenthesis is missing')
+        raise Refused(Message("unit-without-opening", unit=text))
     return units
 
 
@@ -157,7 +160,7 @@ def _tokens(plain: str, text: str) -> deque[Token]:
     while place < len(plain):
         match = TOKEN.match(plain, place)
         if match is None or match.lastgroup is None:
-            raise ValueError(f'"{text}" is not a unit; write it like "N s/m" or "m/s^2"')
+            raise Refused(Message("unit-unreadable", unit=text))
         tokens.append(Token(match.lastgroup, match[match.lastgroup]))
         place = match.end()
     return tokens
@@ -178,12 +181,12 @@ def _product(tokens: deque[Token], text: str) -> tuple[Unit, ...]:
 def _factor(tokens: deque[Token], text: str) -> tuple[Unit, ...]:
     """Take one unit, number or parenthesis with its power off the tokens."""
     if not tokens:
-        raise ValueError(f'"{text}" is not a unit: it breaks off')
+        raise Refused(Message("unit-breaks-off", unit=text))
     head = tokens.popleft()
     if head.text == "(":
         units = _product(tokens, text)
         if not tokens:
-            raise ValueError(f'"{text}" is not a unit: a closing parenthesis is missing')
+            raise Refused(Message("unit-without-closing", unit=text))
         tokens.popleft()
         return _raised(units, _power(tokens))
     if head.kind == "one":
@@ -191,7 +194,7 @@ def _factor(tokens: deque[Token], text: str) -> tuple[Unit, ...]:
         return _raised(units, _power(tokens))
     if head.kind == "word":
         return _word(head.text, _power(tokens))
-    raise ValueError(f'"{text}" is not a unit: "{head.text}" is misplaced')
+    raise Refused(Message("unit-with-misplaced", unit=text, sign=head.text))
 
 
 def _power(tokens: deque[Token]) -> int:
@@ -210,7 +213,7 @@ def _word(word: str, power: int) -> tuple[Unit, ...]:
         return (SYMBOLS[word] ** power,)
     splits = _splits(word) if len(word) <= LONGEST_WORD else []
     if not splits:
-        raise ValueError(f'unknown unit "{word}"')
+        raise Refused(Message("unit-unknown", unit=word))
     meanings = []
     for *first, last in splits:
         unit = SYMBOLS[last] ** power

@@ -133,15 +133,8 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
             continue
         wrong = propose(key, own) if key.startswith(OWN) else find_unknown(tuple(key.split(".")))
         if wrong:
-            message = f"unknown key{wrong}"
-            faults.append(
-                Fault(
-                    where=where,
-                    line=lines.get(key, 0),
-                    key=key,
-                    message=Message("verbatim", text=message),
-                )
-            )
+            message = Message("key-unknown", hint=wrong)
+            faults.append(Fault(where=where, line=lines.get(key, 0), key=key, message=message))
     if faults:
         raise InputError(sorted(faults, key=lambda fault: fault.line))
     return answers

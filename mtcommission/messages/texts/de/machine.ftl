@@ -1,37 +1,43 @@
 remark = { $key }: { $what }
 remark-on-mode = Eigenform { $mode }: { $what }
-mode-rings-long = { PLAIN($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { PLAIN($damping_ratio, digits: 3) } klingt { PLAIN($time, digits: 3) } s nach, bis 1 % übrig ist; limits, simulate und run verfolgen sie so lange und können Minuten brauchen
-mode-rings-for-ever = { PLAIN($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { PLAIN($damping_ratio, digits: 3) } klingt nie ab; limits, simulate und run verfolgen sie so lange und können Minuten brauchen
-cycle-shorter-than-drives-have = { PLAIN($cycle, digits: 3, unit: "us") } us ist kürzer, als Antriebe es können, 31,25 us bis 1 ms; limits, simulate und run verfolgen jeden Takt und können Minuten brauchen
-mode-damping-low = Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) } liegt unter dem von Maschinengestellen, { PLAIN($low) } bis { PLAIN($high) }
-mode-damping-high = Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) } liegt über dem von Maschinengestellen, { PLAIN($low) } bis { PLAIN($high) }
-mode-slow = { PLAIN($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und Masse prüfen
-mode-above-velocity-sampling = { PLAIN($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { PLAIN($rate) } Hz; keine Rückführung kann sie dämpfen
-mode-above-position-sampling = { PLAIN($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Lagereglers, { PLAIN($rate) } Hz; Sollwerte in diesem Takt können sie nicht formen
-mode-of-few-position-cycles = eine Periode hat nur { PLAIN($cycles, digits: 2) } Lagereglertakte von { PLAIN($cycle, digits: 3, unit: "ms") } ms; so grob ist die Ruckzeit einstellbar
+mode-rings-long = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { ROUND($damping_ratio, digits: 3) } klingt { ROUND($time, digits: 3) } s nach, bis 1 % übrig ist; limits, simulate und run verfolgen sie so lange und können Minuten brauchen
+mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgrad von { ROUND($damping_ratio, digits: 3) } klingt nie ab; limits, simulate und run verfolgen sie so lange und können Minuten brauchen
+cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us ist kürzer, als Antriebe es können, 31.25 us bis 1 ms; limits, simulate und run verfolgen jeden Takt und können Minuten brauchen
+mode-damping-low = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt unter dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
+mode-damping-high = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt über dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
+mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und Masse prüfen
+mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz; keine Rückführung kann sie dämpfen
+mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Lagereglers, { ROUND($rate) } Hz; Sollwerte in diesem Takt können sie nicht formen
+mode-of-few-position-cycles = eine Periode hat nur { ROUND($cycles, digits: 2) } Lagereglertakte von { ROUND($cycle, digits: 3, unit: "ms") } ms; so grob ist die Ruckzeit einstellbar
 mode-unseen = weder Werkzeug noch Lagegeber sehen sie; sie kostet im Optimum umsonst Zeit
-mode-gain-large = ihre Verstärkung ist das { PLAIN($ratio, digits: 3) }-Fache von 1/moving_mass; die Einheit der Verstärkungen prüfen
+mode-gain-large = ihre Verstärkung ist das { ROUND($ratio, digits: 3) }-Fache von 1/moving_mass; die Einheit der Verstärkungen prüfen
 mode-bends-far = { $axis ->
-    [rotary] das volle Moment
+    [rotary] das volle Drehmoment
    *[linear] die volle Kraft
-} verformt das Werkzeug um { SI($deflection, "LENGTH", digits: 3) }, das { PLAIN($ratio, digits: 3) }-Fache von tcp_deviation = { SI($band, "LENGTH", digits: 3) }; Steifigkeit und Band prüfen
+} verformt das Werkzeug um { SI($deflection, "LENGTH", digits: 3) }, das { ROUND($ratio, digits: 3) }-Fache von tcp_deviation = { SI($band, "LENGTH", digits: 3) }; Steifigkeit und Band prüfen
 force-hardly-moves-axis = { SI($force, "FORCE") } an { SI($mass, "MASS") } ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, was die Achse kaum bewegt; beide Einheiten prüfen
 force-beyond-axis = { SI($force, "FORCE") } an { SI($mass, "MASS") } ergeben { SI($acceleration, "ACCELERATION", digits: 3) }, mehr als eine Maschinenachse verträgt; beide Einheiten prüfen
 static-load-large = { SI($load, "FORCE") } brauchen mehr als die Hälfte von max_force = { SI($max_force, "FORCE") }; einen Gewichtsausgleich erwägen
 continuous-force-above-max = { SI($force, "FORCE") } liegt über max_force = { SI($max_force, "FORCE") } und begrenzt nichts; sind beide vertauscht?
-force-lag-long = { PLAIN($lag, digits: 3, unit: "ms") } ms ist lang für einen { $axis ->
-    [rotary] Momentenregelkreis
+force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms ist lang für einen { $axis ->
+    [rotary] Drehmomentregelkreis
    *[linear] Kraftregelkreis
 } (Servoantriebe: 0,5 bis 5 ms)
-move-lasts-long = eine starre Achse brauchte { PLAIN($time, digits: 3) } s für diese Bewegung; Weg, Geschwindigkeit und { $axis ->
-    [rotary] Moment
-   *[linear] Kraft
+move-lasts-long = eine starre Achse brauchte { ROUND($time, digits: 3) } s für diese Bewegung; { $axis ->
+    [rotary] Winkel, Geschwindigkeit und Drehmoment
+   *[linear] Weg, Geschwindigkeit und Kraft
 } prüfen
 move-fast = { SI($velocity, "VELOCITY") } ist schneller, als Maschinenachsen fahren, { SI($fastest, "VELOCITY") }; die Einheit prüfen
 band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } ist feiner, als Lagegeber auflösen; die Einheit prüfen
 band-no-accuracy = { SI($band, "LENGTH", digits: 3) } ist gar keine Genauigkeit; die Einheit prüfen
-payload-large = { SI($payload, "MASS") } ist mehr als das Dreifache der bewegten Masse, { SI($mass, "MASS") }; ein Satz Grenzwerte ist für die leere Achse langsam
-bands-not-widening = surface { PLAIN($surface, digits: 3) }, accuracy { PLAIN($accuracy, digits: 3) } und speed { SI($speed, "LENGTH", digits: 3) } werden in dieser Folge nicht weiter; sind sie vertauscht?
-feedforward-mass-far = { SI($mass, "MASS") } liegt weit von der bewegten Masse, { PLAIN($low) } bis { SI($high, "MASS") }; die Vorsteuerung schiebt zu wenig oder zu viel
-position-gain-without-unit = Kv = { PLAIN($gain) } 1/s ist nur { PLAIN($in_custom, digits: 3) } (m/min)/mm; wenn { PLAIN($gain) } (m/min)/mm gemeint ist, die Einheit dazuschreiben: "{ PLAIN($gain) } (m/min)/mm"
-bandwidth-above-sampling = { PLAIN($bandwidth) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { PLAIN($rate) } Hz
+payload-large = { SI($payload, "MASS") } ist mehr als das Dreifache { $axis ->
+    [rotary] des bewegten Trägheitsmoments
+   *[linear] der bewegten Masse
+}, { SI($mass, "MASS") }; ein Satz Grenzwerte ist für die leere Achse langsam
+bands-not-widening = surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } und speed { SI($speed, "LENGTH", digits: 3) } werden in dieser Folge nicht weiter; sind sie vertauscht?
+feedforward-mass-far = { SI($mass, "MASS") } liegt weit { $axis ->
+    [rotary] vom bewegten Trägheitsmoment
+   *[linear] von der bewegten Masse
+}, { ROUND($low) } bis { SI($high, "MASS") }; die Vorsteuerung schiebt zu wenig oder zu viel
+position-gain-without-unit = Kv = { ROUND($gain) } 1/s ist nur { ROUND($in_custom, digits: 3) } (m/min)/mm; wenn { ROUND($gain) } (m/min)/mm gemeint ist, die Einheit dazuschreiben: "{ ROUND($gain) } (m/min)/mm"
+bandwidth-above-sampling = { ROUND($bandwidth) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz

@@ -3,32 +3,47 @@
 # $key: of the profile; $what: one of the remarks below
 remark = { $key }: { $what }
 remark-on-mode = mode { $mode }: { $what }
-mode-rings-long = { PLAIN($frequency, digits: 3) } Hz at a damping ratio of { PLAIN($damping_ratio, digits: 3) } rings for { PLAIN($time, digits: 3) } s until 1 % is left; limits, simulate and run follow it that long and may take minutes
-mode-rings-for-ever = { PLAIN($frequency, digits: 3) } Hz at a damping ratio of { PLAIN($damping_ratio, digits: 3) } rings for ever; limits, simulate and run follow it that long and may take minutes
-cycle-shorter-than-drives-have = { PLAIN($cycle, digits: 3, unit: "us") } us is shorter than drives have, 31.25 us to 1 ms; limits, simulate and run follow every cycle and may take minutes
-mode-damping-low = damping ratio { PLAIN($damping_ratio, digits: 3) } is below what machine structures show, { PLAIN($low) } to { PLAIN($high) }
-mode-damping-high = damping ratio { PLAIN($damping_ratio, digits: 3) } is above what machine structures show, { PLAIN($low) } to { PLAIN($high) }
-mode-slow = { PLAIN($frequency, digits: 3) } Hz is slower than any machine structure; check stiffness and mass
+mode-rings-long = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for { ROUND($time, digits: 3) } s until 1 % is left; limits, simulate and run follow it that long and may take minutes
+mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz at a damping ratio of { ROUND($damping_ratio, digits: 3) } rings for ever; limits, simulate and run follow it that long and may take minutes
+cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us is shorter than drives have, 31.25 us to 1 ms; limits, simulate and run follow every cycle and may take minutes
+mode-damping-low = damping ratio { ROUND($damping_ratio, digits: 3) } is below what machine structures show, { ROUND($low) } to { ROUND($high) }
+mode-damping-high = damping ratio { ROUND($damping_ratio, digits: 3) } is above what machine structures show, { ROUND($low) } to { ROUND($high) }
+mode-slow = { ROUND($frequency, digits: 3) } Hz is slower than any machine structure; check stiffness and mass
 # $rate [Hz]
-mode-above-velocity-sampling = { PLAIN($frequency, digits: 3) } Hz is above a third of the velocity loop's sampling rate, { PLAIN($rate) } Hz; no feedback can damp it
-mode-above-position-sampling = { PLAIN($frequency, digits: 3) } Hz is above a third of the position loop's sampling rate, { PLAIN($rate) } Hz; setpoints at that cycle cannot shape it
-mode-of-few-position-cycles = one period has only { PLAIN($cycles, digits: 2) } position cycles of { PLAIN($cycle, digits: 3, unit: "ms") } ms; a jerk time can only be set that coarsely
+mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz; no feedback can damp it
+mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the position loop's sampling rate, { ROUND($rate) } Hz; setpoints at that cycle cannot shape it
+mode-of-few-position-cycles = one period has only { ROUND($cycles, digits: 2) } position cycles of { ROUND($cycle, digits: 3, unit: "ms") } ms; a jerk time can only be set that coarsely
 mode-unseen = neither tool nor encoder sees it; it costs time in the optimum for nothing
-mode-gain-large = its gain is { PLAIN($ratio, digits: 3) } times 1/moving_mass; check the unit of the gains
-mode-bends-far = the full force bends the tool by { SI($deflection, "LENGTH", digits: 3) }, { PLAIN($ratio, digits: 3) } times tcp_deviation = { SI($band, "LENGTH", digits: 3) }; check the stiffness and the band
+mode-gain-large = its gain is { ROUND($ratio, digits: 3) } times 1/moving_mass; check the unit of the gains
+mode-bends-far = the full { $axis ->
+    [rotary] torque
+   *[linear] force
+} bends the tool by { SI($deflection, "LENGTH", digits: 3) }, { ROUND($ratio, digits: 3) } times tcp_deviation = { SI($band, "LENGTH", digits: 3) }; check the stiffness and the band
 force-hardly-moves-axis = { SI($force, "FORCE") } on { SI($mass, "MASS") } give { SI($acceleration, "ACCELERATION", digits: 3) }, which hardly moves the axis; check both units
 force-beyond-axis = { SI($force, "FORCE") } on { SI($mass, "MASS") } give { SI($acceleration, "ACCELERATION", digits: 3) }, which is more than a machine axis bears; check both units
 static-load-large = { SI($load, "FORCE") } take more than half of max_force = { SI($max_force, "FORCE") }; consider a counterbalance
 continuous-force-above-max = { SI($force, "FORCE") } is above max_force = { SI($max_force, "FORCE") }, so it limits nothing; the two may be swapped
-force-lag-long = { PLAIN($lag, digits: 3, unit: "ms") } ms is long for a force loop (servo drives: 0.5 to 5 ms)
-move-lasts-long = a rigid axis would need { PLAIN($time, digits: 3) } s for this move; check distance, velocity and force
+force-lag-long = { ROUND($lag, digits: 3, unit: "ms") } ms is long for a { $axis ->
+    [rotary] torque
+   *[linear] force
+} loop (servo drives: 0.5 to 5 ms)
+move-lasts-long = a rigid axis would need { ROUND($time, digits: 3) } s for this move; check { $axis ->
+    [rotary] angle, velocity and torque
+   *[linear] distance, velocity and force
+}
 move-fast = { SI($velocity, "VELOCITY") } is faster than machine axes move, { SI($fastest, "VELOCITY") }; check the unit
 band-finer-than-encoders = { SI($band, "LENGTH", digits: 3) } is finer than encoders resolve; check the unit
 band-no-accuracy = { SI($band, "LENGTH", digits: 3) } is no accuracy at all; check the unit
-payload-large = { SI($payload, "MASS") } is more than three times the moving mass, { SI($mass, "MASS") }; one set of limits will be slow for the empty axis
-bands-not-widening = surface { PLAIN($surface, digits: 3) }, accuracy { PLAIN($accuracy, digits: 3) } and speed { SI($speed, "LENGTH", digits: 3) } do not widen in this order; they may be swapped
-feedforward-mass-far = { SI($mass, "MASS") } is far from the moving mass, { PLAIN($low) } to { SI($high, "MASS") }; the feed-forward will push too little or too much
+payload-large = { SI($payload, "MASS") } is more than three times the moving { $axis ->
+    [rotary] moment of inertia
+   *[linear] mass
+}, { SI($mass, "MASS") }; one set of limits will be slow for the empty axis
+bands-not-widening = surface { ROUND($surface, digits: 3) }, accuracy { ROUND($accuracy, digits: 3) } and speed { SI($speed, "LENGTH", digits: 3) } do not widen in this order; they may be swapped
+feedforward-mass-far = { SI($mass, "MASS") } is far from the moving { $axis ->
+    [rotary] moment of inertia
+   *[linear] mass
+}, { ROUND($low) } to { SI($high, "MASS") }; the feed-forward will push too little or too much
 # $gain [1/s], $in_custom [(m/min)/mm]
-position-gain-without-unit = Kv = { PLAIN($gain) } 1/s is only { PLAIN($in_custom, digits: 3) } (m/min)/mm; if { PLAIN($gain) } (m/min)/mm is meant, write the unit: "{ PLAIN($gain) } (m/min)/mm"
+position-gain-without-unit = Kv = { ROUND($gain) } 1/s is only { ROUND($in_custom, digits: 3) } (m/min)/mm; if { ROUND($gain) } (m/min)/mm is meant, write the unit: "{ ROUND($gain) } (m/min)/mm"
 # $bandwidth, $rate [Hz]
-bandwidth-above-sampling = { PLAIN($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { PLAIN($rate) } Hz
+bandwidth-above-sampling = { ROUND($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz

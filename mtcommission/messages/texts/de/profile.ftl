@@ -1,0 +1,80 @@
+hint-did-you-mean = ; ist „{ $name }“ gemeint?
+hint-there-are = ; es gibt { $names }
+hint-moves-header = ; die Überschrift als [[moves]] schreiben
+hint-key = ; einen Schlüssel nennen, wie Meldungen ihn schreiben
+one-or-other = { $first } oder { $last }
+an-array = eine Liste
+a-table = eine Tabelle
+a-date = ein Datum oder eine Uhrzeit
+a-huge-integer = eine ganze Zahl jenseits aller Grenzen
+
+file-missing = diese Datei gibt es nicht; den Namen prüfen
+file-is-directory = ist ein Ordner; ein Profil (.toml) darin nennen
+file-unreadable = nicht lesbar: { $reason }
+file-too-large = ist größer als { PLAIN($most, digits: 9) } Byte; das ist kein Profil
+file-binary = ist eine Binär- oder UTF-16-Datei; das Profil als UTF-8-Text speichern
+file-not-utf8 = Byte { $byte } ist kein UTF-8; das Profil als UTF-8-Text speichern
+file-empty = ist leer; von einem mitgelieferten Profil ausgehen (mtcommission profiles list)
+profile-unknown = kein mitgeliefertes Profil { $got }{ $meant } Es gibt: { $names }
+profile-meant = ; ist { $name } gemeint?
+profile-none-meant = .
+
+toml-nested-deeply = ist zu tief verschachtelt; ein Profil braucht höchstens drei Ebenen
+toml-refused = TOML-Syntax: { $reason }
+line-no-toml = „{ $got }“ angegeben; eine Zeile ist eine [Tabelle], ein Schlüssel = Wert oder ein Kommentar nach #
+key-twice = steht schon in Zeile { $first }; eines von beiden entfernen
+value-missing = kein Wert nach dem =; einen ergänzen oder die Zeile löschen
+value-in-typographic-quotes = { $got } mit typografischen Anführungszeichen angegeben; "{ $wanted }" mit geraden schreiben
+values-without-quotes = { $got } angegeben; Werte mit Einheit stehen in Anführungszeichen: [{ $wanted }]
+value-without-bracket = { $got } ohne die schließende Klammer ] angegeben
+value-without-closing-quote = { $got } ohne das schließende Anführungszeichen angegeben; "{ $wanted }" schreiben
+value-of-many-digits = eine Zahl mit Tausenden von Ziffern; sie prüfen
+value-with-bare-point = { $got } angegeben; auf beiden Seiten des Punkts Ziffern schreiben: { $wanted }
+value-with-comma = { $got } mit Komma angegeben; mit Punkt schreiben: { $wanted }
+value-with-comma-and-unit = { $got } mit Komma angegeben; mit Punkt schreiben: "{ $wanted }", in Anführungszeichen
+value-without-quotes = { $got } ohne Anführungszeichen angegeben; "{ $wanted }" schreiben
+
+key-unknown = unbekannter Schlüssel{ $hint }
+key-misspelt = unbekannter Schlüssel; ist „{ $meant }“ gemeint, das fehlt?
+key-not-stated = „{ $got }“ angegeben, das hier nicht steht{ $hint }
+key-missing = fehlt; { $remedy }
+add-schema = schema = 1 ergänzen
+add-value = den Wert Ihrer Maschine ergänzen, zum Beispiel { $key } = { $example }
+add-table = eine Tabelle { $header } ergänzen
+add-kind = { $kinds } ergänzen
+add-kind-of-keys = kind = "{ $kind }" ergänzen, zu dem die übrigen Schlüssel gehören
+
+got-other-word = { $got } angegeben, muss { $words } sein
+got-other-word-for = { $got } angegeben, muss { $words } sein{ $hint }
+got-no-boolean = { $got } angegeben, muss true oder false sein
+got-no-table = { $got } angegeben, muss eine Tabelle sein
+got-no-array = { $got } angegeben, muss eine Liste sein{ $hint }
+got-no-text = { $got } angegeben, muss ein Text in Anführungszeichen sein
+got-no-signals = { $got } angegeben, muss eine Tabelle von Signalen sein
+got-no-signals-or-word = { $got } angegeben, muss { $words } oder eine Tabelle von Signalen sein
+got-no-filter = { $got } angegeben, muss "none" oder eine Tabelle mit kind und time sein
+got-no-quantity = { $got } angegeben, { $expected }
+got-infinite = { $got } angegeben, muss eine endliche Zahl sein
+array-too-short = { $length } Elemente angegeben, mindestens { $least } nötig
+array-too-long = zu viele Elemente angegeben, höchstens { $most } erlaubt
+value-refused = { $got } angegeben: { $reason }
+text-too-long = { $length } Zeichen angegeben, höchstens { $most } sind erlaubt
+text-with-control-characters = Steuerzeichen angegeben; sie entfernen
+name-no-identifier = „{ $got }“ angegeben, müssen Buchstaben, Ziffern und _ sein, nicht mit einer Ziffer am Anfang
+name-empty = leerer Text angegeben, einen Namen nennen
+no-such-signal = kein solches Signal{ $hint }
+or-word = { $what }, oder "{ $word }"
+must-be-above = { $got } angegeben, muss > { PLAIN($bound, digits: 6) }{ $unit } sein
+must-be-at-least = { $got } angegeben, muss >= { PLAIN($bound, digits: 6) }{ $unit } sein
+must-be-between = { $got } angegeben, muss zwischen { PLAIN($low, digits: 6) } und { PLAIN($high, digits: 6) }{ $unit } liegen; die Einheit prüfen
+
+static-load-takes-all = { PLAIN($got, digits: 6) } { $unit } gegen max_force = { PLAIN($max_force, digits: 6) } { $unit } angegeben; der Betrag muss kleiner sein, sonst bleibt keine Kraft für die Bewegung
+move-with-neither = weder velocity_step noch distance angegeben, genau eines angeben
+move-with-both = velocity_step und distance angegeben, genau eines angeben
+max-velocity-without-distance = gehört zu einer Bewegung mit distance; distance angeben oder den Schlüssel entfernen
+frequency-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss zwischen 0 und 0,5 (50 %) liegen
+damping-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss >= 0 und < 1 (100 %) sein
+damping-spread-beyond-one = { PLAIN($got, digits: 6) } angegeben, das hebt einen Dämpfungsgrad in der ungünstigsten Ecke auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben
+payload-reversed = { PLAIN($low, digits: 6) } { $unit } bis { PLAIN($high, digits: 6) } { $unit } angegeben, die kleinste kommt zuerst
+cycle-no-multiple = { PLAIN($got, digits: 6) } s angegeben, das { PLAIN($ratio, digits: 6) }-Fache von velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; muss ein ganzes Vielfaches sein
+schema-not-one = { $got } angegeben, muss 1 sein

@@ -1,0 +1,94 @@
+# What is wrong with a profile: $got is what stands there, $hint a proposal or empty.
+
+hint-did-you-mean = ; did you mean "{ $name }"?
+hint-there-are = ; there are { $names }
+hint-moves-header = ; write the header as [[moves]]
+hint-key = ; name a key as messages spell it
+# $first may be several, separated by commas
+one-or-other = { $first } or { $last }
+an-array = an array
+a-table = a table
+a-date = a date or time
+a-huge-integer = an integer beyond all bounds
+
+# The file.
+file-missing = there is no such file; check the name
+file-is-directory = is a directory; name a profile (.toml) in it
+file-unreadable = cannot be read: { $reason }
+file-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no profile
+file-binary = is a binary or UTF-16 file; save the profile as UTF-8 text
+file-not-utf8 = byte { $byte } is not UTF-8; save the profile as UTF-8 text
+file-empty = is empty; start from a shipped profile (mtcommission profiles list)
+# $meant: profile-meant or profile-none-meant
+profile-unknown = no shipped profile { $got }{ $meant } There are: { $names }
+profile-meant = ; did you mean { $name }?
+profile-none-meant = .
+
+# TOML.
+toml-nested-deeply = is nested too deeply; a profile needs no more than three levels
+toml-refused = TOML syntax: { $reason }
+line-no-toml = got "{ $got }"; a line is a [table], a key = value, or a comment after #
+# $first: line
+key-twice = stands in line { $first } already; remove one of the two
+value-missing = got no value after the =; add one, or delete the line
+value-in-typographic-quotes = got { $got } with typographic quotes; write "{ $wanted }" with straight ones
+values-without-quotes = got { $got }; values with a unit stand in quotes: [{ $wanted }]
+value-without-bracket = got { $got } without the closing bracket ]
+value-without-closing-quote = got { $got } without the closing quote; write "{ $wanted }"
+value-of-many-digits = got a number of thousands of digits; check it
+value-with-bare-point = got { $got }; write digits on both sides of the point: { $wanted }
+value-with-comma = got { $got } with a comma; write it with a point: { $wanted }
+value-with-comma-and-unit = got { $got } with a comma; write it with a point: "{ $wanted }", in quotes
+value-without-quotes = got { $got } without quotes; write "{ $wanted }"
+
+# Keys.
+key-unknown = unknown key{ $hint }
+key-misspelt = unknown key; did you mean "{ $meant }", which is missing?
+key-not-stated = got "{ $got }", which is not stated here{ $hint }
+key-missing = missing; { $remedy }
+add-schema = add schema = 1
+# $example: as TOML
+add-value = add the value of your machine, for example { $key } = { $example }
+add-table = add a table { $header }
+add-kind = add { $kinds }
+add-kind-of-keys = add kind = "{ $kind }", to which the other keys belong
+
+# Values.
+got-other-word = got { $got }, must be { $words }
+got-other-word-for = got { $got }, must be { $words }{ $hint }
+got-no-boolean = got { $got }, must be true or false
+got-no-table = got { $got }, must be a table
+got-no-array = got { $got }, must be an array{ $hint }
+got-no-text = got { $got }, must be a text in quotes
+got-no-signals = got { $got }, must be a table of signals
+got-no-signals-or-word = got { $got }, must be { $words } or a table of signals
+got-no-filter = got { $got }, must be "none" or a table with kind and time
+got-no-quantity = got { $got }, { $expected }
+got-infinite = got { $got }, must be a finite number
+array-too-short = got { $length } elements, at least { $least } needed
+array-too-long = got too many elements, at most { $most } allowed
+value-refused = got { $got }: { $reason }
+text-too-long = got { $length } characters, at most { $most } are allowed
+text-with-control-characters = got control characters, remove them
+name-no-identifier = got "{ $got }", must be letters, digits and _, not beginning with a digit
+name-empty = got an empty text, give a name
+no-such-signal = no such signal{ $hint }
+# $what: what is wrong with a number in place of which a word may stand
+or-word = { $what }, or "{ $word }"
+# $unit: with a blank before it, or empty; the bounds are in it
+must-be-above = got { $got }, must be > { PLAIN($bound, digits: 6) }{ $unit }
+must-be-at-least = got { $got }, must be >= { PLAIN($bound, digits: 6) }{ $unit }
+must-be-between = got { $got }, must be from { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) }{ $unit }; check the unit
+
+# What does not fit together.
+static-load-takes-all = got { PLAIN($got, digits: 6) } { $unit } against max_force = { PLAIN($max_force, digits: 6) } { $unit }; its amount must be smaller, or no force is left for motion
+move-with-neither = got neither of velocity_step and distance, give exactly one
+move-with-both = got both of velocity_step and distance, give exactly one
+max-velocity-without-distance = belongs to a move with distance; give distance, or remove it
+frequency-spread-large = got { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %), must be from 0 to 0.5 (50 %)
+damping-spread-large = got { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %), must be >= 0 and < 1 (100 %)
+damping-spread-beyond-one = got { PLAIN($got, digits: 6) }, which raises a damping ratio to { PLAIN($largest, digits: 3) } in the worst corner; must stay < 1
+payload-reversed = got { PLAIN($low, digits: 6) } { $unit } to { PLAIN($high, digits: 6) } { $unit }, the least comes first
+# [s]
+cycle-no-multiple = got { PLAIN($got, digits: 6) } s, { PLAIN($ratio, digits: 6) } times velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; must be a whole multiple
+schema-not-one = got { $got }, must be 1

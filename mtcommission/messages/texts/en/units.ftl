@@ -1,0 +1,74 @@
+# Quantities with units, as people type them.
+
+# Kinds of quantity, with their article.
+dimension-mass = a mass
+dimension-length = a length
+dimension-angle = an angle
+dimension-time = a time
+dimension-frequency = a frequency
+dimension-force = a force
+dimension-torque = a torque
+dimension-moment-of-inertia = a moment of inertia
+dimension-velocity = a velocity
+dimension-angular-velocity = an angular velocity
+dimension-acceleration = an acceleration
+dimension-angular-acceleration = an angular acceleration
+dimension-jerk = a jerk
+dimension-angular-jerk = an angular jerk
+dimension-stiffness = a stiffness
+dimension-damping-constant = a damping constant
+dimension-rotary-stiffness = a rotary stiffness
+dimension-rotary-damping-constant = a rotary damping constant
+dimension-position-gain = a position gain
+dimension-gain-per-mass = a gain per mass
+dimension-gain-per-inertia = a gain per inertia
+dimension-modal-deflection = a modal deflection
+dimension-modal-rate = a modal rate
+dimension-rotary-modal-deflection = a rotary modal deflection
+dimension-rotary-modal-rate = a rotary modal rate
+dimension-ratio = a ratio
+
+# The same without article.
+dimension-length-bare = length
+dimension-angle-bare = angle
+dimension-force-bare = force
+dimension-torque-bare = torque
+dimension-velocity-bare = velocity
+dimension-angular-velocity-bare = angular velocity
+dimension-modal-deflection-bare = modal deflection
+dimension-modal-rate-bare = modal rate
+dimension-rotary-modal-deflection-bare = rotary modal deflection
+dimension-rotary-modal-rate-bare = rotary modal rate
+dimension-per = { $what } per { $other }
+dimension-squared = { $what } squared
+dimension-in = a quantity in { $units }
+
+# $what: a kind of quantity; $units: one of the next three
+quantity-expected = must be { $what }, { $units }
+unit-in = in { $last }
+unit-in-one-of = in { $first } or { $last }
+unit-none-or = without a unit or in { $last }
+
+# What is wrong with a unit.
+unit-too-long = a unit has at most { $most } characters
+unit-without-opening = "{ $unit }" is not a unit: an opening parenthesis is missing
+unit-without-closing = "{ $unit }" is not a unit: a closing parenthesis is missing
+unit-unreadable = "{ $unit }" is not a unit; write it like "N s/m" or "m/s^2"
+unit-breaks-off = "{ $unit }" is not a unit: it breaks off
+unit-with-misplaced = "{ $unit }" is not a unit: "{ $sign }" is misplaced
+unit-unknown = unknown unit "{ $unit }"
+# $worth: e.g. 1 lb = 0.45359237 kg
+unit-worth = {" "}({ $worth })
+unit-meant = {" "}(did you mean "{ $unit }"?)
+
+# What is wrong with a quantity; $advice is empty, unit-worth or unit-meant, $hint empty or g-is-the-gram.
+quantity-with-control-characters = got "{ $got }" with control characters; remove them
+quantity-too-long = got "{ $got }"; a quantity has at most { $most } characters
+quantity-without-unit = got "{ $got }": { $why }{ $advice }; { $expected }
+quantity-of-another-kind = got "{ $got }", which is { $what }{ $advice }; { $expected }{ $hint }
+g-is-the-gram = ; g is the gram here, write 9.81 m/s^2
+quantity-infinite = got "{ $got }", must be a finite number; { $expected }
+quantity-without-number = got "{ $got }", which does not begin with a number; { $expected }
+number-infinite = got "{ $got }", must be a finite number
+number-with-separators = got "{ $got }"; write the number without thousands separators
+number-with-comma = got "{ $got }" with a comma; write it with a point: "{ $wanted }"
