@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mtcommission.cli.terminal import describe_limits, show
+from mtcommission.cli.results_view import describe_limits
+from mtcommission.cli.terminal import show
 from mtcommission.commission import Commissioning, commission
 from mtcommission.machine.machine import Motion
 from mtcommission.messages.quantities import Formatter

@@ -26,7 +26,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from mtcommission.cli import app
-from mtcommission.cli.terminal import describe_simulation
+from mtcommission.cli.results_view import describe_simulation
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.limits.commissioning_rule.rule import (
     FORMULA,
