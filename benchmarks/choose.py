@@ -114,9 +114,9 @@ def brute_force(
     settling = np.zeros(len(pairs))
     for move in machine.moves:
         longest = float(steps_of(machine, move, pairs).duration.max())
-        for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True):
+        for loop in tuned.loops:
             filtered = machine.control.moving_average_time > 0.0
-            tables = build_tables(loop, lifted, longest=longest, filtered=filtered)
+            tables = build_tables(loop, longest=longest, filtered=filtered)
             alive = np.flatnonzero(settling <= latest)
             for part in slices(alive):
                 band = machine.requirements.tcp_deviation
@@ -145,9 +145,9 @@ def keeps_bounds(machine: Machine, plant: Plant, tuned: TunedLoop, pairs: np.nda
     bounds = np.array([drive.motion_force, *(peak.bound for peak in needs.peaks)])
     fits = np.ones(len(pairs), dtype=bool)
     for move in machine.moves:
-        for lifted in tuned.lifted:
+        for loop in tuned.loops:
             found = find_extremes(
-                lifted,
+                loop,
                 steps_of(machine, move, pairs),
                 signals=signals,
                 order=4 if machine.control.moving_average_time else 3,

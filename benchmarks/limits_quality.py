@@ -25,7 +25,7 @@ from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.limits.rules_of_thumb import apply_rules
-from mtcommission.loop.batch.varied_response import follow_setpoints
+from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.variations import as_variations
@@ -127,7 +127,7 @@ def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Trial:
             limits = MotionLimits(acceleration=float(a), jerk=float(a / jerk_time))
             average = machine.control.moving_average_time
             plans = [plan_setpoint(move, limits, moving_average=average) for move in machine.moves]
-            found = follow_setpoints(machine, plant, tuned, plans, variations=places)
+            found = simulate_batched(machine, plant, tuned, plans, variations=places)
             outside = bool(np.any(found.residual_deviation > machine.requirements.tcp_deviation))
             used = bool(np.any(found.usage > 1.0))
             points.append((outside or used, float(found.settling_time.max()), limits))

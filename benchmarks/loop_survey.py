@@ -80,7 +80,7 @@ def survey(name: str, build: Callable[[int], Machine], count: int) -> Tally:
 
 def examine(tuned: TunedLoop, tally: Tally, *, where: str) -> None:
     """Add the worst corner of a loop to the tally; stop if it is not what was promised."""
-    radius = max(float(np.max(np.abs(np.linalg.eigvals(item.A)))) for item in tuned.lifted)
+    radius = max(float(np.max(np.abs(np.linalg.eigvals(loop.lifted.A)))) for loop in tuned.loops)
     peak = max(float(np.max(1.0 / np.abs(1.0 + item.open_loop))) for item in tuned.responses)
     phase = min(least_phase(item.open_loop) for item in tuned.responses)
     gain = min(analysis.gain_margin_db for analysis in tuned.analyses)

@@ -155,8 +155,8 @@ def require_short_moves(machine: Machine, limits: MotionLimits) -> None:
         machine,
         limits,
         most=MOST_SIMULATED_CYCLES,
-        reason="asked for are",
-        remedy="check the units of --acceleration and --jerk",
+        reason=Message("budget-asked-for"),
+        remedy=Message("budget-check-options"),
     )
 
 

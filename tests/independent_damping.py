@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.optimal.damping.hamiltonian import terminal_target
-from mtcommission.optimal.solution import Arc, DampingOptimum
+from mtcommission.optimal.solution import Arc, DampingOptimum, Interior
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -161,7 +161,7 @@ def _sampled(plant: Plant, best: DampingOptimum) -> tuple[Array, Array, Array, N
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length * max(rates) / STEP_ANGLE)))
         h = float(f"{length / count:.13g}")
-        is_interior = arc.control == "interior"
+        is_interior = isinstance(arc.control, Interior)
         if is_interior and h not in flows:
             flows[h] = [expm(arc.generator * share * h) for share in (*NODES, 1.0)]
         z = arc.initial
@@ -179,9 +179,9 @@ def _sampled(plant: Plant, best: DampingOptimum) -> tuple[Array, Array, Array, N
         np.array(steps),
         np.array(nodes),
         np.array([*forces, end]),
-        np.array([*inside, best.arcs[-1].control == "interior"]),
+        np.array([*inside, isinstance(best.arcs[-1].control, Interior)]),
     )
 
 
 def _first_interior(best: DampingOptimum) -> list[Arc]:
-    return [arc for arc in best.arcs if arc.control == "interior"][:1]
+    return [arc for arc in best.arcs if isinstance(arc.control, Interior)][:1]

@@ -1,14 +1,23 @@
-"""A small record with made-up numbers, all different, so that a misplaced one is noticed."""
+"""A small record with made-up numbers, all different, so that a misplaced one is noticed.
+
+Records are JSON here, as in their files: a test changes what it wants, and ``on_json`` hands the
+record to a function as it would be read.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import deepcopy
+from functools import wraps
 from math import exp, pi, sin
 from typing import Any
 
 from mtcommission.limits.commissioning_rule.rule import VALIDITY
 from mtcommission.record.files import find_checksum
-from mtcommission.record.schema import NO_LIMITS, Record
+from mtcommission.record.schema import NO_LIMITS, SCHEMA, Record
+from mtcommission.record.shape import to_entry
+
+Json = dict[str, Any]
 
 HOSTILE = '<script>alert("1")</script> #set text(red) [bold]x[/bold] $x_1$ \\u{41} &amp; ÄÖÜß µ'
 """Markup of every printer at once, 80 characters or so, with umlauts."""
@@ -34,15 +43,29 @@ UNITS = {
 REFERENCES = ["x_ref_delayed", "v_ref", "a_ref", "j_ref", "deviation"]
 
 
-def example_record() -> Record:
+def on_json(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function of records as one of records in JSON."""
+
+    @wraps(function)
+    def call(*values: Any, **named: Any) -> Any:
+        return function(*map(_read, values), **{key: _read(value) for key, value in named.items()})
+
+    return call
+
+
+def _read(value: Any) -> Any:
+    return to_entry(value, Record) if isinstance(value, dict) and "checksum" in value else value
+
+
+def example_record() -> Json:
     """One move, one corner, all requirements met; sealed as a run does it."""
     record = _unsealed_record()
     return {**record, "checksum": find_checksum(record)}
 
 
-def _unsealed_record() -> Record:
+def _unsealed_record() -> Json:
     return {
-        "schema": 1,
+        "schema": SCHEMA,
         "checksum": "",
         "tool": {"name": "mtcommission", "version": "0.1.0", "libraries": {"numpy": "2.3.4"}},
         "created": "2026-03-04T05:06:07+00:00",
@@ -107,7 +130,7 @@ def _unsealed_record() -> Record:
     }
 
 
-def unsettled_record() -> Record:
+def unsettled_record() -> Json:
     """Nothing settles, nothing is met, and every null is null."""
     record = example_record()
     limits = record["limits"]
@@ -164,7 +187,7 @@ def unsettled_record() -> Record:
     return record
 
 
-def five_moves_record() -> Record:
+def five_moves_record() -> Json:
     """Five moves with bounded optima, and hostile names everywhere."""
     record = example_record()
     moves = [
@@ -194,7 +217,7 @@ def five_moves_record() -> Record:
     return record
 
 
-def extreme_record() -> Record:
+def extreme_record() -> Json:
     """Six modes, five moves, 27 corners, long names, numbers of every size."""
     record = five_moves_record()
     names = [WORD, LONG, "m3 " + "x" * 77, "a", "mode<script>", "mode 6"]
@@ -231,7 +254,7 @@ def extreme_record() -> Record:
     return record
 
 
-def rotary_record() -> Record:
+def rotary_record() -> Json:
     """A rotary table with one mode."""
     record = example_record()
     record["machine"]["motion"] = "rotary"
@@ -315,7 +338,7 @@ def _optima(move: dict[str, float]) -> Any:
         "kind": "damping",
         "cost": 448828.4,
         "weights": {"x_b": 1.8858e15},
-        "certificate": {"law_residual": 6.04e-14},
+        "certificate": {"adjoint_initial": {}, "law_residual": 6.04e-14},
     }
     return {
         "move": move,
@@ -327,9 +350,12 @@ def _optima(move: dict[str, float]) -> Any:
 
 
 def _trial(name: str, scale: float) -> Any:
+    return {**_alternative(name, scale), "source": "a handbook"}
+
+
+def _alternative(name: str, scale: float) -> Any:
     return {
         "name": name,
-        "source": "a handbook",
         "acceleration": 2.41 * scale,
         "jerk": 41.2 * scale,
         "settling_time": 0.1056 * scale,
@@ -358,7 +384,7 @@ def _limits() -> Any:
             _move_sizes("commissioning rule", 24.0, 0.0),
             _move_sizes("moving average", None, 0.0199),
         ],
-        "alternatives": [_trial("gentler", 0.8)],
+        "alternatives": [_alternative("gentler", 0.8)],
         "rules": [_trial("j = a f", 1.3), _trial("j = 10 a", 1.7)],
         "rule": {
             "text": "A rule to apply by hand: each jerk step leaves a vibration in every mode and "
@@ -742,7 +768,7 @@ def _move(move: dict[str, float]) -> Any:
     }
 
 
-def retuned(record: Record) -> Record:
+def retuned(record: Json) -> Json:
     """The same axis later: more payload, a wider band, other limits, one move more slowly."""
     later = deepcopy(record)
     for item in later["data"]:

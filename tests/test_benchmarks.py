@@ -23,7 +23,7 @@ from benchmarks.report import compose_report
 from benchmarks.tools import TOOLS, find_tool, is_installed, user_lines
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.optimal.solution import constant_arc
+from mtcommission.optimal.solution import Bang, constant_arc
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.evaluate import judge as judge_limits
 
@@ -125,7 +125,7 @@ def test_the_judgement_sees_a_control_that_is_a_little_wrong() -> None:
         arcs=(replace(first, t_end=late), replace(second, t_start=late), *rest),
     )
     assert judge(problem, shifted).terminal_error > 1e-4
-    strong = constant_arc(0.0, ours.t_f, control="+F_max", force=2.2e3)
+    strong = constant_arc(0.0, ours.t_f, control=Bang(1), force=2.2e3)
     assert judge(problem, Answer(t_f=ours.t_f, arcs=(strong,))).violation == pytest.approx(0.1)
 
 

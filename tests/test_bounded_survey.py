@@ -10,24 +10,35 @@ from numpy.testing import assert_allclose
 from scipy.optimize import linprog
 
 from benchmarks.constrained_survey import cases, judge, largest_excess
-from mtcommission.optimal.bounded.arcs import Piece, Sequence
-from mtcommission.optimal.bounded.breaches import _peaks
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.bounded.edit import pruned, with_switches, with_touch
-from mtcommission.optimal.bounded.exact import solve_exactly
-from mtcommission.optimal.bounded.exchange import exchange
-from mtcommission.optimal.bounded.grid import solve_grid_time
-from mtcommission.optimal.bounded.layout import Sight, feature_places, first_sight, lay_out
-from mtcommission.optimal.bounded.measure import Core, Measure, stretches
-from mtcommission.optimal.bounded.mesh import solve_mesh, solve_relaxation
-from mtcommission.optimal.bounded.newton import Extremal, solve_sequence
+from mtcommission.optimal.bounded.mesh.exchange import exchange
+from mtcommission.optimal.bounded.mesh.forms import solve_mesh, solve_relaxation
+from mtcommission.optimal.bounded.mesh.plan import (
+    Features,
+    feature_places,
+    first_features,
+    plan_mesh,
+)
+from mtcommission.optimal.bounded.mesh.violations import _peaks
+from mtcommission.optimal.bounded.newton.edits import pruned, with_switches, with_touch
+from mtcommission.optimal.bounded.newton.exact import solve_exactly
+from mtcommission.optimal.bounded.newton.extremal import Extremal, solve_sequence
+from mtcommission.optimal.bounded.places import ArcInterior, ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
-from mtcommission.optimal.bounded.program import Program, solve_program
-from mtcommission.optimal.bounded.reading import Reading, _driven, place_touches, read_contacts
-from mtcommission.optimal.bounded.rows import Contact
+from mtcommission.optimal.bounded.program.grid import solve_grid_time
+from mtcommission.optimal.bounded.program.linear_program import Program, solve_program
+from mtcommission.optimal.bounded.proof.dual_point import Measure, stretches
+from mtcommission.optimal.bounded.settings import ProgramSettings
+from mtcommission.optimal.bounded.structure.detection import (
+    Structure,
+    _driven,
+    detect_structure,
+    place_touches,
+)
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence
 from mtcommission.optimal.closed_form import impulse_response, step_response
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound
+from mtcommission.optimal.solution import Bang, Bound
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from tests.machines import paper_machine
@@ -69,7 +80,7 @@ def free_sequence() -> Sequence:
         pieces=tuple(
             Piece(
                 limit=-1,
-                side=1 if arc.control == "+F_max" else -1,
+                side=1 if arc.control == Bang(1) else -1,
                 duration=arc.t_end - arc.t_start,
             )
             for arc in arcs
@@ -131,12 +142,12 @@ def test_touch_of_order_one_is_no_touch_point() -> None:
     # An atom of the force bound would turn the force: Newton's method has no solution with it.
     problem = paper_problem(("F", 1500.0), ("phi", 5e-5))
     pieces = (Piece(limit=-1, side=1, duration=0.01), Piece(limit=0, side=1, duration=0.02))
-    contacts = tuple(
-        Contact(remaining=remaining, limit=limit, side=1)
+    points = tuple(
+        ConstraintPoint(remaining=remaining, limit=limit, side=1)
         for remaining in (0.025, 0.01)
         for limit in (0, 1)
     )
-    placed = place_touches(problem, pieces, contacts)
+    placed = place_touches(problem, pieces, points)
     assert [(touch.piece, touch.limit) for touch in placed] == [(0, 1), (1, 1)]
 
 
@@ -165,12 +176,12 @@ def small_program(*, fine: float) -> Program:
 def test_small_coefficients_of_a_program_count() -> None:
     # A cell of microseconds moves a bound far away by 1e-10: left out, eight digits are lost.
     fine = 3e-10
-    answer = solve_program(small_program(fine=fine), steps=50, tolerance=1e-10)
-    assert answer is not None
+    solution = solve_program(small_program(fine=fine), ProgramSettings(), steps=50, tolerance=1e-10)
+    assert solution is not None
     # By hand: 1 of the second unknown costs 2 of the first one, so it goes to its lower bound.
-    assert answer.unknowns[1] == pytest.approx(-1.0)
-    assert answer.unknowns[0] - 0.5 == pytest.approx(2.0 * fine, rel=1e-3)
-    assert answer.bounds[1] == pytest.approx(fine, rel=1e-6)
+    assert solution.unknowns[1] == pytest.approx(-1.0)
+    assert solution.unknowns[0] - 0.5 == pytest.approx(2.0 * fine, rel=1e-3)
+    assert solution.bounds[1] == pytest.approx(fine, rel=1e-6)
 
 
 def test_program_from_a_known_basis_is_that_from_none() -> None:
@@ -187,9 +198,9 @@ def test_program_from_a_known_basis_is_that_from_none() -> None:
         upper=np.ones(12),
     )
     every = replace(few, rows=rows, rooms=np.ones(30))
-    first = solve_program(few, steps=500)
+    first = solve_program(few, ProgramSettings(), steps=500)
     assert first is not None
-    warm = solve_program(every, steps=500, start=first.basis)
+    warm = solve_program(every, ProgramSettings(), steps=500, start=first.basis)
     cold = linprog(cost, rows, np.ones(30), np.ones((1, 12)), np.zeros(1), bounds=(-1.0, 1.0))
     assert warm is not None
     assert_allclose(warm.unknowns, cold.x, atol=1e-9)
@@ -199,7 +210,7 @@ def test_program_from_a_known_basis_is_that_from_none() -> None:
 
 def test_program_without_a_solution_has_no_answer() -> None:
     program = replace(small_program(fine=1.0), rooms=np.array([-4.0]))
-    assert solve_program(program, steps=50) is None
+    assert solve_program(program, ProgramSettings(), steps=50) is None
 
 
 def test_a_signal_that_cannot_be_held_for_long_is_no_internal_error() -> None:
@@ -229,81 +240,86 @@ modes = [
     pieces = (Piece(limit=-1, side=1, duration=1e-3), Piece(limit=0, side=1, duration=0.05))
     held = Sequence(pieces=(*pieces, Piece(limit=-1, side=-1, duration=1e-3)), touches=())
     assert solve_exactly(problem, held) is None
-    arc = Core(start=0.06, end=0.01, limit=0, side=1)
-    sight = Sight(
+    arc = ArcInterior(start=0.06, end=0.01, limit=0, side=1)
+    features = Features(
         t_f=0.07,
         mesh=np.linspace(0.0, 0.07, 200),
-        reading=Reading(arcs=(arc,), touches=()),
+        structure=Structure(arcs=(arc,), touches=()),
         places=np.empty(0),
         cells=np.empty(0),
     )
-    assert lay_out(problem, sight).cores == ()
+    assert plan_mesh(problem, features).interiors == ()
 
 
-def sight_of(reading: Reading) -> Sight:
-    places = feature_places(reading)
-    return Sight(
+def sight_of(structure: Structure) -> Features:
+    places = feature_places(structure)
+    return Features(
         t_f=0.07,
         mesh=np.linspace(0.0, 0.07, 200),
-        reading=reading,
+        structure=structure,
         places=places,
         cells=np.full(places.size, 7e-5),
     )
 
 
 def test_no_core_holds_a_point_where_another_bound_of_its_order_is_touched() -> None:
-    # Inside a core such a bound cannot act: the motion broke it there, by 14 % in one case.
+    # Inside an interior such a bound cannot act: the motion broke it there, by 14 % in one case.
     problem = paper_problem(("v_phi", 5e-3), ("v_b", 1e-4))
-    arc = Core(start=0.06, end=0.01, limit=0, side=1)
-    touch = Contact(remaining=0.04, limit=1, side=-1, weight=1.0)
-    whole = lay_out(problem, sight_of(Reading(arcs=(arc,), touches=())))
-    parted = lay_out(problem, sight_of(Reading(arcs=(arc,), touches=(touch,))))
-    assert [core.holds(0.04) for core in whole.cores] == [True]
-    assert len(parted.cores) == 2
-    assert not any(core.holds(0.04) for core in parted.cores)
+    arc = ArcInterior(start=0.06, end=0.01, limit=0, side=1)
+    touch = ConstraintPoint(remaining=0.04, limit=1, side=-1, weight=1.0)
+    whole = plan_mesh(problem, sight_of(Structure(arcs=(arc,), touches=())))
+    parted = plan_mesh(problem, sight_of(Structure(arcs=(arc,), touches=(touch,))))
+    assert [interior.holds(0.04) for interior in whole.interiors] == [True]
+    assert len(parted.interiors) == 2
+    assert not any(interior.holds(0.04) for interior in parted.interiors)
 
 
 def test_of_two_arcs_at_a_time_the_second_is_touched_at_its_ends() -> None:
     # The force holds one bound at a time; the other one was forgotten on the next mesh.
     mesh = np.linspace(0.0, 1.0, 101)
-    first = [Contact(remaining=t, limit=0, side=1, weight=1.0) for t in mesh[30:60].tolist()]
-    second = [Contact(remaining=t, limit=1, side=-1, weight=1.0) for t in mesh[40:50].tolist()]
-    reading = read_contacts([*first, *second], mesh)
-    assert [arc.limit for arc in reading.arcs] == [0]
-    assert sorted(at.remaining for at in reading.touches) == pytest.approx([0.4, 0.49])
-    assert {at.limit for at in reading.touches} == {1}
+    first = [
+        ConstraintPoint(remaining=t, limit=0, side=1, weight=1.0) for t in mesh[30:60].tolist()
+    ]
+    second = [
+        ConstraintPoint(remaining=t, limit=1, side=-1, weight=1.0) for t in mesh[40:50].tolist()
+    ]
+    structure = detect_structure([*first, *second], mesh)
+    assert [arc.limit for arc in structure.arcs] == [0]
+    assert sorted(at.remaining for at in structure.touches) == pytest.approx([0.4, 0.49])
+    assert {at.limit for at in structure.touches} == {1}
 
 
 def test_a_mesh_that_is_too_large_gets_larger_cells() -> None:
     # Otherwise a first look with hundreds of features ends in a program that never ends.
     problem = paper_problem(("v_phi", 5e-3))
     touches = tuple(
-        Contact(remaining=t, limit=0, side=1, weight=1.0) for t in np.linspace(0.001, 0.069, 60)
+        ConstraintPoint(remaining=t, limit=0, side=1, weight=1.0)
+        for t in np.linspace(0.001, 0.069, 60)
     )
-    sight = sight_of(Reading(arcs=(), touches=touches))
-    fine, eased = lay_out(problem, sight), lay_out(problem, replace(sight, ease=5.0))
+    features = sight_of(Structure(arcs=(), touches=touches))
+    fine, eased = plan_mesh(problem, features), plan_mesh(problem, replace(features, ease=5.0))
     assert eased.mesh.size < 0.7 * fine.mesh.size
 
 
 def test_points_far_from_their_bound_change_nothing_in_the_relaxation() -> None:
     # They are left out to halve its rows; its reach must stay that of all of them.
     problem = paper_problem(("v_phi", 5e-3))
-    layout = lay_out(problem, first_sight(problem, solve_grid_time(problem, t_free=0.0435)))
-    kept = exchange(problem, layout)
-    assert kept is not None
-    every = solve_mesh(problem, replace(kept.layout, margin=0.0), relaxed=True)
-    near = solve_relaxation(problem, kept)
+    plan = plan_mesh(problem, first_features(problem, solve_grid_time(problem, t_free=0.0435)))
+    restriction = exchange(problem, plan)
+    assert restriction is not None
+    every = solve_mesh(problem, replace(restriction.plan, margin=0.0), relaxed=True)
+    near = solve_relaxation(problem, restriction)
     assert every is not None
     assert near is not None
-    assert len(near.layout.contacts) < len(every.layout.contacts)
+    assert len(near.plan.points) < len(every.plan.points)
     assert near.reach == pytest.approx(every.reach, rel=1e-9)
 
 
 def test_no_verdict_is_believed_against_a_program_that_has_a_solution() -> None:
     # A verdict by rounding: finishing a control ended where another way solves the program.
     program = small_program(fine=1.0)
-    assert solve_program(program, steps=0) is None
-    found = solve_program(program, steps=0, solvable=True)
+    assert solve_program(program, ProgramSettings(), steps=0) is None
+    found = solve_program(program, ProgramSettings(), steps=0, solvable=True)
     assert found is not None
 
 
@@ -312,7 +328,7 @@ def test_two_arcs_driven_over_each_other_become_one() -> None:
     bang, held = Piece(limit=-1, side=1, duration=1e-2), Piece(limit=0, side=1, duration=9.1e-4)
     nothing, back = replace(bang, duration=-1e-8), replace(held, duration=-8.1e-4)
     sequence = Sequence(pieces=(bang, held, nothing, back, bang), touches=())
-    measure = Measure(t_f=sequence.t_f, terminal=np.zeros(5), atoms=(), cores=())
+    measure = Measure(t_f=sequence.t_f, terminal=np.zeros(5), atoms=(), interiors=())
     extremal = Extremal(sequence=sequence, measure=measure, residual=1e-14)
     edited = pruned(paper_problem(("v_phi", 5e-3)), extremal, least=1e-9)
     assert edited is not None

@@ -22,6 +22,7 @@ from mtcommission.optimal.free.search import find_bang_bang
 from mtcommission.optimal.free.switching import bracket_zeros, has_one_zero, isolate_zeros
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
+    Bang,
     Certificate,
     constant_arc,
     propagate,
@@ -212,7 +213,7 @@ def test_terminal_jacobian_is_that_of_the_states() -> None:
 def final_state(times: np.ndarray) -> np.ndarray:
     edges = [0.0, *times]
     arcs = [
-        constant_arc(start, end, control="", force=FORCE * (-1.0) ** i)
+        constant_arc(start, end, control=Bang(1 if i % 2 == 0 else -1), force=FORCE * (-1.0) ** i)
         for i, (start, end) in enumerate(pairwise(edges))
     ]
     return propagate(PAPER, tuple(arcs))

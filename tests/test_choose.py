@@ -92,12 +92,11 @@ def solve(machine: Machine) -> Case:
             [
                 simulate(
                     loop,
-                    lifted,
                     setpoint,
                     drive=machine.drive,
                     band=machine.requirements.tcp_deviation,
                 )
-                for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+                for loop in tuned.loops
             ]
         )
     return Case(
@@ -132,9 +131,9 @@ def brute_force(case: Case, points: int) -> tuple[float, float]:
     for move in machine.moves:
         steps = jerk_steps(move, acceleration=a, jerk=a / t)
         motions.append(moving_average_steps(steps, time=mean) if mean else steps)
-        for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True):
+        for loop in tuned.loops:
             tables = build_tables(
-                loop, lifted, longest=float(motions[-1].duration.max()), filtered=mean > 0.0
+                loop, longest=float(motions[-1].duration.max()), filtered=mean > 0.0
             )
             found = settle(tables, motions[-1], band=needs.tcp_deviation)
             settling = np.maximum(settling, found.settling_time)
@@ -161,9 +160,9 @@ def first_within_force(
         fits = np.ones(len(part), dtype=bool)
         for move, steps in zip(machine.moves, motions, strict=True):
             some = JerkSteps(times=steps.times[part], steps=steps.steps[part])
-            for lifted in case.tuned.lifted:
+            for loop in case.tuned.loops:
                 found = find_extremes(
-                    lifted,
+                    loop,
                     some,
                     signals=signals,
                     order=4 if machine.control.moving_average_time else 3,

@@ -22,7 +22,7 @@ from mtcommission import cli
 from mtcommission.cli.terminal import describe_optimum, show
 from mtcommission.machine.machine import Machine
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.solution import Bound, TimeOptimum, TouchPoint
+from mtcommission.optimal.solution import Bang, Bound, Interior, TimeOptimum, TouchPoint
 from mtcommission.plant.plant import Plant, build_plant
 from tests.machines import paper_machine
 
@@ -295,7 +295,7 @@ def test_a_control_on_a_mesh_says_how_far_it_is_from_the_optimum() -> None:
     loose = replace(
         optimum,
         certificate=replace(optimum.certificate, relative_gap=2e-5),
-        touch_points=tuple(TouchPoint(t=1e-4 * i, limit="v_phi:+") for i in range(50)),
+        touch_points=tuple(TouchPoint(t=1e-4 * i, signal="v_phi", side=1) for i in range(50)),
     )
     text = shown(machine, plant, loose)
     assert "At most 0.002 % slower than the optimum" in text
@@ -313,9 +313,11 @@ def test_arcs_on_a_mesh_are_not_reported_as_a_broken_law() -> None:
     text = " ".join(shown(machine, plant, optimum).split())
     assert "kept to one cell of a mesh" in text
     assert "DOES NOT HOLD" not in text
-    loose = sum(arc.t_end - arc.t_start for arc in optimum.arcs if arc.control == "interior")
+    loose = sum(
+        arc.t_end - arc.t_start for arc in optimum.arcs if isinstance(arc.control, Interior)
+    )
     assert f"({100.0 * loose / optimum.t_f:.2g} % of t_f)" in text
-    broken = tuple(replace(arc, control="+F_max") for arc in optimum.arcs)
+    broken = tuple(replace(arc, control=Bang(1)) for arc in optimum.arcs)
     assert "DOES NOT HOLD" in shown(machine, plant, replace(optimum, arcs=broken))
 
 

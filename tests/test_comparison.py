@@ -14,7 +14,7 @@ from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Positioning, StateFeedback
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import TimeOptimum, sample_evenly
+from mtcommission.optimal.solution import Bang, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -81,7 +81,7 @@ def test_samples_of_an_optimum_are_those_of_an_integrator(
     states = sample_evenly(plant, optimum.arcs, step=step, until=0.06)
     state = np.zeros(plant.order)
     for arc in optimum.arcs:
-        force = 2e3 if arc.control == "+F_max" else -2e3
+        force = 2e3 if arc.control == Bang(1) else -2e3
         first = int(np.ceil(arc.t_start / step))
         inside = np.arange(first, int(np.ceil(arc.t_end / step))) * step
         solved = solve_ivp(
@@ -122,7 +122,7 @@ def test_continuous_loop_is_near_the_sampled_one(seed: int) -> None:
     plant = build_plant(made)
     move = Positioning(distance=0.02)
     setpoint = plan_setpoint(move, MotionLimits(acceleration=1.0, jerk=30.0))
-    sampled = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=made.drive, band=5e-6)
+    sampled = simulate(tuned.loops[0], setpoint, drive=made.drive, band=5e-6)
     until = sampled.t_end + 0.2
     found = simulate_continuous(
         plant, tuned.controller, setpoint, model=plant, band=5e-6, until=until
@@ -140,7 +140,7 @@ def test_continuous_loop_with_stiff_delays_does_not_grow() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     setpoint = plan_setpoint(machine.moves[0], MotionLimits(acceleration=2.0, jerk=40.0))
     band = machine.requirements.tcp_deviation
-    sampled = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=machine.drive, band=band)
+    sampled = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=band)
     found = simulate_continuous(
         plant, tuned.controller, setpoint, model=plant, band=band, until=sampled.t_end + 0.5
     )
@@ -152,7 +152,7 @@ def test_continuous_difference_on_the_paper_machine_is_as_documented(
 ) -> None:
     """docs/feedback-loop.md states 0.1 to 1.4 % for the settling time."""
     setpoint = plan_setpoint(machine.moves[0], LIMITS)
-    sampled = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=machine.drive, band=5e-6)
+    sampled = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=5e-6)
     found = simulate_continuous(
         plant, tuned.controller, setpoint, model=plant, band=5e-6, until=0.5
     )

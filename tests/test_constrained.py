@@ -16,20 +16,21 @@ from scipy.optimize import linprog
 from benchmarks.constrained_survey import largest_excess
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Positioning, VelocityStep
-from mtcommission.optimal.bounded.arcs import Piece, Sequence, Touch
-from mtcommission.optimal.bounded.constrained import MANY_PERIODS, solve_bounded_time_optimal
+from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.bounded.cruise import compose_cruise
-from mtcommission.optimal.bounded.cruise_lengthened import LONG, cruise_periods, lengthened_cruise
-from mtcommission.optimal.bounded.dual import dual_value, lower_bound, negative_zones
-from mtcommission.optimal.bounded.measure import Atom, stretches
-from mtcommission.optimal.bounded.newton import solve_sequence
+from mtcommission.optimal.bounded.lengthened_cruise import cruise_periods, lengthened_cruise
+from mtcommission.optimal.bounded.mesh.observe import hidden, steepness_of_zeros
+from mtcommission.optimal.bounded.newton.extremal import solve_sequence
+from mtcommission.optimal.bounded.places import ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
-from mtcommission.optimal.bounded.reading import place_touches
-from mtcommission.optimal.bounded.rows import Contact
-from mtcommission.optimal.bounded.sight import hidden, steepness_of_zeros
+from mtcommission.optimal.bounded.proof.dual_point import Atom, stretches
+from mtcommission.optimal.bounded.proof.dual_value import dual_value, lower_bound, negative_zones
+from mtcommission.optimal.bounded.structure.arcs import arc_piece
+from mtcommission.optimal.bounded.structure.detection import place_touches
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound, TimeOptimum, propagate, sample_trajectory
+from mtcommission.optimal.solution import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from tests.machines import paper_machine, random_modal_machine
@@ -110,9 +111,9 @@ def test_christiansen_maurer_zirn_sec_5_2_bound_on_v_phi() -> None:
     optimum = paper_optimum(bound("v_phi", 0.005))
     assert round(optimum.t_f, 4) == 0.0523  # the paper prints 0.0522, found on a grid
     assert 1.20 < optimum.t_f / 0.043520364 < 1.21
-    held = [arc.control for arc in optimum.arcs if arc.control.startswith("boundary")]
-    assert held == ["boundary:v_phi:+", "boundary:v_phi:-"]
-    assert [point.limit for point in optimum.touch_points] == ["v_phi:+"]
+    held = [arc.control for arc in optimum.arcs if isinstance(arc.control, Boundary)]
+    assert held == [Boundary("v_phi", 1), Boundary("v_phi", -1)]
+    assert [(at.signal, at.side) for at in optimum.touch_points] == [("v_phi", 1)]
     assert optimum.certificate.relative_gap < 1e-10
     assert optimum.certificate.switching_law_holds
     check_motion(paper_plant(), optimum)
@@ -259,32 +260,25 @@ def test_tight_bound_on_the_force_is_solved_and_lies_between_two_free_optima(
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_density_of_the_wrong_sign_is_found_where_a_bound_is_held_too_long(order: int) -> None:
-    """Without the sign of the density a core that costs time would look optimal."""
+    """Without the sign of the density an interior that costs time would look optimal."""
     name, value = ("F", 1500.0) if order == 1 else ("v_phi", 0.005)
     problem, optimum = paper_problem(name, value), paper_optimum(bound(name, value))
-    pieces = tuple(
-        Piece(
-            limit=0 if arc.control.startswith("boundary") else -1,
-            side=-1 if "-" in arc.control else 1,
-            duration=arc.t_end - arc.t_start,
-        )
-        for arc in optimum.arcs
-    )
-    contacts = tuple(
-        Contact(remaining=optimum.t_f - at.t, limit=0, side=1 if at.limit.endswith("+") else -1)
+    pieces = tuple(arc_piece(problem, arc) for arc in optimum.arcs)
+    points = tuple(
+        ConstraintPoint(remaining=optimum.t_f - at.t, limit=0, side=at.side)
         for at in optimum.touch_points
     )
-    right = Sequence(pieces=pieces, touches=place_touches(problem, pieces, contacts))
+    right = Sequence(pieces=pieces, touches=place_touches(problem, pieces, points))
     found = solve_sequence(problem, right)
     assert found.residual < 1e-10
     assert not negative_zones(problem, found.measure)
-    core = found.measure.cores[0]
-    turned = replace(core, side=-core.side)
+    interior = found.measure.interiors[0]
+    turned = replace(interior, side=-interior.side)
     zones = negative_zones(
-        problem, replace(found.measure, cores=(turned, *found.measure.cores[1:]))
+        problem, replace(found.measure, interiors=(turned, *found.measure.interiors[1:]))
     )
     longest = max(zones, key=lambda zone: zone.start - zone.end)
-    assert longest.start - longest.end > 0.9 * (core.start - core.end)
+    assert longest.start - longest.end > 0.9 * (interior.start - interior.end)
 
 
 def test_two_bounds_at_once_take_longer_than_each() -> None:
@@ -389,7 +383,11 @@ def test_long_cruise_is_reached_by_lengthening_a_short_one() -> None:
     problem = bounded_problem(
         paper_plant(), move, force_limit=600.0, bounds=optimum.bounds, horizon=optimum.t_f
     )
-    assert LONG < cruise_periods(problem) < MANY_PERIODS
+    assert (
+        problem.settings.search.long_cruise
+        < cruise_periods(problem)
+        < problem.settings.search.many_periods
+    )
     followed = lengthened_cruise(problem)
     assert followed is not None
     assert followed.exact
@@ -483,14 +481,14 @@ def test_any_multipliers_give_a_bound_below_the_optimum(seed: int) -> None:
     )
     extra = Atom(remaining=float(generator.uniform(0.01, 0.04)), limit=0, weight=size)
     measure = replace(
-        found.measure, terminal=found.measure.terminal * noise, atoms=(*atoms, extra), cores=()
+        found.measure, terminal=found.measure.terminal * noise, atoms=(*atoms, extra), interiors=()
     )
     assert lower_bound(problem, measure) < found.sequence.t_f
 
 
 def test_dual_value_is_the_integral_of_the_switching_function() -> None:
     problem, guess = touching_extremal()
-    measure = replace(solve_sequence(problem, guess).measure, cores=())
+    measure = replace(solve_sequence(problem, guess).measure, interiors=())
     t = np.linspace(0.0, measure.t_f, 40001)
     sigma = impulse_response(problem.plant, t) @ measure.terminal
     for atom in measure.atoms:
@@ -523,7 +521,7 @@ def test_very_tight_bounds_end_with_a_named_outcome(
 def test_what_a_cell_hides_is_the_difference_of_two_integrals() -> None:
     # F (∫ |σ| - |∫ σ|) over the cell of a zero, by summation; otherwise a gap would never close.
     problem, guess = touching_extremal()
-    measure = replace(solve_sequence(problem, guess).measure, cores=())
+    measure = replace(solve_sequence(problem, guess).measure, interiors=())
     parts = stretches(problem, measure)
     zero = float(dual_value(problem, parts, measure.atoms).zeros[0])
     mesh = np.array([0.0, zero - 2e-7, zero + 1e-7, measure.t_f])

@@ -28,7 +28,9 @@ from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.peaks import hermite_peaks
 from mtcommission.optimal.solution import (
     DampingOptimum,
+    Interior,
     TimeOptimum,
+    control_text,
     sample_trajectory,
 )
 from mtcommission.plant.plant import Plant, build_plant
@@ -237,7 +239,7 @@ def test_no_admissible_variation_is_cheaper() -> None:
 
 def test_arcs_are_continuous_and_saturated_where_they_say() -> None:
     best = paper_optimum()
-    labels = [arc.control for arc in best.arcs]
+    labels = [control_text(arc.control) for arc in best.arcs]
     structure = [label for i, label in enumerate(labels) if i == 0 or label != labels[i - 1]]
     assert structure == [
         "+F_max",
@@ -295,14 +297,14 @@ def test_more_time_and_more_force_never_cost_more() -> None:
 def test_ten_times_the_shortest_time_needs_no_saturation() -> None:
     best = paper_optimum(t_f=10 * T_F_MIN)
     plant = build_plant(paper_machine())
-    assert {arc.control for arc in best.arcs} == {"interior"}
+    assert {arc.control for arc in best.arcs} == {Interior()}
     assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
 
 
 def test_just_above_the_shortest_time_is_nearly_bang_bang() -> None:
     best = paper_optimum(t_f=1.0001 * T_F_MIN)
     plant = build_plant(paper_machine())
-    saturated = sum(a.t_end - a.t_start for a in best.arcs if a.control != "interior")
+    saturated = sum(a.t_end - a.t_start for a in best.arcs if a.control != Interior())
     assert saturated > 0.9 * best.t_f
     assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
     assert best.law_residual < 1e-6
@@ -340,7 +342,7 @@ def test_random_machines_reach_the_target(seed: int) -> None:
         for share in (0.0, 0.5)
     )
     best = solve_damping_optimal(plant, move, force_limit=0.93 * wanted, t_f=t_f, weights=weights)
-    assert any(arc.control != "interior" for arc in best.arcs)
+    assert any(arc.control != Interior() for arc in best.arcs)
     assert np.abs(best.terminal_error / best.peaks[: plant.order]).max() < 1e-9
     assert best.law_residual < 1e-6
     assert best.cost > free.cost

@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import tick_text
 from mtcommission.sheet.axes import Axis, span
 from mtcommission.sheet.canvas import SIZE, text_width, write_png
 from mtcommission.sheet.figures import ALONG, draw_svg, drop_straight
-from mtcommission.sheet.format import tick_text
-from mtcommission.sheet.labels_de import GERMAN
-from mtcommission.sheet.labels_en import ENGLISH
 from mtcommission.sheet.placement import place_labels
 from mtcommission.sheet.plot_model import Border, HeatMap, Line, LinePlot, Mark, Panel, PointPlot
 
@@ -197,25 +196,25 @@ def test_the_chosen_point_of_a_map_is_explained():
     assert {"1", "8"} <= set(re.findall(r">([^<>]+)</text>", svg))
 
 
-@pytest.mark.parametrize("labels", [ENGLISH, GERMAN], ids=["en", "de"])
-def test_names_of_curves_keep_to_their_room_in_the_legend(labels):
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_names_of_curves_keep_to_their_room_in_the_legend(language):
     """The room is estimated from the number of letters; the drawn word is the truth."""
     font = FontProperties(family="DejaVu Sans")
     for key in (
         "setpoint",
         "response",
-        "time_optimal",
+        "time-optimal",
         "constrained",
-        "damping_optimal",
-        "open_loop",
-        "closed_velocity",
-        "usage_border",
-        "residual_border",
+        "damping-optimal",
+        "open-loop",
+        "closed-velocity",
+        "usage-border",
+        "residual-border",
         "chosen",
         "recommended",
         "machines",
     ):
-        words = getattr(labels, key)
+        words = Catalogue(language).text(key, band="5 µm")
         drawn = TextPath((0, 0), words, size=SIZE, prop=font, usetex=False).get_extents().width
         assert drawn < text_width(words) + 8.0, words
 

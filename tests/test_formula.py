@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtcommission.sheet.formula import (
+from mtcommission.messages.formula import (
     Call,
     Enclosed,
     Expression,
@@ -22,8 +22,8 @@ from mtcommission.sheet.formula import (
     Symbol,
     Terms,
     find_symbols,
-    parse_formula,
 )
+from mtcommission.sheet.formula import parse_formula
 from mtcommission.sheet.mathml import write_mathml
 from mtcommission.sheet.typst_math import write_typst
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mtcommission.loop.simulate.disturbance import push
+from mtcommission.loop.simulate.disturbance import simulate_disturbance
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Requirements, StateFeedback
 from mtcommission.machine.variations import corners
@@ -34,7 +34,7 @@ def loops() -> list[tuple[Machine, TunedLoop]]:
 def test_pushed_tool_moves_as_in_a_second_program(case: tuple[Machine, TunedLoop]) -> None:
     """The disturbance curve would belong to another loop, or to another line of force."""
     machine, tuned = case
-    ours = push(tuned.loops[0], duration=0.2)
+    ours = simulate_disturbance(tuned.loops[0], duration=0.2)
     theirs = run(machine, tuned.controller, REST, nominal=machine, samples=len(ours.t), push=100.0)
     assert np.allclose(100.0 * ours.deflection, theirs.tool, atol=1e-7 * 100.0 * ours.peak)
 
@@ -42,14 +42,14 @@ def test_pushed_tool_moves_as_in_a_second_program(case: tuple[Machine, TunedLoop
 def test_static_force_is_taken_up_by_the_integrator() -> None:
     """The encoder comes back; what is left at the tool is what only the tool's own mode bends."""
     tuned = tune_loop(paper_machine())
-    late = push(tuned.loops[0], duration=2.0)
+    late = simulate_disturbance(tuned.loops[0], duration=2.0)
     assert abs(late.deflection[-1]) < 1e-3 * late.peak
 
 
 def test_no_sine_moves_the_tool_more_than_the_dynamic_stiffness_says() -> None:
     """The stiffness in the table and the curve beside it would contradict each other."""
     tuned = tune_loop(paper_machine())
-    answer = push(tuned.loops[0], duration=1.0)
+    answer = simulate_disturbance(tuned.loops[0], duration=1.0)
     # The step's derivative is the impulse response; its transform is the compliance.
     T_v = tuned.controller.velocity_cycle
     impulse = np.diff(answer.deflection) / T_v

@@ -18,11 +18,13 @@ from fluent.syntax.visitor import Visitor
 
 import mtcommission
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.catalogue import LANGUAGES, UNITS, Catalogue, entries_of
+from mtcommission.messages.catalogue import LANGUAGES, Catalogue, entries_of
+from mtcommission.messages.functions import functions_of
 from mtcommission.messages.message import Message, from_json, to_json
+from mtcommission.messages.quantities import Formatter
 
 SOURCE = Path(mtcommission.__file__).parent
-FUNCTIONS = {*UNITS, "QUANTITY", "NUMBER", "PLAIN", "ROUND", "SI", "SHARE", "CHANGE", "TERM"}
+FUNCTIONS = set(functions_of(Formatter()))
 
 
 class _Places(Visitor):
@@ -46,7 +48,7 @@ class _Places(Visitor):
 
 def _places(language: str, kind: str) -> _Places:
     places = _Places()
-    entry = FluentParser().parse_entry(entries_of(language)[kind])
+    entry = FluentParser().parse_entry(f"{kind} = {entries_of(language)[kind]}")
     assert isinstance(entry, ftl.Message | ftl.Term), f"{language}: {kind} is no Fluent text"
     places.visit(entry)
     for other in places.others:
@@ -137,7 +139,7 @@ def test_a_message_survives_the_record() -> None:
 def test_every_outcome_tells_what_was_computed_and_survives_a_process() -> None:
     """A worker of a sweep hands its error over; a kind without a text would hide the remedy."""
     for outcome in Outcome:
-        error = ComputationError(outcome, Message("requirement-peak", signal="v_phi"))
+        error = ComputationError(outcome, Message("requirement-peak", signal="v_b"))
         again = pickle.loads(pickle.dumps(error))
-        assert str(again).startswith(f"{outcome.name.lower().replace('_', ' ')}: peak v_phi: ")
-        assert ": Höchstwert v_phi: " in again.text(Catalogue("de"))
+        assert str(again).startswith(f"{outcome.name.lower().replace('_', ' ')}: peak v_b: ")
+        assert ": Höchstwert v_b: " in again.text(Catalogue("de"))

@@ -10,9 +10,12 @@ import pytest
 from mtcommission.loop.tuning.mixing import MixedMode, explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import StateFeedback
-from mtcommission.sheet.labels_de import GERMAN
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import THIN_SPACE
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
+
+GERMAN = Catalogue("de")
 
 
 @pytest.fixture(scope="module")
@@ -26,12 +29,12 @@ def base(tuned: TunedLoop) -> MixedMode:
 
 
 def mixed(tuned: TunedLoop) -> tuple[MixedMode, ...]:
-    return find_mixed_modes(tuned.loops[0].plant, tuned.lifted[0], tuned.nominal.mode_damping)
+    return find_mixed_modes(tuned.loops[0], tuned.nominal.mode_damping)
 
 
 def test_a_deflected_base_rings_as_the_sentence_says(tuned: TunedLoop, base: MixedMode) -> None:
     """What is left late of the base's motion is damped far less than its own pole says."""
-    plant, lifted = tuned.loops[0].plant, tuned.lifted[0]
+    plant, lifted = tuned.loops[0].plant, tuned.loops[0].lifted
     state = np.zeros(len(lifted.A))
     deflection = plant.modes[0].deflection
     state[lifted.states.index(f"plant.{plant.states[deflection]}")] = 1.0
@@ -56,7 +59,7 @@ def test_a_deflected_base_rings_as_the_sentence_says(tuned: TunedLoop, base: Mix
 
 def test_shares_are_those_of_the_loop_in_observer_errors(tuned: TunedLoop, base: MixedMode) -> None:
     """Wrong shares would name the wrong poles; here the left vectors come from A transposed."""
-    plant, lifted = tuned.loops[0].plant, tuned.lifted[0]
+    plant, lifted = tuned.loops[0].plant, tuned.loops[0].lifted
     turn = np.eye(len(lifted.A))
     for name in plant.states:
         if f"observer.{name}" in lifted.states:
@@ -88,10 +91,11 @@ def test_clear_modes_need_no_sentence() -> None:
 
 
 def test_sentence_is_complete_in_both_languages(base: MixedMode) -> None:
-    """The German sheet would fall back to English in the middle of a page."""
+    """The German sheet would speak of other poles than the English one."""
     (sentence,) = explain_mixing([base])
-    assert "22.9 Hz, which hold 26 %" in sentence
-    assert "ring at 93.4 Hz with 0.286" in sentence
-    german = GERMAN.say(sentence)
+    english = Catalogue().say(sentence).replace(THIN_SPACE, " ")
+    assert "22.9 Hz, which hold 26 %" in english
+    assert "ring at 93.4 Hz with 0.286" in english
+    german = Catalogue("de").say(sentence).replace(THIN_SPACE, " ")
     assert "26 % der Eigenform" in german
     assert "bei 93,4 Hz mit 0,286" in german

@@ -12,14 +12,16 @@ from scipy.integrate import solve_ivp
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_optima, find_time_optimum
 from mtcommission.machine.machine import Positioning
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.bounded.cruise import compose_cruise
-from mtcommission.optimal.solution import propagate, sample_trajectory
+from mtcommission.optimal.solution import Bang, propagate, sample_trajectory
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
-from mtcommission.sheet.labels_de import GERMAN
 from tests.machines import paper_machine, random_modal_machine
+
+GERMAN = Catalogue("de")
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 
@@ -37,7 +39,7 @@ def test_composed_move_rests_at_its_target_when_somebody_else_integrates_it(seed
     state = np.zeros(plant.order)
     fastest = 0.0
     for arc in found.arcs:
-        u = {"+": force, "-": -force}.get(arc.control[0], 0.0)
+        u = arc.control.side * force if isinstance(arc.control, Bang) else 0.0
         solved = solve_ivp(
             lambda _, x, u=u: plant.A @ x + plant.B * u,
             (arc.t_start, arc.t_end),

@@ -27,7 +27,7 @@ def tuned() -> TunedLoop:
 
 def respond(tuned: TunedLoop, move: Move, a: float, t_j: float, drive: Drive) -> LoopResponse:
     setpoint = plan_setpoint(move, MotionLimits(acceleration=a, jerk=a / t_j))
-    return simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=drive, band=BAND)
+    return simulate(tuned.loops[0], setpoint, drive=drive, band=BAND)
 
 
 def respond_again(
@@ -93,7 +93,7 @@ def test_a_residual_far_within_the_band_is_followed_to_its_peak(
     assert ours.residual_deviation == pytest.approx(theirs.residual, rel=1e-4)
     # The verdict still rests on the band alone: a wider one settles no later.
     setpoint = plan_setpoint(STEP, MotionLimits(acceleration=a, jerk=a / t_j))
-    wide = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=drive, band=1e3 * BAND)
+    wide = simulate(tuned.loops[0], setpoint, drive=drive, band=1e3 * BAND)
     assert wide.settling_time == ours.settling_time == ours.t_end
     assert wide.residual_deviation == pytest.approx(ours.residual_deviation, rel=1e-4)
 
@@ -110,7 +110,7 @@ def test_a_band_that_is_never_reached_is_not_settled(tuned: TunedLoop) -> None:
 
 
 def test_steady_state_follows_its_setpoint(tuned: TunedLoop) -> None:
-    lifted = tuned.lifted[0]
+    lifted = tuned.loops[0].lifted
     S, T = steady_state(lifted), lifted.dt
     x, v = 0.3, 0.05
     now, then = S @ [x, v], S @ [x + T * v, v]
@@ -119,7 +119,7 @@ def test_steady_state_follows_its_setpoint(tuned: TunedLoop) -> None:
 
 
 def test_decay_is_waited_for_until_the_slowest_mode_is_gone(tuned: TunedLoop) -> None:
-    lifted = tuned.lifted[0]
+    lifted = tuned.loops[0].lifted
     start = np.zeros(len(lifted.A))
     start[0] = 1e-4
     cycles = find_decay(lifted, start).cycles(1e-8, longest=10.0)
@@ -154,9 +154,7 @@ def test_a_vibration_that_outlasts_the_horizon_within_the_band_is_settled() -> N
     """Limits that keep every requirement would be called "not settled" on a soft machine."""
     machine = slowly_decaying_machine()
     tuned, move, band = tune_loop(machine), machine.moves[0], machine.requirements.tcp_deviation
-    ours = simulate(
-        tuned.loops[0], tuned.lifted[0], plan_setpoint(move, SLOW), drive=machine.drive, band=band
-    )
+    ours = simulate(tuned.loops[0], plan_setpoint(move, SLOW), drive=machine.drive, band=band)
     assert abs(ours.deviation[-1000:]).max() > DECAYED * band
     profile = profile_of(move, SLOW.acceleration, SLOW.jerk)
     motion = run(machine, tuned.controller, profile, nominal=machine, samples=8000)
@@ -171,5 +169,5 @@ def test_a_vibration_that_leaves_the_band_even_after_the_horizon_is_not_settled(
     machine = slowly_decaying_machine()
     tuned = tune_loop(machine)
     setpoint = plan_setpoint(machine.moves[0], SLOW)
-    loop, lifted, drive = tuned.loops[0], tuned.lifted[0], machine.drive
-    assert simulate(loop, lifted, setpoint, drive=drive, band=3e-6).settling_time == np.inf
+    loop, drive = tuned.loops[0], machine.drive
+    assert simulate(loop, setpoint, drive=drive, band=3e-6).settling_time == np.inf

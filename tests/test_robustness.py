@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from benchmarks.population import random_machine
-from mtcommission.loop.batch.varied_response import respond_to_variations
-from mtcommission.loop.model.sampled import build_loop, lift_loop
+from mtcommission.loop.batch.response import simulate_limits_batched
+from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Control, Machine, Peak, Positioning, StateFeedback
@@ -21,11 +21,11 @@ from mtcommission.machine.variations import (
     draw_variations,
     vary,
 )
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.sheet.languages import find_labels
 from mtcommission.study.evaluate import judge
 from mtcommission.study.robustness import (
     FrequencyError,
@@ -76,7 +76,7 @@ def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> No
     """If it failed, the printed distribution would be that of other machines."""
     plant, tuned = build_plant(machine), tune_loop(machine)
     variations = draw_variations(machine, samples=5, seed=1)
-    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
     for i in range(5):
         varied = build_plant(vary(machine, variations.corner(i)))
         loop = build_loop(varied, tuned.controller, model=plant)
@@ -84,7 +84,6 @@ def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> No
         one = [
             simulate(
                 loop,
-                lift_loop(loop),
                 plan_setpoint(move, limits, moving_average=time),
                 drive=replace(machine.drive, max_force=1e9),
                 band=machine.requirements.tcp_deviation,
@@ -139,7 +138,7 @@ def test_worst_case_and_share_agree_with_the_samples() -> None:
         frequency_factor=np.array([found.variations.corner(found.worst).frequency_factor]),
         damping_factor=np.array([found.variations.corner(found.worst).damping_factor]),
     )
-    alone = respond_to_variations(machine, plant, tuned, limits, variations=worst)
+    alone = simulate_limits_batched(machine, plant, tuned, limits, variations=worst)
     assert alone.residual_deviation[0] == pytest.approx(found.residual_deviation.max(), rel=1e-9)
     late = found.settling_time > found.settling_time.min() + 1e-9
     assert np.all(found.residual_deviation[late] > band)
@@ -171,7 +170,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     places = as_variations(corners(machine))
-    found = respond_to_variations(machine, plant, tuned, limits, variations=places)
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
     checks = judge(machine, plant, tuned, "", "", limits).assessment.checks
     shares = {check.name: check.value / check.limit for check in checks}
     used = max(shares[name] for name in ("set force", "peak v_phi", "RMS force"))
@@ -186,7 +185,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
             strict = replace(machine, drive=replace(machine.drive, continuous_force=bound))
         else:
             strict = replace(machine, drive=replace(machine.drive, max_force=bound))
-        found = respond_to_variations(strict, plant, tuned, limits, variations=places)
+        found = simulate_limits_batched(strict, plant, tuned, limits, variations=places)
         share = shares[name] * next(c.limit for c in checks if c.name == name) / bound
         assert found.usage.max() == pytest.approx(share, rel=2e-3), name
         assert not found.meets(strict).any()
@@ -219,7 +218,7 @@ def test_nothing_is_drawn_without_a_spread_and_less_on_slow_moves() -> None:
     plant, tuned = build_plant(alone), tune_loop(alone)
     found = examine_robustness(alone, plant, tuned, limits, settings=settings)
     assert found.monte_carlo is None
-    assert robustness_part(alone, found)["monte_carlo"] is None
+    assert robustness_part(alone, found).monte_carlo is None
     machine = spread_paper_machine()
     for cycles, samples in ((1_000_000, 300), (10_000, 100)):
         few = replace(settings, sample_cycles=cycles, frequency_points=2)
@@ -235,22 +234,22 @@ def test_record_holds_the_distribution() -> None:
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     settings = RobustnessSettings(samples=200, frequency_points=2)
     found = examine_robustness(machine, plant, tuned, limits, settings=settings)
-    drawn, entry = found.monte_carlo, robustness_part(machine, found)["monte_carlo"]
+    drawn, entry = found.monte_carlo, robustness_part(machine, found).monte_carlo
     assert drawn is not None
     assert entry is not None
-    part = entry["residual_deviation"]
-    assert part["not_settled"] == 0
-    assert sum(part["histogram"]["counts"]) == 200
-    edges = part["histogram"]["edges"]
+    part = entry.residual_deviation
+    assert part.not_settled == 0
+    assert sum(part.histogram.counts) == 200
+    edges = part.histogram.edges
     assert edges[0] == drawn.residual_deviation.min()
     assert edges[-1] == drawn.residual_deviation.max()
-    for item in part["quantiles"]:
-        value = item["value"]
+    for item in part.quantiles:
+        value = item.value
         assert value is not None
         below = np.mean(drawn.residual_deviation <= value)
-        assert item["share"] <= below < item["share"] + 1 / 200 + 1e-12
-    assert entry["worst"]["residual_deviation"] == drawn.residual_deviation.max()
-    assert entry["slowest"]["settling_time"] == drawn.settling_time.max()
+        assert item.share <= below < item.share + 1 / 200 + 1e-12
+    assert entry.worst.residual_deviation == drawn.residual_deviation.max()
+    assert entry.slowest.settling_time == drawn.settling_time.max()
 
 
 @pytest.mark.parametrize(
@@ -273,7 +272,7 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
         "peak v_phi (where they are higher)"
     )
     assert f"off by {english}. Missed outside this range: {lost}. State requirements" in warning
-    translated = find_labels("de").say(warning)
+    translated = Catalogue("de").say(warning)
     assert german in translated
     lost = (
         "Restabweichung (wo sie tiefer liegen) und Sollkraft (wo sie höher liegen) und "
@@ -325,7 +324,6 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
         loop = build_loop(varied, tuned.controller, model=plant)
         response = simulate(
             loop,
-            lift_loop(loop),
             plan_setpoint(move, limits),
             drive=replace(machine.drive, max_force=1e9),
             band=machine.requirements.tcp_deviation,

@@ -131,7 +131,6 @@ def test_servo_tail_against_the_loop(
         limits = MotionLimits(acceleration=2.0, jerk=2.0 * omega_v / ramp)
         response = simulate(
             tuned.loops[0],
-            tuned.lifted[0],
             plan_setpoint(machine.moves[0], limits),
             drive=machine.drive,
             band=machine.requirements.tcp_deviation,
@@ -149,7 +148,7 @@ def test_velocity_setpoint_meets_the_encoder_while_accelerating() -> None:
     tuned = tune_loop(machine)
     move = VelocityStep(velocity_step=2.0)
     setpoint = plan_setpoint(move, MotionLimits(acceleration=2.0, jerk=200.0))
-    response = simulate(tuned.loops[0], tuned.lifted[0], setpoint, drive=machine.drive, band=1e-7)
+    response = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=1e-7)
     late = response.t - tuned.controller.reference_delay
     drag = response.deviation[(late > 0.7) & (late < 0.9)]
     assert np.all(sample_setpoint(setpoint, np.array([0.7, 0.9]))[:, 2] == pytest.approx(2.0))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from math import pi
 
-import control
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -30,7 +29,7 @@ from mtcommission.machine.variations import vary
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.setpoint.setpoint import plan_setpoint
 from tests.independent_loop import Run, axis_of, delayed, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
@@ -67,7 +66,6 @@ def both(
     mean = machine.control.moving_average_time
     response = simulate(
         tuned.loops[corner],
-        tuned.lifted[corner],
         plan_setpoint(move, limits, moving_average=mean),
         drive=machine.drive,
         band=machine.requirements.tcp_deviation,
@@ -160,28 +158,6 @@ def test_plant_between_cycles_is_equation_1_by_runge_kutta() -> None:
     axis.put(start)
     axis.advance(u, h)
     assert np.allclose(axis.state(), exact, rtol=1e-9, atol=1e-14)
-
-
-def test_lifted_loop_agrees_with_python_control() -> None:
-    """The matrices of record.json would not reproduce the response for anyone else."""
-    machine = paper_machine()
-    tuned = tune_loop(machine)
-    lifted = tuned.lifted[0]
-    setpoint = plan_setpoint(STEP, MotionLimits(acceleration=1.5, jerk=100.0))
-    t = np.arange(150) * lifted.dt
-    system = control.ss(
-        lifted.A, lifted.B, lifted.C, lifted.D, lifted.dt, remove_useless_states=False
-    )
-    theirs = control.forced_response(system, t, sample_setpoint(setpoint, t).T, squeeze=False)
-    response = simulate(tuned.loops[0], lifted, setpoint, drive=machine.drive, band=5e-6)
-    tool = np.array([i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")])
-    tcp = theirs.outputs[tool].T.ravel()
-    n = min(len(tcp), len(response.t))
-    reference = sample_setpoint(setpoint, response.t[:n] - tuned.controller.reference_delay)[:, 0]
-    size = np.max(np.abs(response.deviation))
-    assert np.max(np.abs(tcp[:n] - reference - response.deviation[:n])) < 1e-6 * size
-    force = theirs.outputs[tool + 2].T.ravel()
-    assert np.allclose(force[:n], response.force[:n], atol=1e-6 * response.max_force)
 
 
 def test_interpolated_setpoint_costs_less_than_stated() -> None:

@@ -21,7 +21,9 @@ import pytest
 
 from mtcommission.sheet import print_html
 
-from .sheet_record import example_record, five_moves_record, retuned, rotary_record
+from .sheet_record import example_record, five_moves_record, on_json, retuned, rotary_record
+
+print_html = on_json(print_html)
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")

@@ -67,7 +67,6 @@ def linear_response(
     strong = replace(machine.drive, max_force=1e12)
     return simulate(
         tuned.loops[0],
-        tuned.lifted[0],
         plan_setpoint(
             move,
             MotionLimits(acceleration=a, jerk=j),
@@ -90,7 +89,6 @@ def test_settling_and_residual_agree_with_the_full_simulation(name: str) -> None
         steps = steps_of(machine, move, a, j)
         tables = build_tables(
             tuned.loops[0],
-            tuned.lifted[0],
             longest=float(np.max(steps.duration)),
             filtered=filtered,
         )
@@ -120,7 +118,7 @@ def test_peaks_and_forces_agree_with_the_full_simulation(name: str) -> None:
     for move in MOVES:
         a, j = limits(machine, 3)
         found = find_extremes(
-            tuned.lifted[0],
+            tuned.loops[0],
             steps_of(machine, move, a, j),
             signals=signals,
             order=4 if machine.control.moving_average_time else 3,
@@ -140,7 +138,7 @@ def test_doubling_every_limit_and_the_move_doubles_the_deviation() -> None:
     """A linear loop: anything else means that a table belongs to other units."""
     machine = paper_machine()
     tuned = tune_loop(machine)
-    tables = build_tables(tuned.loops[0], tuned.lifted[0], longest=0.3)
+    tables = build_tables(tuned.loops[0], longest=0.3)
     a, j = limits(machine, 20)
     single = jerk_steps(VelocityStep(velocity_step=0.05), acceleration=a, jerk=j)
     double = jerk_steps(VelocityStep(velocity_step=0.1), acceleration=2 * a, jerk=2 * j)
@@ -156,7 +154,7 @@ def test_a_slow_tail_is_not_taken_for_settled() -> None:
     tuned = tune_loop(soft)
     move = VelocityStep(velocity_step=0.1)
     steps = jerk_steps(move, acceleration=np.array([1.0]), jerk=np.array([50.0]))
-    tables = build_tables(tuned.loops[0], tuned.lifted[0], longest=0.3)
+    tables = build_tables(tuned.loops[0], longest=0.3)
     found = settle(tables, steps, band=soft.requirements.tcp_deviation).settling_time[0]
     full = linear_response(soft, tuned, move, 1.0, 50.0).settling_time
     assert full > 0.7
@@ -172,7 +170,7 @@ def test_tables_of_a_slow_move_end_where_the_loop_has_forgotten(move: Move) -> N
     steps = jerk_steps(move, acceleration=a, jerk=j)
     longest = float(np.max(steps.duration))
     assert longest > 4.0
-    tables = build_tables(tuned.loops[0], tuned.lifted[0], longest=longest)
+    tables = build_tables(tuned.loops[0], longest=longest)
     assert len(tables.transients) * tables.dt < 3.0
     assert not tables.transients[-1].any()
     found = settle(tables, steps, band=1e-10)
@@ -183,7 +181,7 @@ def test_tables_of_a_slow_move_end_where_the_loop_has_forgotten(move: Move) -> N
 def test_setpoint_longer_than_the_tables_is_an_error() -> None:
     """Its early steps would count as if they had just been forgotten."""
     tuned = tune_loop(paper_machine())
-    tables = build_tables(tuned.loops[0], tuned.lifted[0], longest=0.1)
+    tables = build_tables(tuned.loops[0], longest=0.1)
     steps = jerk_steps(
         VelocityStep(velocity_step=0.1), acceleration=np.array([0.2]), jerk=np.array([5.0])
     )

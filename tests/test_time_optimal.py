@@ -21,6 +21,7 @@ from mtcommission.optimal.free.moments import MomentProblem, moment_problem, mom
 from mtcommission.optimal.free.search import find_bang_bang
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
+    Bang,
     TimeOptimum,
     constant_arc,
     propagate,
@@ -76,7 +77,7 @@ def test_paper_eq_12_switching_times() -> None:
     ours = np.array([*optimum.switching_times, optimum.t_f])
     theirs = np.array([*PAPER_SWITCHING_TIMES, PAPER_T_F])
     assert ours == pytest.approx(theirs, abs=PAPER_TIME_TOLERANCE)
-    assert [arc.control for arc in optimum.arcs] == ["+F_max", "-F_max"] * 3
+    assert [arc.control for arc in optimum.arcs] == [Bang(1), Bang(-1)] * 3
     assert optimum.certificate.relative_gap < 1e-12
     assert relative_error(PAPER, optimum) < 1e-13
 
@@ -345,7 +346,7 @@ def test_final_state_is_that_of_arc_by_arc_integration(move: Move, force_lag: fl
     times = np.array(optimum.switching_times) * 1.01
     edges = [0.0, *times.tolist(), 1.02 * optimum.t_f]
     arcs = tuple(
-        constant_arc(start, end, control="", force=900.0 * (-1.0) ** i)
+        constant_arc(start, end, control=Bang(1 if i % 2 == 0 else -1), force=900.0 * (-1.0) ** i)
         for i, (start, end) in enumerate(pairwise(edges))
     )
     flow = dyadic_flow(plant, moment_problem(plant, move), t_f=edges[-1])

@@ -15,8 +15,10 @@ from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights
 from mtcommission.optimal.solution import (
+    Bang,
     Bound,
     DampingOptimum,
+    Interior,
     TimeOptimum,
     propagate,
     sample_trajectory,
@@ -187,8 +189,8 @@ def test_euler_shortest_time_converges_at_first_order() -> None:
 
 def test_time_optimum_has_the_papers_structure_and_adjoint() -> None:
     best = shortest(400)
-    bangs = [arc.control for arc in best.arcs if arc.control != "interior"]
-    assert bangs == ["+F_max", "-F_max"] * 3
+    bangs = [arc.control for arc in best.arcs if not isinstance(arc.control, Interior)]
+    assert bangs == [Bang(1), Bang(-1)] * 3
     assert best.certificate.switching_law_holds
     assert best.certificate.switching_slopes.size == 5
     paper = [-11.87902, 14.75425, 0.05508, -0.23018, 0.01149, -1.2503e-6]  # below eq. (12)

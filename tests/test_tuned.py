@@ -15,16 +15,16 @@ from mtcommission.loop.tuning.cascade import build_cascade
 from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
     design_observer,
-    dominant_mode,
+    most_resonant_mode,
 )
 from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TuningSettings,
-    answer_corners,
     close_loop,
     close_within_margins,
     corner_plants,
     has_margins,
+    scan_corners,
 )
 from mtcommission.loop.tuning.tuning import tune_variants
 from mtcommission.machine.machine import Machine, TcpSensor
@@ -51,7 +51,7 @@ def tries(machine: Machine, bench: CornerPlants) -> Iterator[Controller]:
     first = build_cascade(machine, bench.model, fraction=1.0)
     observer = design_observer(machine, bench.model, first, settings=SETTINGS)
     damping = tuple(mode.damping_ratio for mode in bench.model.modes)
-    mode = dominant_mode(bench.model, first.sensors, damping)
+    mode = most_resonant_mode(bench.model, first.sensors, damping)
     for fraction in LADDER:
         cascade = build_cascade(machine, bench.model, fraction=fraction)
         if mode is None:
@@ -66,7 +66,7 @@ def test_quick_verdict_is_that_of_the_whole_loop() -> None:
     for machine in machines():
         bench = corner_plants(machine)
         ladder = list(tries(machine, bench))
-        answers = answer_corners(bench, ladder[0])
+        answers = scan_corners(bench, ladder[0])
         for controller in ladder:
             quick = close_within_margins(bench, controller, answers, settings=SETTINGS)
             whole = close_loop(bench, controller)

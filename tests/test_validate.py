@@ -21,7 +21,7 @@ from scipy.optimize import fsolve
 from mtcommission import cli
 from mtcommission.machine.machine import VelocityStep
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
-from mtcommission.optimal.solution import Bound, constant_arc, propagate
+from mtcommission.optimal.solution import Bang, Bound, constant_arc, propagate
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.validate import report
 from mtcommission.validate.adjoint import (
@@ -221,7 +221,7 @@ def test_structure_of_the_bounded_optimum(found: Validation) -> None:
 def ends(plant: Plant, times: Array, force: float, scale: Array) -> Array:
     arcs = []
     for start, end in pairwise((0.0, *times.tolist())):
-        arcs.append(constant_arc(start, end, control="", force=force))
+        arcs.append(constant_arc(start, end, control=Bang(1 if force > 0.0 else -1), force=force))
         force = -force
     error = propagate(plant, tuple(arcs))
     error[4] -= 0.1

@@ -29,6 +29,7 @@ from mtcommission.profile.read import parse_profile, profile_text_hash, read_pro
 from mtcommission.record.build import build_record
 from mtcommission.record.data import list_data
 from mtcommission.record.schema import Profile
+from mtcommission.record.shape import to_plain
 from mtcommission.study.loop_choice import Settings
 from mtcommission.wizard.axis_units import (
     MODAL,
@@ -184,7 +185,7 @@ def test_papers_record_is_the_shipped_one(tmp_path: Path) -> None:
             name="p", sha256=profile_text_hash(path.read_bytes()), text=path.read_text("utf-8")
         )
         record = build_record(found, profile=profile, created="2026-01-02", warnings=[])
-        numbers.append(list(_numbers(record)))
+        numbers.append(list(_numbers(to_plain(record))))
     assert numbers[0] == numbers[1]
     assert len(numbers[0]) > 20_000
 
@@ -295,9 +296,7 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     path = tmp_path / "p.toml"
     _, said = talk(path, PAPER)
     text, machine = path.read_text("utf-8"), read_profile(path)
-    sources = {
-        item["key"]: item["source"] for item in list_data(machine, build_plant(machine), text)
-    }
+    sources = {item.key: item.source for item in list_data(machine, build_plant(machine), text)}
     accepted = ("drive.static_load", "requirements.frequency_spread", "requirements.damping_spread")
     for key in accepted:
         assert sources[key] == "default accepted, not measured"

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -29,6 +30,7 @@ from mtcommission.cli.inputs import (
 )
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
@@ -89,7 +91,7 @@ def run(
     following = say("cli-next-export", record=file)
     indent = " " * (following.index(":") + 2)
     sys.stdout.write(f"{following}\n{indent}{say('cli-list-of-controls')}\n")
-    raise typer.Exit(0 if record["assessment"]["met"] else 1)
+    raise typer.Exit(0 if record.assessment.met else 1)
 
 
 def optimal(
@@ -148,6 +150,7 @@ def optimal(
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.optima import optimum_entry
+    from mtcommission.record.shape import to_plain
 
     require_writable(json_file, csv_file)
     machine = read_machine(profile, f_max)
@@ -170,7 +173,7 @@ def optimal(
         begun = perf_counter()
         solution = solve(machine, plant, request)
         elapsed = perf_counter() - begun
-    entry = {**optimum_entry(plant, solution), "solve_time": elapsed}
+    entry = {**to_plain(optimum_entry(plant, solution)), "solve_time": elapsed}
     entry.pop("series")
     if json_file:
         write_text(json_file, dump_json(entry))
@@ -206,7 +209,7 @@ def limits(
         write_text(json_file, dump_json(part))
     if json_file != "-":
         narrow = warn_of_narrow_range(machine, found.robustness.frequency_error)
-        warnings = [*found.tuned.warnings, *narrow]
+        warnings: list[Message | str] = [*found.tuned.warnings, *narrow]
         show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if met else 1)
 
@@ -255,11 +258,11 @@ def simulate(
         progress("response")
         moves = run_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
-    part["warnings"] = [*notes, *part["warnings"]]
+    part = replace(part, warnings=[*notes, *part.warnings])
     if json_file:
         write_text(json_file, dump_json(part))
     if csv_file:
         write_text(csv_file, response_csv(plant, moves[0]))
     if "-" not in (json_file, csv_file):
         show(describe_simulation(machine, part))
-    raise typer.Exit(0 if part["assessment"]["met"] else 1)
+    raise typer.Exit(0 if part.assessment.met else 1)

@@ -23,7 +23,7 @@ def parse_machine(source: Profile, f_max: str, *, where: Path) -> Machine:
     """Return the machine of a profile that was read already, so that record and machine agree."""
     from mtcommission.profile.read import parse_profile
 
-    return _with_force(parse_profile(source["text"], where=str(where)), f_max)
+    return _with_force(parse_profile(source.text, where=str(where)), f_max)
 
 
 def describe_profile(path: Path) -> Profile:

@@ -44,7 +44,7 @@ def sheet(
         raise InputError([Fault(where=str(record), message=message)]) from error
     write_files(output, files)
     print_written(output, files)
-    raise typer.Exit(0 if loaded["assessment"]["met"] else 1)
+    raise typer.Exit(0 if loaded.assessment.met else 1)
 
 
 def export(

@@ -5,7 +5,7 @@ Every number is formatted by the sheet's formatter, so terminal, HTML and PDF ag
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 from math import isnan
 
@@ -21,9 +21,13 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import (
     TIGHT_GAP,
+    Boundary,
     DampingOptimum,
+    Interior,
     TimeOptimum,
+    control_text,
     excess_velocity,
+    side_text,
 )
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.schema import (
@@ -36,8 +40,6 @@ from mtcommission.record.schema import (
     RuleResult,
     SimulationPart,
 )
-from mtcommission.sheet.format import formatter_of
-from mtcommission.sheet.labels_en import ENGLISH
 from mtcommission.sheet.limits_part import name_obstacle
 
 WIDTH = 80
@@ -60,7 +62,7 @@ def show(content: RenderableType) -> None:
     console.print(content)
 
 
-def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message | str]) -> Group:
+def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) -> Group:
     """Return modes, rigid-body limits and warnings of a profile.
 
     Parameters
@@ -113,7 +115,7 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message 
         limits,
         Text(spoken.text("terminal-controllable", rank=rank, order=plant.order)),
     ]
-    parts += _warnings(spoken, _said(machine), warnings)
+    parts += _warnings(spoken, warnings)
     if not warnings:
         parts.append(Text(spoken.text("terminal-no-warnings")))
     return Group(*parts)
@@ -133,7 +135,7 @@ def describe_optimum(
     joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
     for number, run in enumerate(joined[:SHOWN_ARCS], start=1):
         start, end = _ms(spoken, run[0].t_start), _ms(spoken, run[-1].t_end)
-        arcs.add_row(str(number), start, end, run[0].control)
+        arcs.add_row(str(number), start, end, control_text(run[0].control))
     if len(joined) > SHOWN_ARCS:
         more = spoken.text("terminal-more-arcs", count=len(joined) - SHOWN_ARCS)
         arcs.add_row("...", more, spoken.text("terminal-see-json"), "")
@@ -142,7 +144,7 @@ def describe_optimum(
     for name, unit, peak in zip(
         plant.signals, plant.signal_units, solution.peaks.tolist(), strict=True
     ):
-        error = f"{spoken.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""
+        error = f"{spoken.format.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""
         peaks.add_row(name, spoken.format.quantity(peak, unit), error)
     first = Message(
         "terminal-final-time",
@@ -172,19 +174,21 @@ def describe_optimum(
 
 
 def _ms(spoken: Catalogue, seconds: float) -> str:
-    return f"{spoken.plain(1e3 * seconds, 6, 'f')} ms"
+    return f"{spoken.format.plain(1e3 * seconds, 6, 'f')} ms"
 
 
 def _law_line(solution: TimeOptimum) -> Message:
     """Return whether the force switches with the adjoint, or why that is not to be seen."""
     if solution.certificate.switching_law_holds:
-        held = any(arc.control.startswith("boundary:") for arc in solution.arcs)
+        held = any(isinstance(arc.control, Boundary) for arc in solution.arcs)
         return Message(
             "terminal-law-holds",
             grid="yes" if solution.method == "transcription" else "no",
             boundary="yes" if held else "no",
         )
-    loose = sum(arc.t_end - arc.t_start for arc in solution.arcs if arc.control == "interior")
+    loose = sum(
+        arc.t_end - arc.t_start for arc in solution.arcs if isinstance(arc.control, Interior)
+    )
     if solution.method != "exact" or not loose:
         return Message("terminal-law-fails")
     return Message("terminal-law-in-cells", percent=100.0 * loose / solution.t_f)
@@ -247,7 +251,8 @@ def _touch_lines(solution: TimeOptimum) -> list[Message]:
     """Return the first touch points, and how many there are more."""
     touches = solution.touch_points
     lines = [
-        Message("terminal-touched", limit=p.limit, ms=1e3 * p.t) for p in touches[:SHOWN_TOUCHES]
+        Message("terminal-touched", limit=side_text(p.signal, p.side), ms=1e3 * p.t)
+        for p in touches[:SHOWN_TOUCHES]
     ]
     if len(touches) > SHOWN_TOUCHES:
         lines.append(Message("terminal-more-touches", count=len(touches) - SHOWN_TOUCHES))
@@ -259,72 +264,72 @@ def describe_limits(
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
     spoken, length = _words(machine), machine.axis_units.length.si
-    printed, said, best = spoken.format, _said(machine), part["recommended"]
+    printed, said, best = spoken.format, spoken.say, part.recommended
     unsettled = spoken.text("terminal-not-settled")
     table = _table(spoken, "limits", "a", "j", "settling", "residual", "peak", "met")
     entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
     entries = [(spoken.text("terminal-recommended"), best, met)]
-    for mode in part["modes"]:
-        name = f"{mode['name']} ({printed.quantity(mode['band'], length)})"
-        entries.append((name, mode, mode["meets_requirements"]))
-    for other in (*part["alternatives"], *part["rules"]):
-        entries.append((other["name"], other, other["meets_requirements"]))
+    for mode in part.modes:
+        name = f"{mode.name} ({printed.quantity(mode.band, length)})"
+        entries.append((name, mode, mode.meets_requirements))
+    for other in (*part.alternatives, *part.rules):
+        entries.append((other.name, other, other.meets_requirements))
     for name, entry, keeps in entries:
         table.add_row(
             escape(name),
-            printed.quantity(entry["acceleration"], f"{length}/s^2"),
-            printed.quantity(entry["jerk"], f"{length}/s^3"),
-            printed.quantity(entry["settling_time"], "s", missing=unsettled),
-            printed.quantity(entry["residual_deviation"], length, missing=unsettled),
-            printed.quantity(entry["peak_deviation"], length),
+            printed.quantity(entry.acceleration, f"{length}/s^2"),
+            printed.quantity(entry.jerk, f"{length}/s^3"),
+            printed.quantity(entry.settling_time, "s", missing=unsettled),
+            printed.quantity(entry.residual_deviation, length, missing=unsettled),
+            printed.quantity(entry.peak_deviation, length),
             spoken.text("terminal-yes" if keeps else "terminal-no"),
         )
-    rule = part["rule"]
+    rule = part.rule
     return Group(
         _heading(spoken.text("terminal-limits")),
-        Text(spoken.text("terminal-bound-by", what=said(best["bound_by"]))),
+        Text(spoken.text("terminal-bound-by", what=said(best.bound_by))),
         table,
         Text(
             spoken.text(
                 "terminal-by-hand",
-                chosen=rule["chosen"],
-                acceleration=rule["acceleration"],
-                jerk=rule["jerk"],
+                chosen=rule.chosen,
+                acceleration=rule.acceleration,
+                jerk=rule.jerk,
             )
         ),
         *(
             Text(spoken.say(_hold_sentence(item, spoken, length)))
-            for item in part["move_sizes"]
-            if item["way"] == "recommended"
+            for item in part.move_sizes
+            if item.way == "recommended"
         ),
         *(
             Text(
                 spoken.text(
                     "terminal-in-the-way",
                     obstacle=said(name_obstacle(item)),
-                    limit=printed.quantity(item["limit"], item["unit"]),
-                    value=printed.quantity(item["value"], item["unit"]),
+                    limit=printed.quantity(item.limit, item.unit),
+                    value=printed.quantity(item.value, item.unit),
                 )
             )
-            for item in part["attainable"]
+            for item in part.attainable
         ),
-        *_warnings(spoken, _said(machine), warnings),
+        *_warnings(spoken, warnings),
     )
 
 
 def _hold_sentence(item: MoveSizesEntry, spoken: Catalogue, length: str) -> Message:
     """Between which sizes of a move the recommendation keeps the band."""
-    is_step = "velocity_step" in item["move"]
+    is_step = "velocity_step" in item.move
     unit, kind = (f"{length}/s", "steps") if is_step else (length, "distances")
     printed = spoken.format
-    if item["kept_from"] is None:
-        return Message("terminal-size-missed", sizes=kind, own=printed.quantity(item["own"], unit))
+    if item.kept_from is None:
+        return Message("terminal-size-missed", sizes=kind, own=printed.quantity(item.own, unit))
     return Message(
         "terminal-sizes-kept",
         sizes=kind,
-        least=printed.quantity(item["kept_from"], unit),
-        largest=printed.quantity(item["kept_to"], unit),
-        reached=printed.quantity(item["full_from"], unit, missing=spoken.text("terminal-no-size")),
+        least=printed.quantity(item.kept_from, unit),
+        largest=printed.quantity(item.kept_to, unit),
+        reached=printed.quantity(item.full_from, unit, missing=spoken.text("terminal-no-size")),
     )
 
 
@@ -334,56 +339,50 @@ def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
     printed, unsettled = spoken.format, spoken.text("terminal-not-settled")
     mass, length, force = axis.mass.si, axis.length.si, axis.force.si
     table = _table(spoken, "move", "corner", "settling", "residual", "peak", "set-force")
-    for number, move in enumerate(part["moves"], start=1):
-        for index, response in enumerate(move["corners"]):
+    for number, move in enumerate(part.moves, start=1):
+        for index, response in enumerate(move.corners):
             corner = (
                 spoken.text("terminal-nominal")
                 if index == 0
                 else spoken.text(
                     "terminal-corner",
-                    payload=printed.quantity(response["payload"], mass),
-                    frequency=response["frequency_factor"],
-                    damping=response["damping_factor"],
+                    payload=printed.quantity(response.payload, mass),
+                    frequency=response.frequency_factor,
+                    damping=response.damping_factor,
                 )
             )
-            wanted = printed.quantity(response["max_force"], force)
+            wanted = printed.quantity(response.max_force, force)
             table.add_row(
                 str(number),
                 corner,
-                printed.quantity(response["settling_time"], "s", missing=unsettled),
-                printed.quantity(response["residual_deviation"], length, missing=unsettled),
-                printed.quantity(response["peak_deviation"], length),
-                spoken.text("terminal-saturated", force=wanted)
-                if response["saturated"]
-                else wanted,
+                printed.quantity(response.settling_time, "s", missing=unsettled),
+                printed.quantity(response.residual_deviation, length, missing=unsettled),
+                printed.quantity(response.peak_deviation, length),
+                spoken.text("terminal-saturated", force=wanted) if response.saturated else wanted,
             )
-    verdict = _verdict(spoken, _said(machine), part["assessment"])
-    warnings = _warnings(spoken, _said(machine), part["warnings"])
+    verdict = _verdict(spoken, part.assessment)
+    warnings = _warnings(spoken, part.warnings)
     return Group(_heading(spoken.text("terminal-response")), table, *verdict, *warnings)
 
 
-def _verdict(
-    spoken: Catalogue, said: Callable[[str], str], assessment: AssessmentPart
-) -> list[RenderableType]:
+def _verdict(spoken: Catalogue, assessment: AssessmentPart) -> list[RenderableType]:
     printed, lines = spoken.format, list[RenderableType]()
     unsettled = spoken.text("terminal-not-settled")
-    for check in assessment["checks"]:
+    for check in assessment.checks:
         line = spoken.text(
-            "terminal-check-met" if check["met"] else "terminal-check-not-met",
-            name=said(check["name"]),
-            value=printed.quantity(check["value"], check["unit"], missing=unsettled),
-            limit=printed.quantity(check["limit"], check["unit"]),
-            where=said(check["where"]),
+            "terminal-check-met" if check.met else "terminal-check-not-met",
+            name=spoken.say(check.name),
+            value=printed.quantity(check.value, check.unit, missing=unsettled),
+            limit=printed.quantity(check.limit, check.unit),
+            where=spoken.say(check.where),
         )
-        lines.append(Text(line, style="green" if check["met"] else "red"))
+        lines.append(Text(line, style="green" if check.met else "red"))
     return lines
 
 
-def _warnings(
-    spoken: Catalogue, said: Callable[[str], str], warnings: Sequence[Message | str]
-) -> list[Text]:
-    lines = (said(line) if isinstance(line, str) else spoken.say(line) for line in warnings)
-    return [Text(spoken.text("terminal-warning", warning=line), style="yellow") for line in lines]
+def _warnings(spoken: Catalogue, warnings: Sequence[Message | str]) -> list[Text]:
+    lines = [spoken.text("terminal-warning", warning=spoken.say(line)) for line in warnings]
+    return [Text(line, style="yellow") for line in lines]
 
 
 def _heading(text: str) -> Text:
@@ -399,8 +398,3 @@ def _table(spoken: Catalogue, *columns: str) -> Table:
 
 def _words(machine: Machine) -> Catalogue:
     return words(rotary=machine.motion is Motion.ROTARY)
-
-
-def _said(machine: Machine) -> Callable[[str], str]:
-    """How the sheet says sentences of the record."""
-    return formatter_of(machine.motion.value, ENGLISH).labels.say

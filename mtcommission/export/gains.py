@@ -52,8 +52,8 @@ def round_gains(subject: Subject, units: GainUnits) -> Gains:
     Gains
         Kv [1/s], Kp [N s/m or N m s/rad], Tn [s].
     """
-    loop = subject.record["loop"]
-    kv, kp, tn = loop["Kv"], loop["Kp"], loop["Tn"]
+    loop = subject.record.loop
+    kv, kp, tn = loop.Kv, loop.Kp, loop.Tn
     if units.position:
         number = round_down(kv / units.position, is_whole=units.is_whole)
         kv = float(number) * units.position if number else kv

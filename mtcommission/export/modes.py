@@ -82,14 +82,12 @@ def type_modes(subject: Subject, coding: Coding) -> tuple[TypedMode, ...]:
     tuple of TypedMode
     """
     found = []
-    for mode in subject.record["limits"]["modes"]:
+    for mode in subject.record.limits.modes:
         typed = None
-        if mode["meets_requirements"]:
+        if mode.meets_requirements:
             typed = type_limits(for_mode(subject, mode), coding)
             typed = typed if typed.verdict.assessment.is_met else None
         found.append(
-            TypedMode(
-                name=mode["name"], band=mode["band"], typed=typed, attainable=mode["attainable"]
-            )
+            TypedMode(name=mode.name, band=mode.band, typed=typed, attainable=mode.attainable)
         )
     return tuple(found)

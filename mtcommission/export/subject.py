@@ -156,15 +156,15 @@ def build_subject(record: Record) -> Subject:
     """
     _require_own_profile(record)
     machine = _as_recorded(record)
-    recommended = record["limits"]["recommended"]
+    recommended = record.limits.recommended
     subject = Subject(
         record=record,
         machine=machine,
         plant=build_plant(machine),
         tuned=tune_loop(machine),
-        limits=MotionLimits(acceleration=recommended["acceleration"], jerk=recommended["jerk"]),
-        settling_time=_or_infinite(recommended["settling_time"]),
-        is_met=record["assessment"]["met"],
+        limits=MotionLimits(acceleration=recommended.acceleration, jerk=recommended.jerk),
+        settling_time=_or_infinite(recommended.settling_time),
+        is_met=record.assessment.met,
     )
     _require_same_loop(subject)
     return subject
@@ -213,19 +213,19 @@ def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
     InputError
         If the mode has no limits.
     """
-    acceleration, jerk = mode["acceleration"], mode["jerk"]
+    acceleration, jerk = mode.acceleration, mode.jerk
     if acceleration is None or jerk is None:
-        message = f"no limits meet the requirements of machining mode {mode['name']}"
+        message = f"no limits meet the requirements of machining mode {mode.name}"
         raise InputError(
             [Fault(where="record", key="limits.modes", message=Message("verbatim", text=message))]
         )
-    needs = replace(subject.machine.requirements, tcp_deviation=mode["band"])
+    needs = replace(subject.machine.requirements, tcp_deviation=mode.band)
     return replace(
         subject,
         machine=replace(subject.machine, requirements=needs),
         limits=MotionLimits(acceleration=acceleration, jerk=jerk),
-        settling_time=_or_infinite(mode["settling_time"]),
-        is_met=mode["meets_requirements"],
+        settling_time=_or_infinite(mode.settling_time),
+        is_met=mode.meets_requirements,
     )
 
 
@@ -282,9 +282,9 @@ def _or_infinite(value: float | None) -> float:
 
 def _require_own_profile(record: Record) -> None:
     """The header prints the hash: it must be that of the text which the loop is built from."""
-    profile = record["profile"]
-    texts = (profile["text"], f"{BYTE_ORDER_MARK}{profile['text']}")
-    if profile["sha256"] not in (profile_text_hash(text.encode()) for text in texts):
+    profile = record.profile
+    texts = (profile.text, f"{BYTE_ORDER_MARK}{profile.text}")
+    if profile.sha256 not in (profile_text_hash(text.encode()) for text in texts):
         message = (
             "the profile in this record was edited: it does not have the hash of the run; "
             "run the changed profile instead"
@@ -296,16 +296,16 @@ def _require_own_profile(record: Record) -> None:
 
 def _as_recorded(record: Record) -> Machine:
     """The profile's machine with the record's force limit and gains in place of tuning."""
-    machine = parse_profile(record["profile"]["text"], where=record["profile"]["name"])
-    force = next(row["value"] for row in record["data"] if row["key"] == "drive.max_force")
-    loop, gains = record["loop"], record["loop"]["state_feedback"]
+    machine = parse_profile(record.profile.text, where=record.profile.name)
+    force = next(row.value for row in record.data if row.key == "drive.max_force")
+    loop, gains = record.loop, record.loop.state_feedback
     control = replace(
         machine.control,
-        position_gain=loop["Kv"],
-        velocity_gain=loop["Kp"],
-        integral_time=loop["Tn"],
-        reference_delay=loop["reference_delay"],
-        feedforward_mass=loop["feedforward"]["mass"],
+        position_gain=loop.Kv,
+        velocity_gain=loop.Kp,
+        integral_time=loop.Tn,
+        reference_delay=loop.reference_delay,
+        feedforward_mass=loop.feedforward.mass,
         state_feedback=StateFeedback.GIVEN if gains else StateFeedback.OFF,
         state_gains=tuple(StateGain(state=state, value=gain) for state, gain in gains.items()),
     )
@@ -314,13 +314,13 @@ def _as_recorded(record: Record) -> Machine:
 
 
 def _require_same_loop(subject: Subject) -> None:
-    recorded = np.array(subject.record["loop"]["closed_loop"]["A"])
-    rebuilt = subject.tuned.lifted[0].A
+    recorded = np.array(subject.record.loop.closed_loop.A)
+    rebuilt = subject.tuned.loops[0].lifted.A
     same = recorded.shape == rebuilt.shape and np.allclose(
         recorded, rebuilt, rtol=REBUILT, atol=ROUNDING * float(np.max(np.abs(rebuilt)))
     )
-    recommended = subject.record["limits"]["recommended"]
-    if not (same and isfinite(recommended["acceleration"]) and recommended["jerk"] > 0.0):
+    recommended = subject.record.limits.recommended
+    if not (same and isfinite(recommended.acceleration) and recommended.jerk > 0.0):
         message = (
             "the loop in this record is not the one that its profile and gains give; "
             "run the profile again with this version"

@@ -139,13 +139,13 @@ def parameter_list(export: Export) -> str:
 
 def _header(subject: Subject, control: Control, values: Values) -> tuple[str, ...]:
     record = subject.record
-    profile = record["profile"]
+    profile = record.profile
     sentences = [
-        f"{record['machine']['name']}, axis {record['machine']['axis']}: limits for "
+        f"{record.machine.name}, axis {record.machine.axis}: limits for "
         f"{CONTROL_TITLES[control.key]}",
-        f"Computed {record['created']} by {record['tool']['name']} {record['tool']['version']} "
-        f"from {profile['name']}",
-        f"Profile SHA-256 {profile['sha256']}",
+        f"Computed {record.created} by {record.tool.name} {record.tool.version} "
+        f"from {profile.name}",
+        f"Profile SHA-256 {profile.sha256}",
         "VERIFY BEFORE USE. Calculated, not measured: not an acceptance test (ISO 230). Enter by "
         "hand, note the old values, try at reduced override.",
         _verdict(subject, control, values),
@@ -165,8 +165,8 @@ def _header(subject: Subject, control: Control, values: Values) -> tuple[str, ..
 
 def _doubts(record: Record) -> list[str]:
     """What the run warned of, and the data that nobody measured."""
-    found = [f"WARNING: {warning}" for warning in record["warnings"]]
-    unmeasured = [item["key"] for item in record["data"] if item["source"] == ACCEPTED_DEFAULT]
+    found = [f"WARNING: {warning}" for warning in record.warnings]
+    unmeasured = [item.key for item in record.data if item.source == ACCEPTED_DEFAULT]
     if unmeasured:
         found.append(f"{ACCEPTED_DEFAULT.capitalize()}: {', '.join(unmeasured)}.")
     return found

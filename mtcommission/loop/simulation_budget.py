@@ -59,16 +59,18 @@ def require_affordable(machine: Machine) -> None:
     a = machine.drive.motion_force / moving_mass(machine)
     times = [least_motion_time(move, a) for move in machine.moves]
     slowest = max(range(len(times)), key=lambda i: times[i])
-    force, mass = machine.axis_units.force.si, machine.axis_units.mass.si
-    count = f"{cycles:.0f}" if cycles < 1e9 else f"{cycles:.3g}"
     raise ComputationError(
         Outcome.MOVE_TOO_LONG,
         Message(
-            "verbatim",
-            text=f"move {slowest + 1} takes at least {times[slowest]:.3g} s with "
-            f"{machine.drive.motion_force:.4g} {force} on {moving_mass(machine):.4g} {mass}; in "
-            f"{len(corners(machine))} corner(s) all moves together are {count} velocity cycles of "
-            f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {MOST_CYCLES} at most",
+            "budget-full-force",
+            move=slowest + 1,
+            time=times[slowest],
+            force=machine.drive.motion_force,
+            mass=moving_mass(machine),
+            corners=len(corners(machine)),
+            cycles=cycles,
+            cycle=machine.control.velocity_cycle,
+            most=MOST_CYCLES,
         ),
     )
 
@@ -85,18 +87,17 @@ def require_affordable_limits(machine: Machine, limits: MotionLimits) -> None:
     limits
         The slowest that will be judged: what the commissioning rule asks for.
     """
-    band = f"{machine.requirements.tcp_deviation:.3g} {machine.axis_units.length.si}"
     require_few_cycles(
         machine,
         limits,
         most=MOST_SLOW_CYCLES,
-        reason=f"to keep a band of {band} the commissioning rule asks for",
-        remedy="check the unit of tcp_deviation",
+        reason=Message("budget-rule-asks", band=machine.requirements.tcp_deviation),
+        remedy=Message("budget-check-band"),
     )
 
 
 def require_few_cycles(
-    machine: Machine, limits: MotionLimits, *, most: int, reason: str, remedy: str
+    machine: Machine, limits: MotionLimits, *, most: int, reason: Message, remedy: Message
 ) -> None:
     """Raise MOVE_TOO_LONG if all moves with these limits take more velocity cycles than allowed.
 
@@ -122,10 +123,16 @@ def require_few_cycles(
     cycles = _cycles(machine, times)
     if cycles <= most:
         return
-    detail = (
-        f"{reason} {limits.acceleration:.4g} {machine.axis_units.acceleration.si} and a ramp of "
-        f"{limits.jerk_time:.4g} s, with which a move takes {max(times):.4g} s; in "
-        f"{len(corners(machine))} corner(s) all moves together are {cycles:.3g} velocity cycles of "
-        f"{1e6 * machine.control.velocity_cycle:.4g} us, followed are {most} at most; {remedy}"
+    detail = Message(
+        "budget-limits",
+        reason=reason,
+        acceleration=limits.acceleration,
+        jerk_time=limits.jerk_time,
+        time=max(times),
+        corners=len(corners(machine)),
+        cycles=cycles,
+        cycle=machine.control.velocity_cycle,
+        most=most,
+        remedy=remedy,
     )
-    raise ComputationError(Outcome.MOVE_TOO_LONG, Message("verbatim", text=detail))
+    raise ComputationError(Outcome.MOVE_TOO_LONG, detail)

@@ -2,6 +2,8 @@
 
 message.py      a kind and its values: what results and records hold
 quantities.py   SI values -> numbers with an engineering unit
+functions.py    what the texts call to print them
+formula.py      formulas as trees
 catalogue.py    message -> text of a language, at the rim only
 texts/          the texts, in Fluent's format: ``texts/LANGUAGE/*.ftl``
 """

@@ -87,7 +87,9 @@ class Formatter:
     rotary: bool = False
     decimal_mark: str = "."
 
-    def quantity(self, value: float | None, unit: str, *, missing: str = "–") -> str:
+    def quantity(
+        self, value: float | None, unit: str, *, missing: str = "–", digits: int = DIGITS
+    ) -> str:
         """Return a value with its engineering unit, e.g. ``"105.6 ms"``.
 
         Parameters
@@ -98,6 +100,8 @@ class Formatter:
             SI unit as the record spells it, e.g. ``"m/s^2"``; "" for a plain number.
         missing
             Text for None.
+        digits
+            Significant digits; integers are never cut.
 
         Examples
         --------
@@ -113,7 +117,21 @@ class Formatter:
         shown = value / scale.size
         if unit in _CUT:
             shown = float(f"{shown:.{DIGITS}g}")
-        return self.with_unit(self.number(shown), scale.unit)
+        return self.with_unit(self.number(shown, digits=digits), scale.unit)
+
+    def axis(self, value: float | None, unit: str, *, missing: str = "–") -> str:
+        """Return a value of the axis's own motion, as ``quantity`` does.
+
+        Parameters
+        ----------
+        value
+            SI; None where the record has no number.
+        unit
+            SI unit that it has on a linear axis, e.g. ``"m/s^2"``; see ``motion_unit``.
+        missing
+            Text for None.
+        """
+        return self.quantity(value, motion_unit(unit, rotary=self.rotary), missing=missing)
 
     def with_unit(self, number: str, unit: str) -> str:
         """Return number and unit with a thin space; degrees follow without one."""
@@ -169,13 +187,23 @@ class Formatter:
             text = f"{text}×10{str(int(power)).translate(SUPERSCRIPTS)}"
         return ("−" if value < 0.0 else "") + text.replace(".", self.decimal_mark)
 
-    def percent(self, fraction: float) -> str:
-        """Return a fraction in per cent, three digits."""
-        return self.with_unit(self.number(100.0 * fraction, digits=3), "%")
+    def plain(self, value: float, digits: int, style: str) -> str:
+        """Return a number as Python's format prints it, with the language's decimal mark.
 
-    def percent_if_known(self, fraction: float | None) -> str:
+        Examples
+        --------
+        >>> Formatter(decimal_mark=",").plain(1.25, 1, "e")
+        '1,2e+00'
+        """
+        return f"{value:.{digits}{style}}".replace(".", self.decimal_mark)
+
+    def percent(self, fraction: float, *, digits: int = 3) -> str:
+        """Return a fraction in per cent."""
+        return self.with_unit(self.number(100.0 * fraction, digits=digits), "%")
+
+    def percent_if_known(self, fraction: float | None, *, digits: int = 3) -> str:
         """Return a fraction in per cent; None is a dash."""
-        return "–" if fraction is None else self.percent(fraction)
+        return "–" if fraction is None else self.percent(fraction, digits=digits)
 
     def signed_percent(self, fraction: float) -> str:
         """Return a change in per cent with its sign; below 0.005 % it is none.
@@ -207,6 +235,17 @@ def pretty_unit(unit: str) -> str:
     text = re.sub(r"\^(-?\d)", lambda match: match[1].translate(SUPERSCRIPTS), unit.strip())
     text = re.sub(r"\((\w+)\)", r"\1", text)
     return "" if text == "-" else text.replace(" ", "·")
+
+
+def symbol(name: str) -> str:
+    """Return a state or output as printed.
+
+    Examples
+    --------
+    >>> symbol("v_phi"), symbol("v_base")
+    ('v_φ', 'v_base')
+    """
+    return name.removesuffix("phi") + "φ" if name in ("phi", "v_phi") else name
 
 
 def tick_text(value: float, decimal_mark: str) -> str:

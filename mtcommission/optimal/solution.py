@@ -26,6 +26,61 @@ SAME = 1e-10
 """Relative distance of two lengths that one matrix exponential serves."""
 
 
+@dataclass(frozen=True, slots=True)
+class Bang:
+    """Full force, of the sign ``side``."""
+
+    side: int
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """Holding a bound of ``signal`` on its upper (+1) or lower (-1) side."""
+
+    signal: str
+    side: int
+
+
+@dataclass(frozen=True, slots=True)
+class Interior:
+    """A force between its limits, with no bound held."""
+
+
+ArcControl = Bang | Boundary | Interior
+"""What an arc does."""
+
+
+def control_text(control: ArcControl) -> str:
+    """Return what an arc does as records and the terminal name it.
+
+    Parameters
+    ----------
+    control
+        Of an arc.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> [control_text(control) for control in (Bang(-1), Boundary("v_phi", 1), Interior())]
+    ['-F_max', 'boundary:v_phi:+', 'interior']
+    """
+    match control:
+        case Bang(side):
+            return "+F_max" if side > 0 else "-F_max"
+        case Boundary(signal, side):
+            return f"boundary:{side_text(signal, side)}"
+        case Interior():
+            return "interior"
+
+
+def side_text(signal: str, side: int) -> str:
+    """Return one side of a bound, such as ``"v_phi:+"``."""
+    return f"{signal}:{'+' if side > 0 else '-'}"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arc:
     """One piece of the control, with F_set(t) = output expm(generator (t - t_start)) initial.
@@ -35,14 +90,14 @@ class Arc:
     t_start, t_end
         Ends of the arc [s].
     control
-        ``"+F_max"``, ``"-F_max"``, ``"interior"`` or ``"boundary:NAME:+"`` / ``"boundary:NAME:-"``.
+        What it does.
     generator, initial, output
         Shapes (k, k), (k,), (k,) [1/s, -, N].
     """
 
     t_start: float
     t_end: float
-    control: str
+    control: ArcControl
     generator: Array
     initial: Array
     output: Array
@@ -56,12 +111,15 @@ class TouchPoint:
     ----------
     t
         [s].
-    limit
-        Signal and side, e.g. ``"v_phi:+"``.
+    signal
+        The bounded signal.
+    side
+        +1 or -1.
     """
 
     t: float
-    limit: str
+    signal: str
+    side: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,15 +157,15 @@ class Trajectory:
     states: Array
 
 
-def constant_arc(t_start: float, t_end: float, *, control: str, force: float) -> Arc:
-    """Return a bang arc.
+def constant_arc(t_start: float, t_end: float, *, control: ArcControl, force: float) -> Arc:
+    """Return an arc of constant force.
 
     Parameters
     ----------
     t_start, t_end
         [s].
     control
-        Its label.
+        What it does.
     force
         [N].
 
@@ -117,7 +175,7 @@ def constant_arc(t_start: float, t_end: float, *, control: str, force: float) ->
 
     Examples
     --------
-    >>> constant_arc(0.0, 1e-3, control="+F_max", force=2e3).output
+    >>> constant_arc(0.0, 1e-3, control=Bang(1), force=2e3).output
     array([2000.])
     """
     return Arc(
@@ -152,7 +210,7 @@ def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
         length = arc.t_end - arc.t_start
         shift = 0.0 if known is None else length - known.t_end + known.t_start
         if known is None or known.generator is not arc.generator or abs(shift) > SAME * length:
-            known, shift, joint = arc, 0.0, _joint_system(plant, arc)
+            known, shift, joint = arc, 0.0, joint_system(plant, arc)
             transition = balanced_expm(joint * length)
         z = transition @ np.concatenate([x, arc.initial])
         # The pieces of a long arc differ by rounding; the next term would be of order SAME².
@@ -182,7 +240,7 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length / step)))
-        transition = balanced_expm(_joint_system(plant, arc) * (length / count))
+        transition = balanced_expm(joint_system(plant, arc) * (length / count))
         motion = np.empty((count + 1, n + arc.initial.size))
         motion[0] = np.concatenate([x, arc.initial])
         for i in range(count):
@@ -198,7 +256,8 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     )
 
 
-def _joint_system(plant: Plant, arc: Arc) -> Array:
+def joint_system(plant: Plant, arc: Arc) -> Array:
+    """Return the generator of plant and arc together, shape (n + k, n + k) [1/s]."""
     n, k = plant.order, arc.initial.size
     joint = np.zeros((n + k, n + k))
     joint[:n, :n] = plant.A
@@ -247,7 +306,7 @@ EXCEEDED = 1e-6
 """Relative excess over max_velocity that is worth a remark."""
 
 
-class Motion(Protocol):
+class MotionPeaks(Protocol):
     """What a control does to a plant."""
 
     @property
@@ -291,7 +350,7 @@ class TimeOptimum:
     arcs: tuple[Arc, ...]
     touch_points: tuple[TouchPoint, ...]
     terminal_error: Array
-    motion: Motion
+    motion: MotionPeaks
     certificate: Certificate
 
     @property
@@ -379,10 +438,10 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
     count = int(np.floor(until / step + 1e-9)) + 1
     states = np.zeros((count, plant.order))
     last = arcs[-1].t_end
-    rest = constant_arc(last, max(until, last) + step, control="interior", force=0.0)
+    rest = constant_arc(last, max(until, last) + step, control=Interior(), force=0.0)
     x = np.zeros(plant.order)
     for arc in (*arcs, rest):
-        joint = _joint_system(plant, arc)
+        joint = joint_system(plant, arc)
         begin = np.concatenate([x, arc.initial])
         first = int(np.ceil(arc.t_start / step - 1e-9))
         stop = min(int(np.ceil(arc.t_end / step - 1e-9)), count)

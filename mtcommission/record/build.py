@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import version
 
 from mtcommission import __version__
@@ -20,6 +20,7 @@ from mtcommission.record.optima import optimum_entry
 from mtcommission.record.robustness import robustness_part
 from mtcommission.record.schema import (
     SCHEMA,
+    MachineEntry,
     ModeEntry,
     OptimaEntry,
     PlantEntry,
@@ -27,6 +28,7 @@ from mtcommission.record.schema import (
     Record,
     Tool,
 )
+from mtcommission.record.shape import entry_of, to_plain
 
 
 def build_record(
@@ -57,17 +59,13 @@ def build_record(
         tool=Tool(name="mtcommission", version=__version__, libraries=_library_versions()),
         created=created,
         profile=profile,
-        machine={
-            "name": machine.name,
-            "axis": machine.axis,
-            "motion": machine.motion.value,
-            "source": machine.source,
-            "kind": machine.mechanics.kind,
-        },
-        data=list_data(machine, plant, profile["text"]),
+        machine=entry_of(
+            MachineEntry, machine, motion=machine.motion.value, kind=machine.mechanics.kind
+        ),
+        data=list_data(machine, plant, profile.text),
         settings=_settings_entry(commissioning),
         assumptions=list_assumptions(machine),
-        warnings=[*warnings, *commissioning.tuned.warnings, *robustness["warnings"]],
+        warnings=[*warnings, *commissioning.tuned.warnings, *robustness.warnings],
         plant=_plant_entry(plant),
         optima=[_optima_entry(plant, item) for item in commissioning.optima],
         limits=limits_part(commissioning),
@@ -80,7 +78,7 @@ def build_record(
         robustness=robustness,
         assessment=assessment_part(commissioning.assessment),
     )
-    return {**record, "checksum": find_checksum(record)}
+    return replace(record, checksum=find_checksum(to_plain(record)))
 
 
 def _settings_entry(commissioning: Commissioning) -> dict[str, float | str]:
@@ -94,24 +92,13 @@ def _settings_entry(commissioning: Commissioning) -> dict[str, float | str]:
 
 
 def _plant_entry(plant: Plant) -> PlantEntry:
-    return PlantEntry(
-        states=list(plant.states),
+    return entry_of(
+        PlantEntry,
+        plant,
         units=dict(zip(plant.signals, plant.signal_units, strict=True)),
-        A=plant.A.tolist(),
-        B=plant.B.tolist(),
         outputs=dict(zip(plant.outputs, plant.C.tolist(), strict=True)),
-        modes=[
-            ModeEntry(
-                name=mode.name,
-                frequency_hz=mode.frequency_hz,
-                damping_ratio=mode.damping_ratio,
-                tcp_gain=mode.tcp_gain,
-                measured_gain=mode.measured_gain,
-            )
-            for mode in plant.modes
-        ],
+        modes=[entry_of(ModeEntry, mode) for mode in plant.modes],
         controllability_rank=kalman_rank(plant),
-        moving_mass=plant.moving_mass,
     )
 
 

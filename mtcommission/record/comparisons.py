@@ -10,13 +10,13 @@ from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
 from mtcommission.record.claims import explain_why_not, state_claims
-from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
     ComparedEntry,
     ComparisonEntry,
     ContinuousEntry,
     FedForwardEntry,
 )
+from mtcommission.record.shape import entry_of
 from mtcommission.study.evaluate import MoveResult
 
 
@@ -38,28 +38,15 @@ def comparison_entry(
     """
     return ComparisonEntry(
         controls=[
-            ComparedEntry(
-                name=control.name,
-                transfer_time=finite_or_none(control.transfer_time),
-                overshoot=control.overshoot,
+            entry_of(
+                ComparedEntry,
+                control,
                 peaks=dict(zip(plant.signals, control.peaks.tolist(), strict=True)),
-                max_force=control.max_force,
-                heat=control.heat,
-                work=control.work,
             )
             for control in comparison.controls
         ],
         fed_forward=[
-            FedForwardEntry(
-                control=name,
-                payload=found.corner.payload,
-                frequency_factor=found.corner.frequency_factor,
-                damping_factor=found.corner.damping_factor,
-                settling_time=finite_or_none(found.settling_time),
-                residual_deviation=finite_or_none(found.residual_deviation),
-                peak_deviation=found.peak_deviation,
-                saturated_share=found.saturated_share,
-            )
+            entry_of(FedForwardEntry, found, found.corner, control=name)
             for name, rows in comparison.fed_forward
             for found in rows
         ],

@@ -9,7 +9,7 @@ from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
-from mtcommission.record.schema import Quantity
+from mtcommission.record.schema import Datum
 
 Row = tuple[str, float, str]
 """Key, value and SI unit."""
@@ -56,7 +56,7 @@ def list_assumptions(machine: Machine) -> list[str]:
     return found
 
 
-def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantity]:
+def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
     """Return every machine datum with its key, SI unit and source.
 
     Parameters
@@ -68,7 +68,7 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
 
     Returns
     -------
-    list of Quantity
+    list of Datum
         Data of plant and drive have the machine's source, moves and requirements the profile
         itself, but for what ``machine.assumed`` names.
     """
@@ -82,7 +82,7 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Quantit
     given = {_spelt(machine, path) for path in stated}
     assumed = {_spelt(machine, path) for path in stated if machine.is_assumed(show_key(path))}
     return [
-        Quantity(key=key, value=value, unit=unit, source=_source(machine, key, given, assumed))
+        Datum(key=key, value=value, unit=unit, source=_source(machine, key, given, assumed))
         for key, value, unit in rows
         if isfinite(value)
     ]

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import reduce
 from hashlib import sha256
 from itertools import islice
-from math import isfinite
 from pathlib import Path
-from typing import cast
+from typing import NoReturn
+
+from cattrs import BaseValidationError
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
-from mtcommission.record.expected import find_unexpected
 from mtcommission.record.schema import SCHEMA, Record
+from mtcommission.record.shape import WrongFormError, find_faults, to_entry, to_plain
 
 MOST_NAMED = 3
 """Entries of an unexpected form that a message names."""
@@ -21,7 +23,7 @@ MOST_NAMED = 3
 
 def dump_json(value: object) -> str:
     """Return JSON text without infinities (they are null), ready to be written."""
-    return json.dumps(_finite(value), allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+    return json.dumps(to_plain(value), allow_nan=False, ensure_ascii=False, indent=1) + "\n"
 
 
 def find_checksum(record: Mapping[str, object]) -> str:
@@ -44,7 +46,7 @@ def find_checksum(record: Mapping[str, object]) -> str:
     >>> find_checksum({"a": 1, "b": 2}) == find_checksum({"b": 2, "checksum": "", "a": 1})
     True
     """
-    rest = _finite({key: value for key, value in record.items() if key != "checksum"})
+    rest = {key: value for key, value in record.items() if key != "checksum"}
     return sha256(json.dumps(rest, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
@@ -66,52 +68,47 @@ def load_record(path: Path) -> Record:
         If the file is no such record; says what is wrong.
     """
     try:
-        text = path.read_text("utf-8")
-        data = json.loads(text)
+        data = json.loads(path.read_text("utf-8"), parse_constant=_refuse)
     except (OSError, ValueError, RecursionError) as error:
-        message = f"not a record of mtcommission run: {error}"
-        raise InputError(
-            [Fault(where=str(path), message=Message("verbatim", text=message))]
-        ) from error
-    missing = (
-        sorted(Record.__required_keys__ - data.keys()) if isinstance(data, dict) else ["all keys"]
-    )
+        raise _fault(path, Message("record-not-readable", why=str(error))) from error
+    missing = sorted({"schema", "checksum"} - (data.keys() if isinstance(data, dict) else set()))
     if missing:
-        message = f"not a record of mtcommission run: {', '.join(missing)} missing"
-        raise InputError([Fault(where=str(path), message=Message("verbatim", text=message))])
+        raise _fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
     if data["schema"] != SCHEMA:
-        message = (
-            f"record schema {data['schema']!r}, this version reads {SCHEMA}; "
-            "run the profile again, or print it with the version that wrote it"
-        )
-        raise InputError(
-            [Fault(where=str(path), key="schema", message=Message("verbatim", text=message))]
-        )
-    unexpected = list(islice(find_unexpected(data, Record), MOST_NAMED + 1))
-    named = "".join(f"; {one}" for one in unexpected[:MOST_NAMED])
-    named += "; and more" if len(unexpected) > MOST_NAMED else ""
+        is_earlier = isinstance(data["schema"], int) and data["schema"] < SCHEMA
+        kind = "record-of-earlier-schema" if is_earlier else "record-of-other-schema"
+        given = json.dumps(data["schema"])
+        raise _fault(path, Message(kind, given=given, read=SCHEMA), "schema")
+    record, wrong = _read(data)
     if data["checksum"] != find_checksum(data):
-        message = (
-            "its contents are not those that mtcommission run wrote: it was edited or damaged"
-            f"{named}; change the profile instead, and run it again"
-        )
-        raise InputError(
-            [Fault(where=str(path), key="checksum", message=Message("verbatim", text=message))]
-        )
-    if unexpected:
-        message = (
-            f"another version of mtcommission wrote it{named}; run the profile again, or use "
-            "that version"
-        )
-        raise InputError([Fault(where=str(path), message=Message("verbatim", text=message))])
-    return cast(Record, data)
+        raise _fault(path, _named("record-edited", wrong), "checksum")
+    if record is None:
+        raise _fault(path, _named("record-of-other-version", wrong))
+    return record
 
 
-def _finite(value: object) -> object:
-    if isinstance(value, float):
-        return value if isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_finite(item) for item in value]
-    return value
+def _read(data: object) -> tuple[Record | None, list[Message]]:
+    """The record, or what is of another form in it."""
+    try:
+        return to_entry(data, Record), []
+    except (WrongFormError, BaseValidationError) as error:
+        return None, list(islice(find_faults(error), MOST_NAMED + 1))
+
+
+def _named(kind: str, wrong: Sequence[Message]) -> Message:
+    """A message that tells the first wrong places, and whether there are more."""
+    if not wrong:
+        return Message(kind)
+    shown = list(wrong[:MOST_NAMED])
+    if len(wrong) > MOST_NAMED:
+        shown.append(Message("record-has-more-wrong"))
+    told = reduce(lambda first, then: Message("record-both", first=first, then=then), shown)
+    return Message(f"{kind}-where", wrong=told)
+
+
+def _fault(path: Path, message: Message, key: str = "") -> InputError:
+    return InputError([Fault(where=str(path), key=key, message=message)])
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no number of JSON")

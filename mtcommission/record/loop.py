@@ -8,17 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
-from mtcommission.loop.analysis.analysis import LoopAnalysis
 from mtcommission.loop.analysis.frequency import FrequencyResponse
 from mtcommission.loop.model.controller import Controller, filter_delay
-from mtcommission.loop.model.sampled import LiftedLoop
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.plant.plant import Plant
-from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
     ClosedLoop,
     DelayEntry,
+    FeedforwardEntry,
     JerkFeedforwardEntry,
     LoopCornerEntry,
     LoopPart,
@@ -27,6 +25,7 @@ from mtcommission.record.schema import (
     Series,
     VariantEntry,
 )
+from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.study.loop_choice import LoopVariant
 from mtcommission.study.loop_study import LoopStudy
 
@@ -39,38 +38,35 @@ PUSH_STEP = 0.5e-3
 def loop_part(commissioning: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant = commissioning.tuned, commissioning.plant
-    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.lifted[0]
-    mixed = find_mixed_modes(plant, lifted, nominal.mode_damping)
-    return LoopPart(
+    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.loops[0].lifted
+    mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
+    return entry_of(
+        LoopPart,
+        nominal,
+        controller,
+        tuned,
         Kv=controller.position_gain,
         Kp=controller.velocity_gain,
         Tn=controller.integral_time,
-        reference_delay=controller.reference_delay,
         state_feedback={
             state: float(gain)
             for state, gain in zip(plant.states, controller.state_gains, strict=True)
             if gain
         },
-        feedforward={
-            "velocity": controller.velocity_feedforward,
-            "acceleration": controller.acceleration_feedforward,
-            "jerk": controller.jerk_feedforward,
-            "mass": controller.feedforward_mass,
-        },
-        position_cycle=controller.position_cycle,
-        velocity_cycle=controller.velocity_cycle,
-        sensors=list(controller.sensors),
-        observer=_observer_entry(plant, controller),
-        closed_loop=_closed_loop(lifted),
+        feedforward=FeedforwardEntry(
+            velocity=controller.velocity_feedforward,
+            acceleration=controller.acceleration_feedforward,
+            jerk=controller.jerk_feedforward,
+            mass=controller.feedforward_mass,
+        ),
+        observer=entry_of(
+            ObserverEntry,
+            controller.observer,
+            states=[plant.states[i] for i in controller.observer.states],
+            sensors=controller.sensors,
+        ),
+        closed_loop=entry_of(ClosedLoop, lifted),
         poles=[[float(pole.real), float(pole.imag)] for pole in nominal.poles],
-        gain_margin_db=finite_or_none(nominal.gain_margin_db),
-        gain_margin_up_db=finite_or_none(nominal.gain_margin_up_db),
-        gain_margin_down_db=finite_or_none(nominal.gain_margin_down_db),
-        phase_margin_deg=finite_or_none(nominal.phase_margin_deg),
-        sensitivity_peak=nominal.sensitivity_peak,
-        bandwidth_hz=finite_or_none(nominal.bandwidth_hz),
-        dynamic_stiffness=nominal.dynamic_stiffness,
-        weakest_frequency_hz=nominal.weakest_frequency_hz,
         mode_damping=_by_mode(plant, nominal.mode_damping),
         variants=[_variant_entry(plant, variant) for variant in commissioning.loop.variants],
         worst_corner=_worst_corner(tuned),
@@ -81,53 +77,17 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
         bode=_bode(tuned.responses[0]),
         remarks=[*tuned.remarks, *explain_mixing(mixed)],
-        warnings=list(tuned.warnings),
     )
 
 
-def _observer_entry(plant: Plant, controller: Controller) -> ObserverEntry:
-    observer = controller.observer
-    return ObserverEntry(
-        states=[plant.states[i] for i in observer.states],
-        sensors=list(controller.sensors),
-        A=observer.A.tolist(),
-        B=observer.B.tolist(),
-        C=observer.C.tolist(),
-        L=observer.L.tolist(),
-    )
-
-
-def _closed_loop(lifted: LiftedLoop) -> ClosedLoop:
-    return ClosedLoop(
-        A=lifted.A.tolist(),
-        B=lifted.B.tolist(),
-        C=lifted.C.tolist(),
-        D=lifted.D.tolist(),
-        dt=lifted.dt,
-        states=list(lifted.states),
-        inputs=list(lifted.inputs),
-        outputs=list(lifted.outputs),
-    )
-
-
-def _margins(analysis: LoopAnalysis) -> Margins:
+def _worst_corner(tuned: TunedLoop) -> Margins:
     return Margins(
-        gain_margin_db=finite_or_none(analysis.gain_margin_db),
-        phase_margin_deg=finite_or_none(analysis.phase_margin_deg),
-        sensitivity_peak=analysis.sensitivity_peak,
-        bandwidth_hz=finite_or_none(analysis.bandwidth_hz),
-        dynamic_stiffness=analysis.dynamic_stiffness,
+        gain_margin_db=finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
+        phase_margin_deg=finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
+        sensitivity_peak=max(a.sensitivity_peak for a in tuned.analyses),
+        bandwidth_hz=finite_or_none(tuned.least_bandwidth_hz),
+        dynamic_stiffness=tuned.least_stiffness,
     )
-
-
-def _worst_corner(tuned: TunedLoop) -> dict[str, float | None]:
-    return {
-        "gain_margin_db": finite_or_none(min(a.gain_margin_db for a in tuned.analyses)),
-        "phase_margin_deg": finite_or_none(min(a.phase_margin_deg for a in tuned.analyses)),
-        "sensitivity_peak": max(a.sensitivity_peak for a in tuned.analyses),
-        "bandwidth_hz": finite_or_none(tuned.least_bandwidth_hz),
-        "dynamic_stiffness": tuned.least_stiffness,
-    }
 
 
 def _bode(response: FrequencyResponse) -> Series:
@@ -153,11 +113,10 @@ def _phase_deg(response: NDArray[np.complex128]) -> Array:
 
 def _corner_entries(plant: Plant, tuned: TunedLoop) -> list[LoopCornerEntry]:
     return [
-        LoopCornerEntry(
-            payload=corner.payload,
-            frequency_factor=corner.frequency_factor,
-            damping_factor=corner.damping_factor,
-            **_margins(analysis),
+        entry_of(
+            LoopCornerEntry,
+            corner,
+            analysis,
             mode_damping=_by_mode(plant, analysis.mode_damping),
         )
         for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True)
@@ -206,15 +165,7 @@ def _disturbance_entry(study: LoopStudy) -> Series:
 
 def _jerk_feedforward_entries(study: LoopStudy) -> list[JerkFeedforwardEntry]:
     return [
-        JerkFeedforwardEntry(
-            weight=item.weight,
-            used=item.is_used,
-            reference_delay=item.reference_delay,
-            max_force=item.max_force,
-            settling_time=finite_or_none(item.settling_time),
-            residual_deviation=finite_or_none(item.residual_deviation),
-        )
-        for item in study.jerk_feedforward
+        entry_of(JerkFeedforwardEntry, item, used=item.is_used) for item in study.jerk_feedforward
     ]
 
 
@@ -225,13 +176,12 @@ def _by_mode(plant: Plant, values: Sequence[float] | Array) -> dict[str, float]:
 def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
     nominal, trial = variant.tuned.nominal, variant.trial
     force = next(check for check in trial.assessment.checks if check.name == "set force")
-    return VariantEntry(
+    return entry_of(
+        VariantEntry,
+        nominal,
+        trial,
         name=variant.name,
         used=variant.is_used,
         mode_damping=_by_mode(plant, nominal.mode_damping),
-        **_margins(nominal),
-        weakest_frequency_hz=nominal.weakest_frequency_hz,
-        settling_time=finite_or_none(trial.settling_time),
-        residual_deviation=finite_or_none(trial.residual_deviation),
         max_force=force.value,
     )

@@ -12,7 +12,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
-from mtcommission.record.optima import finite_or_none, series_entry
+from mtcommission.record.optima import series_entry
 from mtcommission.record.schema import (
     AssessmentPart,
     Check,
@@ -22,6 +22,7 @@ from mtcommission.record.schema import (
     SetpointEntry,
     SimulationPart,
 )
+from mtcommission.record.shape import entry_of
 from mtcommission.setpoint.setpoint import sample_setpoint
 from mtcommission.study.assess import Assessment, assess
 from mtcommission.study.evaluate import MoveResult
@@ -70,11 +71,9 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
             duration=setpoint.duration,
             moving_average=max(filtered, 0.0) if filtered > 1e-12 else 0.0,
             segments=[
-                Segment(duration=duration, jerk=jerk)
+                Segment(duration=float(duration), jerk=float(jerk))
                 for duration, jerk in zip(
-                    setpoint.segment_durations.tolist(),
-                    setpoint.segment_jerks.tolist(),
-                    strict=True,
+                    setpoint.segment_durations, setpoint.segment_jerks, strict=True
                 )
             ],
         ),
@@ -88,21 +87,15 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
 
 
 def _response_entry(plant: Plant, corner: Corner, response: LoopResponse) -> ResponseEntry:
-    return ResponseEntry(
-        payload=corner.payload,
-        frequency_factor=corner.frequency_factor,
-        damping_factor=corner.damping_factor,
-        settling_time=finite_or_none(response.settling_time),
-        residual_deviation=finite_or_none(response.residual_deviation),
-        peak_deviation=response.peak_deviation,
+    return entry_of(
+        ResponseEntry,
+        corner,
+        response,
         mode_amplitudes={
             mode.name: float(amplitude)
             for mode, amplitude in zip(plant.modes, response.mode_amplitudes, strict=True)
         },
         peaks=dict(zip(plant.signals, response.peaks.tolist(), strict=True)),
-        max_force=response.max_force,
-        rms_force=response.rms_force,
-        saturated=response.saturated,
     )
 
 
@@ -125,9 +118,9 @@ def simulation_part(
     entries = [move_entry(plant, tuned, result) for result in results]
     verdict = assess(machine, plant, tuned.corners, [result.responses for result in results])
     return SimulationPart(
-        setpoint=entries[0]["setpoint"],
-        response=entries[0]["response"],
-        corners=entries[0]["corners"],
+        setpoint=entries[0].setpoint,
+        response=entries[0].response,
+        corners=entries[0].corners,
         moves=entries,
         warnings=list(tuned.warnings),
         assessment=assessment_part(verdict),
@@ -138,16 +131,6 @@ def assessment_part(assessment: Assessment) -> AssessmentPart:
     """Return the verdict as the record holds it."""
     return AssessmentPart(
         met=assessment.is_met,
-        checks=[
-            Check(
-                name=check.name,
-                value=finite_or_none(check.value),
-                limit=check.limit,
-                unit=check.unit,
-                met=check.is_met,
-                where=check.where,
-            )
-            for check in assessment.checks
-        ],
+        checks=[entry_of(Check, check, met=check.is_met) for check in assessment.checks],
         obstacle=assessment.obstacle,
     )

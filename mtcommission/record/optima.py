@@ -11,11 +11,21 @@ from mtcommission.optimal.solution import (
     Certificate,
     DampingOptimum,
     TimeOptimum,
+    control_text,
     sample_trajectory,
+    side_text,
 )
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
-from mtcommission.record.schema import ArcEntry, CertificateEntry, OptimumEntry, Series
+from mtcommission.record.schema import (
+    ArcEntry,
+    LawEntry,
+    OptimumEntry,
+    ProofEntry,
+    Series,
+    TouchPointEntry,
+)
+from mtcommission.record.shape import entry_of
 
 Array = NDArray[np.float64]
 
@@ -38,61 +48,58 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
     OptimumEntry
     """
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / PLOT_SAMPLES)
-    entry = OptimumEntry(
-        kind="time",
-        method=solution.method,
-        f_max=solution.force_limit,
-        move=describe_move(solution.move),
-        limits={bound.name: bound.value for bound in solution.bounds},
-        t_f=solution.t_f,
-        arcs=[
-            ArcEntry(t_start=arc.t_start, t_end=arc.t_end, control=arc.control)
-            for arc in solution.arcs
+    shared = {
+        "f_max": solution.force_limit,
+        "move": describe_move(solution.move),
+        "limits": {bound.name: bound.value for bound in solution.bounds},
+        "arcs": [
+            entry_of(ArcEntry, arc, control=control_text(arc.control)) for arc in solution.arcs
         ],
-        switching_times=[arc.t_end for arc in solution.arcs[:-1]],
-        touch_points=[],
-        peaks=dict(zip(plant.signals, solution.peaks.tolist(), strict=True)),
-        terminal_error=dict(zip(plant.states, solution.terminal_error.tolist(), strict=True)),
-        cost=None,
-        cost_terms={},
-        weights={},
-        certificate={},
-        series=series_entry(plant, motion.t, motion.states, {"F_set": motion.force}),
-    )
-    if isinstance(solution, TimeOptimum):
-        entry["touch_points"] = [{"t": p.t, "limit": p.limit} for p in solution.touch_points]
-        entry["certificate"] = _certificate(plant, solution.certificate)
-        return entry
-    names = ("F_set", *(item.state for item in solution.weights))
-    entry["kind"] = "damping"
-    entry["cost"] = solution.cost
-    entry["cost_terms"] = dict(zip(names, solution.cost_terms.tolist(), strict=True))
-    entry["weights"] = {item.state: item.value for item in solution.weights}
-    entry["certificate"] = _law(plant, solution)
-    return entry
-
-
-def _certificate(plant: Plant, proof: Certificate) -> CertificateEntry:
-    return {
-        "t_f_lower_bound": proof.t_f_lower_bound,
-        "relative_gap": proof.relative_gap,
-        "adjoint_initial": {
-            state: value
-            for state, value in zip(plant.states, proof.adjoint_initial.tolist(), strict=True)
-            if isfinite(value)
-        },
-        "switching_slopes": proof.switching_slopes.tolist(),
-        "switching_law_holds": proof.switching_law_holds,
-        "terminal_jacobian_rank": (
-            proof.terminal_jacobian_rank if proof.terminal_jacobian_rank >= 0 else None
-        ),
-        "terminal_jacobian_condition": finite_or_none(proof.terminal_jacobian_condition),
+        "switching_times": [arc.t_end for arc in solution.arcs[:-1]],
+        "peaks": dict(zip(plant.signals, solution.peaks.tolist(), strict=True)),
+        "terminal_error": dict(zip(plant.states, solution.terminal_error.tolist(), strict=True)),
+        "series": series_entry(plant, motion.t, motion.states, {"F_set": motion.force}),
     }
+    if isinstance(solution, TimeOptimum):
+        return entry_of(
+            OptimumEntry,
+            solution,
+            **shared,
+            kind="time",
+            touch_points=[
+                TouchPointEntry(t=point.t, limit=side_text(point.signal, point.side))
+                for point in solution.touch_points
+            ],
+            cost=None,
+            cost_terms={},
+            weights={},
+            certificate=_proof_entry(plant, solution.certificate),
+        )
+    names = ("F_set", *(item.state for item in solution.weights))
+    return entry_of(
+        OptimumEntry,
+        solution,
+        **shared,
+        kind="damping",
+        touch_points=[],
+        cost_terms=dict(zip(names, solution.cost_terms.tolist(), strict=True)),
+        weights={item.state: item.value for item in solution.weights},
+        certificate=LawEntry(
+            adjoint_initial=dict(zip(plant.states, solution.adjoint_initial.tolist(), strict=True)),
+            law_residual=solution.law_residual,
+        ),
+    )
 
 
-def _law(plant: Plant, solution: DampingOptimum) -> CertificateEntry:
-    adjoint = dict(zip(plant.states, solution.adjoint_initial.tolist(), strict=True))
-    return {"adjoint_initial": adjoint, "law_residual": solution.law_residual}
+def _proof_entry(plant: Plant, proof: Certificate) -> ProofEntry:
+    rank, adjoint = proof.terminal_jacobian_rank, proof.adjoint_initial.tolist()
+    known = zip(plant.states, adjoint, strict=True)
+    return entry_of(
+        ProofEntry,
+        proof,
+        adjoint_initial={state: value for state, value in known if isfinite(value)},
+        terminal_jacobian_rank=rank if rank >= 0 else None,
+    )
 
 
 def series_entry(plant: Plant, t: Array, states: Array, extra: dict[str, Array]) -> Series:
@@ -121,8 +128,3 @@ def series_entry(plant: Plant, t: Array, states: Array, extra: dict[str, Array])
             for name, column in {**extra, **columns}.items()
         },
     )
-
-
-def finite_or_none(value: float) -> float | None:
-    """Return the number, or None for an infinite one or a nan."""
-    return float(value) if isfinite(value) else None

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Machine
-from mtcommission.record.optima import finite_or_none
 from mtcommission.record.schema import (
     DistributionEntry,
     FrequencyErrorEntry,
@@ -19,6 +18,7 @@ from mtcommission.record.schema import (
     SampleEntry,
     SensitivityEntry,
 )
+from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.study.robustness import FrequencyError, MonteCarlo, Robustness
 
 Array = NDArray[np.float64]
@@ -55,16 +55,9 @@ def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
     drawn = robustness.monte_carlo
     return RobustnessPart(
         monte_carlo=None if drawn is None else _monte_carlo_entry(machine, drawn),
-        frequency_error=_frequency_error_entry(robustness.frequency_error),
+        frequency_error=entry_of(FrequencyErrorEntry, robustness.frequency_error),
         sensitivities=[
-            SensitivityEntry(
-                change=item.change,
-                settling_time=finite_or_none(item.settling_time),
-                residual_deviation=finite_or_none(item.residual_deviation),
-                settling_change=finite_or_none(item.settling_change),
-                residual_change=finite_or_none(item.residual_change),
-                meets_requirements=item.is_met,
-            )
+            entry_of(SensitivityEntry, item, meets_requirements=item.is_met)
             for item in robustness.sensitivities
         ],
         warnings=list(warn_of_narrow_range(machine, robustness.frequency_error)),
@@ -113,11 +106,10 @@ def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[str, 
 
 def _monte_carlo_entry(machine: Machine, drawn: MonteCarlo) -> MonteCarloEntry:
     length = machine.axis_units.length.si
-    return MonteCarloEntry(
+    return entry_of(
+        MonteCarloEntry,
+        drawn,
         samples=len(drawn.settling_time),
-        seed=drawn.seed,
-        share_met=drawn.share_met,
-        share_in_band=drawn.share_in_band,
         settling_time=_distribution(drawn.settling_time, "s"),
         residual_deviation=_distribution(drawn.residual_deviation, length),
         worst=_sample_entry(drawn, drawn.worst),
@@ -155,21 +147,9 @@ def _histogram(ordered: Array) -> HistogramEntry:
 
 
 def _sample_entry(drawn: MonteCarlo, index: int) -> SampleEntry:
-    corner = drawn.variations.corner(index)
-    return SampleEntry(
-        payload=corner.payload,
-        frequency_factor=corner.frequency_factor,
-        damping_factor=corner.damping_factor,
-        settling_time=finite_or_none(float(drawn.settling_time[index])),
-        residual_deviation=finite_or_none(float(drawn.residual_deviation[index])),
-    )
-
-
-def _frequency_error_entry(error: FrequencyError) -> FrequencyErrorEntry:
-    return FrequencyErrorEntry(
-        factor=error.factor.tolist(),
-        settling_time=[finite_or_none(value) for value in error.settling_time.tolist()],
-        residual_deviation=[finite_or_none(value) for value in error.residual_deviation.tolist()],
-        kept_from=finite_or_none(error.kept_from),
-        kept_to=finite_or_none(error.kept_to),
+    return entry_of(
+        SampleEntry,
+        drawn.variations.corner(index),
+        settling_time=float(drawn.settling_time[index]),
+        residual_deviation=float(drawn.residual_deviation[index]),
     )

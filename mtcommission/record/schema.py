@@ -7,17 +7,16 @@ null.
 
 from __future__ import annotations
 
-from typing import TypedDict
+from dataclasses import dataclass
 
-SCHEMA = 1
+SCHEMA = 2
 
 NO_LIMITS = "no limits were found that meet all requirements with this band"
 """Why a machining mode has no values."""
 
-CertificateEntry = dict[str, float | bool | dict[str, float] | list[float] | None]
 
-
-class Tool(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tool:
     """Program and version, and the versions of the libraries that computed."""
 
     name: str
@@ -25,7 +24,8 @@ class Tool(TypedDict):
     libraries: dict[str, str]
 
 
-class Profile(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profile:
     """The machine profile as read."""
 
     name: str
@@ -33,7 +33,8 @@ class Profile(TypedDict):
     text: str
 
 
-class Quantity(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Datum:
     """One machine datum as the sheet shows it: its key in the profile, value and SI unit."""
 
     key: str
@@ -42,7 +43,8 @@ class Quantity(TypedDict):
     source: str
 
 
-class ModeEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeEntry:
     """A flexible mode of the plant."""
 
     name: str
@@ -52,7 +54,8 @@ class ModeEntry(TypedDict):
     measured_gain: float
 
 
-class PlantEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlantEntry:
     """The plant: x' = A x + B F_set and its outputs, rows over the states."""
 
     states: list[str]
@@ -65,14 +68,27 @@ class PlantEntry(TypedDict):
     moving_mass: float
 
 
-class Series(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Series:
     """A sampled motion for the plots; ``signals`` by name (F_set, then every state and output)."""
 
     t: list[float]
     signals: dict[str, list[float]]
 
 
-class ArcEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineEntry:
+    """What the machine is called, and where its data come from."""
+
+    name: str
+    axis: str
+    motion: str
+    source: str
+    kind: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArcEntry:
     """An arc of an optimal control."""
 
     t_start: float
@@ -80,7 +96,37 @@ class ArcEntry(TypedDict):
     control: str
 
 
-class OptimumEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TouchPointEntry:
+    """Where a limit is touched for a moment."""
+
+    t: float
+    limit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProofEntry:
+    """What proves a least time; null: not known."""
+
+    t_f_lower_bound: float | None
+    relative_gap: float | None
+    adjoint_initial: dict[str, float]
+    switching_slopes: list[float]
+    switching_law_holds: bool
+    terminal_jacobian_rank: int | None
+    terminal_jacobian_condition: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawEntry:
+    """How well a damping-optimal control keeps its law."""
+
+    adjoint_initial: dict[str, float]
+    law_residual: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimumEntry:
     """An optimal control as `optimal --json` prints it, with its motion for the plots."""
 
     kind: str
@@ -91,17 +137,18 @@ class OptimumEntry(TypedDict):
     t_f: float
     arcs: list[ArcEntry]
     switching_times: list[float]
-    touch_points: list[dict[str, float | str]]
+    touch_points: list[TouchPointEntry]
     peaks: dict[str, float]
     terminal_error: dict[str, float]
     cost: float | None
     cost_terms: dict[str, float]
     weights: dict[str, float]
-    certificate: CertificateEntry
+    certificate: ProofEntry | LawEntry
     series: Series
 
 
-class OptimaEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimaEntry:
     """The optima of one move; ``constrained`` is null where the profile bounds no peaks."""
 
     move: dict[str, float]
@@ -111,7 +158,8 @@ class OptimaEntry(TypedDict):
     remarks: list[str]
 
 
-class LimitsEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsEntry:
     """Recommended limits with what bound them."""
 
     acceleration: float
@@ -123,7 +171,8 @@ class LimitsEntry(TypedDict):
     peak_deviation: float
 
 
-class JudgedLimits(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JudgedLimits:
     """Limits and what they reach, worst over moves and corners."""
 
     acceleration: float
@@ -134,19 +183,22 @@ class JudgedLimits(TypedDict):
     meets_requirements: bool
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Alternative(JudgedLimits):
     """Other limits, and why they are shown."""
 
     name: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RuleResult(Alternative):
     """A maker's or textbook's rule, in the same simulation."""
 
     source: str
 
 
-class RuleStepEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleStepEntry:
     """One line of the hand calculation."""
 
     name: str
@@ -155,7 +207,8 @@ class RuleStepEntry(TypedDict):
     unit: str
 
 
-class RuleText(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleText:
     """The commissioning rule, in words and as a formula, with its range, applied here."""
 
     text: str
@@ -172,7 +225,8 @@ class RuleText(TypedDict):
     warnings: list[str]
 
 
-class Landscape(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Landscape:
     """Worst case over (a, t_j): ``settling_time[i][k]`` at acceleration i, jerk time k.
 
     ``usage`` is the share of the force limit (and of bounded peaks and RMS force) that is used.
@@ -185,7 +239,8 @@ class Landscape(TypedDict):
     usage: list[list[float | None]]
 
 
-class ModeLimitsEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModeLimitsEntry:
     """Limits for one machining mode, from a band of its own.
 
     Where none were found that meet all requirements with this band, ``meets_requirements`` is
@@ -208,7 +263,8 @@ class ModeLimitsEntry(TypedDict):
     attainable: float | None
 
 
-class AttainableEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AttainableEntry:
     """A requirement that stands in the way: ``value`` could be met instead of ``limit``.
 
     All other requirements are kept then, by these limits. Names as in the verdict's checks.
@@ -224,7 +280,8 @@ class AttainableEntry(TypedDict):
     together_with: list[str]
 
 
-class MoveSizesEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoveSizesEntry:
     """The same limits on smaller and larger moves than the profile's, worst over the corners.
 
     ``way``: "recommended", "commissioning rule", or "moving average" (the setpoint filter with
@@ -249,7 +306,8 @@ class MoveSizesEntry(TypedDict):
     kept_to: float | None
 
 
-class LimitsPart(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsPart:
     """All about the limits.
 
     ``attainable`` is empty if all requirements are met, or if no single one is the obstacle.
@@ -266,7 +324,8 @@ class LimitsPart(TypedDict):
     search: dict[str, float]
 
 
-class ClosedLoop(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClosedLoop:
     """The linear nominal loop from [x_ref, v_ref, a_ref, j_ref] to the outputs."""
 
     A: list[list[float]]
@@ -279,7 +338,18 @@ class ClosedLoop(TypedDict):
     outputs: list[str]
 
 
-class ObserverEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeedforwardEntry:
+    """Weights of the feed-forward [-], and the mass by which acceleration becomes force."""
+
+    velocity: float
+    acceleration: float
+    jerk: float
+    mass: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ObserverEntry:
     """The predicting observer at the velocity cycle: x̂⁺ = A x̂ + B F_set + L (y - C x̂)."""
 
     states: list[str]
@@ -290,7 +360,8 @@ class ObserverEntry(TypedDict):
     L: list[list[float]]
 
 
-class Margins(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Margins:
     """How good a loop is; ``dynamic_stiffness`` in N/m or N m/rad."""
 
     gain_margin_db: float | None
@@ -300,6 +371,7 @@ class Margins(TypedDict):
     dynamic_stiffness: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class VariantEntry(Margins):
     """The loop without or with state feedback, each with its own best limits."""
 
@@ -312,6 +384,7 @@ class VariantEntry(Margins):
     max_force: float
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LoopCornerEntry(Margins):
     """How good the loop is in one corner of payload and spread, the nominal machine first.
 
@@ -326,7 +399,8 @@ class LoopCornerEntry(Margins):
     mode_damping: dict[str, float]
 
 
-class DelayEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DelayEntry:
     """What delays one path of the loop, all in seconds.
 
     ``setpoint_age`` is how old the setpoint is that is taken, ``dead_time`` whole cycles until it
@@ -342,7 +416,8 @@ class DelayEntry(TypedDict):
     total: float
 
 
-class JerkFeedforwardEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JerkFeedforwardEntry:
     """The recommended limits with some weight of the jerk feed-forward, worst case.
 
     ``max_force`` is the largest |F_set| that the loop asks for, whatever the drive can give.
@@ -356,7 +431,8 @@ class JerkFeedforwardEntry(TypedDict):
     residual_deviation: float | None
 
 
-class LoopPart(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopPart:
     """The controller and how good its loop is; margins with the loop cut at F_set.
 
     ``gain_margin_up_db`` and ``gain_margin_down_db`` say by how much the gain may rise and fall
@@ -372,7 +448,7 @@ class LoopPart(TypedDict):
     Tn: float
     reference_delay: float
     state_feedback: dict[str, float]
-    feedforward: dict[str, float]
+    feedforward: FeedforwardEntry
     position_cycle: float
     velocity_cycle: float
     sensors: list[str]
@@ -389,7 +465,7 @@ class LoopPart(TypedDict):
     weakest_frequency_hz: float
     mode_damping: dict[str, float]
     variants: list[VariantEntry]
-    worst_corner: dict[str, float | None]
+    worst_corner: Margins
     worst_mode_damping: dict[str, float]
     corners: list[LoopCornerEntry]
     delays: list[DelayEntry]
@@ -400,14 +476,16 @@ class LoopPart(TypedDict):
     warnings: list[str]
 
 
-class Segment(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Segment:
     """One segment of Ruckig's profile."""
 
     duration: float
     jerk: float
 
 
-class SetpointEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetpointEntry:
     """The setpoint of a move with the recommended limits."""
 
     duration: float
@@ -415,7 +493,8 @@ class SetpointEntry(TypedDict):
     segments: list[Segment]
 
 
-class ResponseEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResponseEntry:
     """A closed-loop response in one corner."""
 
     payload: float
@@ -431,7 +510,8 @@ class ResponseEntry(TypedDict):
     saturated: bool
 
 
-class MoveEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoveEntry:
     """One move with the recommended limits: nominal response, corners, motion for the plots."""
 
     move: dict[str, float]
@@ -441,7 +521,8 @@ class MoveEntry(TypedDict):
     series: Series
 
 
-class ComparedEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparedEntry:
     """One way of doing a move, in the loop or by an optimal control on the plant."""
 
     name: str
@@ -453,7 +534,8 @@ class ComparedEntry(TypedDict):
     work: float
 
 
-class FedForwardEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FedForwardEntry:
     """An optimal control fed forward while the loop corrects, or the limits, on one machine."""
 
     control: str
@@ -466,7 +548,8 @@ class FedForwardEntry(TypedDict):
     saturated_share: float
 
 
-class ContinuousEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContinuousEntry:
     """The recommended setpoint through the continuous approximation of the loop.
 
     The differences are relative to the sampled loop on the nominal machine, by which all is
@@ -479,7 +562,8 @@ class ContinuousEntry(TypedDict):
     residual_difference: float | None
 
 
-class ComparisonEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparisonEntry:
     """One move in the loop and by its optima.
 
     ``claims`` measure the two claims of the paper, terminal overshoot and a transfer time much
@@ -494,7 +578,8 @@ class ComparisonEntry(TypedDict):
     continuous: ContinuousEntry
 
 
-class Check(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
     """One requirement against what was found; ``value`` null = not settled."""
 
     name: str
@@ -505,7 +590,8 @@ class Check(TypedDict):
     where: str
 
 
-class AssessmentPart(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssessmentPart:
     """The verdict."""
 
     met: bool
@@ -513,7 +599,8 @@ class AssessmentPart(TypedDict):
     obstacle: str
 
 
-class SimulationPart(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SimulationPart:
     """What ``simulate`` prints: the first move's setpoint and response, and all moves.
 
     ``warnings`` say what is poor about the loop.
@@ -527,14 +614,16 @@ class SimulationPart(TypedDict):
     assessment: AssessmentPart
 
 
-class Quantile(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantile:
     """The least value that so many of the samples do not exceed; null: not settled."""
 
     share: float
     value: float | None
 
 
-class HistogramEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HistogramEntry:
     """Samples between ``edges[i]`` and ``edges[i + 1]``: ``counts[i]``.
 
     One bin without width where all samples are alike; empty where none settles.
@@ -544,7 +633,8 @@ class HistogramEntry(TypedDict):
     counts: list[int]
 
 
-class DistributionEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DistributionEntry:
     """One quantity over the samples, in ``unit``.
 
     ``quantiles`` are over all samples (share 0: the least, 1: the largest), the histogram over
@@ -557,7 +647,8 @@ class DistributionEntry(TypedDict):
     not_settled: int
 
 
-class SampleEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampleEntry:
     """One machine that was drawn [kg, -, -], and what the limits do on it [s, m]."""
 
     payload: float
@@ -567,7 +658,8 @@ class SampleEntry(TypedDict):
     residual_deviation: float | None
 
 
-class MonteCarloEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MonteCarloEntry:
     """The recommended limits on machines drawn from the stated spread.
 
     Payload, frequency factor and damping factor are drawn uniformly and independently.
@@ -586,7 +678,8 @@ class MonteCarloEntry(TypedDict):
     slowest: SampleEntry
 
 
-class FrequencyErrorEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrequencyErrorEntry:
     """The recommended limits where all eigenfrequencies are off by a common factor [-].
 
     Settling time [s] and residual deviation [m], worst over moves and over the ends of payload
@@ -601,7 +694,8 @@ class FrequencyErrorEntry(TypedDict):
     kept_to: float | None
 
 
-class SensitivityEntry(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensitivityEntry:
     """What a small change of limits or machine costs, worst over moves and corners.
 
     ``change`` is e.g. "jerk +10 %"; values after it [s, m] and relative to before [-]; null:
@@ -616,7 +710,8 @@ class SensitivityEntry(TypedDict):
     meets_requirements: bool
 
 
-class RobustnessPart(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobustnessPart:
     """How the recommended limits fare where machine or limits differ a little.
 
     ``monte_carlo`` is null where the profile states neither spread nor a range of payload.
@@ -630,7 +725,8 @@ class RobustnessPart(TypedDict):
     warnings: list[str]
 
 
-class Record(TypedDict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
     """A whole commissioning; ``checksum`` is the SHA-256 of all the rest."""
 
     schema: int
@@ -638,8 +734,8 @@ class Record(TypedDict):
     tool: Tool
     created: str
     profile: Profile
-    machine: dict[str, str]
-    data: list[Quantity]
+    machine: MachineEntry
+    data: list[Datum]
     settings: dict[str, float | str]
     assumptions: list[str]
     warnings: list[str]

@@ -2,9 +2,7 @@
 
 content.py      record -> document, section by section (``*_part.py``)
 model.py        what a document consists of
-format.py       numbers and units
-labels_en.py    texts; one file for each language (labels_de.py)
-phrases.py      the record's own sentences in another language
+values.py       values that have a word where there is no number
 html.py         document -> one offline page (page.html, page.css, page.js)
 figures.py      plots -> SVG for print (legend.py, axes.py, canvas.py, placement.py)
 pdf.py          document -> PDF (sheet.typ)
@@ -15,9 +13,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mtcommission.errors import Fault, InputError
+from mtcommission.messages.catalogue import LANGUAGES
+from mtcommission.messages.message import Message
 from mtcommission.record.schema import Record
 from mtcommission.sheet.content import compose
-from mtcommission.sheet.languages import find_labels
 
 if TYPE_CHECKING:
     from mtcommission.sheet.terminal import Summary
@@ -48,9 +48,9 @@ def print_html(record: Record, *, language: str = "en", before: Record | None = 
     """
     from mtcommission.sheet.html import set_html
 
-    labels = find_labels(language)
-    document = compose(record, labels, before=before)
-    return set_html(document, decimal_mark=labels.decimal_mark)
+    _require(language)
+    document = compose(record, language, before=before)
+    return set_html(document, decimal_mark=LANGUAGES[language])
 
 
 def print_pdf(record: Record, *, language: str = "en", before: Record | None = None) -> bytes:
@@ -78,9 +78,9 @@ def print_pdf(record: Record, *, language: str = "en", before: Record | None = N
     """
     from mtcommission.sheet.pdf import set_pdf
 
-    labels = find_labels(language)
-    document = compose(record, labels, before=before)
-    return set_pdf(document, decimal_mark=labels.decimal_mark)
+    _require(language)
+    document = compose(record, language, before=before)
+    return set_pdf(document, decimal_mark=LANGUAGES[language])
 
 
 def summarise(record: Record, *, language: str = "en") -> Summary:
@@ -104,4 +104,11 @@ def summarise(record: Record, *, language: str = "en") -> Summary:
     """
     from mtcommission.sheet.terminal import Summary
 
-    return Summary(record=record, labels=find_labels(language))
+    _require(language)
+    return Summary(record=record, language=language)
+
+
+def _require(language: str) -> None:
+    if language not in LANGUAGES:
+        message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
+        raise InputError([Fault(where="--language", message=message)])

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
 from mtcommission.sheet.comparison_part import comparisons
 from mtcommission.sheet.difference_part import differences
 from mtcommission.sheet.entry_part import parameters, signatures
 from mtcommission.sheet.evidence_part import certificates, versions
-from mtcommission.sheet.format import formatter_of
-from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.limits_part import landscape, limits, rules
 from mtcommission.sheet.loop_part import loop
 from mtcommission.sheet.machine_part import machine_data, requirements
@@ -24,15 +23,15 @@ HASH_DIGITS = 12
 """Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
 
 
-def compose(record: Record, labels: Labels, *, before: Record | None = None) -> Document:
+def compose(record: Record, language: str = "en", *, before: Record | None = None) -> Document:
     """Return the sheet of a record.
 
     Parameters
     ----------
     record
         A whole commissioning.
-    labels
-        Texts of the language.
+    language
+        Code, e.g. "en".
     before
         An earlier record of the axis, to tell what changed since.
 
@@ -45,39 +44,40 @@ def compose(record: Record, labels: Labels, *, before: Record | None = None) -> 
     InputError
         If the two records cannot be compared.
     """
-    f = formatter_of(record["machine"]["motion"], labels)
-    profile = record["profile"]
-    changes = () if before is None else (differences(before, record, f),)
+    words = Catalogue(language, rotary=record.machine.motion == "rotary")
+    text = words.text
+    profile = record.profile
+    changes = () if before is None else (differences(before, record, words),)
     return Document(
-        language=labels.language,
-        title=labels.title,
-        machine=record["machine"]["name"],
-        axis=f"{labels.axis} {record['machine']['axis']}",
-        identity=labels.identity.format(name=profile["name"], hash=profile["sha256"][:HASH_DIGITS]),
-        created=record["created"],
-        disclaimer=labels.disclaimer,
-        contents_heading=labels.contents,
-        skip_link=labels.skip,
-        script_note=labels.script_note,
-        page_word=labels.page,
+        language=language,
+        title=text("title"),
+        machine=record.machine.name,
+        axis=f"{text('axis')} {record.machine.axis}",
+        identity=text("identity", name=profile.name, hash=profile.sha256[:HASH_DIGITS]),
+        created=record.created,
+        disclaimer=text("disclaimer"),
+        contents_heading=text("contents"),
+        skip_link=text("skip"),
+        script_note=text("script-note"),
+        page_word=text("page"),
         sections=(
-            verdict(record, f, picture=first_look(record, f)),
+            verdict(record, words, picture=first_look(record, words)),
             *changes,
-            machine_data(record, f),
-            requirements(record, f),
-            limits(record, f),
-            rule(record, f),
-            rules(record, f),
-            motions(record, f),
-            comparisons(record, f),
-            landscape(record, f),
-            robustness(record, f),
-            *move_sizes(record, f),
-            loop(record, f),
-            parameters(record, f),
-            measurements(record, f),
-            certificates(record, f),
-            versions(record, f),
-            signatures(record, f),
+            machine_data(record, words),
+            requirements(record, words),
+            limits(record, words),
+            rule(record, words),
+            rules(record, words),
+            motions(record, words),
+            comparisons(record, words),
+            landscape(record, words),
+            robustness(record, words),
+            *move_sizes(record, words),
+            loop(record, words),
+            parameters(record, words),
+            measurements(record, words),
+            certificates(record, words),
+            versions(record, words),
+            signatures(record, words),
         ),
     )

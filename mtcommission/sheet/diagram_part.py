@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
 from mtcommission.sheet.diagram import SUM_RADIUS
-from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.plot_model import Box, Diagram, Wire, Word
 
 WIDTH, HEIGHT = 740.0, 262.0
@@ -16,25 +16,26 @@ SUMS = (132.0, 262.0, 448.0)
 """Summing points for position, velocity and force."""
 
 
-def structure(record: Record, f: Formatter) -> Diagram:
+def structure(record: Record, words: Catalogue) -> Diagram:
     """Return position loop, velocity loop, feed-forward and state feedback with their values."""
-    text, part = f.labels, record["loop"]
-    has_feedback = bool(part["state_feedback"])
+    text, f, part = words.text, words.format, record.loop
+    has_feedback = bool(part.state_feedback)
     wires = [*_forward_wires(), *_return_wires()]
-    boxes = [*_forward_boxes(record, f), *_ahead_boxes(record, f)]
+    boxes = [*_forward_boxes(record, words), *_ahead_boxes(record, words)]
     boxes.append(_box(262 - 18, 182, 36, 28, "d/dt"))
     if has_feedback:
-        count = text.diagram_gains.format(count=len(part["state_feedback"]))
-        boxes.append(_box(396, 168, 104, 44, text.diagram_observer, "K (x̂_ref − x̂)", count))
+        count = text("diagram-gains", count=len(part.state_feedback))
+        boxes.append(_box(396, 168, 104, 44, text("diagram-observer"), "K (x̂_ref − x̂)", count))
         wires += [_wire((448, BACK), (448, 212)), _wire((448, 168), (448, MAIN + R))]
     return Diagram(
         key="structure",
-        caption=text.diagram_caption,
-        alt=text.diagram_alt.format(
-            kv=f.quantity(part["Kv"], "1/s"),
-            kp=f.quantity(part["Kp"], motion_unit("N s/m", rotary=f.rotary)),
-            tn=f.quantity(part["Tn"], "s"),
-            feedback=text.yes if has_feedback else text.no,
+        caption=text("diagram-caption"),
+        alt=text(
+            "diagram-alt",
+            kv=f.quantity(part.Kv, "1/s"),
+            kp=f.axis(part.Kp, "N s/m"),
+            tn=f.quantity(part.Tn, "s"),
+            feedback=text("yes") if has_feedback else text("no"),
         ),
         width=WIDTH,
         height=HEIGHT,
@@ -46,7 +47,7 @@ def structure(record: Record, f: Formatter) -> Diagram:
             Word(x=128, y=AHEAD - 5, text="v_ref"),
             Word(x=288, y=AHEAD - 5, text="a_ref, j_ref"),
             Word(x=712, y=MAIN - 19, text="TCP"),
-            Word(x=640, y=BACK - 5, text=text.name("encoder")),
+            Word(x=640, y=BACK - 5, text=words.name("encoder")),
             *(Word(x=x + 9, y=MAIN + 20, text="−") for x in SUMS[:2]),
         ),
     )
@@ -60,24 +61,29 @@ def _wire(*points: tuple[float, float]) -> Wire:
     return Wire(points=points)
 
 
-def _forward_boxes(record: Record, f: Formatter) -> list[Box]:
-    text, part, plant = f.labels, record["loop"], record["plant"]
-    data = {item["key"]: item["value"] for item in record["data"]}
+def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
+    text, f, part, plant = words.text, words.format, record.loop, record.plant
+    data = {item.key: item.value for item in record.data}
     lag = data.get("drive.force_lag")
-    force = f.quantity(record["optima"][0]["time"]["f_max"], plant["units"]["F"])
+    force = f.quantity(record.optima[0].time.f_max, plant.units["F"])
     top = MAIN - 24
     return [
         _box(
-            34, top, 78, 48, text.diagram_delay, f"τ = {f.quantity(part['reference_delay'], 's')}"
+            34,
+            top,
+            78,
+            48,
+            text("diagram-delay"),
+            f"τ = {f.quantity(part.reference_delay, 's')}",
         ),
         _box(
             154,
             top,
             88,
             48,
-            f"Kv = {f.quantity(part['Kv'], '1/s')}",
-            text.diagram_cycle.format(cycle=f.quantity(part["position_cycle"], "s")),
-            _late(record, "position controller", f),
+            f"Kv = {f.quantity(part.Kv, '1/s')}",
+            text("diagram-cycle", cycle=f.quantity(part.position_cycle, "s")),
+            _late(record, "position controller", words),
         ),
         _box(
             286,
@@ -85,10 +91,10 @@ def _forward_boxes(record: Record, f: Formatter) -> list[Box]:
             140,
             60,
             "Kp (1 + 1/(Tn s))",
-            f"Kp = {f.quantity(part['Kp'], motion_unit('N s/m', rotary=f.rotary))}",
-            f"Tn = {f.quantity(part['Tn'], 's')}, "
-            f"{text.diagram_cycle.format(cycle=f.quantity(part['velocity_cycle'], 's'))}",
-            _late(record, "velocity controller", f),
+            f"Kp = {f.axis(part.Kp, 'N s/m')}",
+            f"Tn = {f.quantity(part.Tn, 's')}, "
+            f"{text('diagram-cycle', cycle=f.quantity(part.velocity_cycle, 's'))}",
+            _late(record, "velocity controller", words),
         ),
         _box(
             474,
@@ -104,21 +110,22 @@ def _forward_boxes(record: Record, f: Formatter) -> list[Box]:
             top,
             98,
             48,
-            text.diagram_mechanics,
-            f"m = {f.quantity(plant['moving_mass'], motion_unit('kg', rotary=f.rotary))}",
-            text.diagram_modes.format(count=len(plant["modes"])),
+            text("diagram-mechanics"),
+            f"m = {f.axis(plant.moving_mass, 'kg')}",
+            text("diagram-modes", count=len(plant.modes)),
         ),
     ]
 
 
-def _ahead_boxes(record: Record, f: Formatter) -> list[Box]:
-    ahead = record["loop"]["feedforward"]
+def _ahead_boxes(record: Record, words: Catalogue) -> list[Box]:
+    f = words.format
+    ahead = record.loop.feedforward
     velocity, acceleration, jerk = (
-        f.number(ahead[name]) for name in ("velocity", "acceleration", "jerk")
+        f.number(weight) for weight in (ahead.velocity, ahead.acceleration, ahead.jerk)
     )
-    mass = f.quantity(ahead["mass"], motion_unit("kg", rotary=f.rotary))
+    mass = f.axis(ahead.mass, "kg")
     return [
-        _box(160, AHEAD - 17, 92, 34, f"× {velocity}", _late(record, "velocity ahead", f)),
+        _box(160, AHEAD - 17, 92, 34, f"× {velocity}", _late(record, "velocity ahead", words)),
         _box(
             352,
             AHEAD - 21,
@@ -126,15 +133,15 @@ def _ahead_boxes(record: Record, f: Formatter) -> list[Box]:
             42,
             f"m ({acceleration} a_ref + {jerk} T j_ref)",
             f"m = {mass}",
-            _late(record, "force ahead", f),
+            _late(record, "force ahead", words),
         ),
     ]
 
 
-def _late(record: Record, path: str, f: Formatter) -> str:
+def _late(record: Record, path: str, words: Catalogue) -> str:
     """Return how late a path acts, drive and filters included."""
-    totals = {entry["path"]: entry["total"] for entry in record["loop"]["delays"]}
-    return f.labels.diagram_late.format(time=f.quantity(totals.get(path), "s"))
+    totals = {entry.path: entry.total for entry in record.loop.delays}
+    return words.text("diagram-late", time=words.format.quantity(totals.get(path), "s"))
 
 
 def _forward_wires() -> list[Wire]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import pi
 
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
-from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.loop_part import gain_rows
 from mtcommission.sheet.model import Column, Form, Paragraph, Section, Table, Tone
 from mtcommission.sheet.verdict_part import acceleration, jerk
@@ -14,26 +14,30 @@ KV_UNIT = 1000.0 / 60.0
 """Kv of 1 (m/min)/mm in 1/s."""
 
 
-def parameters(record: Record, f: Formatter) -> Section:
+def parameters(record: Record, words: Catalogue) -> Section:
     """Return the parameters for the control, with empty columns."""
-    text = f.labels
-    limits, kv = record["limits"]["recommended"], record["loop"]["Kv"]
-    per_minute = (60.0 * kv, "1/min") if f.rotary else (kv / KV_UNIT, "(m/min)/mm")
+    text, f = words.text, words.format
+    limits, kv = record.limits.recommended, record.loop.Kv
+    per_minute = (60.0 * kv, "1/min") if words.rotary else (kv / KV_UNIT, "(m/min)/mm")
     kv_text = f.with_unit(f.number(float(f"{per_minute[0]:.4g}")), per_minute[1])
     rows = [
-        (text.acceleration, acceleration(record, f), _other_unit(limits["acceleration"], "s²", f)),
-        (text.jerk, jerk(record, f), _other_unit(limits["jerk"], "s³", f)),
-        (text.jerk_time, f.quantity(limits["jerk_time"], "s"), ""),
+        (
+            text("acceleration"),
+            acceleration(record, words),
+            _other_unit(limits.acceleration, "s²", words),
+        ),
+        (text("jerk"), jerk(record, words), _other_unit(limits.jerk, "s³", words)),
+        (text("jerk-time"), f.quantity(limits.jerk_time, "s"), ""),
     ]
-    for name, value in gain_rows(record, f):
-        rows.append((name, value, kv_text if name == text.name("Kv") else ""))
-    heads = (text.old_value, text.new_value, text.entered_by, text.verified)
+    for name, value in gain_rows(record, words):
+        rows.append((name, value, kv_text if name == words.name("Kv") else ""))
+    heads = (text("old-value"), text("new-value"), text("entered-by"), text("verified"))
     table = Table(
-        caption=text.entry_caption,
+        caption=text("entry-caption"),
         columns=(
-            Column(head=text.parameter, width=1.9),
-            Column(head=text.value, width=1.3, is_number=True),
-            Column(head=text.also, width=1.4, is_number=True),
+            Column(head=text("parameter"), width=1.9),
+            Column(head=text("value"), width=1.3, is_number=True),
+            Column(head=text("also"), width=1.4, is_number=True),
             *(Column(head=head) for head in heads),
         ),
         rows=tuple((*row, *("" for _ in heads)) for row in rows),
@@ -42,34 +46,36 @@ def parameters(record: Record, f: Formatter) -> Section:
     )
     return Section(
         key="parameters",
-        heading=text.entry_heading,
-        blocks=(Paragraph(text=text.entry_note, tone=Tone.NOTE), table),
+        heading=text("entry-heading"),
+        blocks=(Paragraph(text=text("entry-note"), tone=Tone.NOTE), table),
     )
 
 
-def signatures(record: Record, f: Formatter) -> Section:
+def signatures(record: Record, words: Catalogue) -> Section:
     """Return the block to be signed, with the values that are signed for."""
-    text = f.labels
-    values = text.signed_values.format(
-        machine=record["machine"]["name"],
-        axis=record["machine"]["axis"],
-        acceleration=acceleration(record, f),
-        jerk=jerk(record, f),
+    text = words.text
+    values = text(
+        "signed-values",
+        machine=record.machine.name,
+        axis_name=record.machine.axis,
+        acceleration=acceleration(record, words),
+        jerk=jerk(record, words),
     )
     return Section(
         key="signature",
-        heading=text.signature_heading,
+        heading=text("signature-heading"),
         blocks=(
             Paragraph(text=values),
-            Paragraph(text=text.disclaimer, tone=Tone.NOTE),
-            Form(fields=text.signature_fields),
+            Paragraph(text=text("disclaimer"), tone=Tone.NOTE),
+            Form(fields=tuple(text(f"signature-field-{i}") for i in range(1, 5))),
         ),
         is_together=True,
     )
 
 
-def _other_unit(value: float, per: str, f: Formatter) -> str:
+def _other_unit(value: float, per: str, words: Catalogue) -> str:
     """Return acceleration or jerk in the unit that many controls want: mm, or turns."""
-    if f.rotary:
+    f = words.format
+    if words.rotary:
         return f.quantity(value / (2 * pi), f"rev/{per}")
     return f.with_unit(f.number(value * 1e3), f"mm/{per}")

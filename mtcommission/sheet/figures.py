@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.messages.quantities import tick_text
 from mtcommission.sheet.axes import Axis, span
 from mtcommission.sheet.canvas import GRID, INK, SIZE, Canvas, text_width
-from mtcommission.sheet.format import tick_text
 from mtcommission.sheet.legend import (
     BESIDE,
     BORDER_DASHES,

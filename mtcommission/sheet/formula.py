@@ -7,18 +7,24 @@ multiplies, ``name(`` without a space calls a function, ``sum`` takes the produc
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
-GREEK = {
-    "omega": "ω",
-    "zeta": "ζ",
-    "eps": "ε",
-    "phi": "φ",
-    "tau": "τ",
-    "sigma": "σ",
-    "lambda": "λ",
-    "pi": "π",
-}
+from mtcommission.messages.formula import (
+    GREEK,
+    Call,
+    Enclosed,
+    Expression,
+    Fraction,
+    Number,
+    Power,
+    Product,
+    Relation,
+    Root,
+    Sum,
+    Symbol,
+    Terms,
+    symbol,
+)
+
 FUNCTIONS = ("min", "max", "exp", "sin", "cos", "R")
 WORDS = ("Kp", "Kv", "Tn", "band", "x_ref", "v_ref", "a_ref", "j_ref", *GREEK)
 """Names of more than one letter; any other word makes a text no formula."""
@@ -28,95 +34,6 @@ LONGEST = 400
 
 SIGNS = {"<=": "≤", ">=": "≥", "=": "="}
 TOKEN = re.compile(r"\s*(\d+\.?\d*|[A-Za-z]+(?:_\w+)?\(?|<=|>=|[-+/^()|=,])")
-
-
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A number as written."""
-
-    digits: str
-
-
-@dataclass(frozen=True, slots=True)
-class Symbol:
-    """A letter with an index, which may be empty."""
-
-    letter: str
-    index: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Power:
-    """``base`` to the ``exponent``."""
-
-    base: Expression
-    exponent: Expression
-
-
-@dataclass(frozen=True, slots=True)
-class Fraction:
-    """``above`` over ``below``."""
-
-    above: Expression
-    below: Expression
-
-
-@dataclass(frozen=True, slots=True)
-class Product:
-    """Factors beside each other."""
-
-    factors: tuple[Expression, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Terms:
-    """Terms with their signs, "+" or "-"; a "+" in front is not printed."""
-
-    signs: tuple[str, ...]
-    terms: tuple[Expression, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Enclosed:
-    """An expression between ``(`` and ``)``, or between bars."""
-
-    inner: Expression
-    is_magnitude: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Root:
-    """A square root."""
-
-    inner: Expression
-
-
-@dataclass(frozen=True, slots=True)
-class Call:
-    """A function of its arguments."""
-
-    name: str
-    arguments: tuple[Expression, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Sum:
-    """The sum of a product over the modes."""
-
-    inner: Expression
-
-
-@dataclass(frozen=True, slots=True)
-class Relation:
-    """Sides with the signs between them: ``=``, ``≤`` or ``≥``."""
-
-    sides: tuple[Expression, ...]
-    signs: tuple[str, ...]
-
-
-Expression = (
-    Number | Symbol | Power | Fraction | Product | Terms | Enclosed | Root | Call | Sum | Relation
-)
 
 
 def parse_formula(text: str, *, decimal_mark: str = ".") -> Expression | None:
@@ -150,30 +67,6 @@ def parse_formula(text: str, *, decimal_mark: str = ".") -> Expression | None:
     except _NoFormulaError:
         return None
     return found if parser.is_at_end else None
-
-
-def find_symbols(tree: Expression) -> set[Symbol]:
-    """Return every symbol of a formula.
-
-    Examples
-    --------
-    >>> sorted(s.letter for s in find_symbols(parse_formula("j = a / t_j")))
-    ['a', 'j', 't']
-    """
-    match tree:
-        case Symbol():
-            return {tree}
-        case Number():
-            return set()
-        case Power(base, exponent):
-            parts: tuple[Expression, ...] = (base, exponent)
-        case Fraction(above, below):
-            parts = (above, below)
-        case Product(parts) | Terms(_, parts) | Call(_, parts) | Relation(parts, _):
-            pass
-        case Enclosed(inner) | Root(inner) | Sum(inner):
-            parts = (inner,)
-    return set().union(*map(find_symbols, parts))
 
 
 class _NoFormulaError(Exception):
@@ -293,7 +186,7 @@ def _bare(part: Expression) -> Expression:
 
 
 def _symbol(token: str) -> Symbol:
-    letter, _, index = token.partition("_")
+    letter, _, _ = token.partition("_")
     if len(letter) > 1 and letter not in WORDS and token not in WORDS:
         raise _NoFormulaError
-    return Symbol(GREEK.get(letter, letter), GREEK.get(index, index))
+    return symbol(token)

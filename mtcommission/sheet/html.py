@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from mtcommission.sheet.axes import Axis, span
 from mtcommission.sheet.diagram import draw_diagram
-from mtcommission.sheet.formula import parse_formula
 from mtcommission.sheet.mathml import write_mathml
-from mtcommission.sheet.model import Document
+from mtcommission.sheet.model import Cell, Document
 from mtcommission.sheet.placement import place_labels
 from mtcommission.sheet.plot_model import HeatMap, LinePlot, Plot, PointPlot
 
@@ -63,16 +62,14 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
         style=Markup(style),
         script=Markup(script),
         draw=lambda diagram: Markup(draw_diagram(diagram)),
-        set_formula=lambda formula: Markup(write_mathml(formula.tree)),
-        set_cell=lambda words: _set_cell(words, decimal_mark),
+        set_cell=_set_cell,
         plots=_json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
     )
 
 
-def _set_cell(words: str, decimal_mark: str) -> Markup | str:
-    """Return the formula in a cell; a text that is none stays text, to be escaped."""
-    tree = parse_formula(words, decimal_mark=decimal_mark)
-    return words if tree is None else Markup(write_mathml(tree))
+def _set_cell(cell: Cell) -> Markup | str:
+    """Return a formula as mathematics; a text stays text, to be escaped."""
+    return cell if isinstance(cell, str) else Markup(write_mathml(cell))
 
 
 def _policy(style: str, script: str) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from mtcommission.record.schema import Quantity, Record
-from mtcommission.sheet.format import Formatter, motion_unit
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.record.schema import Datum, Record
 from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
 
 REQUIRED = ("requirements.", "moves")
@@ -15,146 +15,146 @@ LONGEST_SOURCE = 28
 """Letters of a source that fits into its column; a longer one stands once, with a number."""
 
 
-def machine_data(record: Record, f: Formatter) -> Section:
+def machine_data(record: Record, words: Catalogue) -> Section:
     """Return the machine's data with their sources, and its modes."""
-    text, machine, sources = f.labels, record["machine"], long_sources(record)
-    data = [item for item in record["data"] if not item["key"].startswith(REQUIRED)]
+    text, machine, sources = words.text, record.machine, long_sources(record)
+    data = [item for item in record.data if not item.key.startswith(REQUIRED)]
     title = Table(
-        caption=text.rigid_caption,
-        columns=(Column(head=text.quantity), Column(head=text.value, width=2.0)),
+        caption=text("rigid-caption"),
+        columns=(Column(head=text("quantity")), Column(head=text("value"), width=2.0)),
         rows=(
-            (text.machine_row, machine["name"]),
-            (text.axis_row, machine["axis"]),
-            (text.motion_row, text.rotary if f.rotary else text.linear),
-            (text.source, _numbered(machine["source"], sources, f)),
-            *_rigid_rows(record, f),
+            (text("machine-row"), machine.name),
+            (text("axis-row"), machine.axis),
+            (text("motion-row"), text("rotary") if words.rotary else text("linear")),
+            (text("source"), _numbered(machine.source, sources, words)),
+            *_rigid_rows(record, words),
         ),
     )
     return Section(
         key="machine",
-        heading=text.machine_heading,
+        heading=text("machine-heading"),
         blocks=(
             title,
-            _data_table(text.data_caption, data, record, f),
+            _data_table(text("data-caption"), data, record, words),
             *(
-                Paragraph(text=_numbered(source, sources, f), tone=Tone.NOTE)
+                Paragraph(text=_numbered(source, sources, words), tone=Tone.NOTE)
                 for source in sources
-                if source != machine["source"]
+                if source != machine.source
             ),
-            _modes(record, f),
+            _modes(record, words),
         ),
     )
 
 
-def requirements(record: Record, f: Formatter) -> Section:
+def requirements(record: Record, words: Catalogue) -> Section:
     """Return the moves and what is required of them."""
-    text = f.labels
-    data = [item for item in record["data"] if item["key"].startswith(REQUIRED)]
+    text = words.text
+    data = [item for item in record.data if item.key.startswith(REQUIRED)]
     return Section(
         key="requirements",
-        heading=text.requirements_heading,
-        blocks=(_data_table(text.requirements_caption, data, record, f),),
+        heading=text("requirements-heading"),
+        blocks=(_data_table(text("requirements-caption"), data, record, words),),
     )
 
 
-def _rigid_rows(record: Record, f: Formatter) -> tuple[tuple[str, str], ...]:
-    text, plant = f.labels, record["plant"]
-    mass = f.quantity(plant["moving_mass"], motion_unit("kg", rotary=f.rotary))
-    rank = text.of_states.format(rank=plant["controllability_rank"], count=len(plant["states"]))
+def _rigid_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
+    text, f, plant = words.text, words.format, record.plant
+    mass = f.axis(plant.moving_mass, "kg")
+    rank = text("of-states", rank=plant.controllability_rank, count=len(plant.states))
     return (
-        (text.moving_mass, mass),
-        (text.controllability, rank),
+        (text("moving-mass"), mass),
+        (text("controllability"), rank),
     )
 
 
 def long_sources(record: Record) -> list[str]:
     """Return the sources too long to be repeated in each row; the first is number 1."""
-    named = [record["machine"]["source"], *(item["source"] for item in record["data"])]
+    named = [record.machine.source, *(item.source for item in record.data)]
     return [source for source in dict.fromkeys(named) if len(source) > LONGEST_SOURCE]
 
 
-def _numbered(source: str, sources: list[str], f: Formatter) -> str:
+def _numbered(source: str, sources: list[str], words: Catalogue) -> str:
     """Return a source behind its number, if it has one."""
-    words = f.labels.say_if_known(source)
-    return f"[{sources.index(source) + 1}] {words}" if source in sources else words
+    said = words.say(source)
+    return f"[{sources.index(source) + 1}] {said}" if source in sources else said
 
 
-def _data_table(caption: str, data: list[Quantity], record: Record, f: Formatter) -> Table:
-    text, sources = f.labels, long_sources(record)
+def _data_table(caption: str, data: list[Datum], record: Record, words: Catalogue) -> Table:
+    text, sources = words.text, long_sources(record)
 
     def cited(source: str) -> str:
         return (
-            _numbered(source, sources, f).partition(" ")[0]
+            _numbered(source, sources, words).partition(" ")[0]
             if source in sources
-            else (text.say_if_known(source))
+            else (words.say(source))
         )
 
     return Table(
         caption=caption,
         columns=(
-            Column(head=text.quantity, width=1.3),
-            Column(head=text.value, width=0.8, is_number=True),
-            Column(head=text.key, width=1.5),
-            Column(head=text.source, width=1.1),
+            Column(head=text("quantity"), width=1.3),
+            Column(head=text("value"), width=0.8, is_number=True),
+            Column(head=text("key"), width=1.5),
+            Column(head=text("source"), width=1.1),
         ),
         rows=tuple(
             (
-                datum_name(item, f),
-                datum(item, record["plant"]["units"], f),
-                item["key"],
-                cited(item["source"]),
+                datum_name(item, words),
+                datum(item, record.plant.units, words),
+                item.key,
+                cited(item.source),
             )
             for item in data
         ),
     )
 
 
-def datum_name(item: Quantity, f: Formatter) -> str:
+def datum_name(item: Datum, words: Catalogue) -> str:
     """Return the name of a datum, with the number of its move or the name of its mode."""
-    *path, last = item["key"].split(".")
-    name = f.labels.name(last)
+    *path, last = item.key.split(".")
+    name = words.name(last)
     number = re.fullmatch(r"moves\[(\d+)\]", ".".join(path))
     if number:
-        return f"{f.labels.move.format(number=number[1])}: {name}"
+        return f"{words.text('move', number=number[1])}: {name}"
     if path[:2] == ["plant", "modes"]:
-        return f.labels.of_mode.format(name=name, mode=".".join(path[2:]))
+        return words.text("of-mode", name=name, mode=".".join(path[2:]))
     if path == ["requirements", "peaks"]:
-        return f.labels.peak_bound.format(name=name)
+        return words.text("peak-bound", name=name)
     return name
 
 
-def datum(item: Quantity, units: dict[str, str], f: Formatter) -> str:
+def datum(item: Datum, units: dict[str, str], words: Catalogue) -> str:
     """Return the value of a datum with its unit; ``units`` are those of the plant's signals."""
-    key, value = item["key"], item["value"]
+    f = words.format
+    key, value = item.key, item.value
     if isinstance(value, str):
         return value
     if key.endswith(("_spread", "damping_ratio")):
         return f.percent(value)
     if key.startswith("requirements.peaks."):
-        return f.quantity(value, units.get(key.rpartition(".")[2], item["unit"]))
-    return f.quantity(value, item["unit"])
+        return f.quantity(value, units.get(key.rpartition(".")[2], item.unit))
+    return f.quantity(value, item.unit)
 
 
-def _modes(record: Record, f: Formatter) -> Table:
-    text = f.labels
-    per_mass = motion_unit("1/kg", rotary=f.rotary)
+def _modes(record: Record, words: Catalogue) -> Table:
+    text, f = words.text, words.format
     return Table(
-        caption=text.modes_caption,
+        caption=text("modes-caption"),
         columns=(
-            Column(head=text.mode, width=1.4),
-            Column(head=text.frequency, is_number=True),
-            Column(head=text.damping_ratio, is_number=True),
-            Column(head=text.tcp_gain, is_number=True),
-            Column(head=text.measured_gain, is_number=True),
+            Column(head=text("mode"), width=1.4),
+            Column(head=text("frequency"), is_number=True),
+            Column(head=text("damping-ratio"), is_number=True),
+            Column(head=text("tcp-gain"), is_number=True),
+            Column(head=text("measured-gain"), is_number=True),
         ),
         rows=tuple(
             (
-                mode["name"],
-                f.quantity(mode["frequency_hz"], "Hz"),
-                f.percent(mode["damping_ratio"]),
-                f.quantity(mode["tcp_gain"], per_mass),
-                f.quantity(mode["measured_gain"], per_mass),
+                mode.name,
+                f.quantity(mode.frequency_hz, "Hz"),
+                f.percent(mode.damping_ratio),
+                f.axis(mode.tcp_gain, "1/kg"),
+                f.axis(mode.measured_gain, "1/kg"),
             )
-            for mode in record["plant"]["modes"]
+            for mode in record.plant.modes
         ),
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from mtcommission.sheet.formula import (
+from mtcommission.messages.formula import (
     Call,
     Enclosed,
     Expression,
@@ -68,6 +68,7 @@ def _mark(tree: Expression) -> str:
                 f"<mo>{sign}</mo>{_mark(side)}" for sign, side in zip(signs, sides[1:], strict=True)
             )
             return _mark(sides[0]) + "".join(rest)
+    raise TypeError(type(tree).__name__)
 
 
 def _row(tree: Expression) -> str:

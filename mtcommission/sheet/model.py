@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
-from mtcommission.sheet.formula import Expression
+from mtcommission.messages.formula import Expression
 from mtcommission.sheet.plot_model import Diagram, Plot
 
 
@@ -114,14 +114,11 @@ class Column:
         Share of the width; relative to the other columns.
     is_number
         Whether its cells are numbers (set flush right).
-    is_formula
-        Whether its cells are formulas in plain signs; one that is none is shown as text.
     """
 
     head: str
     width: float = 1.0
     is_number: bool = False
-    is_formula: bool = False
 
 
 def name_and_numbers(name: str, heads: Iterable[str], *, width: float) -> tuple[Column, ...]:
@@ -145,6 +142,9 @@ def name_and_numbers(name: str, heads: Iterable[str], *, width: float) -> tuple[
     )
 
 
+Cell = str | Expression
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
     """A table.
@@ -156,7 +156,7 @@ class Table:
     columns
         Headings.
     rows
-        Cells, as many as columns.
+        Texts and formulas, as many as columns.
     strong_rows
         Indices of rows to stress.
     is_form
@@ -165,7 +165,7 @@ class Table:
 
     caption: str
     columns: tuple[Column, ...]
-    rows: tuple[tuple[str, ...], ...]
+    rows: tuple[tuple[Cell, ...], ...]
     strong_rows: tuple[int, ...] = ()
     is_form: bool = False
 
@@ -178,14 +178,11 @@ class Formula:
     ----------
     tree
         The formula.
-    source
-        The same in plain signs, for those who cannot see it.
     aside
         Words behind it.
     """
 
     tree: Expression
-    source: str
     aside: str = ""
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import MoveEntry, OptimaEntry, OptimumEntry, Record, Series
-from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.model import (
     Block,
     Column,
@@ -20,6 +21,7 @@ from mtcommission.sheet.model import (
     name_and_numbers,
 )
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
+from mtcommission.sheet.values import settling
 from mtcommission.sheet.verdict_part import band, move_title, reference_sentence
 
 Array = NDArray[np.float64]
@@ -57,59 +59,58 @@ class Curve:
     is_stepped: bool = False
 
 
-def motions(record: Record, f: Formatter) -> Section:
+def motions(record: Record, words: Catalogue) -> Section:
     """Return plots and tables of each move."""
-    text = f.labels
-    delay = f.quantity(record["loop"]["reference_delay"], "s")
-    blocks: list[Block] = [Paragraph(text=text.motion_note.format(delay=delay), tone=Tone.NOTE)]
-    for number, (optima, move) in enumerate(
-        zip(record["optima"], record["moves"], strict=True), start=1
-    ):
-        title = move_title(move["move"], number, f)
+    text, f = words.text, words.format
+    delay = f.quantity(record.loop.reference_delay, "s")
+    blocks: list[Block] = [Paragraph(text=text("motion-note", delay=delay), tone=Tone.NOTE)]
+    for number, (optima, move) in enumerate(zip(record.optima, record.moves, strict=True), start=1):
+        title = move_title(move.move, number, words)
         blocks.append(Subheading(text=title))
-        blocks.append(Paragraph(text=reference_sentence(record, number, f)))
-        short = text.move.format(number=number)
-        blocks += [_amplitudes(move, short, f), *_segments(move, short, f)]
-        blocks.extend(_plots(record, optima, move, number, short, f))
-        blocks.append(_peaks(record, optima, move, short, f))
+        blocks.append(Paragraph(text=reference_sentence(record, number, words)))
+        short = text("move", number=number)
+        blocks += [_amplitudes(move, short, words), *_segments(move, short, words)]
+        blocks.extend(_plots(record, optima, move, number, short, words))
+        blocks.append(_peaks(record, optima, move, short, words))
         blocks.extend(
-            Paragraph(text=text.say(remark), tone=Tone.NOTE) for remark in optima["remarks"]
+            Paragraph(text=words.say(remark), tone=Tone.NOTE) for remark in optima.remarks
         )
-    return Section(key="motions", heading=text.motion_heading, blocks=tuple(blocks))
+    return Section(key="motions", heading=text("motion-heading"), blocks=tuple(blocks))
 
 
-def first_look(record: Record, f: Formatter) -> LinePlot:
+def first_look(record: Record, words: Catalogue) -> LinePlot:
     """Return acceleration and deviation of the first move, for the first page."""
-    text, move = f.labels, record["moves"][0]
-    plans = _panels(record, record["optima"][0], move, f)
-    t_scale = f.scale(move["series"]["t"][-1], "s")
-    own = {text.setpoint, text.response}
+    text, f, move = words.text, words.format, record.moves[0]
+    plans = _panels(record, record.optima[0], move, words)
+    t_scale = f.scale(move.series.t[-1], "s")
+    own = {text("setpoint"), text("response")}
     panels = tuple(
-        _panel([c for c in curves if c.label in own], name, unit, t_scale.size, f, borders)
+        _panel([c for c in curves if c.label in own], name, unit, t_scale.size, words, borders)
         for name, unit, curves, borders in (plans[1], plans[-1])
     )
-    response = move["response"]
+    response = move.response
     return LinePlot(
         key="first-look",
-        caption=text.first_look_caption.format(move=move_title(move["move"], 1, f)),
-        alt=text.first_look_alt.format(
-            peak=f.quantity(response["peak_deviation"], motion_unit("m", rotary=f.rotary)),
-            settling=f.settling(response["settling_time"]),
+        caption=text("first-look-caption", move=move_title(move.move, 1, words)),
+        alt=text(
+            "first-look-alt",
+            peak=f.axis(response.peak_deviation, "m"),
+            settling=settling(response.settling_time, words),
         ),
-        x_label=f"{text.time} in {t_scale.unit}",
+        x_label=text("in-unit", name=text("time"), unit=t_scale.unit),
         x_is_log=False,
         link="move-1",
         panels=panels,
     )
 
 
-def named_optima(optima: OptimaEntry, f: Formatter) -> list[tuple[str, int, OptimumEntry]]:
+def named_optima(optima: OptimaEntry, words: Catalogue) -> list[tuple[str, int, OptimumEntry]]:
     """Return the optima that there are, with name and line style."""
-    text = f.labels
+    text = words.text
     found = (
-        (text.time_optimal, TIME_OPTIMAL, optima["time"]),
-        (text.constrained, CONSTRAINED, optima["constrained"]),
-        (text.damping_optimal, DAMPING_OPTIMAL, optima["damping"]),
+        (text("time-optimal"), TIME_OPTIMAL, optima.time),
+        (text("constrained"), CONSTRAINED, optima.constrained),
+        (text("damping-optimal"), DAMPING_OPTIMAL, optima.damping),
     )
     return [(name, style, item) for name, style, item in found if item is not None]
 
@@ -145,95 +146,98 @@ def thin_out(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _plots(
-    record: Record, optima: OptimaEntry, move: MoveEntry, number: int, title: str, f: Formatter
+    record: Record, optima: OptimaEntry, move: MoveEntry, number: int, title: str, words: Catalogue
 ) -> tuple[LinePlot, LinePlot]:
     """Return two plots over the same time: what the drive does, and what the machine does."""
-    text, response = f.labels, move["response"]
-    end = max([move["series"]["t"][-1], *(item["t_f"] for *_, item in named_optima(optima, f))])
+    text, f, response = words.text, words.format, move.response
+    end = max([move.series.t[-1], *(item.t_f for *_, item in named_optima(optima, words))])
     t_scale = f.scale(end, "s")
-    plans = [plan for plan in _panels(record, optima, move, f) if plan[2]]
+    plans = [plan for plan in _panels(record, optima, move, words) if plan[2]]
 
-    def plot(key: str, caption: str, part: list[PanelPlan]) -> LinePlot:
+    def plot(key: str, part: list[PanelPlan]) -> LinePlot:
         panels = tuple(
-            _panel(curves, name, unit, t_scale.size, f, borders)
+            _panel(curves, name, unit, t_scale.size, words, borders)
             for name, unit, curves, borders in part
         )
         return LinePlot(
             key=f"{key}-{number}",
-            caption=caption.format(move=title),
-            alt=text.motion_alt.format(
+            caption=text(f"{key}-caption", move=title),
+            alt=text(
+                "motion-alt",
                 signals=", ".join(panel.y_label for panel in panels),
-                force=f.quantity(response["max_force"], record["plant"]["units"]["F"]),
-                peak=f.quantity(response["peak_deviation"], record["plant"]["units"]["tcp"]),
-                settling=f.settling(response["settling_time"]),
+                force=f.quantity(response.max_force, record.plant.units["F"]),
+                peak=f.quantity(response.peak_deviation, record.plant.units["tcp"]),
+                settling=settling(response.settling_time, words),
             ),
-            x_label=f"{text.time} in {t_scale.unit}",
+            x_label=text("in-unit", name=text("time"), unit=t_scale.unit),
             x_is_log=False,
             link=f"move-{number}",
             panels=panels,
         )
 
     return (
-        plot("drive", text.drive_caption, plans[:3]),
-        plot("vibration", text.vibration_caption, plans[3:]),
+        plot("drive", plans[:3]),
+        plot("vibration", plans[3:]),
     )
 
 
 PanelPlan = tuple[str, str, list[Curve], tuple[float, ...]]
 
 
-def _panels(record: Record, optima: OptimaEntry, move: MoveEntry, f: Formatter) -> list[PanelPlan]:
+def _panels(
+    record: Record, optima: OptimaEntry, move: MoveEntry, words: Catalogue
+) -> list[PanelPlan]:
     """Return name, unit, curves and limits of each panel, from top to bottom."""
-    text, plant = f.labels, record["plant"]
-    units, mass = plant["units"], plant["moving_mass"]
-    speed = rigid_velocity(plant["states"])
-    a_unit = motion_unit("m/s^2", rotary=f.rotary)
+    text, plant = words.text, record.plant
+    units, mass = plant.units, plant.moving_mass
+    speed = rigid_velocity(plant.states)
+    a_unit = motion_unit("m/s^2", rotary=words.rotary)
 
     def curves(signal: str, *, factor: float = 1.0) -> list[Curve]:
         found = [
             Curve(
                 label=name,
                 style=style,
-                series=item["series"],
+                series=item.series,
                 signal=signal,
                 factor=factor,
                 is_stepped=signal == "F_set",
             )
-            for name, style, item in named_optima(optima, f)
+            for name, style, item in named_optima(optima, words)
         ]
         found.append(
             Curve(
-                label=text.response,
+                label=text("response"),
                 style=RESPONSE,
-                series=move["series"],
+                series=move.series,
                 signal=signal,
                 factor=factor,
                 is_stepped=signal == "F_set",
             )
         )
-        return [curve for curve in found if curve.signal in curve.series["signals"]]
+        return [curve for curve in found if curve.signal in curve.series.signals]
 
     def setpoint(signal: str) -> list[Curve]:
-        curve = Curve(label=text.setpoint, style=SETPOINT, series=move["series"], signal=signal)
-        return [curve] if signal in move["series"]["signals"] else []
+        curve = Curve(label=text("setpoint"), style=SETPOINT, series=move.series, signal=signal)
+        return [curve] if signal in move.series.signals else []
 
-    force = optima["time"]["f_max"]
+    force = optima.time.f_max
     plans: list[PanelPlan] = [
-        (text.names["F_set"], units["F"], curves("F_set"), (force, -force)),
-        (text.acceleration, a_unit, setpoint("a_ref") + curves("F", factor=1.0 / mass), ()),
-        (text.velocity, units[speed], setpoint("v_ref") + curves(speed), ()),
+        (words.name("F_set"), units["F"], curves("F_set"), (force, -force)),
+        (text("acceleration"), a_unit, setpoint("a_ref") + curves("F", factor=1.0 / mass), ()),
+        (text("velocity"), units[speed], setpoint("v_ref") + curves(speed), ()),
     ]
-    for rate in flexible_rates(plant["states"]):
-        bound = optima["constrained"]["limits"].get(rate) if optima["constrained"] else None
+    for rate in flexible_rates(plant.states):
+        bound = optima.constrained.limits.get(rate) if optima.constrained else None
         borders = () if bound is None else (bound, -bound)
-        plans.append((text.signal(rate), units[rate], curves(rate), borders))
+        plans.append((words.name(rate), units[rate], curves(rate), borders))
     permitted = band(record)
     deviation = [
-        Curve(label=text.response, style=RESPONSE, series=move["series"], signal="deviation")
+        Curve(label=text("response"), style=RESPONSE, series=move.series, signal="deviation")
     ]
-    plans.append((text.signal("tcp_vibration"), units["tcp"], curves("tcp_vibration"), ()))
+    plans.append((words.name("tcp_vibration"), units["tcp"], curves("tcp_vibration"), ()))
     limits = () if permitted is None else (permitted, -permitted)
-    plans.append((text.deviation, units["tcp"], deviation, limits))
+    plans.append((text("deviation"), units["tcp"], deviation, limits))
     return plans
 
 
@@ -253,72 +257,77 @@ def _panel(
     name: str,
     unit: str,
     t_size: float,
-    f: Formatter,
+    words: Catalogue,
     limits: tuple[float, ...],
 ) -> Panel:
-    arrays = [np.array(curve.series["signals"][curve.signal]) * curve.factor for curve in curves]
+    f = words.format
+    arrays = [np.array(curve.series.signals[curve.signal]) * curve.factor for curve in curves]
     scale = f.scale_for(arrays, unit)
     lines = []
     for curve, values in zip(curves, arrays, strict=True):
-        x, y = thin_out(np.array(curve.series["t"]) / t_size, values / scale.size)
+        x, y = thin_out(np.array(curve.series.t) / t_size, values / scale.size)
         lines.append(
             Line(label=curve.label, x=x, y=y, style=curve.style, is_stepped=curve.is_stepped)
         )
     borders = tuple(Border(label=f.quantity(limit, unit), y=limit / scale.size) for limit in limits)
-    return Panel(y_label=f"{name} in {scale.unit}", lines=tuple(lines), borders=borders)
+    return Panel(
+        y_label=words.text("in-unit", name=name, unit=scale.unit),
+        lines=tuple(lines),
+        borders=borders,
+    )
 
 
-def _peaks(record: Record, optima: OptimaEntry, move: MoveEntry, title: str, f: Formatter) -> Table:
-    text, units = f.labels, record["plant"]["units"]
-    named = named_optima(optima, f)
+def _peaks(
+    record: Record, optima: OptimaEntry, move: MoveEntry, title: str, words: Catalogue
+) -> Table:
+    text, f, units = words.text, words.format, record.plant.units
+    named = named_optima(optima, words)
     rows = tuple(
         (
-            text.signal(signal),
-            *(f.quantity(item["peaks"].get(signal), units[signal]) for *_, item in named),
+            words.name(signal),
+            *(f.quantity(item.peaks.get(signal), units[signal]) for *_, item in named),
             f.quantity(peak, units[signal]),
         )
-        for signal, peak in move["response"]["peaks"].items()
+        for signal, peak in move.response.peaks.items()
     )
-    heads = [*(name for name, *_ in named), text.response]
+    heads = [*(name for name, *_ in named), text("response")]
     return Table(
-        caption=text.peaks_caption.format(move=title),
-        columns=name_and_numbers(text.signal_head, heads, width=1.6),
+        caption=text("peaks-caption", move=title),
+        columns=name_and_numbers(text("signal-head"), heads, width=1.6),
         rows=rows,
     )
 
 
-def _amplitudes(move: MoveEntry, title: str, f: Formatter) -> Table:
-    text = f.labels
-    length = motion_unit("m", rotary=f.rotary)
+def _amplitudes(move: MoveEntry, title: str, words: Catalogue) -> Table:
+    text, f = words.text, words.format
     return Table(
-        caption=text.amplitudes_caption.format(move=title),
-        columns=(Column(head=text.mode), Column(head=text.amplitude, is_number=True)),
+        caption=text("amplitudes-caption", move=title),
+        columns=(Column(head=text("mode")), Column(head=text("amplitude"), is_number=True)),
         rows=tuple(
-            (name, f.quantity(value, length))
-            for name, value in move["response"]["mode_amplitudes"].items()
+            (name, f.axis(value, "m")) for name, value in move.response.mode_amplitudes.items()
         ),
     )
 
 
-def _segments(move: MoveEntry, title: str, f: Formatter) -> tuple[Block, ...]:
-    text, setpoint = f.labels, move["setpoint"]
+def _segments(move: MoveEntry, title: str, words: Catalogue) -> tuple[Block, ...]:
+    text, f, setpoint = words.text, words.format, move.setpoint
     table = Table(
-        caption=text.setpoint_caption.format(move=title),
+        caption=text("setpoint-caption", move=title),
         columns=(
-            Column(head=text.segment),
-            Column(head=text.duration, is_number=True),
-            Column(head=text.jerk, is_number=True),
+            Column(head=text("segment")),
+            Column(head=text("duration"), is_number=True),
+            Column(head=text("jerk"), is_number=True),
         ),
         rows=tuple(
             (
                 str(number),
-                f.quantity(segment["duration"], "s"),
-                f.quantity(segment["jerk"], motion_unit("m/s^3", rotary=f.rotary)),
+                f.quantity(segment.duration, "s"),
+                f.axis(segment.jerk, "m/s^3"),
             )
-            for number, segment in enumerate(setpoint["segments"], start=1)
+            for number, segment in enumerate(setpoint.segments, start=1)
         ),
     )
-    if not setpoint["moving_average"]:
+    if not setpoint.moving_average:
         return (table,)
-    average = f.quantity(setpoint["moving_average"], "s")
-    return (table, Paragraph(text=text.moving_average.format(time=average), tone=Tone.NOTE))
+    average = f.quantity(setpoint.moving_average, "s")
+    return (table, Paragraph(text=text("moving-average", time=average), tone=Tone.NOTE))

@@ -13,11 +13,11 @@ from typing import Any
 import typst
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.formula import Expression, write_formula
 from mtcommission.messages.message import Message
 from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.figures import draw_svg
-from mtcommission.sheet.formula import parse_formula
-from mtcommission.sheet.model import Block, Document, Formula, Table
+from mtcommission.sheet.model import Block, Cell, Document, Formula, Table
 from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
 from mtcommission.sheet.typst_math import write_typst
 
@@ -65,7 +65,7 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
             TEMPLATE,
             font_paths=[_font_folder()],
             ignore_system_fonts=True,
-            sys_inputs={"document": _as_json(document, decimal_mark), "plots": json.dumps(plots)},
+            sys_inputs={"document": _as_json(document), "plots": json.dumps(plots)},
             format="pdf",
             pdf_standards=["ua-1"],
             timestamp=_timestamp(document.created),
@@ -98,13 +98,13 @@ def _timestamp(created: str) -> datetime:
     return moment if moment.tzinfo else moment.replace(tzinfo=UTC)
 
 
-def _as_json(document: Document, decimal_mark: str) -> str:
+def _as_json(document: Document) -> str:
     """Return the document as data for the template; plots shrink to key, caption and alt."""
     sections = [
         {
             "heading": section.heading,
             "is_together": section.is_together,
-            "blocks": [_as_data(block, decimal_mark) for block in section.blocks],
+            "blocks": [_as_data(block) for block in section.blocks],
         }
         for section in document.sections
     ]
@@ -115,12 +115,11 @@ def _as_json(document: Document, decimal_mark: str) -> str:
     return json.dumps(data | {"sections": sections}, ensure_ascii=False)
 
 
-def _as_data(block: Block, decimal_mark: str) -> dict[str, Any]:
+def _as_data(block: Block) -> dict[str, Any]:
     if isinstance(block, (*PLOTS, Diagram)):
         return {"type": "Plot", "key": block.key, "caption": block.caption, "alt": block.alt}
     if isinstance(block, Formula):
-        set_as = write_typst(block.tree)
-        return {"type": "Formula", "math": set_as, "alt": block.source, "aside": block.aside}
+        return {"type": "Formula", "aside": block.aside} | _mathematics(block.tree)
     values = asdict(
         block,
         dict_factory=lambda pairs: {
@@ -128,14 +127,14 @@ def _as_data(block: Block, decimal_mark: str) -> dict[str, Any]:
         },
     )
     if isinstance(block, Table):
-        values["rows"] = [_cells(block, row, decimal_mark) for row in block.rows]
+        values["rows"] = [list(map(_as_cell, row)) for row in block.rows]
     return {"type": type(block).__name__} | values
 
 
-def _cells(table: Table, row: tuple[str, ...], decimal_mark: str) -> list[str | dict[str, str]]:
-    """Return the cells of a row; a formula as what the typesetter evaluates, and as text."""
-    cells: list[str | dict[str, str]] = []
-    for column, words in zip(table.columns, row, strict=True):
-        tree = parse_formula(words, decimal_mark=decimal_mark) if column.is_formula else None
-        cells.append(words if tree is None else {"math": write_typst(tree), "alt": words})
-    return cells
+def _as_cell(cell: Cell) -> str | dict[str, str]:
+    return cell if isinstance(cell, str) else _mathematics(cell)
+
+
+def _mathematics(tree: Expression) -> dict[str, str]:
+    """Return a formula as what the typesetter evaluates, and for those who cannot see it."""
+    return {"math": write_typst(tree), "alt": write_formula(tree)}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from functools import cache
+from typing import Any
 
 PLACE = re.compile(r"\{(-?)(\w+)\}")
 NUMBER = r"[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|inf|nan)"
@@ -78,6 +79,16 @@ def translate(text: str, phrases: Phrases, *, decimal_mark: str) -> str | None:
         if filled is not None:
             return _put(target, filled)
     return _sentence_by_sentence(text, phrases, decimal_mark)
+
+
+def say(text: str, words: Any) -> str:
+    """Interim: a sentence of the record in the language of a catalogue."""
+    from mtcommission.sheet.phrases_de import PHRASES, ROTARY_DE, ROTARY_EN
+
+    german = words.language == "de"
+    found = translate(text, PHRASES, decimal_mark=",") if german else None
+    rotary = (ROTARY_DE if german else ROTARY_EN) if words.rotary else ()
+    return replace_words(polish(found or text), rotary)
 
 
 def polish(text: str) -> str:

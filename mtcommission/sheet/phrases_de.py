@@ -578,3 +578,57 @@ PHRASES: tuple[tuple[str, str], ...] = (
     ("{-a} and {-b}", "{a} und {b}"),
 )
 """English pattern and German text; the first that fits is taken."""
+
+ROTARY_EN = (
+    (r"cable forces", "cable drag"),
+    (r"The axis is linear: a rigid mass", "The axis is taken as a linear system: a rigid body"),
+    (r"(?i)force on the line of the drive", "torque about the axis of the drive"),
+    (r"Displacement of the tool per force", "Rotation of the tool per torque"),
+    (
+        r"laser interferometer or accelerometer at the tool",
+        "angle measuring device, or accelerometer at a known radius",
+    ),
+    (r"\bforce(s?)\b", r"torque\1"),
+    (r"\bForce(s?)\b", r"Torque\1"),
+    (r"\bmass\b", "moment of inertia"),
+    (r"\bMass\b", "Moment of inertia"),
+    (r"\bdistance\b", "angle"),
+    (r"\bDistance\b", "Angle"),
+    (r"(?<=\d) kg\b(?!·| m)", " kg·m²"),
+)
+
+ROTARY_DE = (
+    (
+        "Die Achse ist linear: eine starre Masse",
+        "Die Achse gilt als lineares System: starrer Körper",
+    ),
+    ("Rastkräfte und Kräfte der Energieführung", "Rastmomente und Momente der Energieführung"),
+    ("Kraftsprung in der Wirklinie des Antriebs", "Momentensprung um die Achse des Antriebs"),
+    ("Auslenkung des Werkzeugs je Kraft", "Drehung des Werkzeugs je Drehmoment"),
+    (
+        "Laserinterferometer oder Beschleunigungsaufnehmer am Werkzeug",
+        "Winkelmessgerät oder Beschleunigungsaufnehmer auf bekanntem Radius",
+    ),
+    ("Weg, Geschwindigkeit und Kraft", "Winkel, Geschwindigkeit und Drehmoment"),
+    ("^Weg(?=$| oder)", "Winkel"),
+    ("an der Sollkraft", "am Sollmoment"),
+    ("Größte Sollkraft", "Größtes Sollmoment"),
+    ("Verlangte Sollkraft", "Verlangtes Sollmoment"),
+    ("Größte Kraft", "Größtes Drehmoment"),
+    ("verfügbare Kraft", "verfügbares Drehmoment"),
+    ("innerhalb der Kraft", "innerhalb des Drehmoments"),
+    ("keine zulässige Kraft", "kein zulässiges Drehmoment"),
+    ("keine Kraft", "kein Drehmoment"),
+    ("die volle Kraft", "das volle Drehmoment"),
+    ("die Kraft", "das Drehmoment"),
+    ("der quadrierten Motorkraft", "des quadrierten Motormoments"),
+    ("(Soll|Effektiv|Dauer|Motor)kraft", r"\1moment"),
+    (r"Kraft(?=-|[a-zä])", "Momenten"),
+    ("Kräfte", "Drehmomente"),
+    ("Kraft", "Drehmoment"),
+    ("Bewegte Masse", "Bewegtes Trägheitsmoment"),
+    ("der bewegten Masse", "des bewegten Trägheitsmoments"),
+    ("Anteil der Masse", "Anteil des Trägheitsmoments"),
+    ("Masse", "Trägheitsmoment"),
+    (r"(?<=\d) kg\b(?!·| m)", " kg·m²"),
+)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.formula import symbol
+from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import ModeEntry, Record
-from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.formula import parse_formula
-from mtcommission.sheet.model import Block, Column, Formula, Paragraph, Section, Table, Tone
+from mtcommission.sheet.model import Block, Cell, Column, Formula, Paragraph, Section, Table, Tone
+from mtcommission.sheet.values import residual
 from mtcommission.sheet.verdict_part import band
 
 SENTENCE_END = re.compile(r"; |\. |\.$")
@@ -16,49 +19,48 @@ JOINT = re.compile(r", with |, | and ")
 """What stands between formulas in one sentence."""
 
 
-def rule(record: Record, f: Formatter) -> Section:
+def rule(record: Record, words: Catalogue) -> Section:
     """Return the rule in words and formulas, its symbols, and the calculation by hand."""
-    text, part = f.labels, record["limits"]["rule"]
+    text, part = words.text, record.limits.rule
     return Section(
         key="rule",
-        heading=text.rule_heading,
+        heading=text("rule-heading"),
         blocks=(
-            Paragraph(text=text.say(part["text"])),
-            Paragraph(text=_result(record, f)),
-            *_formulas(part["formula"], f),
-            _symbols(record, f),
-            _steps(record, f),
-            Paragraph(
-                text=text.rule_valid.format(range=text.say(part["valid_for"])), tone=Tone.NOTE
-            ),
-            *(Paragraph(text=text.say(line), tone=Tone.WARNING) for line in part["warnings"]),
+            Paragraph(text=words.say(part.text)),
+            Paragraph(text=_result(record, words)),
+            *_formulas(part.formula, words),
+            _symbols(record, words),
+            _steps(record, words),
+            Paragraph(text=text("rule-valid", range=words.say(part.valid_for)), tone=Tone.NOTE),
+            *(Paragraph(text=words.say(line), tone=Tone.WARNING) for line in part.warnings),
         ),
     )
 
 
-def _result(record: Record, f: Formatter) -> str:
-    text, part, length = f.labels, record["limits"]["rule"], motion_unit("m", rotary=f.rotary)
-    return text.rule_result.format(
-        acceleration=f.quantity(part["acceleration"], f"{length}/s^2"),
-        jerk=f.quantity(part["jerk"], f"{length}/s^3"),
-        chosen=text.say(part["chosen"]),
-        bound=text.say(part["bound_by"]),
-        residual=f.quantity(part["predicted_residual"], length, missing=text.not_settled),
+def _result(record: Record, words: Catalogue) -> str:
+    f, part = words.format, record.limits.rule
+    return words.text(
+        "rule-result",
+        acceleration=f.axis(part.acceleration, "m/s^2"),
+        jerk=f.axis(part.jerk, "m/s^3"),
+        chosen=words.say(part.chosen),
+        bound=words.say(part.bound_by),
+        residual=residual(part.predicted_residual, words),
     )
 
 
-def _formulas(text: str, f: Formatter) -> tuple[Block, ...]:
+def _formulas(text: str, words: Catalogue) -> tuple[Block, ...]:
     """Return each formula of the rule in a line of its own, and the words between them."""
     blocks: list[Block] = []
-    words: list[str] = []
+    between: list[str] = []
     for sentence in filter(None, (part.strip() for part in SENTENCE_END.split(text))):
-        found = tuple(split_formulas(sentence, decimal_mark=f.labels.decimal_mark))
+        found = tuple(split_formulas(sentence, decimal_mark=words.format.decimal_mark))
         if all(isinstance(block, Formula) for block in found):
-            blocks += [_spoken(block, f) for block in found if isinstance(block, Formula)]
+            blocks += [_spoken(block, words) for block in found if isinstance(block, Formula)]
         else:
-            words.append(sentence)
-    if words:
-        blocks.append(Paragraph(text=f.labels.say("; ".join(words) + ".")))
+            between.append(sentence)
+    if between:
+        blocks.append(Paragraph(text=words.say("; ".join(between) + ".")))
     return tuple(blocks)
 
 
@@ -74,7 +76,7 @@ def split_formulas(sentence: str, *, decimal_mark: str = ".") -> Iterator[Formul
 
     Examples
     --------
-    >>> [part.source for part in split_formulas("j <= F/m, with m = a/F within reach")]
+    >>> [write_formula(part.tree) for part in split_formulas("j <= F/m, with m = a/F within reach")]
     ['j <= F/m', 'm = a/F']
     """
     for piece in _pieces(sentence):
@@ -83,7 +85,7 @@ def split_formulas(sentence: str, *, decimal_mark: str = ".") -> Iterator[Formul
             source = " ".join(words[:count])
             tree = parse_formula(source, decimal_mark=decimal_mark)
             if tree is not None and any(sign in source for sign in "<>="):
-                yield Formula(tree=tree, source=source, aside=" ".join(words[count:]))
+                yield Formula(tree=tree, aside=" ".join(words[count:]))
                 break
         else:
             yield piece
@@ -100,100 +102,103 @@ def _pieces(sentence: str) -> Iterator[str]:
     yield sentence[begin:]
 
 
-def _spoken(formula: Formula, f: Formatter) -> Formula:
+def _spoken(formula: Formula, words: Catalogue) -> Formula:
     if not formula.aside:
         return formula
-    return Formula(tree=formula.tree, source=formula.source, aside=f.labels.say(formula.aside))
+    return Formula(tree=formula.tree, aside=words.say(formula.aside))
 
 
-def _symbols(record: Record, f: Formatter) -> Table:
+def _symbols(record: Record, words: Catalogue) -> Table:
     """Return what each letter of the rule means, with its value on this axis."""
-    text, part, loop = f.labels, record["limits"]["rule"], record["loop"]
-    length, force = motion_unit("m", rotary=f.rotary), record["plant"]["units"]["F"]
-    mass, per_mass = motion_unit("kg", rotary=f.rotary), motion_unit("1/kg", rotary=f.rotary)
-    data = {item["key"]: item["value"] for item in record["data"]}
-    lag, modes = data.get("drive.force_lag"), record["plant"]["modes"]
-    names = text.rule_symbols
+    text, f, part, loop = words.text, words.format, record.limits.rule, record.loop
+    data = {item.key: item.value for item in record.data}
+    lag, modes = data.get("drive.force_lag"), record.plant.modes
+
+    def means(letter: str) -> str:
+        return text(f"rule-symbol-{letter.replace('_', '-')}")
+
     rows = [
-        ("a", names["a"], f.quantity(part["acceleration"], f"{length}/s^2")),
-        ("j", names["j"], f.quantity(part["jerk"], f"{length}/s^3")),
-        ("t_j", names["t_j"], f.quantity(part["jerk_time"], "s")),
-        ("band", names["band"], f.quantity(band(record), length)),
-        ("F", names["F"], f.quantity(record["optima"][0]["time"]["f_max"], force)),
-        ("v", names["v"], _velocities(record, f)),
-        *((("L", names["L"], distances),) if (distances := _distances(record, f)) else ()),
-        ("m", names["m"], f.quantity(record["plant"]["moving_mass"], mass)),
-        ("m_ff", names["m_ff"], f.quantity(loop["feedforward"].get("mass"), mass)),
-        ("T", names["T"], f.quantity(lag if isinstance(lag, float) else None, "s")),
-        ("T_p", text.position_cycle, f.quantity(loop["position_cycle"], "s")),
-        ("T_v", text.velocity_cycle, f.quantity(loop["velocity_cycle"], "s")),
-        ("Kv", text.name("Kv"), f.quantity(loop["Kv"], "1/s")),
-        ("Kp", text.name("Kp"), f.quantity(loop["Kp"], motion_unit("N s/m", rotary=f.rotary))),
-        ("Tn", text.name("Tn"), f.quantity(loop["Tn"], "s")),
-        ("f", names["f"], "; ".join(f.quantity(m["frequency_hz"], "Hz") for m in modes)),
-        ("omega", names["omega"], "2π f"),
-        ("zeta", names["zeta"], "; ".join(f.percent(m["damping_ratio"]) for m in modes)),
-        ("g", names["g"], "; ".join(f.quantity(_share(m), per_mass) for m in modes)),
-        ("c", names["c"], "; ".join(f.quantity(m["measured_gain"], per_mass) for m in modes)),
-        ("R", names["R"], "–"),
-        ("x", names["x"], "–"),
-        ("i", names["i"], "–"),
+        ("a", means("a"), f.axis(part.acceleration, "m/s^2")),
+        ("j", means("j"), f.axis(part.jerk, "m/s^3")),
+        ("t_j", means("t_j"), f.quantity(part.jerk_time, "s")),
+        ("band", means("band"), f.axis(band(record), "m")),
+        ("F", means("F"), f.axis(record.optima[0].time.f_max, "N")),
+        ("v", means("v"), _velocities(record, words)),
+        *((("L", means("L"), distances),) if (distances := _distances(record, words)) else ()),
+        ("m", means("m"), f.axis(record.plant.moving_mass, "kg")),
+        ("m_ff", means("m_ff"), f.axis(loop.feedforward.mass, "kg")),
+        ("T", means("T"), f.quantity(lag if isinstance(lag, float) else None, "s")),
+        ("T_p", text("position-cycle"), f.quantity(loop.position_cycle, "s")),
+        ("T_v", text("velocity-cycle"), f.quantity(loop.velocity_cycle, "s")),
+        ("Kv", words.name("Kv"), f.quantity(loop.Kv, "1/s")),
+        ("Kp", words.name("Kp"), f.axis(loop.Kp, "N s/m")),
+        ("Tn", words.name("Tn"), f.quantity(loop.Tn, "s")),
+        ("f", means("f"), "; ".join(f.quantity(m.frequency_hz, "Hz") for m in modes)),
+        ("omega", means("omega"), "2π f"),
+        ("zeta", means("zeta"), "; ".join(f.percent(m.damping_ratio) for m in modes)),
+        ("g", means("g"), "; ".join(f.axis(_share(m), "1/kg") for m in modes)),
+        ("c", means("c"), "; ".join(f.axis(m.measured_gain, "1/kg") for m in modes)),
+        ("R", means("R"), "–"),
+        ("x", means("x"), "–"),
+        ("i", means("i"), "–"),
     ]
     return Table(
-        caption=text.rule_symbols_caption.format(modes="; ".join(m["name"] for m in modes)),
+        caption=text("rule-symbols-caption", modes="; ".join(m.name for m in modes)),
         columns=(
-            Column(head=text.symbol, width=0.6, is_formula=True),
-            Column(head=text.meaning, width=2.6),
-            Column(head=text.value, width=1.6, is_number=True),
+            Column(head=text("symbol"), width=0.6),
+            Column(head=text("meaning"), width=2.6),
+            Column(head=text("value"), width=1.6, is_number=True),
         ),
-        rows=tuple(rows),
+        rows=tuple((symbol(letter), *row) for letter, *row in rows),
     )
 
 
-def _velocities(record: Record, f: Formatter) -> str:
+def _velocities(record: Record, words: Catalogue) -> str:
     """Return the change or the limit of velocity of each move; a dash where there is none."""
-    unit = motion_unit("m/s", rotary=f.rotary)
-    moves = (entry["move"] for entry in record["moves"])
+    moves = (entry.move for entry in record.moves)
     speeds = (move.get("velocity_step", move.get("max_velocity")) for move in moves)
-    return "; ".join(f.quantity(speed, unit) for speed in speeds)
+    return "; ".join(words.format.axis(speed, "m/s") for speed in speeds)
 
 
-def _distances(record: Record, f: Formatter) -> str:
+def _distances(record: Record, words: Catalogue) -> str:
     """Return the length of each positioning move; empty if there is none."""
-    unit = motion_unit("m", rotary=f.rotary)
-    moves = (entry["move"] for entry in record["moves"])
-    return "; ".join(f.quantity(move["distance"], unit) for move in moves if "distance" in move)
+    moves = (entry.move for entry in record.moves)
+    return "; ".join(
+        words.format.axis(move["distance"], "m") for move in moves if "distance" in move
+    )
 
 
 def _share(mode: ModeEntry) -> float:
-    tool, encoder = mode["tcp_gain"], mode["measured_gain"]
+    tool, encoder = mode.tcp_gain, mode.measured_gain
     return max(abs(tool), abs(tool - encoder))
 
 
-def _steps(record: Record, f: Formatter) -> Table:
+def _steps(record: Record, words: Catalogue) -> Table:
     """Return the hand calculation, one line a step."""
-    text = f.labels
+    text = words.text
     return Table(
-        caption=text.rule_steps_caption,
+        caption=text("rule-steps-caption"),
         columns=(
-            Column(head=text.rule_step, width=1.6),
-            Column(head=text.rule_how, width=2.4, is_formula=True),
-            Column(head=text.value, width=1.0, is_number=True),
+            Column(head=text("rule-step"), width=1.6),
+            Column(head=text("rule-how"), width=2.4),
+            Column(head=text("value"), width=1.0, is_number=True),
         ),
         rows=tuple(
             (
-                text.say(step["name"]),
-                _how(step["formula"], f),
-                _value(step["value"], step["unit"], f),
+                words.say(step.name),
+                _how(step.formula, words),
+                _value(step.value, step.unit, words),
             )
-            for step in record["limits"]["rule"]["steps"]
+            for step in record.limits.rule.steps
         ),
     )
 
 
-def _how(formula: str, f: Formatter) -> str:
-    return formula if parse_formula(formula) else f.labels.say(formula)
+def _how(formula: str, words: Catalogue) -> Cell:
+    return parse_formula(formula, decimal_mark=words.format.decimal_mark) or words.say(formula)
 
 
-def _value(value: float | None, unit: str, f: Formatter) -> str:
-    return f.quantity(value, "" if unit == "1" else motion_unit(unit, rotary=f.rotary))
+def _value(value: float | None, unit: str, words: Catalogue) -> str:
+    return words.format.quantity(
+        value, "" if unit == "1" else motion_unit(unit, rotary=words.rotary)
+    )

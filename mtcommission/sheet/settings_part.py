@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
-from mtcommission.sheet.format import Formatter
 from mtcommission.sheet.model import Table, name_and_numbers
 
 UNITS: Mapping[str, str] = MappingProxyType(
@@ -22,15 +22,15 @@ UNITS: Mapping[str, str] = MappingProxyType(
 """SI units of the settings that have one; the others are counts or ratios, as their names say."""
 
 
-def settings(record: Record, f: Formatter) -> tuple[Table, ...]:
+def settings(record: Record, words: Catalogue) -> tuple[Table, ...]:
     """Return one table for each group of settings that the record names before the dot."""
     groups: dict[str, dict[str, float | str]] = {}
-    for key, value in record["settings"].items():
+    for key, value in record.settings.items():
         group, _, name = key.rpartition(".")
         groups.setdefault(group, {})[name] = value
-    for name, count in record["limits"]["search"].items():
+    for name, count in record.limits.search.items():
         groups.setdefault("search", {})[name] = count
-    return tuple(_table(names, [groups[name] for name in names], f) for names in _alike(groups))
+    return tuple(_table(names, [groups[name] for name in names], words) for names in _alike(groups))
 
 
 def _alike(groups: Mapping[str, Mapping[str, object]]) -> list[list[str]]:
@@ -46,25 +46,26 @@ def _alike(groups: Mapping[str, Mapping[str, object]]) -> list[list[str]]:
     return found
 
 
-def _table(names: list[str], groups: list[dict[str, float | str]], f: Formatter) -> Table:
-    text = f.labels
+def _table(names: list[str], groups: list[dict[str, float | str]], words: Catalogue) -> Table:
+    text = words.text
     keys = list(dict.fromkeys(key for group in groups for key in group))
-    heads = [text.say(name.replace("_", " ")) if name else text.value for name in names]
+    heads = [words.known(f"settings-{name}", name) if name else text("value") for name in names]
     return Table(
-        caption=text.settings_caption.format(names=", ".join(heads)),
-        columns=name_and_numbers(text.setting, heads, width=1.6),
+        caption=text("settings-caption", names=", ".join(heads)),
+        columns=name_and_numbers(text("setting"), heads, width=1.6),
         rows=tuple(
             (
-                text.setting_names.get(key, text.say(key.replace("_", " "))),
-                *(_shown(key, group.get(key), f) for group in groups),
+                words.known(f"setting-{key.replace('_', '-')}", key),
+                *(_shown(key, group.get(key), words) for group in groups),
             )
             for key in keys
         ),
     )
 
 
-def _shown(key: str, value: float | str | None, f: Formatter) -> str:
+def _shown(key: str, value: float | str | None, words: Catalogue) -> str:
     """Return one number, or several that the record separates by commas; words as they are."""
+    f = words.format
     if value is None:
         return "–"
     unit = UNITS.get(key, "")

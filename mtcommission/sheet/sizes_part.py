@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import MoveSizesEntry, Record
-from mtcommission.sheet.format import Formatter, motion_unit
 from mtcommission.sheet.limits_part import shown_jerk
 from mtcommission.sheet.model import (
     Block,
@@ -23,95 +24,101 @@ STYLES = {"recommended": 4, "commissioning rule": 1, "moving average": 2}
 """Line style of each way."""
 
 
-def move_sizes(record: Record, f: Formatter) -> tuple[Section, ...]:
+def move_sizes(record: Record, words: Catalogue) -> tuple[Section, ...]:
     """Return from which size on limits hold, move by move; nothing where nothing was tried."""
-    text, entries = f.labels, record["limits"]["move_sizes"]
+    text, entries = words.text, record.limits.move_sizes
     if not entries:
         return ()
-    blocks: list[Block] = [Paragraph(text=text.sizes_note, tone=Tone.NOTE)]
-    for number, move in enumerate(record["moves"], start=1):
-        ways = [entry for entry in entries if entry["move"] == move["move"]]
+    blocks: list[Block] = [Paragraph(text=text("sizes-note"), tone=Tone.NOTE)]
+    for number, move in enumerate(record.moves, start=1):
+        ways = [entry for entry in entries if entry.move == move.move]
         if ways:
-            title = move_title(move["move"], number, f)
-            short = text.move.format(number=number)
+            title = move_title(move.move, number, words)
+            short = text("move", number=number)
             blocks.append(Subheading(text=title))
-            blocks.append(_table(record, ways, short, f))
-            blocks.append(_plot(record, ways, number, short, f))
-    return (Section(key="sizes", heading=text.sizes_heading, blocks=tuple(blocks)),)
+            blocks.append(_table(record, ways, short, words))
+            blocks.append(_plot(record, ways, number, short, words))
+    return (Section(key="sizes", heading=text("sizes-heading"), blocks=tuple(blocks)),)
 
 
-def _unit(entry: MoveSizesEntry, f: Formatter) -> str:
-    length = motion_unit("m", rotary=f.rotary)
-    return f"{length}/s" if "velocity_step" in entry["move"] else length
+def _unit(entry: MoveSizesEntry, words: Catalogue) -> str:
+    length = motion_unit("m", rotary=words.rotary)
+    return f"{length}/s" if "velocity_step" in entry.move else length
 
 
-def _table(record: Record, ways: list[MoveSizesEntry], title: str, f: Formatter) -> Table:
-    text, length = f.labels, motion_unit("m", rotary=f.rotary)
-    cycle = record["loop"]["velocity_cycle"]
+def _table(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalogue) -> Table:
+    text, f = words.text, words.format
+    cycle = record.loop.velocity_cycle
 
     def row(entry: MoveSizesEntry) -> tuple[str, ...]:
-        a, j, unit = entry["acceleration"], entry["jerk"], _unit(entry, f)
-        low, high = entry["kept_from"], entry["kept_to"]
+        a, j, unit = entry.acceleration, entry.jerk, _unit(entry, words)
+        low, high = entry.kept_from, entry.kept_to
         return (
-            text.say(entry["way"]),
-            f.quantity(a, f"{length}/s^2"),
-            text.no_jerk_limit if j is None else shown_jerk(a, j, cycle, f),
-            f.quantity(entry["moving_average"] or None, "s"),
-            f.quantity(entry["full_from"], unit, missing=text.never),
-            _end(low, entry["size"][0], text.or_less, unit, f),
-            _end(high, entry["size"][-1], text.or_more, unit, f),
+            words.say(entry.way),
+            f.axis(a, "m/s^2"),
+            text("no-jerk-limit") if j is None else shown_jerk(a, j, cycle, words),
+            f.quantity(entry.moving_average or None, "s"),
+            f.quantity(entry.full_from, unit, missing=text("never")),
+            _end(low, entry.size[0], "or-less", unit, words),
+            _end(high, entry.size[-1], "or-more", unit, words),
         )
 
     heads = (
-        text.acceleration,
-        text.jerk,
-        text.filter_time,
-        text.full_from,
-        text.kept_from,
-        text.kept_to,
+        text("acceleration"),
+        text("jerk"),
+        text("filter-time"),
+        text("full-from"),
+        text("kept-from"),
+        text("kept-to"),
     )
     return Table(
-        caption=text.sizes_caption.format(move=title),
-        columns=name_and_numbers(text.limits_name, heads, width=1.4),
+        caption=text("sizes-caption", move=title),
+        columns=name_and_numbers(text("limits-name"), heads, width=1.4),
         rows=tuple(map(row, ways)),
     )
 
 
-def _end(value: float | None, last: float, form: str, unit: str, f: Formatter) -> str:
+def _end(value: float | None, last: float, open_end: str, unit: str, words: Catalogue) -> str:
     """Return an end of the range in which the band is kept; the last one tried is open."""
-    shown = f.quantity(value, unit, missing=f.labels.nowhere)
-    return form.format(value=shown) if value == last else shown
+    shown = words.format.quantity(value, unit, missing=words.text("nowhere"))
+    return words.text(open_end, value=shown) if value == last else shown
 
 
 def _plot(
-    record: Record, ways: list[MoveSizesEntry], number: int, title: str, f: Formatter
+    record: Record, ways: list[MoveSizesEntry], number: int, title: str, words: Catalogue
 ) -> LinePlot:
-    text, permitted, unit = f.labels, band(record), _unit(ways[0], f)
-    length = motion_unit("m", rotary=f.rotary)
-    sizes = [np.array(entry["size"]) for entry in ways]
+    text, f, permitted, unit = words.text, words.format, band(record), _unit(ways[0], words)
+    length = motion_unit("m", rotary=words.rotary)
+    sizes = [np.array(entry.size) for entry in ways]
     found = [
-        np.array([np.nan if value is None else value for value in entry["residual_deviation"]])
+        np.array([np.nan if value is None else value for value in entry.residual_deviation])
         for entry in ways
     ]
     x_scale, y_scale = f.scale_for(sizes, unit), f.scale(permitted or 1e-6, length)
     lines = tuple(
         Line(
-            label=text.say(entry["way"]),
+            label=words.say(entry.way),
             x=size[np.isfinite(y)] / x_scale.size,
             y=y[np.isfinite(y)] / y_scale.size,
-            style=STYLES.get(entry["way"], 0),
+            style=STYLES.get(entry.way, 0),
         )
         for entry, size, y in zip(ways, sizes, found, strict=True)
     )
-    shown = f.quantity(permitted, length)
+    shown = f.axis(permitted, "m")
     borders = () if permitted is None else (Border(label=shown, y=permitted / y_scale.size),)
-    what = text.name("velocity_step" if "velocity_step" in ways[0]["move"] else "distance")
+    what = words.name("velocity_step" if "velocity_step" in ways[0].move else "distance")
     return LinePlot(
         key=f"sizes-{number}",
-        caption=text.sizes_plot_caption.format(move=title),
-        alt=text.sizes_plot_alt.format(ways=", ".join(line.label for line in lines), band=shown),
-        x_label=f"{what} in {x_scale.unit}",
+        caption=text("sizes-plot-caption", move=title),
+        alt=text("sizes-plot-alt", ways=", ".join(line.label for line in lines), band=shown),
+        x_label=words.text("in-unit", name=what, unit=x_scale.unit),
         x_is_log=True,
         link=f"sizes-{number}",
-        panels=(Panel(y_label=f"{text.residual} in {y_scale.unit}", lines=lines, borders=borders),),
+        panels=(
+            Panel(
+                y_label=text("in-unit", name=text("residual"), unit=y_scale.unit),
+                lines=lines,
+                borders=borders,
+            ),
+        ),
     )

@@ -10,11 +10,12 @@ from rich.console import Console, ConsoleOptions, RenderResult
 from rich.table import Table
 from rich.text import Text
 
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.record.schema import Record
-from mtcommission.sheet.format import THIN_SPACE, Formatter, formatter_of
-from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.limits_part import name_obstacle
 from mtcommission.sheet.robustness_part import drawn_sentence, kept_sentence
+from mtcommission.sheet.values import settling
 from mtcommission.sheet.verdict_part import (
     acceleration,
     jerk,
@@ -67,75 +68,74 @@ class Summary:
     ----------
     record
         A whole commissioning.
-    labels
-        Texts of the language.
+    language
+        Code, e.g. "en".
     """
 
     record: Record
-    labels: Labels
+    language: str
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield title, verdict, values and the small plot."""
         record = self.record
-        f = formatter_of(record["machine"]["motion"], self.labels)
-        text = f.labels
+        words = Catalogue(self.language, rotary=record.machine.motion == "rotary")
+        text = words.text
 
-        def plain(words: str, style: str = "") -> Text:
+        def plain(line: str, style: str = "") -> Text:
             # A Text is never read as markup, whatever the machine is called.
-            return Text(_speak(words, options.encoding), style=style)
+            return Text(_speak(line, options.encoding), style=style)
 
-        is_met = record["assessment"]["met"]
-        machine = record["machine"]
-        yield plain(f"{machine['name']}, {text.axis} {machine['axis']}", "bold")
-        verdict = text.verdict_met if is_met else text.verdict_not_met
+        is_met = record.assessment.met
+        machine = record.machine
+        yield plain(f"{machine.name}, {text('axis')} {machine.axis}", "bold")
+        verdict = text("verdict-met") if is_met else text("verdict-not-met")
         yield plain(verdict, "bold green" if is_met else "bold red")
-        for warning in record["warnings"]:
-            yield plain(text.warning.format(warning=text.say(warning)), "yellow")
-        if record["assessment"]["obstacle"]:
-            yield plain(text.obstacle.format(obstacle=text.say(record["assessment"]["obstacle"])))
+        for warning in record.warnings:
+            yield plain(text("warning", warning=words.say(warning)), "yellow")
+        if record.assessment.obstacle:
+            yield plain(text("obstacle", obstacle=words.say(record.assessment.obstacle)))
         table = Table.grid(padding=(0, 2))
-        for name, value in summary_rows(record, f):
+        for name, value in summary_rows(record, words):
             table.add_row(plain(name), plain(value, "bold"))
         yield table
-        yield plain(
-            text.values_bound_by.format(bound=text.say(record["limits"]["recommended"]["bound_by"]))
-        )
-        for sentence in further_sentences(record, f):
+        yield plain(text("values-bound-by", bound=words.say(record.limits.recommended.bound_by)))
+        for sentence in further_sentences(record, words):
             yield plain(sentence)
-        yield from (plain(line) for line in _small_plot(record, f, is_ascii=options.ascii_only))
-        yield plain(text.disclaimer, "dim")
+        yield from (plain(line) for line in _small_plot(record, words, is_ascii=options.ascii_only))
+        yield plain(text("disclaimer"), "dim")
 
 
-def summary_rows(record: Record, f: Formatter) -> list[tuple[str, str]]:
+def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, str]]:
     """Return the values of the summary, as the sheet prints them."""
-    text, limits = f.labels, record["limits"]["recommended"]
+    text, f, limits = words.text, words.format, record.limits.recommended
     return [
-        (text.acceleration, acceleration(record, f)),
-        (text.jerk, jerk(record, f)),
-        (text.jerk_time, f.quantity(limits["jerk_time"], "s")),
-        (text.settling_time, f.settling(limits["settling_time"])),
-        (text.residual, residual_against_band(record, f)),
+        (text("acceleration"), acceleration(record, words)),
+        (text("jerk"), jerk(record, words)),
+        (text("jerk-time"), f.quantity(limits.jerk_time, "s")),
+        (text("settling-time"), settling(limits.settling_time, words)),
+        (text("residual"), residual_against_band(record, words)),
     ]
 
 
-def further_sentences(record: Record, f: Formatter) -> list[str]:
+def further_sentences(record: Record, words: Catalogue) -> list[str]:
     """Return what could be met instead, the reference, and the robustness, as on the sheet."""
-    text, drawn = f.labels, record["robustness"]["monte_carlo"]
+    text, f, drawn = words.text, words.format, record.robustness.monte_carlo
     could_be_met = [
-        text.could_be_met.format(
-            requirement=text.say(name_obstacle(item)),
-            value=f.quantity(item["value"], item["unit"]),
-            limit=f.quantity(item["limit"], item["unit"]),
+        text(
+            "could-be-met",
+            requirement=words.say(name_obstacle(item)),
+            value=f.quantity(item.value, item.unit),
+            limit=f.quantity(item.limit, item.unit),
         )
-        for item in record["limits"]["attainable"]
+        for item in record.limits.attainable
     ]
     # A warning of a narrow range has said already how far the frequencies may be off.
-    is_said = bool(record["robustness"]["warnings"])
+    is_said = bool(record.robustness.warnings)
     return [
         *could_be_met,
-        reference_sentence(record, slowest_move(record), f),
-        *([] if is_said else [kept_sentence(record, f)]),
-        *([] if drawn is None else [drawn_sentence(drawn, f)]),
+        reference_sentence(record, slowest_move(record), words),
+        *([] if is_said else [kept_sentence(record, words)]),
+        *([] if drawn is None else [drawn_sentence(drawn, words)]),
     ]
 
 
@@ -166,15 +166,16 @@ def draw_dots(y: Array) -> list[str]:
     return ["".join(chr(BRAILLE + int(cell)) for cell in row) for row in cells]
 
 
-def _small_plot(record: Record, f: Formatter, *, is_ascii: bool) -> list[str]:
+def _small_plot(record: Record, words: Catalogue, *, is_ascii: bool) -> list[str]:
     """Return the acceleration setpoint of the slowest move over time, with its caption."""
+    f = words.format
     number = slowest_move(record)
-    move = record["moves"][number - 1]
-    t, y = np.array(move["series"]["t"]), np.array(move["series"]["signals"]["a_ref"])
-    title = move_title(move["move"], number, f)
-    end = f.quantity(move["setpoint"]["duration"], "s")
-    caption = f.labels.sparkline.format(move=title, duration=end)
-    shown = t <= 1.02 * move["setpoint"]["duration"]
+    move = record.moves[number - 1]
+    t, y = np.array(move.series.t), np.array(move.series.signals["a_ref"])
+    title = move_title(move.move, number, words)
+    end = f.quantity(move.setpoint.duration, "s")
+    caption = words.text("sparkline", move=title, duration=end)
+    shown = t <= 1.02 * move.setpoint.duration
     grid = np.linspace(0.0, float(t[shown][-1]), 2 * COLUMNS)
     values = np.interp(grid, t, y)
     if not is_ascii:

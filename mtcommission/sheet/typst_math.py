@@ -1,8 +1,8 @@
-"""Formulas on paper: mathematics of the typesetter, made of nothing but the parsed tree."""
+"""Formulas on paper: mathematics of the typesetter, made of nothing but its tree."""
 
 from __future__ import annotations
 
-from mtcommission.sheet.formula import (
+from mtcommission.messages.formula import (
     Call,
     Enclosed,
     Expression,
@@ -61,6 +61,7 @@ def write_typst(tree: Expression) -> str:
                 f"{sign} {write_typst(side)}" for sign, side in zip(signs, sides[1:], strict=True)
             )
             return " ".join([write_typst(sides[0]), *rest])
+    raise TypeError(type(tree).__name__)
 
 
 def _name(name: str) -> str:

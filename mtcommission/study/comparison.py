@@ -115,7 +115,6 @@ def _in_loop(
     setpoint = plan_setpoint(move, limits, moving_average=machine.control.moving_average_time)
     response = simulate(
         tuned.loops[0],
-        tuned.lifted[0],
         setpoint,
         drive=machine.drive,
         band=machine.requirements.tcp_deviation,

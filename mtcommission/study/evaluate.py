@@ -99,8 +99,7 @@ def run_setpoints(
         MoveResult(
             setpoint=setpoint,
             responses=tuple(
-                simulate(loop, lifted, setpoint, drive=drive, band=band)
-                for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+                simulate(loop, setpoint, drive=drive, band=band) for loop in tuned.loops
             ),
         )
         for setpoint in setpoints

@@ -14,7 +14,7 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.sampled import SampledLoop, build_loop, lift_loop
+from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -128,7 +128,6 @@ def follow_setpoint(
         loop = build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)
         response = simulate(
             loop,
-            lift_loop(loop),
             setpoint,
             drive=machine.drive,
             band=machine.requirements.tcp_deviation,

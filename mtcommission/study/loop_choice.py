@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
+from typing import Any
 
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import tune_loop, tune_variants
 from mtcommission.machine.machine import Machine, StateFeedback
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.evaluate import Trial, judge
@@ -75,6 +77,11 @@ class LoopChoice:
     tuned: TunedLoop
     variants: tuple[LoopVariant, ...]
 
+    @property
+    def model(self) -> Any:
+        """The loop as a ``control.StateSpace`` to go on with, e.g. ``control.bode_plot``."""
+        return self.tuned.model
+
 
 def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:
     """Return the tuned loop, with state feedback only where that pays.
@@ -97,7 +104,7 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     if found.feedback is None:
         return LoopChoice(tuned=found.plain, variants=())
     if found.is_needed:
-        remarks = (*found.feedback.remarks, NEEDS_STATE_FEEDBACK)
+        remarks = (*found.feedback.remarks, Message("verbatim", text=NEEDS_STATE_FEEDBACK))
         return LoopChoice(tuned=replace(found.feedback, remarks=remarks), variants=())
     without = _try_loop(machine, plant, WITHOUT, found.plain, settings, starts=())
     starts = (without.limits,)
@@ -116,7 +123,7 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     ratio = found.feedback.least_stiffness / found.plain.least_stiffness
     stiffness = f"With it the tool is {ratio:.3g} times as stiff against a disturbance."
     hint = f" {NEEDS_STATE_FEEDBACK}" if helps else ""
-    remarks = (*kept.remarks, f"{verdict} {stiffness}{hint}")
+    remarks = (*kept.remarks, Message("verbatim", text=f"{verdict} {stiffness}{hint}"))
     return LoopChoice(tuned=replace(kept, remarks=remarks), variants=variants)
 
 

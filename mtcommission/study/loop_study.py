@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from mtcommission.loop.model.controller import Controller, feedforward_delay
-from mtcommission.loop.simulate.disturbance import DisturbanceStep, push
+from mtcommission.loop.simulate.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.machine import Machine
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -96,7 +96,7 @@ def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> Loop
     used = loop.tuned.controller.jerk_feedforward
     return LoopStudy(
         pushed=tuple(
-            PushedTool(name=name, step=push(tuned.loops[0], duration=PUSH_TIME))
+            PushedTool(name=name, step=simulate_disturbance(tuned.loops[0], duration=PUSH_TIME))
             for name, tuned in shown
         ),
         jerk_feedforward=tuple(

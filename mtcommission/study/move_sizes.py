@@ -108,8 +108,8 @@ def vary_move_sizes(
         each = [_steps(way, move, shares) for move in machine.moves]
         longest = max(float(steps.duration.max()) for steps in each)
         tables = [
-            build_tables(loop, lifted, longest=longest, filtered=way.moving_average > 0.0)
-            for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+            build_tables(loop, longest=longest, filtered=way.moving_average > 0.0)
+            for loop in tuned.loops
         ]
         for move, steps in zip(machine.moves, each, strict=True):
             band = machine.requirements.tcp_deviation

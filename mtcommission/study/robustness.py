@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.batch.varied_response import VariedResponse, respond_to_variations
+from mtcommission.loop.batch.response import BatchedResponse, simulate_limits_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import (
@@ -242,7 +242,7 @@ def run_monte_carlo(
     MonteCarlo
     """
     variations = draw_variations(machine, samples=samples, seed=seed)
-    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
     band = machine.requirements.tcp_deviation
     return MonteCarlo(
         variations=variations,
@@ -289,7 +289,7 @@ def find_frequency_error(
         frequency_factor=np.repeat(factor, len(places)),
         damping_factor=np.tile(each.damping_factor, len(factor)),
     )
-    found = respond_to_variations(machine, plant, tuned, limits, variations=variations)
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
     shape = (len(factor), len(places))
     kept = np.all(found.meets(machine).reshape(shape), axis=1)
     low, high = _stretch_about(kept, middle)
@@ -345,20 +345,20 @@ def find_sensitivities(
         ("frequencies -1 %", limits, scale_variations(places, frequency=0.99)),
         ("damping -10 %", limits, scale_variations(places, damping=0.9)),
     ]
-    base = respond_to_variations(machine, plant, tuned, limits, variations=places)
+    base = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
     return tuple(
         _compare(
             machine,
             change,
             base,
-            respond_to_variations(machine, plant, tuned, varied, variations=variations),
+            simulate_limits_batched(machine, plant, tuned, varied, variations=variations),
         )
         for change, varied, variations in cases
     )
 
 
 def _compare(
-    machine: Machine, change: str, base: VariedResponse, found: VariedResponse
+    machine: Machine, change: str, base: BatchedResponse, found: BatchedResponse
 ) -> Sensitivity:
     settling = float(found.settling_time.max())
     residual = float(found.residual_deviation.max())

@@ -15,7 +15,7 @@ from math import exp, inf, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.batch.varied_response import follow_setpoints
+from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.machine.variations import as_variations
@@ -252,7 +252,7 @@ def _best_trial(
         setpoints = [plan(move, float(a)) for move in machine.moves]
         if max(setpoint.duration for setpoint in setpoints) > soonest:
             break
-        found = follow_setpoints(machine, plant, tuned, setpoints, variations=places)
+        found = simulate_batched(machine, plant, tuned, setpoints, variations=places)
         # What saturates settles otherwise than it seems here, and takes long to simulate.
         if np.all(found.usage <= 1.0):
             is_outside = bool(np.any(found.residual_deviation > band))

@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.batch.response import simulate_limits_batched
 from mtcommission.loop.batch.settling import settle
 from mtcommission.loop.batch.tables import build_tables, sketch_tables
-from mtcommission.loop.batch.varied_response import respond_to_variations
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.machine.variations import as_variations
@@ -68,7 +68,7 @@ def find_size_filter(machine: Machine, plant: Plant, tuned: TunedLoop) -> Setpoi
     for _, period, a in sorted(candidates):
         limits = MotionLimits(acceleration=a, jerk=a / NO_JERK_LIMIT)
         filtered = replace(machine, control=replace(machine.control, moving_average_time=period))
-        found = respond_to_variations(filtered, plant, tuned, limits, variations=places)
+        found = simulate_limits_batched(filtered, plant, tuned, limits, variations=places)
         # What saturates takes long to simulate: only what seems good is judged in full.
         if not np.all(found.meets(filtered)):
             continue
@@ -86,8 +86,8 @@ def _look(
     is_kept = np.ones(len(accelerations), dtype=np.bool_)
     moves = [_all_sizes(move, accelerations, shares, period) for move in machine.moves]
     longest = max(float(steps.duration.max()) for steps in moves)
-    for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True):
-        tables = build_tables(loop, lifted, longest=longest, filtered=True)
+    for loop in tuned.loops:
+        tables = build_tables(loop, longest=longest, filtered=True)
         rough = sketch_tables(tables, loop.plant)
         for steps in moves:
             found = settle(rough, steps, band=band)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from mtcommission.optimal.solution import Arc, DampingOptimum
+from mtcommission.optimal.solution import Arc, DampingOptimum, Interior
 from mtcommission.plant.plant import Plant
 from mtcommission.validate.paper import FORCE_LAG, FORCE_LIMIT, MECHANICS
 
@@ -264,7 +264,7 @@ def _steps(plant: Plant, damping: DampingOptimum, samples: int) -> list[_Step]:
                 _Step(
                     length=length / count,
                     force=float(arc.output @ inner),
-                    is_interior=arc.control == "interior",
+                    is_interior=isinstance(arc.control, Interior),
                     source=after[n : 2 * n],
                 )
             )

@@ -8,7 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from mtcommission.optimal.solution import Arc, TimeOptimum, Trajectory, sample_trajectory
+from mtcommission.optimal.solution import (
+    Arc,
+    Boundary,
+    TimeOptimum,
+    TouchPoint,
+    Trajectory,
+    control_text,
+    sample_trajectory,
+)
 from mtcommission.plant.plant import Plant
 from mtcommission.validate.cases import Cases
 from mtcommission.validate.paper import (
@@ -115,30 +123,34 @@ def arc_groups(optimum: TimeOptimum) -> tuple[int, ...]:
     tuple of int
         One more than there are boundary arcs.
     """
-    at = [i for i, arc in enumerate(optimum.arcs) if arc.control.startswith("boundary")]
+    at = [i for i, arc in enumerate(optimum.arcs) if isinstance(arc.control, Boundary)]
     ends = [-1, *at, len(optimum.arcs)]
     return tuple(after - before - 1 for before, after in pairwise(ends))
+
+
+def _side(held: Boundary | TouchPoint) -> str:
+    return f"v_phi = {'+' if held.side > 0 else '-'}c"
 
 
 def _structure(optimum: TimeOptimum) -> list[Row]:
     groups, certificate = arc_groups(optimum), optimum.certificate
     proved = certificate.relative_gap < SURE_GAP and certificate.switching_law_holds
-    bangs = [arc for arc in optimum.arcs if not arc.control.startswith("boundary")]
+    bangs = [arc for arc in optimum.arcs if not isinstance(arc.control, Boundary)]
     shortest = min(bangs, key=lambda arc: arc.t_end - arc.t_start)
     length = shortest.t_end - shortest.t_start
     touches = ", ".join(
-        f"v_phi = {touch.limit[-1]}c at {1e3 * touch.t:.3f} ms" for touch in optimum.touch_points
+        f"{_side(touch)} at {1e3 * touch.t:.3f} ms" for touch in optimum.touch_points
     )
-    sides = [arc.control for arc in optimum.arcs if arc.control.startswith("boundary")]
+    held = [arc.control for arc in optimum.arcs if isinstance(arc.control, Boundary)]
     return [
         claim_row(
             "sec. 5.2",
             "boundary arcs",
             printed="one with v_phi = +c, then one with v_phi = -c",
-            ours=", ".join(f"v_phi = {side[-1]}c" for side in sides),
+            ours=", ".join(map(_side, held)),
             basis=f"certified optimum, relative gap {certificate.relative_gap:.1g}",
             verdict=judge_claim(
-                holds=sides == ["boundary:v_phi:+", "boundary:v_phi:-"], refuted=proved
+                holds=held == [Boundary("v_phi", 1), Boundary("v_phi", -1)], refuted=proved
             ),
         ),
         claim_row(
@@ -150,7 +162,7 @@ def _structure(optimum: TimeOptimum) -> list[Row]:
             basis=f"certified optimum, relative gap {certificate.relative_gap:.1g}",
             verdict=judge_claim(holds=groups == BANG_ARCS, refuted=proved),
             reason=(
-                f"The shortest arc ({shortest.control}, {1e6 * length:.1f} µs from "
+                f"The shortest arc ({control_text(shortest.control)}, {1e6 * length:.1f} µs from "
                 f"{1e3 * shortest.t_start:.3f} ms) is {1e4 * length / optimum.t_f:.1f} steps of "
                 "the paper's grid of 10000 long, and a touch point is one instant: both are "
                 "easily lost on a grid. A constraint of order 2 admits both."
@@ -228,7 +240,7 @@ def _interior(cases: Cases) -> Row:
 def _multiplier(cases: Cases) -> list[Row]:
     """Follow the adjoint along the first boundary arc under both forms of (15)."""
     plant = cases.plant
-    arc = next(arc for arc in cases.bounded.arcs if arc.control.startswith("boundary"))
+    arc = next(arc for arc in cases.bounded.arcs if isinstance(arc.control, Boundary))
     before = cases.bounded.certificate.adjoint_initial @ expm(-plant.A * arc.t_start)
     entry = adjoint_at_entry(cases.bounded, plant, arc)
     row = np.array([*_multiplier_row(), 0.0])
@@ -343,6 +355,6 @@ def _on_boundary(cases: Cases) -> tuple[Array, Array]:
     motion = _motion(cases.plant, cases.bounded.arcs, cases.bounded.t_f)
     inside = np.zeros(motion.t.size, dtype=bool)
     for arc in cases.bounded.arcs:
-        if arc.control.startswith("boundary"):
+        if isinstance(arc.control, Boundary):
             inside |= (motion.t >= arc.t_start) & (motion.t < arc.t_end)
     return motion.force[inside], motion.states[inside]

@@ -233,7 +233,6 @@ def _loop_cases(
 def _respond(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> LoopResponse:
     return simulate(
         tuned.loops[0],
-        tuned.lifted[0],
         plan_setpoint(machine.moves[0], limits),
         drive=machine.drive,
         band=machine.requirements.tcp_deviation,

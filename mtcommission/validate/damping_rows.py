@@ -8,7 +8,12 @@ from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
-from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_trajectory
+from mtcommission.optimal.solution import (
+    DampingOptimum,
+    TimeOptimum,
+    control_text,
+    sample_trajectory,
+)
 from mtcommission.validate.adjoint import follow_law
 from mtcommission.validate.cases import Cases
 from mtcommission.validate.paper import BOUNDED_T_F, FORCE_LIMIT, PEAKS, T_F, WEIGHTS
@@ -168,7 +173,7 @@ def _law(cases: Cases) -> list[Row]:
         length = before.t_end - before.t_start
         last = before.output @ expm(before.generator * length) @ before.initial
         jump = max(jump, abs(float(last - after.output @ after.initial)))
-    labels = {arc.control for arc in damping.arcs}
+    labels = {control_text(arc.control) for arc in damping.arcs}
     return [
         number_row(
             "sec. 6, (16)",

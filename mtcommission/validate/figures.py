@@ -8,6 +8,7 @@ from scipy.linalg import expm
 
 from mtcommission.optimal.solution import (
     DampingOptimum,
+    Interior,
     TimeOptimum,
     Trajectory,
     sample_trajectory,
@@ -194,11 +195,11 @@ def _damping(cases: Cases) -> LinePlot:
         _line("optimal", motion.t, motion.force / 1e3),
         _line("−λ_F / 2T", law.t, np.clip(law.wanted / 1e3, -4.0, 4.0), DASHED),
     )
+    saturated = sum(arc.control != Interior() for arc in solution.arcs)
     return _plot(
         "figure-6",
         "Fig. 6: damping-optimal solution, F_max = 2 kN, t_f = 0.0522 s, weights (17)",
         "Set force with the law (16), and states over time; the force is continuous and saturated "
-        f"on {sum(arc.control != 'interior' for arc in solution.arcs)} arcs. The law is cut at "
-        "4 kN.",
+        f"on {saturated} arcs. The law is cut at 4 kN.",
         (_force_panel(force), *_state_panels(plant, motion)),
     )

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.sheet.html import set_html
-from mtcommission.sheet.labels_en import Labels
 from mtcommission.sheet.model import (
     Block,
     Bullets,
@@ -48,7 +48,7 @@ def print_validation(validation: Validation, *, created: str) -> str:
     str
         HTML; every text is escaped.
     """
-    labels = Labels()
+    text = Catalogue().text
     machine = validation.cases.machine
     sections = (
         _verdict(validation),
@@ -61,17 +61,17 @@ def print_validation(validation: Validation, *, created: str) -> str:
         language="en",
         title="The paper's numbers beside ours",
         machine=machine.name,
-        axis=f"{labels.axis} {machine.axis}",
+        axis=f"{text('axis')} {machine.axis}",
         identity=SOURCE,
         created=created,
         disclaimer="Calculated, not measured.",
-        contents_heading=labels.contents,
-        skip_link=labels.skip,
+        contents_heading=text("contents"),
+        skip_link=text("skip"),
         script_note="Plots: drag to zoom, double-click to reset, move the pointer to read values.",
-        page_word=labels.page,
+        page_word=text("page"),
         sections=sections,
     )
-    return set_html(document, decimal_mark=labels.decimal_mark)
+    return set_html(document, decimal_mark=".")
 
 
 def _verdict(validation: Validation) -> Section:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from mtcommission.optimal.solution import constant_arc, propagate
+from mtcommission.optimal.solution import Bang, constant_arc, propagate
 from mtcommission.validate.adjoint import (
     adjoint_from_switches,
     adjoint_uncertainty,
@@ -126,7 +126,7 @@ def printed_control_error(cases: Cases) -> Array:
     """
     force, arcs = FORCE_LIMIT, []
     for start, end in pairwise((0.0, *SWITCHING_TIMES, T_F)):
-        arcs.append(constant_arc(start, end, control="printed", force=force))
+        arcs.append(constant_arc(start, end, control=Bang(1 if force > 0.0 else -1), force=force))
         force = -force
     error = propagate(cases.plant, tuple(arcs))
     error[cases.plant.velocity] -= VELOCITY_STEP

@@ -78,8 +78,7 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
     """
     filtered = machine.control.moving_average_time > 0.0
     tables = tuple(
-        build_tables(loop, lifted, longest=ROUNDING * longest, filtered=filtered)
-        for loop, lifted in zip(tuned.loops, tuned.lifted, strict=True)
+        build_tables(loop, longest=ROUNDING * longest, filtered=filtered) for loop in tuned.loops
     )
     needs, n = machine.requirements, plant.order
     outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
@@ -184,9 +183,9 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
     used = np.zeros((len(acceleration), len(bench.names)))
     for move in bench.machine.moves:
         steps = plan_steps(bench.machine, move, acceleration, jerk_time)
-        for lifted in bench.tuned.lifted:
+        for loop in bench.tuned.loops:
             found = find_extremes(
-                lifted,
+                loop,
                 steps,
                 signals=bench.signals,
                 order=bench.order,

@@ -11,7 +11,7 @@ from scipy.linalg import eig
 from scipy.optimize import linear_sum_assignment
 
 from mtcommission.loop.analysis.frequency import SQRT_HALF, FrequencyResponse
-from mtcommission.loop.model.sampled import LiftedLoop
+from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
 from mtcommission.plant.plant import Plant, PlantMode
 
 Array = NDArray[np.float64]
@@ -66,17 +66,15 @@ class LoopAnalysis:
         return min(self.gain_margin_up_db, self.gain_margin_down_db)
 
 
-def analyse_loop(plant: Plant, response: FrequencyResponse, lifted: LiftedLoop) -> LoopAnalysis:
+def analyse_loop(loop: SampledLoop, response: FrequencyResponse) -> LoopAnalysis:
     """Return poles, margins and bandwidth.
 
     Parameters
     ----------
-    plant
-        Its plant.
+    loop
+        A plant under its controller.
     response
-        From ``frequency_response``.
-    lifted
-        The same loop as matrices.
+        From ``frequency_response`` with the same.
 
     Returns
     -------
@@ -84,10 +82,10 @@ def analyse_loop(plant: Plant, response: FrequencyResponse, lifted: LiftedLoop) 
 
     Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4 (margins, sensitivity peak).
     """
-    found = share_out(plant, lifted)
+    found = share_out(loop)
     weakest = int(np.argmax(np.abs(response.compliance)))
     up, down = _gain_margins_db(response.open_loop)
-    own, least = _mode_damping(plant, found.poles, found.shares, lifted.dt)
+    own, least = _mode_damping(loop.plant, found.poles, found.shares, loop.lifted.dt)
     return LoopAnalysis(
         is_stable=found.radius < 1.0 - STEADY,
         poles=found.poles,
@@ -132,25 +130,27 @@ class PoleShares:
     shares: Array
 
 
-def share_out(plant: Plant, lifted: LiftedLoop) -> PoleShares:
+def share_out(loop: SampledLoop) -> PoleShares:
     """Return the closed-loop poles and the participation of the plant's modes in them.
 
     Parameters
     ----------
-    plant, lifted
-        A plant and its loop.
+    loop
+        A plant under its controller.
 
     Returns
     -------
     PoleShares
     """
+    lifted = loop.lifted
+    # Not ``model.poles()``: the participation of the modes needs the vectors, too.
     parts = tuple(eig(lifted.A, left=True, right=True))
     z, left, right = (np.asarray(part, dtype=np.complex128) for part in parts)
     alive = np.abs(z) > DEAD_TIME_RADIUS
     return PoleShares(
         radius=float(np.max(np.abs(z))),
         poles=np.asarray(np.log(z[alive]) / lifted.dt, dtype=np.complex128),
-        shares=_participation(plant, lifted, left[:, alive], right[:, alive]),
+        shares=_participation(loop.plant, lifted, left[:, alive], right[:, alive]),
     )
 
 
@@ -238,8 +238,9 @@ def unfold(pole: complex, mode: PlantMode, dt: float) -> complex:
 def _gain_margins_db(open_loop: ComplexArray) -> tuple[float, float]:
     """How much the gain may rise and fall until L passes through -1; inf if it never does.
 
-    Crossings of the negative real axis are interpolated on the refined grid; python-control's
-    own search for them agrees (tested) and takes some hundred times as long.
+    Crossings of the negative real axis are interpolated on the refined grid. On the same grid
+    ``control.stability_margins`` agrees to 3e-7 (tested) and takes 600 times as long (0.1 and
+    60 ms); of the state space it takes 60 ms, and its polynomials find crossings that are none.
     """
     here, there = open_loop[:-1], open_loop[1:]
     cuts = here.imag * there.imag < 0.0

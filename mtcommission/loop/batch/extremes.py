@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.sampled import LiftedLoop
+from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
 from mtcommission.setpoint.setpoint import INSTANT, JerkSteps
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Extremes:
 
 
 def find_extremes(
-    lifted: LiftedLoop,
+    loop: SampledLoop,
     steps: JerkSteps,
     *,
     signals: Array,
@@ -47,8 +47,8 @@ def find_extremes(
 
     Parameters
     ----------
-    lifted
-        The loop; the last of its outputs per velocity cycle is the motor force.
+    loop
+        Under its controller; the last of its outputs per velocity cycle is the motor force.
     steps
         Steps of the derivative ``order``.
     signals
@@ -64,6 +64,7 @@ def find_extremes(
     -------
     Extremes
     """
+    lifted = loop.lifted
     per_cycle, count = signals.shape[1], len(steps.times)
     rows = len(lifted.outputs) // per_cycle
     C = lifted.C.reshape(rows, per_cycle, -1)

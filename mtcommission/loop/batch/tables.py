@@ -18,7 +18,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.sampled import LiftedLoop, SampledLoop
+from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -72,19 +72,13 @@ class ResponseTables:
     free_motion: NDArray[np.floating]
 
 
-def build_tables(
-    loop: SampledLoop,
-    lifted: LiftedLoop,
-    *,
-    longest: float,
-    filtered: bool = False,
-) -> ResponseTables:
+def build_tables(loop: SampledLoop, *, longest: float, filtered: bool = False) -> ResponseTables:
     """Return the tables of one loop, with the free motion at every velocity cycle.
 
     Parameters
     ----------
-    loop, lifted
-        The same loop as arithmetic and as matrices.
+    loop
+        Under its controller.
     longest
         Longest setpoint that will be asked for [s].
     filtered
@@ -94,6 +88,7 @@ def build_tables(
     -------
     ResponseTables
     """
+    lifted = loop.lifted
     T, order = lifted.dt, 4 if filtered else 3
     following = _following_states(lifted, order)
     tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]

@@ -7,7 +7,15 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.model.controller import Controller
+
 Array = NDArray[np.float64]
+
+
+def kept_samples(controller: Controller) -> int:
+    """Return how many samples of the setpoint before the current one the control keeps."""
+    oldest = max(controller.reference_delay, controller.reference_age)
+    return ceil(oldest / controller.position_cycle - 1e-9)
 
 
 def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:

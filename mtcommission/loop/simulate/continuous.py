@@ -1,33 +1,21 @@
-"""The loop without sampling, for quick looks: every dead time and hold as a Padé delay.
+"""A setpoint through the loop without sampling, as a cross-check of the sampled one.
 
-A third door to python-control. What the sampled loop has and this one has not: the ripple of
-zero-order holds, the observer (state feedback reads the true states), saturation. Their
-difference is shown by a test and on the sheet; nothing is judged by this approximation.
+Their difference is shown by a test and on the sheet; nothing is judged by this approximation.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
-from mtcommission.loop.model.controller import (
-    Controller,
-    filter_polynomials,
-    reference_state,
-)
-from mtcommission.loop.model.sampled import INPUTS
+from mtcommission.loop.model.controller import Controller
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
 Array = NDArray[np.float64]
-
-PADE_ORDER = 4
-"""Order of each Padé approximation: the phase of 6 ms is right to 0.1 degrees up to 300 Hz
-(measured)."""
 
 STEP = 0.1e-3
 """Spacing of the samples of a continuous response [s]."""
@@ -49,67 +37,6 @@ class ContinuousResponse:
     deviation: Array
     settling_time: float
     residual_deviation: float
-
-
-def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
-    """Return the continuous loop from x_ref, v_ref, a_ref, j_ref to tcp, encoder, force.
-
-    Parameters
-    ----------
-    plant, controller, model
-        As for the sampled loop.
-
-    Returns
-    -------
-    control.StateSpace
-        4 inputs, 3 outputs.
-    """
-    held = controller.handing_down_delay
-    arrival = max(controller.reference_delay, held)
-    m = controller.feedforward_mass
-    state = controller.state_gains @ reference_state(model, controller)
-    encoder = plant.row("encoder")
-    force = [
-        0.0,
-        0.0,
-        controller.acceleration_feedforward * m,
-        controller.jerk_feedforward * m * controller.force_lag,
-    ]
-    blocks = [
-        control.ss(
-            plant.A,
-            plant.B[:, None],
-            np.vstack([plant.row("tcp"), encoder, encoder @ plant.A, controller.state_gains]),
-            np.zeros((4, 1)),
-            name="plant",
-            inputs=["force"],
-            outputs=["tcp", "encoder", "rate", "feedback"],
-        ),
-        _delay(controller.reference_delay, "x_ref", "x_late"),
-        control.ss(
-            [],
-            [],
-            [],
-            [[controller.position_gain, -controller.position_gain]],
-            name="position",
-            inputs=["x_late", "encoder"],
-            outputs=["v_asked"],
-        ),
-        _delay(held, "v_asked", "v_held"),
-        _delay(arrival, "v_ref", "v_late"),
-        _velocity_controller(controller),
-        control.ss([], [], [], [force], name="ahead", inputs=list(INPUTS), outputs=["f_ahead"]),
-        _delay(held, "f_ahead", "f_held"),
-        control.ss([], [], [], [state], name="target", inputs=list(INPUTS), outputs=["f_target"]),
-        _delay(arrival, "f_target", "f_state"),
-        control.summing_junction(
-            ["f_velocity", "f_held", "f_state", "-feedback"], "f_asked", name="sum"
-        ),
-        _force_path(controller),
-    ]
-    return control.interconnect(
-        blocks, inputs=list(INPUTS), outputs=["tcp", "encoder", "force"], check_unused=False
-    )
 
 
 def simulate_continuous(
@@ -138,7 +65,13 @@ def simulate_continuous(
     -------
     ContinuousResponse
     """
-    system = _balanced(build_continuous(plant, controller, model=model))
+    import control  # takes a second, and only this cross-check needs it
+
+    from mtcommission.loop.model.continuous import build_continuous
+
+    system = build_continuous(plant, controller, model=model)
+    A, B, C = _balance(system.A, system.B, system.C)
+    system = control.ss(A, B, C, system.D)
     t = np.arange(int(np.ceil(until / STEP)) + 1, dtype=np.float64) * STEP
     inputs = sample_setpoint(setpoint, t)
     response = control.forced_response(system, t, inputs.T, squeeze=False)
@@ -156,52 +89,11 @@ def simulate_continuous(
     )
 
 
-def _balanced(system: control.StateSpace) -> control.StateSpace:
+def _balance(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
     """Return the same system in states of one size.
 
     Padé delays beside stiff modes give entries twenty decades apart, and the matrix exponential
     then loses all digits: a stable loop was seen to grow. Powers of two scale without rounding.
     """
-    A, (scale, _) = matrix_balance(system.A, permute=False, separate=True)
-    return control.ss(A, system.B / scale[:, None], system.C * scale, system.D)
-
-
-def _velocity_controller(controller: Controller) -> control.StateSpace:
-    """PI law; with a reference model the lagged correction is a second state."""
-    Kp, Tn, T_r = (
-        controller.velocity_gain,
-        controller.integral_time,
-        controller.reference_model_time,
-    )
-    correction = np.array([1.0, 0.0, 0.0])
-    error = np.array([1.0, controller.velocity_feedforward, -1.0])
-    if T_r:
-        A = np.array([[0.0, 1.0], [0.0, -1.0 / T_r]])
-        B = np.vstack([error - correction, correction / T_r])
-        C = np.array([[Kp / Tn, 0.0]])
-    else:
-        A, B, C = np.zeros((1, 1)), error[None, :], np.array([[Kp / Tn]])
-    return control.ss(
-        A,
-        B,
-        C,
-        Kp * error[None, :],
-        name="velocity",
-        inputs=["v_held", "v_late", "rate"],
-        outputs=["f_velocity"],
-    )
-
-
-def _delay(time: float, source: str, target: str) -> control.StateSpace:
-    if time == 0.0:
-        return control.ss([], [], [], [[1.0]], name=target, inputs=[source], outputs=[target])
-    system = control.ss(control.tf(*control.pade(time, PADE_ORDER)))
-    return control.ss(system, name=target, inputs=[source], outputs=[target])
-
-
-def _force_path(controller: Controller) -> control.StateSpace:
-    """One velocity cycle of dead time, half a cycle of hold, and the set-force filters."""
-    path = control.tf(*control.pade(1.5 * controller.velocity_cycle, 2))
-    for item in controller.force_filters:
-        path = path * control.tf(*filter_polynomials(item))
-    return control.ss(control.ss(path), name="path", inputs=["f_asked"], outputs=["force"])
+    balanced, (scale, _) = matrix_balance(A, permute=False, separate=True)
+    return balanced, B / scale[:, None], C * scale

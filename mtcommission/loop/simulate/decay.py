@@ -8,7 +8,7 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.sampled import LiftedLoop
+from mtcommission.loop.model.assembly import LiftedLoop
 
 Array = NDArray[np.float64]
 

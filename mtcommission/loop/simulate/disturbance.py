@@ -1,4 +1,4 @@
-"""What a force on the axis does to the tool while the loop holds its position."""
+"""The disturbance step response: a force on the axis while the loop holds its position."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.model.assembly import HELD, SampledLoop
 from mtcommission.loop.model.discrete import discretise_disturbance
-from mtcommission.loop.model.sampled import HELD, SampledLoop
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DisturbanceStep:
-    """Answer of the tool to a step of force on the line of the drive.
+    """Response of the tool to a step of force on the line of the drive.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class DisturbanceStep:
         return float(np.max(np.abs(self.deflection)))
 
 
-def push(loop: SampledLoop, *, duration: float) -> DisturbanceStep:
+def simulate_disturbance(loop: SampledLoop, *, duration: float) -> DisturbanceStep:
     """Return how the tool gives way to a step of force, at rest before it.
 
     Parameters
@@ -50,17 +50,13 @@ def push(loop: SampledLoop, *, duration: float) -> DisturbanceStep:
     DisturbanceStep
         The step begins with a position cycle.
     """
-    n, z, held = loop.plant.order, loop.integrator, loop.held
-    size, cycles = len(loop.states), loop.controller.cycles
-    cycle = loop.step.copy()
-    cycle[z] += loop.integration
-    cycle[z + 1] = loop.demand
+    size, cycle, held = len(loop.states), loop.cycle, loop.held
     entry = np.zeros(size)
-    entry[:n] = discretise_disturbance(loop.plant, loop.controller.velocity_cycle)
+    entry[: loop.plant.order] = discretise_disturbance(loop.plant, loop.controller.velocity_cycle)
     X, tool = np.zeros(size), []
     for _ in range(ceil(duration / loop.controller.position_cycle)):
         handed_down = loop.handed_down[:, :size] @ X
-        for _ in range(cycles):
+        for _ in range(loop.controller.cycles):
             tool.append(float(loop.observation[0] @ X))
             X = cycle @ X + entry
         X[held : held + len(HELD)] = handed_down

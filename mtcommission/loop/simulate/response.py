@@ -16,7 +16,7 @@ from math import ceil, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.sampled import LiftedLoop, SampledLoop, advance_cycle
+from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop, advance_cycle
 from mtcommission.loop.simulate.decay import find_decay
 from mtcommission.machine.machine import Drive
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
@@ -83,15 +83,13 @@ class LoopResponse:
     saturated: bool
 
 
-def simulate(
-    loop: SampledLoop, lifted: LiftedLoop, setpoint: Setpoint, *, drive: Drive, band: float
-) -> LoopResponse:
+def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float) -> LoopResponse:
     """Return the response to a setpoint, at rest before it.
 
     Parameters
     ----------
-    loop, lifted
-        The same loop as arithmetic and as matrices.
+    loop
+        Under its controller.
     setpoint
         From t = 0, in step with a position cycle.
     drive
@@ -105,12 +103,12 @@ def simulate(
     """
     tau = loop.controller.reference_delay
     until = setpoint.duration + tau
-    outputs, decayed = _run_linear(loop, lifted, setpoint, until=until, band=band)
+    outputs, decayed = _run_linear(loop, setpoint, until=until, band=band)
     max_force = float(np.max(np.abs(outputs[:, 2])))
     saturated = max_force > drive.motion_force
     if saturated:
         outputs, decayed = _run_saturated(
-            loop, lifted, setpoint, limit=drive.motion_force, until=until, band=band
+            loop, setpoint, limit=drive.motion_force, until=until, band=band
         )
     t: Array = np.arange(len(outputs), dtype=np.float64) * loop.controller.velocity_cycle
     reference = sample_setpoint(setpoint, t - tau)[:, 0]
@@ -165,25 +163,21 @@ def steady_state(lifted: LiftedLoop) -> Array:
 
 
 def _run_linear(
-    loop: SampledLoop, lifted: LiftedLoop, setpoint: Setpoint, *, until: float, band: float
+    loop: SampledLoop, setpoint: Setpoint, *, until: float, band: float
 ) -> tuple[Array, bool]:
     """Outputs at every velocity cycle, shape (n_samples, n_outputs), and whether they decayed."""
+    lifted = loop.lifted
     first = ceil(until / lifted.dt) + 1
     X, moving = _advance_linear(lifted, np.zeros(len(lifted.A)), setpoint, 0, first)
-    tail, decayed = _run_free(loop, lifted, X, setpoint, start=first, band=band)
+    tail, decayed = _run_free(loop, X, setpoint, start=first, band=band)
     return np.vstack([moving, tail]).reshape(-1, len(loop.outputs)), decayed
 
 
 def _run_saturated(
-    loop: SampledLoop,
-    lifted: LiftedLoop,
-    setpoint: Setpoint,
-    *,
-    limit: float,
-    until: float,
-    band: float,
+    loop: SampledLoop, setpoint: Setpoint, *, limit: float, until: float, band: float
 ) -> tuple[Array, bool]:
     """The same with saturation, cycle by cycle, until the free motion stays within the limit."""
+    lifted = loop.lifted
     X = np.zeros((len(lifted.A), 1))
     pieces: list[Array] = []
     stop, k = ceil(until / lifted.dt) + 1, 0
@@ -193,7 +187,7 @@ def _run_saturated(
         for r in references:
             X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
             pieces.append(Y[:, :, 0])
-        tail, decayed = _run_free(loop, lifted, X[:, 0], setpoint, start=stop, band=band)
+        tail, decayed = _run_free(loop, X[:, 0], setpoint, start=stop, band=band)
         samples = tail.reshape(-1, len(loop.outputs))
         if np.max(np.abs(samples[:, 2])) <= limit:
             return np.vstack([*pieces, samples]), decayed
@@ -202,9 +196,10 @@ def _run_saturated(
 
 
 def _run_free(
-    loop: SampledLoop, lifted: LiftedLoop, X: Array, setpoint: Setpoint, *, start: int, band: float
+    loop: SampledLoop, X: Array, setpoint: Setpoint, *, start: int, band: float
 ) -> tuple[Array, bool]:
     """Lifted outputs from a cycle on until all modes have decayed, and whether they are settled."""
+    lifted = loop.lifted
     reference = sample_setpoint(setpoint, np.array([start * lifted.dt]))[0]
     decay = find_decay(lifted, X - steady_state(lifted) @ reference[:2])
     cycles = decay.cycles(DECAYED * band, longest=HORIZON)

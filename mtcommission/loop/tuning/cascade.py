@@ -15,6 +15,7 @@ from mtcommission.loop.model.controller import (
     no_observer,
 )
 from mtcommission.machine.machine import Machine, TcpSensor, mid_payload, moving_mass
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 
 
@@ -89,8 +90,8 @@ def symmetrical_optimum(machine: Machine) -> float:
     return (moving_mass(machine) + mid_payload(machine)) / (2.0 * delay)
 
 
-def explain_cascade(machine: Machine, controller: Controller) -> tuple[str, ...]:
-    """Return by which rules the gains were chosen, as sentences for the sheet.
+def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, ...]:
+    """Return by which rules the gains were chosen.
 
     Parameters
     ----------
@@ -99,24 +100,21 @@ def explain_cascade(machine: Machine, controller: Controller) -> tuple[str, ...]
 
     Returns
     -------
-    tuple of str
+    tuple of Message
     """
     given, remarks = machine.control, []
     if given.velocity_gain is None:
         fraction = controller.velocity_gain / symmetrical_optimum(machine)
-        share = ""
         if fraction < 1.0 - 1e-9:
-            share = f" x {fraction:.2f} (lowered until the margins hold)"
+            remarks.append(Message("loop-kp-lowered", fraction=fraction))
         elif fraction > 1.0 + 1e-9:
-            share = f" x {fraction:.2f} (the state feedback allows more)"
-        remarks.append(f"Kp by the symmetrical optimum, m / (2 T_sigma){share}.")
+            remarks.append(Message("loop-kp-raised", fraction=fraction))
+        else:
+            remarks.append(Message("loop-kp-symmetrical-optimum"))
     if given.integral_time is None:
-        remarks.append("Tn = 4 m / Kp (Yaskawa's lower bound for the speed loop).")
+        remarks.append(Message("loop-tn-yaskawa"))
     if given.position_gain is None:
-        remarks.append("Kv = Kp / (4 m): speed loop damping 1.")
+        remarks.append(Message("loop-kv-damping-one"))
     if given.reference_delay is None:
-        remarks.append(
-            "Reference delay: 1.5 position cycles + 1 velocity cycle + the force lag that the "
-            "jerk feed-forward leaves + the filters, so that feed-forward and feedback meet."
-        )
+        remarks.append(Message("loop-reference-delay"))
     return tuple(remarks)

@@ -18,11 +18,11 @@ from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TunedLoop,
     TuningSettings,
-    answer_corners,
     close_loop,
     close_within_margins,
     corner_plants,
     describe_margins,
+    scan_corners,
 )
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
@@ -51,12 +51,12 @@ def tune_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
     tuned = close_cascade(machine, settings)
     lacking = lacking_bandwidth(machine, tuned)
     if lacking:
-        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, Message("verbatim", text=lacking))
+        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, lacking)
     return tuned
 
 
-def lacking_bandwidth(machine: Machine, tuned: TunedLoop) -> str:
-    """Return what a cascade by the rules lacks, in words; "" if nothing, and for given gains.
+def lacking_bandwidth(machine: Machine, tuned: TunedLoop) -> Message | None:
+    """Return what a cascade by the rules lacks; None if nothing, and for given gains.
 
     Parameters
     ----------
@@ -65,15 +65,13 @@ def lacking_bandwidth(machine: Machine, tuned: TunedLoop) -> str:
 
     Returns
     -------
-    str
+    Message or None
     """
     given = machine.control
-    if given.velocity_gain is not None or tuned.least_bandwidth_hz >= given.minimum_bandwidth_hz:
-        return ""
-    return (
-        f"the fastest cascade with the margins has {tuned.least_bandwidth_hz:.3g} Hz, "
-        f"minimum_bandwidth is {given.minimum_bandwidth_hz:.3g} Hz"
-    )
+    reached, wanted = tuned.least_bandwidth_hz, given.minimum_bandwidth_hz
+    if given.velocity_gain is not None or reached >= wanted:
+        return None
+    return Message("loop-lacks-bandwidth", reached=reached, wanted=wanted)
 
 
 def close_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
@@ -145,7 +143,7 @@ def _close_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettin
 
 def filter_warnings(
     machine: Machine, tuned: TunedLoop, settings: TuningSettings
-) -> tuple[str, ...]:
+) -> tuple[Message, ...]:
     """Return the warning that set-force filters make a loop soft, if they do.
 
     Parameters
@@ -155,7 +153,7 @@ def filter_warnings(
 
     Returns
     -------
-    tuple of str
+    tuple of Message
     """
     if not machine.control.force_filters:
         return ()
@@ -167,8 +165,10 @@ def _require_damping(bench: CornerPlants) -> None:
     """A mode without damping that the encoder does not see rings for ever under any cascade."""
     for mode in bench.model.modes:
         if mode.damping_ratio == 0.0 and mode.measured_gain == 0.0:
-            detail = f"mode {mode.name} ({mode.frequency_hz:.4g} Hz) has damping ratio 0"
-            raise ComputationError(Outcome.UNDAMPED_MODE, Message("verbatim", text=detail))
+            raise ComputationError(
+                Outcome.UNDAMPED_MODE,
+                Message("loop-mode-without-damping", mode=mode.name, frequency=mode.frequency_hz),
+            )
 
 
 def fractions(settings: TuningSettings, *, start: float, end: float) -> Iterator[float]:
@@ -196,16 +196,17 @@ def _close_by_rule(machine: Machine, bench: CornerPlants, settings: TuningSettin
     _require_damping(bench)
     free = replace(machine.control, velocity_gain=None, position_gain=None, integral_time=None)
     by_rule = replace(machine, control=free)
-    answers = answer_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
+    scanned = scan_corners(bench, build_cascade(by_rule, bench.model, fraction=1.0))
     for fraction in fractions(settings, start=1.0, end=LEAST_FRACTION):
         controller = build_cascade(by_rule, bench.model, fraction=fraction)
-        found = close_within_margins(bench, controller, answers, settings=settings)
+        found = close_within_margins(bench, controller, scanned, settings=settings)
         if found is not None:
             return found
     softest = close_loop(bench, controller)
-    detail = (
-        f"at Kp = {controller.velocity_gain:.4g} {machine.axis_units.damping.si}, "
-        f"{LEAST_FRACTION:.0%} of the symmetrical optimum, they are "
-        f"{describe_margins(softest.analyses)}"
+    detail = Message(
+        "loop-no-margins",
+        Kp=controller.velocity_gain,
+        share=LEAST_FRACTION,
+        margins=describe_margins(softest.analyses),
     )
-    raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, Message("verbatim", text=detail))
+    raise ComputationError(Outcome.MARGINS_OUT_OF_REACH, detail)

@@ -1,9 +1,10 @@
-"""What is poor about a loop, in sentences that belong beside the verdict."""
+"""What is poor about a loop, which belongs beside the verdict."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import reduce
 from math import floor, log10
 
 from mtcommission.errors import ComputationError, Outcome
@@ -12,13 +13,13 @@ from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TunedLoop,
     TuningSettings,
-    answer_corners,
     close_within_margins,
     describe_margins,
     has_margins,
+    scan_corners,
 )
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.variations import NOMINAL
+from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 
 LOWERED = 0.9
@@ -50,7 +51,7 @@ def judge_given(
     *,
     settings: TuningSettings,
     build: Build,
-) -> tuple[str, ...]:
+) -> tuple[Message, ...]:
     """Return what is poor about a loop with given gains, and which of them to lower.
 
     Parameters
@@ -66,7 +67,7 @@ def judge_given(
 
     Returns
     -------
-    tuple of str
+    tuple of Message
         Empty if margins and bandwidth suffice.
 
     Raises
@@ -77,24 +78,24 @@ def judge_given(
     found = []
     if not all(has_margins(analysis, settings=settings) for analysis in tuned.analyses):
         cure = _name_cure(machine, bench, tuned.controller, settings=settings, build=build)
-        _require_stable(machine, tuned, cure)
+        _require_stable(tuned, cure)
         found.append(
-            f"The given gains are used as given, but their margins are poor: "
-            f"{describe_margins(tuned.analyses)}; wanted are {settings.gain_margin_db:g} dB, "
-            f"{settings.phase_margin_deg:g} degrees, sensitivity peak at most "
-            f"{settings.sensitivity_peak:g}. {cure}"
+            Message(
+                "loop-given-gains-poor",
+                margins=describe_margins(tuned.analyses),
+                gain=settings.gain_margin_db,
+                phase=settings.phase_margin_deg,
+                peak=settings.sensitivity_peak,
+                cure=cure,
+            )
         )
-    wanted = machine.control.minimum_bandwidth_hz
-    if tuned.least_bandwidth_hz < wanted:
-        found.append(
-            f"With the given gains the closed velocity loop reaches "
-            f"{tuned.least_bandwidth_hz:.3g} Hz in its worst corner, less than "
-            f"minimum_bandwidth = {wanted:.3g} Hz."
-        )
+    reached, wanted = tuned.least_bandwidth_hz, machine.control.minimum_bandwidth_hz
+    if reached < wanted:
+        found.append(Message("loop-given-gains-slow", reached=reached, wanted=wanted))
     return tuple(found)
 
 
-def warn_of_filters(tuned: TunedLoop, unfiltered: TunedLoop) -> Iterator[str]:
+def warn_of_filters(tuned: TunedLoop, unfiltered: TunedLoop) -> Iterator[Message]:
     """Yield what set-force filters cost in bandwidth, if that is much.
 
     Parameters
@@ -104,17 +105,14 @@ def warn_of_filters(tuned: TunedLoop, unfiltered: TunedLoop) -> Iterator[str]:
 
     Yields
     ------
-    str
+    Message
     """
     with_them, without = tuned.least_bandwidth_hz, unfiltered.least_bandwidth_hz
     if with_them < SOFTENED * without:
-        yield (
-            f"The set-force filters make the loop soft: its bandwidth is {with_them:.3g} Hz with "
-            f"them, {without:.3g} Hz without."
-        )
+        yield Message("loop-filters-soften", filtered=with_them, unfiltered=without)
 
 
-def warn_of_modes(bench: CornerPlants, tuned: TunedLoop) -> Iterator[str]:
+def warn_of_modes(bench: CornerPlants, tuned: TunedLoop) -> Iterator[Message]:
     """Yield the modes that the loop damps much less than the structure does.
 
     Parameters
@@ -124,32 +122,44 @@ def warn_of_modes(bench: CornerPlants, tuned: TunedLoop) -> Iterator[str]:
 
     Yields
     ------
-    str
+    Message
     """
     for index, mode in enumerate(bench.model.modes):
         own = [plant.modes[index].damping_ratio for plant in bench.plants]
         closed = [float(analysis.mode_damping[index]) for analysis in tuned.analyses]
         worst = min(range(len(own)), key=lambda i: closed[i] - own[i])
         if closed[worst] < UNDAMPED * own[worst]:
-            yield (
-                f"The loop takes damping from mode {mode.name}: its damping ratio is "
-                f"{closed[worst]:.3g} in the closed loop, {own[worst]:.3g} without control."
+            yield Message(
+                "loop-takes-damping", mode=mode.name, closed=closed[worst], own=own[worst]
             )
 
 
-def _require_stable(machine: Machine, tuned: TunedLoop, cure: str) -> None:
+def _require_stable(tuned: TunedLoop, cure: Message) -> None:
     for corner, analysis in zip(tuned.corners, tuned.analyses, strict=True):
         if not analysis.is_stable:
-            gains = tuned.controller
-            where = "the nominal machine" if corner == NOMINAL else str(corner)
-            detail = (
-                f"with Kv = {gains.position_gain:.4g} 1/s, "
-                f"Kp = {gains.velocity_gain:.4g} {machine.axis_units.damping.si}, "
-                f"Tn = {gains.integral_time:.4g} s on {where}. {cure}"
+            detail = Message(
+                "loop-unstable",
+                Kv=tuned.controller.position_gain,
+                Kp=tuned.controller.velocity_gain,
+                Tn=tuned.controller.integral_time,
+                corner=_name_corner(corner),
+                cure=cure,
             )
-            raise ComputationError(
-                Outcome.UNSTABLE_LOOP, Message("verbatim", text=detail.rstrip("."))
-            )
+            raise ComputationError(Outcome.UNSTABLE_LOOP, detail)
+
+
+def _name_corner(corner: Corner) -> tuple[Message, ...]:
+    """What distinguishes a corner from the nominal machine."""
+    if corner == NOMINAL:
+        return (Message("loop-nominal-machine"),)
+    found = []
+    if corner.payload:
+        found.append(Message("loop-corner-payload", value=corner.payload))
+    if corner.frequency_factor != 1.0:
+        found.append(Message("loop-corner-frequencies", value=corner.frequency_factor))
+    if corner.damping_factor != 1.0:
+        found.append(Message("loop-corner-damping", value=corner.damping_factor))
+    return tuple(found)
 
 
 def _name_cure(
@@ -159,30 +169,31 @@ def _name_cure(
     *,
     settings: TuningSettings,
     build: Build,
-) -> str:
+) -> Message:
     """The largest value of each given gain that keeps the margins, the others as they are."""
     given = machine.control
     fixed = replace(machine, control=replace(given, velocity_gain=controller.velocity_gain))
-    answers = answer_corners(bench, controller)
+    scanned = scan_corners(bench, controller)
 
     def keeps(**gains: float) -> bool:
         changed = replace(fixed, control=replace(fixed.control, **gains))  # type: ignore[arg-type]
-        found = close_within_margins(bench, build(changed), answers, settings=settings)
+        found = close_within_margins(bench, build(changed), scanned, settings=settings)
         return found is not None
 
     cures = []
     if given.position_gain is not None:
         Kv = _largest(given.position_gain, lambda value: keeps(position_gain=value))
-        cures += [f"Kv up to {Kv:.4g} 1/s"] if Kv else []
+        cures += [Message("loop-cure-kv", value=Kv)] if Kv else []
     if given.velocity_gain is not None:
         Kp = _largest(given.velocity_gain, lambda value: keeps(velocity_gain=value))
-        cures += [f"Kp up to {Kp:.4g} {machine.axis_units.damping.si}"] if Kp else []
+        cures += [Message("loop-cure-kp", value=Kp)] if Kp else []
     if given.integral_time is not None:
         rate = _largest(1.0 / given.integral_time, lambda value: keeps(integral_time=1.0 / value))
-        cures += [f"Tn from {1e3 / rate:.4g} ms on"] if rate else []
+        cures += [Message("loop-cure-tn", value=1.0 / rate)] if rate else []
     if not cures:
-        return "No single gain cures that; leave the gains out to have them tuned."
-    return f"The margins would hold with {' or '.join(cures)}, all other given values as they are."
+        return Message("loop-no-cure")
+    gains = reduce(lambda one, other: Message("loop-one-or-other", first=one, second=other), cures)
+    return Message("loop-cure", gains=gains)
 
 
 def _largest(value: float, keeps: Callable[[float], bool]) -> float:

@@ -9,8 +9,9 @@ from math import pi
 import numpy as np
 
 from mtcommission.loop.analysis.analysis import Array, ComplexArray, share_out, unfold
-from mtcommission.loop.model.sampled import LiftedLoop
-from mtcommission.plant.plant import Plant, PlantMode
+from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.messages.message import Message
+from mtcommission.plant.plant import PlantMode
 
 CLEARLY_LESS = 0.8
 """Shown damping below this share of that of a larger part is worth a sentence (empirical)."""
@@ -55,13 +56,13 @@ class MixedMode:
     larger: Swing
 
 
-def find_mixed_modes(plant: Plant, lifted: LiftedLoop, damping: Array) -> tuple[MixedMode, ...]:
+def find_mixed_modes(loop: SampledLoop, damping: Array) -> tuple[MixedMode, ...]:
     """Return the modes that ring mostly in another pair of poles, and there clearly more damped.
 
     Parameters
     ----------
-    plant, lifted
-        Plant and loop of one corner.
+    loop
+        Of one corner.
     damping
         Damping ratio shown for each mode, from ``analyse_loop``, shape (n_modes,) [-].
 
@@ -75,13 +76,13 @@ def find_mixed_modes(plant: Plant, lifted: LiftedLoop, damping: Array) -> tuple[
     >>> from mtcommission.loop.tuning.tuning import tune_loop
     >>> from benchmarks.population import random_machine
     >>> tuned = tune_loop(random_machine(3))
-    >>> find_mixed_modes(tuned.loops[0].plant, tuned.lifted[0], tuned.nominal.mode_damping)
+    >>> find_mixed_modes(tuned.loops[0], tuned.nominal.mode_damping)
     ()
     """
-    closed = share_out(plant, lifted)
+    closed = share_out(loop)
     found = []
-    for mode, row, ratio in zip(plant.modes, closed.shares, damping, strict=True):
-        swings = _swings(closed.poles, row / np.sum(row), mode, lifted.dt)
+    for mode, row, ratio in zip(loop.plant.modes, closed.shares, damping, strict=True):
+        swings = _swings(closed.poles, row / np.sum(row), mode, loop.lifted.dt)
         shown = min(swings, key=lambda item: abs(item.damping_ratio - ratio), default=None)
         larger = max(swings, key=lambda item: item.share, default=None)
         if shown and larger and shown.damping_ratio < CLEARLY_LESS * larger.damping_ratio:
@@ -89,8 +90,8 @@ def find_mixed_modes(plant: Plant, lifted: LiftedLoop, damping: Array) -> tuple[
     return tuple(found)
 
 
-def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[str, ...]:
-    """Return one sentence for each mode.
+def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[Message, ...]:
+    """Return one remark for each mode.
 
     Parameters
     ----------
@@ -99,13 +100,18 @@ def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[str, ...]:
 
     Returns
     -------
-    tuple of str
+    tuple of Message
     """
     return tuple(
-        f"Mode {item.name} and the servo mix in the closed loop: the damping ratio shown is that "
-        f"of the poles at {item.shown.frequency_hz:.3g} Hz, which hold "
-        f"{100.0 * item.shown.share:.0f} % of the mode; {100.0 * item.larger.share:.0f} % of it "
-        f"ring at {item.larger.frequency_hz:.3g} Hz with {item.larger.damping_ratio:.3g}."
+        Message(
+            "loop-mixed-mode",
+            mode=item.name,
+            shown_frequency=item.shown.frequency_hz,
+            shown_share=item.shown.share,
+            larger_share=item.larger.share,
+            larger_frequency=item.larger.frequency_hz,
+            larger_damping=item.larger.damping_ratio,
+        )
         for item in mixed
     )
 

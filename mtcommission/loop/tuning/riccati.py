@@ -1,7 +1,9 @@
 """Gains of the linear-quadratic regulator and of the stationary Kalman observer.
 
-The tuning asks for some twenty regulators a machine, of one input and some ten states: too
-small for the balancing and the pencils of a general solver, which took two fifths of its time.
+The tuning asks for some forty regulators a machine, of one input and some ten states: too small
+for the balancing and the pencils of ``scipy.linalg.solve_continuous_are``, which agrees to 4e-10 on
+the 2483 equations of 67 machines, but takes 0.9 ms instead of 0.13, a sixth more of the whole
+tuning, and gives an oscillator that nothing damps gains instead of an error.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ def is_seen(mode: PlantMode, sensors: tuple[str, ...]) -> bool:
     return mode.measured_gain != 0.0 or ("tcp" in sensors and mode.tcp_gain != 0.0)
 
 
-def dominant_mode(
+def most_resonant_mode(
     plant: Plant, sensors: tuple[str, ...], damping: tuple[float, ...]
 ) -> PlantMode | None:
     """Return the visible mode that resonates most at the tool; None if none is visible.
@@ -132,7 +132,7 @@ def design_observer(
     # that the Riccati equation sees no extreme numbers.
     scale = np.abs(B) * F_max
     scaled = (A * scale / scale[:, None], G / scale[:, None], C * scale / settings.position_noise)
-    with _riccati_errors("observer"):
+    with _riccati_errors("loop-observer-failed"):
         L = observer_gains(*scaled) * scale[:, None] / settings.position_noise
     return Observer(states=tuple(states), A=A, B=B, C=C, L=L)
 
@@ -176,7 +176,7 @@ def _mode_gains(
     kept = [*observed, n]
     inside = np.ix_(kept, kept)
     B = (B * force / scale / omega)[kept]
-    with _riccati_errors(f"gains for mode {mode.name}"):
+    with _riccati_errors("loop-gains-failed", mode=mode.name):
         K = regulator_gains(A[inside], B, Q[inside])
     gains = np.zeros(n)
     gains[kept[:-1]] = (K * force / scale[kept])[:-1]
@@ -184,14 +184,13 @@ def _mode_gains(
 
 
 @contextmanager
-def _riccati_errors(what: str) -> Iterator[None]:
+def _riccati_errors(kind: str, **values: str) -> Iterator[None]:
     """Name what scipy raises where a Riccati equation defeats them."""
     try:
         yield
     except (ValueError, np.linalg.LinAlgError) as error:
-        raise ComputationError(
-            Outcome.FEEDBACK_DESIGN_FAILED, Message("verbatim", text=f"{what}: {error}")
-        ) from error
+        detail = Message(kind, error=str(error), **values)
+        raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, detail) from error
 
 
 LEAST_DAMPING = 1e-4

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from mtcommission.loop.analysis.analysis import LoopAnalysis, analyse_loop
-from mtcommission.loop.analysis.answers import Answers, answer_on_grid
+from mtcommission.loop.analysis.block_responses import BlockResponses, scan_blocks_on_grid
 from mtcommission.loop.analysis.frequency import (
     FrequencyResponse,
     close,
@@ -16,10 +17,11 @@ from mtcommission.loop.analysis.frequency import (
     open_loop,
     refine,
 )
+from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.model.sampled import LiftedLoop, SampledLoop, build_loop, lift_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner, corners, vary
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 
 
@@ -88,22 +90,29 @@ class TunedLoop:
         With every gain resolved.
     corners
         The nominal machine first.
-    loops, lifted, responses, analyses
+    loops, responses, analyses
         One for each corner.
     remarks
-        What was chosen, by which rule, and what could not be done; sentences for the sheet.
+        What was chosen, by which rule, and what could not be done.
     warnings
-        What is poor about the loop; sentences that belong beside the verdict.
+        What is poor about the loop; belongs beside the verdict.
     """
 
     controller: Controller
     corners: tuple[Corner, ...]
     loops: tuple[SampledLoop, ...]
-    lifted: tuple[LiftedLoop, ...]
     responses: tuple[FrequencyResponse, ...]
     analyses: tuple[LoopAnalysis, ...]
-    remarks: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
+    remarks: tuple[Message, ...]
+    warnings: tuple[Message, ...] = ()
+
+    @property
+    def model(self) -> Any:
+        """The nominal loop as a ``control.StateSpace``, see ``build_model``."""
+        from mtcommission.loop.model.diagram import build_model  # python-control takes a second
+
+        plant = self.loops[0].plant
+        return build_model(plant, self.controller, model=plant)
 
     @property
     def nominal(self) -> LoopAnalysis:
@@ -153,8 +162,8 @@ def close_loop(
     bench: CornerPlants,
     controller: Controller,
     *,
-    remarks: tuple[str, ...] = (),
-    warnings: tuple[str, ...] = (),
+    remarks: tuple[Message, ...] = (),
+    warnings: tuple[Message, ...] = (),
 ) -> TunedLoop:
     """Return the controller on the machine in every corner, analysed.
 
@@ -182,7 +191,7 @@ def close_loop(
 def close_within_margins(
     bench: CornerPlants,
     controller: Controller,
-    answers: Sequence[Answers],
+    scanned: Sequence[BlockResponses],
     *,
     settings: TuningSettings,
 ) -> TunedLoop | None:
@@ -192,8 +201,8 @@ def close_within_margins(
     ----------
     bench, controller
         As for ``close_loop``; corners behind the first one that fails are not looked at.
-    answers
-        From ``answer_corners`` with the same cycles, sensors and observer.
+    scanned
+        From ``scan_corners`` with the same cycles, sensors and observer.
     settings
         Required margins.
 
@@ -203,7 +212,7 @@ def close_within_margins(
         Without remarks and warnings.
     """
     closed = []
-    for plant, known in zip(bench.plants, answers, strict=True):
+    for plant, known in zip(bench.plants, scanned, strict=True):
         cut = open_loop(controller, known)
         # Refinement keeps every frequency: a peak that is too high now stays too high.
         if cut.sensitivity_peak > settings.sensitivity_peak:
@@ -215,7 +224,7 @@ def close_within_margins(
     return _gather(bench, controller, closed)
 
 
-def answer_corners(bench: CornerPlants, controller: Controller) -> tuple[Answers, ...]:
+def scan_corners(bench: CornerPlants, controller: Controller) -> tuple[BlockResponses, ...]:
     """Return what all controllers with the same cycles, sensors and observer share.
 
     Parameters
@@ -225,10 +234,10 @@ def answer_corners(bench: CornerPlants, controller: Controller) -> tuple[Answers
 
     Returns
     -------
-    tuple of Answers
+    tuple of BlockResponses
         One for each corner.
     """
-    return tuple(answer_on_grid(plant, controller) for plant in bench.plants)
+    return tuple(scan_blocks_on_grid(plant, controller) for plant in bench.plants)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -236,7 +245,6 @@ class _Closed:
     """The loop in one corner."""
 
     loop: SampledLoop
-    lifted: LiftedLoop
     response: FrequencyResponse
     analysis: LoopAnalysis
 
@@ -245,9 +253,7 @@ def _close_on(
     plant: Plant, controller: Controller, response: FrequencyResponse, *, model: Plant
 ) -> _Closed:
     loop = build_loop(plant, controller, model=model)
-    lifted = lift_loop(loop)
-    analysis = analyse_loop(plant, response, lifted)
-    return _Closed(loop=loop, lifted=lifted, response=response, analysis=analysis)
+    return _Closed(loop=loop, response=response, analysis=analyse_loop(loop, response))
 
 
 def _gather(bench: CornerPlants, controller: Controller, closed: Sequence[_Closed]) -> TunedLoop:
@@ -255,7 +261,6 @@ def _gather(bench: CornerPlants, controller: Controller, closed: Sequence[_Close
         controller=controller,
         corners=bench.corners,
         loops=tuple(item.loop for item in closed),
-        lifted=tuple(item.lifted for item in closed),
         responses=tuple(item.response for item in closed),
         analyses=tuple(item.analysis for item in closed),
         remarks=(),
@@ -284,8 +289,8 @@ def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
     )
 
 
-def describe_margins(analyses: Sequence[LoopAnalysis]) -> str:
-    """Return the worst margins over some corners as words.
+def describe_margins(analyses: Sequence[LoopAnalysis]) -> Message:
+    """Return the worst margins over some corners.
 
     Parameters
     ----------
@@ -294,9 +299,11 @@ def describe_margins(analyses: Sequence[LoopAnalysis]) -> str:
 
     Returns
     -------
-    str
+    Message
     """
-    gain = min(analysis.gain_margin_db for analysis in analyses)
-    phase = min(analysis.phase_margin_deg for analysis in analyses)
-    peak = max(analysis.sensitivity_peak for analysis in analyses)
-    return f"{gain:.3g} dB, {phase:.3g} degrees, sensitivity peak {peak:.3g} (worst corner)"
+    return Message(
+        "loop-margins",
+        gain=min(analysis.gain_margin_db for analysis in analyses),
+        phase=min(analysis.phase_margin_deg for analysis in analyses),
+        peak=max(analysis.sensitivity_peak for analysis in analyses),
+    )

@@ -33,17 +33,17 @@ from mtcommission.loop.tuning.judgement import (
 from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
     design_observer,
-    dominant_mode,
     is_seen,
+    most_resonant_mode,
 )
 from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TunedLoop,
     TuningSettings,
-    answer_corners,
     close_loop,
     close_within_margins,
     corner_plants,
+    scan_corners,
 )
 from mtcommission.machine.machine import Machine, StateFeedback
 from mtcommission.messages.message import Message
@@ -111,7 +111,7 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
     return tune_cascade(machine, settings)
 
 
-def check_loop(machine: Machine) -> tuple[str, ...]:
+def check_loop(machine: Machine) -> tuple[Message, ...]:
     """Return what is poor about the loop that a profile asks for.
 
     Parameters
@@ -122,7 +122,7 @@ def check_loop(machine: Machine) -> tuple[str, ...]:
 
     Returns
     -------
-    tuple of str
+    tuple of Message
         Empty where nothing is, and at once where the profile leaves all to the rules.
     """
     given = machine.control
@@ -134,7 +134,7 @@ def check_loop(machine: Machine) -> tuple[str, ...]:
     try:
         return tune_loop(machine).warnings
     except ComputationError as error:
-        return (str(error),)
+        return (error.message,)
 
 
 def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
@@ -157,13 +157,13 @@ def tune_variants(machine: Machine, *, settings: TuningSettings) -> Variants:
     """
     plain = close_cascade(machine, settings)
     lacking = lacking_bandwidth(machine, plain)
-    found = _compare_feedback(machine, plain, settings, is_needed=bool(lacking))
-    if not lacking:
+    found = _compare_feedback(machine, plain, settings, is_needed=lacking is not None)
+    if lacking is None:
         return found
     if found.feedback is None:
-        detail = f"{lacking}, and none with state feedback has it either"
-        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, Message("verbatim", text=detail))
-    remark = f"State feedback is needed: {lacking}."
+        detail = Message("loop-lacks-bandwidth-anyway", lacking=lacking)
+        raise ComputationError(Outcome.BANDWIDTH_OUT_OF_REACH, detail)
+    remark = Message("loop-state-feedback-needed", lacking=lacking)
     return replace(found, feedback=_noted(found.feedback, remark), is_needed=True)
 
 
@@ -176,24 +176,25 @@ def _compare_feedback(
     """
     bench = corner_plants(machine)
     sensors = plain.controller.sensors
-    unseen = [mode.name for mode in bench.model.modes if not is_seen(mode, sensors)]
-    blind = (
-        f" The sensors do not see mode {', '.join(unseen)}: no feedback can damp it."
-        if unseen
-        else ""
-    )
-    mode = dominant_mode(bench.model, sensors, plain.least_own_damping)
+    unseen = tuple(mode.name for mode in bench.model.modes if not is_seen(mode, sensors))
+
+    def noted(tuned: TunedLoop, remark: Message) -> TunedLoop:
+        if not unseen:
+            return _noted(tuned, remark)
+        blind = Message("loop-unseen-modes", modes=unseen)
+        return _noted(tuned, Message("loop-two-sentences", first=remark, second=blind))
+
+    mode = most_resonant_mode(bench.model, sensors, plain.least_own_damping)
     if mode is None:
-        return Variants(plain=_noted(plain, f"No state feedback.{blind}"), feedback=None)
+        return Variants(plain=noted(plain, Message("loop-no-state-feedback")), feedback=None)
     before = float(plain.nominal.mode_damping[bench.model.modes.index(mode)])
     try:
         found = list(_with_each_weight(machine, bench, plain, mode, settings))
     except ComputationError as error:
         if error.outcome is not Outcome.FEEDBACK_DESIGN_FAILED:
             raise
-        detail = error.detail.values["text"]
-        remark = f"No state feedback: its design failed ({detail}).{blind}"
-        return Variants(plain=_noted(plain, remark), feedback=None)
+        failed = Message("loop-state-feedback-design-failed", detail=error.detail)
+        return Variants(plain=noted(plain, failed), feedback=None)
     useful = [
         tuned
         for tuned in found
@@ -201,24 +202,25 @@ def _compare_feedback(
         and (is_needed or _keeps_what_was(bench.model, mode, plain, tuned))
     ]
     if not useful:
-        remark = (
-            f"No state feedback: none damps mode {mode.name} better than the cascade alone "
-            f"(damping ratio {before:.3g}) with the margins kept.{blind}"
-        )
-        return Variants(plain=_noted(plain, remark), feedback=None)
+        remark = Message("loop-state-feedback-damps-nothing", mode=mode.name, damping=before)
+        return Variants(plain=noted(plain, remark), feedback=None)
     best = max(useful, key=lambda tuned: tuned.least_stiffness)
     after = float(best.nominal.mode_damping[bench.model.modes.index(mode)])
-    remark = (
-        f"State feedback (LQR around the cascade, Kalman observer on {' and '.join(sensors)}): "
-        f"damping ratio of mode {mode.name} {mode.damping_ratio:.3g} without control, "
-        f"{before:.3g} with the cascade, {after:.3g} with state feedback.{blind}"
+    seen = "loop-observed-encoder-and-tcp" if "tcp" in sensors else "loop-observed-encoder"
+    remark = Message(
+        "loop-state-feedback",
+        sensors=Message(seen),
+        mode=mode.name,
+        own=mode.damping_ratio,
+        cascade=before,
+        feedback=after,
     )
     warnings = (*warn_of_modes(bench, best), *filter_warnings(machine, best, settings))
-    feedback = _noted(replace(best, warnings=warnings), remark)
-    return Variants(plain=_noted(plain, remark), feedback=feedback)
+    feedback = noted(replace(best, warnings=warnings), remark)
+    return Variants(plain=noted(plain, remark), feedback=feedback)
 
 
-def _noted(tuned: TunedLoop, remark: str) -> TunedLoop:
+def _noted(tuned: TunedLoop, remark: Message) -> TunedLoop:
     return replace(tuned, remarks=(*tuned.remarks, remark))
 
 
@@ -235,14 +237,14 @@ def _with_each_weight(
     largest = build_cascade(machine, bench.model, fraction=settings.largest_fraction)
     least = plain.controller.velocity_gain * settings.reduction**2
     end = least / largest.velocity_gain * settings.largest_fraction
-    answers = answer_corners(bench, replace(largest, observer=observer))
+    scanned = scan_corners(bench, replace(largest, observer=observer))
     for weight in settings.mode_weights:
         for fraction in fractions(settings, start=settings.largest_fraction, end=end):
             cascade = build_cascade(machine, bench.model, fraction=fraction)
             controller = add_state_feedback(
                 machine, bench.model, cascade, mode, weight=weight, observer=observer
             )
-            found = close_within_margins(bench, controller, answers, settings=settings)
+            found = close_within_margins(bench, controller, scanned, settings=settings)
             if found is not None:
                 yield replace(found, remarks=explain_cascade(machine, controller))
                 break
@@ -277,7 +279,7 @@ def _with_given_state_gains(machine: Machine, settings: TuningSettings) -> Tuned
     if hidden:
         raise ComputationError(
             Outcome.NOT_OBSERVABLE,
-            Message("verbatim", text=f"state feedback of {', '.join(hidden)}"),
+            Message("loop-hidden-states", states=tuple(hidden)),
         )
 
     def build(changed: Machine) -> Controller:

@@ -6,6 +6,7 @@ docs/optimal-control-bounds.md derives the method.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import nan
 
 import numpy as np
@@ -14,34 +15,27 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, VelocityStep
 from mtcommission.messages.message import Message
-from mtcommission.optimal.bounded.accept import GAP, Found
-from mtcommission.optimal.bounded.cruise_lengthened import cruise_periods, lengthened_cruise
-from mtcommission.optimal.bounded.dual import dual_value
-from mtcommission.optimal.bounded.exact import solve_exactly
-from mtcommission.optimal.bounded.force import force_sequence, swift_plant, tight_force_bound
-from mtcommission.optimal.bounded.grid import solve_grid_time
-from mtcommission.optimal.bounded.layout import first_sight
-from mtcommission.optimal.bounded.measure import adjoint_before, stretches
+from mtcommission.optimal.bounded.lengthened_cruise import cruise_periods, lengthened_cruise
+from mtcommission.optimal.bounded.mesh.plan import first_features
+from mtcommission.optimal.bounded.newton.exact import solve_exactly
 from mtcommission.optimal.bounded.problem import (
     BoundedProblem,
     all_bounds,
     bounded_problem,
-    bounds_text,
+    describe_bounds,
 )
+from mtcommission.optimal.bounded.program.grid import solve_grid_time
+from mtcommission.optimal.bounded.proof.accepted import Found
+from mtcommission.optimal.bounded.proof.dual_point import adjoint_before, stretches
+from mtcommission.optimal.bounded.proof.dual_value import dual_value
 from mtcommission.optimal.bounded.search import search
+from mtcommission.optimal.bounded.tight_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.closed_form import impulse_response
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound, Certificate, TimeOptimum, TouchPoint
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-MANY_PERIODS = 120.0
-"""Periods of a cruise from which on a shorter one is solved first: before, a mesh over the whole
-move costs less (measured on the paper's machine)."""
-
-SAME_TIME = 1e-7
-"""Relative distance at which a zero of σ and a switching time count as the same."""
 
 
 def solve_bounded_time_optimal(
@@ -81,12 +75,14 @@ def solve_bounded_time_optimal(
     Examples
     --------
     >>> from tests.machines import paper_machine
+    >>> from mtcommission.optimal.solution import Boundary
     >>> from mtcommission.plant.plant import build_plant
     >>> machine = paper_machine()
     >>> optimum = solve_bounded_time_optimal(build_plant(machine), machine.moves[0],
     ...     force_limit=2e3, bounds=(Bound(name="v_phi", value=0.02),))
-    >>> round(optimum.t_f, 7), [arc.control for arc in optimum.arcs if "b" in arc.control]
-    (0.0436416, ['boundary:v_phi:-'])
+    >>> held = [arc.control for arc in optimum.arcs if isinstance(arc.control, Boundary)]
+    >>> round(optimum.t_f, 7), held
+    (0.0436416, [Boundary(signal='v_phi', side=-1)])
     """
     every = all_bounds(plant, move, bounds)
     _refuse_impossible(plant, move, every)
@@ -94,24 +90,24 @@ def solve_bounded_time_optimal(
     peaks = dict(zip(plant.signals, free.peaks.tolist(), strict=True))
     active = tuple(bound for bound in every if peaks[bound.name] > bound.value)
     if not active:
-        return _with_bounds(free, every)
+        # It keeps the bounds, and so is the answer under them.
+        return replace(free, bounds=every)
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=free.t_f)
     found = _under_force_bound(problem, move)
     if found is None:
         found = _best(problem, t_free=free.t_f)
     if found is None:
-        detail = f"{bounds_text(plant, every)} and {force_limit:.6g} {plant.force_unit}"
-        raise ComputationError(
-            Outcome.NO_CONVERGENCE, Message("verbatim", text=f"time-optimal control under {detail}")
-        )
+        told, unit = describe_bounds(plant, every), plant.force_unit
+        detail = Message("bounded-optimum-not-found", bounds=told, force=force_limit, unit=unit)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     return _optimum(problem, move, every, found)
 
 
 def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
     """Return the optimum from a mesh over the whole move, or from a shorter cruise."""
-    long = cruise_periods(problem) > MANY_PERIODS
+    long = cruise_periods(problem) > problem.settings.search.many_periods
     first = lengthened_cruise(problem) if long else _over_all(problem, t_free=t_free)
-    if first is not None and first.gap <= GAP:
+    if first is not None and first.gap <= problem.settings.proof.gap:
         return first
     second = _over_all(problem, t_free=t_free) if long else lengthened_cruise(problem)
     found = [one for one in (first, second) if one is not None]
@@ -121,7 +117,7 @@ def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
 def _over_all(problem: BoundedProblem, *, t_free: float) -> Found | None:
     """Return the optimum from a mesh over the whole move, or None where that does not converge."""
     try:
-        return search(problem, first_sight(problem, solve_grid_time(problem, t_free=t_free)))
+        return search(problem, first_features(problem, solve_grid_time(problem, t_free=t_free)))
     except ComputationError as error:
         if error.outcome is not Outcome.NO_CONVERGENCE:
             raise
@@ -156,26 +152,11 @@ def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> N
         free = isinstance(move, VelocityStep) and row[plant.position] != 0.0
         least = 0.0 if free else abs(float(row @ target))
         if not bound.value > 0.0 or bound.value < least:
-            unit = plant.unit(bound.name)
-            needs = f"at least {least:.6g} {unit}" if least > 0.0 else "more than 0"
-            detail = f"{bounds_text(plant, (bound,))}, the move needs {needs}"
-            raise ComputationError(Outcome.BOUND_CANNOT_HOLD, Message("verbatim", text=detail))
-
-
-def _with_bounds(free: TimeOptimum, bounds: tuple[Bound, ...]) -> TimeOptimum:
-    """Return the free optimum, which keeps the bounds and so is the answer under them."""
-    return TimeOptimum(
-        move=free.move,
-        force_limit=free.force_limit,
-        bounds=bounds,
-        method=free.method,
-        t_f=free.t_f,
-        arcs=free.arcs,
-        touch_points=(),
-        terminal_error=free.terminal_error,
-        motion=free.motion,
-        certificate=free.certificate,
-    )
+            unit, told = plant.unit(bound.name), describe_bounds(plant, (bound,))
+            detail = Message("bound-not-positive", bound=told)
+            if least > 0.0:
+                detail = Message("bound-below-need", bound=told, least=least, unit=unit)
+            raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
 
 
 def _optimum(
@@ -186,7 +167,8 @@ def _optimum(
     touches = [
         TouchPoint(
             t=found.t_f - at.remaining,
-            limit=f"{problem.limits[at.limit].bound.name}:{'+' if at.side > 0 else '-'}",
+            signal=problem.limits[at.limit].bound.name,
+            side=at.side,
         )
         for at in found.touches
     ]
@@ -222,14 +204,14 @@ def _certificate(problem: BoundedProblem, found: Found) -> Certificate:
         relative_gap=found.gap,
         adjoint_initial=factor * initial,
         switching_slopes=np.array(slopes),
-        switching_law_holds=found.exact and _law_holds(found, zeros),
+        switching_law_holds=found.exact and _law_holds(problem, found, zeros),
         terminal_jacobian_rank=-1,
         terminal_jacobian_condition=nan,
     )
 
 
-def _law_holds(found: Found, zeros: Array) -> bool:
+def _law_holds(problem: BoundedProblem, found: Found, zeros: Array) -> bool:
     """Return whether σ changes sign off the boundary arcs just where the force switches."""
     ends = found.t_f - np.array([0.0, *(arc.t_end for arc in found.motion.arcs)])
     distance = np.abs(zeros[:, np.newaxis] - ends).min(axis=1)
-    return bool(np.all(distance < SAME_TIME * found.t_f))
+    return bool(np.all(distance < problem.settings.proof.same_time * found.t_f))

@@ -7,6 +7,7 @@ optimum may let the modes ring while it cruises.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isfinite, sqrt
 
 import numpy as np
@@ -16,12 +17,14 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.bounded.motion import follow
+from mtcommission.optimal.bounded.proof.motion import follow_control
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Arc,
     Bound,
+    Boundary,
     Certificate,
+    Interior,
     TimeOptimum,
     constant_arc,
 )
@@ -69,9 +72,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     V, L = move.max_velocity, move.distance
     name = plant.states[plant.velocity]
     if not isfinite(V):
-        raise ComputationError(
-            Outcome.NO_CONVERGENCE, Message("verbatim", text="a cruise needs a max_velocity")
-        )
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("cruise-needs-velocity"))
     bound = Bound(name=name, value=V)
     rise = solve_bounded_time_optimal(
         plant, VelocityStep(velocity_step=V), force_limit=force_limit, bounds=(bound,)
@@ -79,13 +80,12 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     cruise = L / V - rise.t_f
     if cruise <= 0.0:
         unit = plant.unit(plant.states[plant.position])
-        detail = f"the distance of {L:.6g} {unit} is too short to cruise at {V:.6g} {unit}/s"
-        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+        detail = Message("too-short-to-cruise", distance=L, velocity=V, unit=unit)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     begin = rise.t_f + cruise
-    label = f"boundary:{name}:+"
-    hold = constant_arc(rise.t_f, begin, control=label, force=0.0)
+    hold = constant_arc(rise.t_f, begin, control=Boundary(name, 1), force=0.0)
     arcs = (*rise.arcs, hold, *(_mirrored(arc, begin) for arc in rise.arcs))
-    motion = follow(plant, arcs, rate=plant.fastest_rate)
+    motion = follow_control(plant, arcs, rate=plant.fastest_rate)
     error = motion.final.copy()
     error[plant.position] -= L
     t_f = begin + rise.t_f
@@ -122,12 +122,8 @@ def _rigid_time(distance: float, velocity: float, acceleration: float) -> float:
 
 def _mirrored(arc: Arc, later: float) -> Arc:
     """The arc with its force reversed, at a later time."""
-    swapped = arc.control.translate(str.maketrans("+-", "-+"))
-    return Arc(
-        t_start=arc.t_start + later,
-        t_end=arc.t_end + later,
-        control=swapped if arc.control != "interior" else arc.control,
-        generator=arc.generator,
-        initial=arc.initial,
-        output=-arc.output,
-    )
+    control = arc.control
+    if not isinstance(control, Interior):
+        control = replace(control, side=-control.side)
+    start, end = arc.t_start + later, arc.t_end + later
+    return replace(arc, t_start=start, t_end=end, control=control, output=-arc.output)

@@ -14,21 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.messages.message import Message
+from mtcommission.optimal.bounded.settings import STANDARD, BoundedSettings, StructureSettings
 from mtcommission.optimal.closed_form import step_response
 from mtcommission.optimal.held_flow import HeldFlow, held_flow
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
-
-ORDER_TOLERANCE = 1e-10
-"""Share of its own terms below which c A^j B counts as zero (rounding of the sum)."""
-
-
-FOLLOW_LEVEL = 0.5
-"""Share of a bound that the target itself takes, above which the bound is scaled with the
-target: otherwise a bound that the target just meets (|v_s| <= velocity step) would cap the
-reachable multiple at 1 for every longer t_f, and t_f could not be told from it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,7 +35,7 @@ class Limit:
     row
         c divided by the bound's value, shape (n,).
     follows
-        Whether the program scales this bound with the target, see ``FOLLOW_LEVEL``.
+        Whether the program scales this bound with the target (``StructureSettings.follow_level``).
     gain
         c (A/rate)^(r-1) B [1/(N s)].
     output_chain
@@ -110,6 +103,8 @@ class BoundedProblem:
         Typical size of each state, shape (n,).
     rate
         Fastest rate of the plant [1/s].
+    settings
+        Of the solver.
     """
 
     plant: Plant
@@ -119,6 +114,7 @@ class BoundedProblem:
     target: Array
     state_scale: Array
     rate: float
+    settings: BoundedSettings
 
     @property
     def has_high_order(self) -> bool:
@@ -129,6 +125,11 @@ class BoundedProblem:
     def vibration_rate(self) -> float:
         """Natural frequency of the fastest mode, or the fastest rate without modes [1/s]."""
         return max((mode.natural_frequency for mode in self.plant.modes), default=self.rate)
+
+    @property
+    def bounds(self) -> tuple[Bound, ...]:
+        """The bounds of all limits."""
+        return tuple(limit.bound for limit in self.limits)
 
     @property
     def rows(self) -> Array:
@@ -167,9 +168,9 @@ def all_bounds(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> tuple[Bou
     return tuple(Bound(name=name, value=value) for name, value in values.items())
 
 
-def bounds_text(
-    plant: Plant, bounds: tuple[Bound, ...], *, factor: float = 1.0, digits: int = 6
-) -> str:
+def describe_bounds(
+    plant: Plant, bounds: tuple[Bound, ...], *, kind: str = "signal-bound", factor: float = 1.0
+) -> tuple[Message, ...]:
     """Return bounds for a message, each times a factor, with their units.
 
     Parameters
@@ -178,29 +179,36 @@ def bounds_text(
         Knows the units.
     bounds
         By state or output.
+    kind
+        Of the messages.
     factor
         On every value.
-    digits
-        Significant ones.
 
     Returns
     -------
-    str
+    tuple of Message
 
     Examples
     --------
     >>> from tests.machines import paper_machine
     >>> from mtcommission.plant.plant import build_plant
-    >>> bounds_text(build_plant(paper_machine()), (Bound(name="v_phi", value=5e-3),))
-    '|v_phi| <= 0.005 rad/s'
+    >>> describe_bounds(build_plant(paper_machine()), (Bound(name="v_phi", value=5e-3),))
+    (Message('signal-bound', signal='v_phi', value=0.005, unit='rad/s'),)
     """
-    return ", ".join(
-        f"|{k.name}| <= {factor * k.value:.{digits}g} {plant.unit(k.name)}" for k in bounds
+    return tuple(
+        Message(kind, signal=k.name, value=factor * k.value, unit=plant.unit(k.name))
+        for k in bounds
     )
 
 
 def bounded_problem(
-    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...], horizon: float
+    plant: Plant,
+    move: Move,
+    *,
+    force_limit: float,
+    bounds: tuple[Bound, ...],
+    horizon: float,
+    settings: BoundedSettings = STANDARD,
 ) -> BoundedProblem:
     """Return the problem with everything that follows from the orders of its bounds.
 
@@ -216,6 +224,8 @@ def bounded_problem(
         At least one, values > 0.
     horizon
         Rough duration of the move, for the scale of the states [s].
+    settings
+        Of the solver.
 
     Returns
     -------
@@ -247,19 +257,31 @@ def bounded_problem(
     return BoundedProblem(
         plant=plant,
         force_limit=force_limit,
-        limits=tuple(_limit(plant, bound, rate, target, scale) for bound in bounds),
+        limits=tuple(
+            _limit(plant, bound, settings.structure, rate=rate, target=target, scale=scale)
+            for bound in bounds
+        ),
         fixed=fixed,
         target=target,
         state_scale=scale,
         rate=rate,
+        settings=settings,
     )
 
 
-def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array) -> Limit:
+def _limit(
+    plant: Plant,
+    bound: Bound,
+    settings: StructureSettings,
+    *,
+    rate: float,
+    target: Array,
+    scale: Array,
+) -> Limit:
     A, B = plant.A / rate, plant.B
     row = plant.row(bound.name) / bound.value
     outputs, forces = [row], [B]
-    while abs(outputs[-1] @ B) <= ORDER_TOLERANCE * (np.abs(outputs[-1]) @ np.abs(B)):
+    while abs(outputs[-1] @ B) <= settings.order_tolerance * (np.abs(outputs[-1]) @ np.abs(B)):
         outputs.append(outputs[-1] @ A)
         forces.append(A @ forces[-1])
     gain = float(outputs[-1] @ B)
@@ -271,7 +293,7 @@ def _limit(plant: Plant, bound: Bound, rate: float, target: Array, scale: Array)
     return Limit(
         bound=bound,
         row=row,
-        follows=abs(float(row @ target)) > FOLLOW_LEVEL,
+        follows=abs(float(row @ target)) > settings.follow_level,
         gain=gain,
         output_chain=output_chain,
         force_chain=force_chain,

@@ -7,15 +7,12 @@ from math import isfinite
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move
 from mtcommission.messages.message import Message
-from mtcommission.optimal.bounded.grid import solve_grid_time
-from mtcommission.optimal.bounded.least import smallest_factor_by
-from mtcommission.optimal.bounded.problem import all_bounds, bounded_problem, bounds_text
+from mtcommission.optimal.bounded.problem import all_bounds, bounded_problem, describe_bounds
+from mtcommission.optimal.bounded.program.grid import solve_grid_time
+from mtcommission.optimal.bounded.program.smallest_bound import smallest_factor_by
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import Plant
-
-UNDECIDED = 2e-3
-"""Relative distance of the smallest bound from the wanted one that the grids cannot judge."""
 
 
 def explain_short_time(
@@ -46,22 +43,20 @@ def explain_short_time(
     t_free = solve_time_optimal(plant, move, force_limit=force_limit).t_f
     problem = bounded_problem(plant, move, force_limit=force_limit, bounds=every, horizon=t_f)
     least = smallest_factor_by(problem, t_f)
-    if not isfinite(least) or least < 1.0 + UNDECIDED:
+    if not isfinite(least) or least < 1.0 + problem.settings.program.undecided:
         return None
     try:
-        needed = f"take some {1e3 * solve_grid_time(problem, t_free=t_free).t_f:.4g} ms"
+        need = Message("bounds-take-some", t_f=solve_grid_time(problem, t_free=t_free).t_f)
     except ComputationError as error:
         if error.outcome is Outcome.BOUND_CANNOT_HOLD:
             return error
-        needed = "take longer"
-    wanted = bounds_text(plant, every)
-    possible = bounds_text(plant, every, factor=least, digits=4)
-    together = " (all widened alike)" if len(every) > 1 else ""
-    return ComputationError(
-        Outcome.FINAL_TIME_TOO_SHORT,
-        Message(
-            "verbatim",
-            text=f"t_f = {1e3 * t_f:.6g} ms, but bounds of {wanted} {needed}; "
-            f"the smallest possible by that t_f: about {possible}{together}",
-        ),
+        need = Message("bounds-take-longer")
+    detail = Message(
+        "bounds-need-longer",
+        t_f=t_f,
+        bounds=describe_bounds(plant, every),
+        need=need,
+        possible=describe_bounds(plant, every, kind="signal-bound-about", factor=least),
+        together=Message("bounds-widened-alike") if len(every) > 1 else None,
     )
+    return ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)

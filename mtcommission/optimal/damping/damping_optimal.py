@@ -24,7 +24,14 @@ from mtcommission.optimal.damping.hamiltonian import (
 )
 from mtcommission.optimal.damping.saturated import Iterate, solve_saturated
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
-from mtcommission.optimal.solution import Arc, DampingOptimum, constant_arc, propagate
+from mtcommission.optimal.solution import (
+    Arc,
+    Bang,
+    DampingOptimum,
+    Interior,
+    constant_arc,
+    propagate,
+)
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -75,6 +82,7 @@ def solve_damping_optimal(
     Examples
     --------
     >>> from itertools import groupby
+    >>> from mtcommission.optimal.solution import control_text
     >>> from mtcommission.machine.machine import *
     >>> from mtcommission.machine.mechanics import FlexibleMode
     >>> from mtcommission.plant.modal import Modal
@@ -87,7 +95,7 @@ def solve_damping_optimal(
     ...         modes=Modes(surface=4e-6, accuracy=1e-5, speed=4e-5)))
     >>> best = solve_damping_optimal(build_plant(axis), axis.moves[0], force_limit=280.0,
     ...     t_f=0.05, weights=(Weight(state="v_column", value=1e5),))
-    >>> [name for name, _ in groupby(arc.control for arc in best.arcs)]
+    >>> [control_text(kind) for kind, _ in groupby(arc.control for arc in best.arcs)]
     ['+F_max', 'interior', '+F_max', 'interior', '-F_max']
     """
     problem = scale_problem(plant, move, force_limit=force_limit, t_f=t_f, weights=weights)
@@ -122,8 +130,8 @@ def _published(problem: SaturatedProblem, solved: Iterate) -> tuple[Arc, ...]:
     output = F * problem.control_row[:width]
     for start, end, label in zip(edges[:-1], edges[1:], solved.arcs.labels, strict=True):
         if label:
-            name = "+F_max" if label > 0 else "-F_max"
-            arcs.append(constant_arc(float(start), float(end), control=name, force=label * F))
+            control = Bang(int(label))
+            arcs.append(constant_arc(float(start), float(end), control=control, force=label * F))
             continue
         inside = (solved.flow.t[:, 0] >= start) & (solved.flow.t[:, 0] < end)
         starts = np.append(solved.flow.t[inside, 0], end)
@@ -132,7 +140,7 @@ def _published(problem: SaturatedProblem, solved: Iterate) -> tuple[Arc, ...]:
                 Arc(
                     t_start=float(starts[i]),
                     t_end=float(starts[i + 1]),
-                    control="interior",
+                    control=Interior(),
                     generator=generator,
                     initial=z[:width],
                     output=output,

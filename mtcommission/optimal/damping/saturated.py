@@ -297,17 +297,9 @@ def solve_saturated(problem: SaturatedProblem) -> Iterate:
     if floor > 1.0 + FORCE_MARGIN:
         raise ComputationError(
             Outcome.FINAL_TIME_TOO_SHORT,
-            Message(
-                "verbatim",
-                text=f"t_f = {problem.t_f:.6g} s takes more than {floor * F:.9g} {unit}, there are "
-                f"{F:.6g} {unit}",
-            ),
+            Message("damping-needs-force", t_f=problem.t_f, needed=floor * F, force=F, unit=unit),
         )
     raise ComputationError(
         Outcome.NO_CONVERGENCE,
-        Message(
-            "verbatim",
-            text=f"damping-optimal control for t_f = {problem.t_f:.6g} s and {F:.6g} {unit}: "
-            f"solved down to a limit of {limit * F:.6g} {unit} only",
-        ),
+        Message("damping-not-solved", t_f=problem.t_f, force=F, solved=limit * F, unit=unit),
     )

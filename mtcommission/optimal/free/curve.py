@@ -155,7 +155,7 @@ def _solve_level(
             groups.setdefault((start.zeros.size, start.first_sign), []).append(i)
     for members in groups.values():
         chosen = [start for i in members if (start := starts[i]) is not None]
-        for i, point in zip(members, _polish(problem, spans[members], chosen), strict=True):
+        for i, point in zip(members, _refined(problem, spans[members], chosen), strict=True):
             found[i] = point
     attempts = _proved(problem, spans, found)
     alone = [point if point and point.is_proved else None for point in attempts]
@@ -209,7 +209,7 @@ def _proved(
     return result
 
 
-def _polish(
+def _refined(
     problem: MomentProblem, spans: Array, starts: Sequence[CurvePoint]
 ) -> list[CurvePoint | None]:
     """Return Newton's result for each start of one structure; None where it did not converge."""
@@ -270,7 +270,7 @@ def _defect(problem: MomentProblem, ends: Array, jumps: Array, spans: Array) -> 
 def _step(
     problem: MomentProblem, ends: Array, c: Array, *, jumps: Array, defect: Array, scale: Array
 ) -> tuple[Array, Array]:
-    """Return ends and multipliers after one Newton step; the equations are those of ``polish``."""
+    """Return ends and multipliers after one Newton step, with ``refine_control``'s equations."""
     n, k, size = ends.shape[0], ends.shape[1] - 1, problem.size
     phi, slope = (
         values.reshape(n, k + 1, size) for values in problem.values_and_slopes(ends.ravel())

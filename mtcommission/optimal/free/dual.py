@@ -144,8 +144,8 @@ def evaluate_dual(mesh: Mesh, multipliers: Array, *, span: float, near: float) -
             break
         mesh = build_mesh(problem, 2.0 * mesh.horizon)
     else:
-        detail = f"the multipliers prove a time beyond {mesh.horizon:.3g} s"
-        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+        detail = Message("multipliers-prove-beyond", t_f=mesh.horizon)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     k = int(reached.searchsorted(span))
     start = float(zeros[k - 1]) if k else 0.0
     base = float(primitive[k - 1]) if k else 0.0

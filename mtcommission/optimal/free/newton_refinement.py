@@ -65,7 +65,7 @@ class BangBang:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Polished:
+class RefinedControl:
     """What Newton made of a control.
 
     Parameters
@@ -86,7 +86,7 @@ class Polished:
     excess: float
 
 
-def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
+def refine_control(mesh: Mesh, start: BangBang, *, span: float) -> RefinedControl:
     """Return the stationary control next to another.
 
     Parameters
@@ -100,7 +100,7 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
 
     Returns
     -------
-    Polished
+    RefinedControl
         Its ``residual`` tells whether Newton converged.
 
     Source: docs/optimal-control.md, section 3.
@@ -123,8 +123,8 @@ def polish(mesh: Mesh, start: BangBang, *, span: float) -> Polished:
             break
         ends, weights = _step(system, here)
     if best is None:
-        return Polished(control=start, residual=inf, end_value=nan, excess=nan)
-    return Polished(
+        return RefinedControl(control=start, residual=inf, end_value=nan, excess=nan)
+    return RefinedControl(
         control=BangBang(
             zeros=best.ends[:-1],
             horizon=float(best.ends[-1]),

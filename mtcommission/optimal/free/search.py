@@ -19,7 +19,12 @@ from mtcommission.optimal.free.dual_start import (
 )
 from mtcommission.optimal.free.mesh import ROUNDOFF, Mesh
 from mtcommission.optimal.free.moments import MomentProblem, independence
-from mtcommission.optimal.free.newton_refinement import FEASIBLE, BangBang, Polished, polish
+from mtcommission.optimal.free.newton_refinement import (
+    FEASIBLE,
+    BangBang,
+    RefinedControl,
+    refine_control,
+)
 from mtcommission.optimal.free.switching import bracket_zeros, has_one_zero
 
 AGREEMENT = 1e-12
@@ -63,7 +68,7 @@ class Attempt:
 def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
     """Return the time-optimal control as signs over the remaining time.
 
-    Starts of rising accuracy are polished; the last ones take turns with Newton steps on the dual
+    Starts of rising accuracy are refined; the last ones take turns with Newton steps on the dual
     bound. An attempt is accepted when the bound that its multipliers prove equals the time that
     it takes.
 
@@ -102,8 +107,8 @@ def find_bang_bang(problem: MomentProblem, *, span: float) -> Attempt:
         tolerance = TOLERANCES[-1] * PARTS ** -(refinement + 1)
         cells = improve(refine_cells(cells), span=span, tolerance=tolerance)
     if best is None:
-        detail = f"no control for span {span:.6g} next to {cells.horizon:.9g} s reaches rest"
-        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+        detail = Message("no-control-reaches-rest", span=span, t_f=cells.horizon)
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     return best
 
 
@@ -114,7 +119,7 @@ def _better(one: Attempt | None, other: Attempt | None) -> Attempt | None:
 
 
 def _climb(cells: CellForce, span: float) -> Attempt | None:
-    """Polish from the cells' multipliers and from better ones that Newton steps lead to."""
+    """Refine from the cells' multipliers and from better ones that Newton steps lead to."""
     point = evaluate_dual(cells.mesh, cells.multipliers, span=span, near=cells.horizon)
     ascent, best = Ascent(point=point), None
     for _ in range(ASCENT_STEPS):
@@ -126,19 +131,19 @@ def _climb(cells: CellForce, span: float) -> Attempt | None:
 
 
 def _exchange(mesh: Mesh, start: BangBang, span: float) -> Attempt | None:
-    """Polish; where the multipliers then show other zeros than the control has, do so with those.
+    """Refine; where the multipliers then show other zeros than the control has, do so with those.
 
     Next to the birth of an arc this is what adds or drops the two zeros.
     """
     best = None
     for _ in range(EXCHANGES):
-        polished = polish(mesh, start, span=span)
-        if polished.residual > FEASIBLE:
+        refined = refine_control(mesh, start, span=span)
+        if refined.residual > FEASIBLE:
             break
-        point = confirm(mesh, polished, span=span)
-        attempt = Attempt(control=polished.control, point=point)
+        point = confirm(mesh, refined, span=span)
+        attempt = Attempt(control=refined.control, point=point)
         best = _better(best, attempt)
-        if attempt.gap <= AGREEMENT or point.zeros.size == polished.control.zeros.size:
+        if attempt.gap <= AGREEMENT or point.zeros.size == refined.control.zeros.size:
             break
         start = _proved_control(point)
     return best
@@ -172,7 +177,7 @@ def _seen_control(cells: CellForce) -> BangBang:
     )
 
 
-def confirm(mesh: Mesh, polished: Polished, *, span: float) -> DualPoint:
+def confirm(mesh: Mesh, refined: RefinedControl, *, span: float) -> DualPoint:
     """Return the multipliers of a control with all zeros of their σ and the time they prove.
 
     Usually the zeros are just the switches, known to full precision, and ∫|σ| up to the final time
@@ -182,7 +187,7 @@ def confirm(mesh: Mesh, polished: Polished, *, span: float) -> DualPoint:
     ----------
     mesh
         Reaches beyond the final time.
-    polished
+    refined
         A control next to which Newton ended.
     span
         target / F_max.
@@ -191,7 +196,7 @@ def confirm(mesh: Mesh, polished: Polished, *, span: float) -> DualPoint:
     -------
     DualPoint
     """
-    control, end_value = polished.control, polished.end_value
+    control, end_value = refined.control, refined.end_value
     c, horizon = control.multipliers, control.horizon
     brackets = bracket_zeros(mesh, c, horizon=horizon, settled=has_one_zero)
     sign = control.first_sign * (-1.0) ** control.zeros.size
@@ -200,7 +205,7 @@ def confirm(mesh: Mesh, polished: Polished, *, span: float) -> DualPoint:
     return DualPoint(
         mesh=mesh,
         multipliers=c,
-        bound=horizon - polished.excess / abs(end_value),
+        bound=horizon - refined.excess / abs(end_value),
         zeros=control.zeros,
         first_sign=control.first_sign,
         end_value=abs(end_value),

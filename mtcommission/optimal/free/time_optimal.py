@@ -22,7 +22,7 @@ from mtcommission.optimal.free.flow import dyadic_flow, states_at
 from mtcommission.optimal.free.mesh import ROUNDOFF
 from mtcommission.optimal.free.moments import MomentProblem, independence, moment_problem
 from mtcommission.optimal.free.search import Attempt, find_bang_bang
-from mtcommission.optimal.solution import Arc, TimeOptimum
+from mtcommission.optimal.solution import Arc, Bang, TimeOptimum
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -79,8 +79,8 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     True
     """
     if not force_limit > 0.0:
-        detail = f"force left for motion {force_limit:.6g} {plant.force_unit}"
-        raise ComputationError(Outcome.NO_FORCE_LEFT, Message("verbatim", text=detail))
+        detail = Message("force-left", force=force_limit, unit=plant.force_unit)
+        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
     problem = moment_problem(plant, move)
     try:
         return _certified(plant, move, problem, force_limit=force_limit)
@@ -90,14 +90,15 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
         if accuracy < GAP_TOLERANCE:
             raise
         slowest = float(problem.magnitudes[:-1].min(initial=inf)) * horizon
-        detail = (
-            f"{force_limit:.6g} {plant.force_unit} end the move after some {horizon:.3g} s, "
-            f"{slowest:.2g} rad of the slowest mode; rounding then leaves {accuracy:.1g} of t_f in "
-            "doubt"
+        detail = Message(
+            "modes-answer-alike",
+            force=force_limit,
+            unit=plant.force_unit,
+            t_f=horizon,
+            angle=slowest,
+            doubt=accuracy,
         )
-        raise ComputationError(
-            Outcome.MODES_NOT_TOLD_APART, Message("verbatim", text=detail)
-        ) from error
+        raise ComputationError(Outcome.MODES_NOT_TOLD_APART, detail) from error
 
 
 def _certified(
@@ -158,12 +159,12 @@ def _arcs(claim: Claim) -> tuple[Arc, ...]:
     times = claim.switching_times.tolist()
     forces = [claim.first_force, -claim.first_force]
     outputs = [np.array([force]) for force in forces]
-    labels = ["+F_max" if force > 0.0 else "-F_max" for force in forces]
+    controls = [Bang(1 if force > 0.0 else -1) for force in forces]
     return tuple(
         Arc(
             t_start=start,
             t_end=end,
-            control=labels[i % 2],
+            control=controls[i % 2],
             generator=NO_CHANGE,
             initial=ONE,
             output=outputs[i % 2],
@@ -195,9 +196,14 @@ def _check(plant: Plant, optimum: TimeOptimum, reached: Array) -> None:
     worst = int(relative.argmax())
     if gap <= GAP_TOLERANCE and relative[worst] <= ERROR_TOLERANCE:
         return
-    detail = (
-        f"t_f = {optimum.t_f:.9g} s with {len(optimum.arcs) - 1} switches, relative gap {gap:.2g} "
-        f"(at most {GAP_TOLERANCE:g}), terminal error of {plant.states[worst]} "
-        f"{relative[worst]:.2g} of its peak (at most {ERROR_TOLERANCE:g})"
+    detail = Message(
+        "optimum-not-accurate",
+        t_f=optimum.t_f,
+        switches=len(optimum.arcs) - 1,
+        gap=gap,
+        allowed_gap=GAP_TOLERANCE,
+        state=plant.states[worst],
+        error=float(relative[worst]),
+        allowed_error=ERROR_TOLERANCE,
     )
-    raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+    raise ComputationError(Outcome.NO_CONVERGENCE, detail)

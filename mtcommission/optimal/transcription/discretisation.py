@@ -322,17 +322,20 @@ def _check(problem: GridProblem, settings: TranscriptionSettings, stats: dict[st
     status = str(stats["return_status"])
     if status == "Solve_Succeeded":
         return
-    detail = (
-        f"IPOPT ended with {status} after {stats['iter_count']} iterations, "
-        f"{settings.scheme.value} scheme, {settings.intervals} intervals"
+    detail = Message(
+        "ipopt-ended",
+        status=status,
+        iterations=int(stats["iter_count"]),
+        scheme=settings.scheme.value,
+        intervals=settings.intervals,
     )
     infeasible = status == "Infeasible_Problem_Detected"
     free_time = problem.aim is Aim.TIME
     if problem.aim is Aim.REACH or not infeasible or (free_time and not problem.rows.size):
-        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+        raise ComputationError(Outcome.NO_CONVERGENCE, detail)
     if free_time:
-        raise ComputationError(Outcome.BOUND_CANNOT_HOLD, Message("verbatim", text=detail))
+        raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
     raise ComputationError(
         Outcome.FINAL_TIME_TOO_SHORT,
-        Message("verbatim", text=f"t_f = {problem.t_guess:.6g} s: {detail}"),
+        Message("ipopt-ended-at", t_f=problem.t_guess, ended=detail),
     )

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from mtcommission.machine.machine import Weight
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
-from mtcommission.optimal.solution import Arc, constant_arc
+from mtcommission.optimal.solution import Arc, ArcControl, Bang, Interior, constant_arc
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
@@ -126,11 +126,11 @@ def grid_arcs(control: Array, *, t_f: float, force_limit: float) -> tuple[Arc, .
     starts = [0, *(np.flatnonzero(~joined) + 1).tolist(), N]
     arcs = []
     for start, end in pairwise(starts):
-        label = "interior"
+        kind: ArcControl = Interior()
         if saturated[start]:
-            label = "+F_max" if control[start] > 0.0 else "-F_max"
+            kind = Bang(1 if control[start] > 0.0 else -1)
         t_start, t_end = start * t_f / N, t_f if end == N else end * t_f / N
-        arcs.append(constant_arc(t_start, t_end, control=label, force=float(control[start])))
+        arcs.append(constant_arc(t_start, t_end, control=kind, force=float(control[start])))
     return tuple(arcs)
 
 

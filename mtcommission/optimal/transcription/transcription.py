@@ -239,8 +239,7 @@ def _shortest(
 
     found, scales = solve(t_guess, Aim.TIME, grids[-1])
     if found.t_f > 0.999 * LONGEST * t_guess:
-        detail = f"IPOPT went to t_f = {found.t_f:.4g} s"
-        raise ComputationError(Outcome.BEYOND_HORIZON, Message("verbatim", text=detail))
+        raise ComputationError(Outcome.BEYOND_HORIZON, Message("ipopt-went-far", t_f=found.t_f))
     if len(grids) == 1:
         return found, scales
     t_f, near = found.t_f, REACHED * settings.tolerance * settings.intervals
@@ -249,8 +248,8 @@ def _shortest(
         if intervals == settings.intervals and abs(found.reach - 1.0) < near:
             return found, scales
         t_f += (1.0 - found.reach) / found.reach_rate
-    detail = f"{found.reach:.9g} of the target is reached at t_f = {found.t_f:.9g} s"
-    raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text=detail))
+    detail = Message("target-not-reached", reach=found.reach, t_f=found.t_f)
+    raise ComputationError(Outcome.NO_CONVERGENCE, detail)
 
 
 def _guess_time(plant: Plant, move: Move, *, force_limit: float) -> float:

@@ -8,4 +8,4 @@ requirement-rms-force = { $axis ->
     [rotary] Effektivmoment
    *[linear] Effektivkraft
 }
-requirement-peak = Höchstwert { $signal }
+requirement-peak = Höchstwert { SYMBOL($signal) }

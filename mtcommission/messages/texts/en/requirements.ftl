@@ -11,4 +11,4 @@ requirement-rms-force = { $axis ->
    *[linear] RMS force
 }
 # $signal: a state or output of the plant, as the profile spells it
-requirement-peak = peak { $signal }
+requirement-peak = peak { SYMBOL($signal) }

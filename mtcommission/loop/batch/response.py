@@ -1,0 +1,147 @@
+"""The same limits on thousands of machines at once: settling, residual, use of the bounds.
+
+The loops of all samples advance together, driven by the same setpoint (``run``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.batch.loops import discretise_variations
+from mtcommission.loop.batch.run import bounded_signals, run_batch, shares_of_bounds
+from mtcommission.loop.model.assembly import lift_on_plants
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import Variations
+from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
+
+Array = NDArray[np.float64]
+
+CHUNK = 1000
+"""Samples advanced at once: keeps their matrices in the cache (measured)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BatchedResponse:
+    """What limits do on many machines.
+
+    Parameters
+    ----------
+    settling_time
+        Slowest move, shape (n_samples,) [s]; inf where it has not decayed within the horizon.
+    residual_deviation
+        Worst move, shape (n_samples,) [m]; inf like the settling time.
+    shares
+        Share of every bound that is used, worst move, shape (n_samples, n_bounds) [-]. Above 1
+        the force would saturate, and the motion differs.
+    bounds
+        Names of these bounds as in the verdict: set force, peaks, RMS force.
+    """
+
+    settling_time: Array
+    residual_deviation: Array
+    shares: Array
+    bounds: tuple[str, ...]
+
+    @property
+    def usage(self) -> Array:
+        """Largest share of any bound, shape (n_samples,) [-]."""
+        return np.asarray(self.shares.max(axis=1))
+
+    def meets(self, machine: Machine) -> NDArray[np.bool_]:
+        """Return which samples keep all requirements, shape (n_samples,)."""
+        needs = machine.requirements
+        kept = (self.residual_deviation <= needs.tcp_deviation) & (self.usage <= 1.0)
+        return np.asarray(kept & (self.settling_time <= needs.max_settling_time))
+
+    def missed(self, machine: Machine, samples: slice) -> tuple[str, ...]:
+        """Return the requirements that any of some samples misses, named as in the verdict."""
+        needs = machine.requirements
+        found = [
+            ("residual deviation", self.residual_deviation > needs.tcp_deviation),
+            ("settling time", self.settling_time > needs.max_settling_time),
+            *zip(self.bounds, (self.shares > 1.0).T, strict=True),
+        ]
+        return tuple(name for name, is_missed in found if is_missed[samples].any())
+
+
+def simulate_limits_batched(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    *,
+    variations: Variations,
+) -> BatchedResponse:
+    """Return settling time and residual deviation of the same limits on many machines.
+
+    Parameters
+    ----------
+    machine, plant
+        The nominal machine and its plant.
+    tuned
+        Its loop; the force is not saturated here.
+    limits
+        Acceleration and jerk.
+    variations
+        The machines.
+
+    Returns
+    -------
+    BatchedResponse
+    """
+    time = machine.control.moving_average_time
+    setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
+    return simulate_batched(machine, plant, tuned, setpoints, variations=variations)
+
+
+def simulate_batched(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    setpoints: Sequence[Setpoint],
+    *,
+    variations: Variations,
+) -> BatchedResponse:
+    """Return what given setpoints do on many machines, worst over the setpoints.
+
+    Parameters
+    ----------
+    machine, plant
+        The nominal machine and its plant.
+    tuned
+        Its loop; the force is not saturated here.
+    setpoints
+        One for each move, filters included.
+    variations
+        The machines.
+
+    Returns
+    -------
+    BatchedResponse
+    """
+    count, loop = len(variations.payload), tuned.loops[0]
+    signals = bounded_signals(machine, plant, loop)
+    settling, residual = np.zeros(count), np.zeros(count)
+    shares = np.zeros((count, len(signals.names)))
+    for start in range(0, count, CHUNK):
+        part = slice(start, start + CHUNK)
+        A, B = discretise_variations(
+            machine, plant, loop.controller.velocity_cycle, variations=variations, part=part
+        )
+        rows = lift_on_plants(loop, A, B, signals=signals.rows)
+        for setpoint in setpoints:
+            run = run_batch(machine, loop, rows, signals, setpoint)
+            used = shares_of_bounds(run, signals, setpoint)
+            settling[part] = np.maximum(settling[part], run.settling)
+            residual[part] = np.maximum(residual[part], run.residual)
+            shares[part] = np.maximum(shares[part], used)
+    return BatchedResponse(
+        settling_time=settling, residual_deviation=residual, shares=shares, bounds=signals.names
+    )

@@ -1,0 +1,336 @@
+"""The matrices of the loop, quickly: one assembly for every engine, held to ``diagram`` by a test.
+
+Which path carries which dead time:
+
+- The position controller samples the encoder at the position cycle and hands its velocity
+  setpoint down one position cycle later; it is held for that cycle (zero-order hold), so it
+  is T_p + (T_p - T_v)/2 old, on average, when the velocity controller samples it.
+- Feed-forward of velocity, force and reference state goes the same way. Velocity and
+  reference state are taken from the setpoint τ less that age ago, so that they arrive at their
+  comparison τ late, like the position that the position controller compares. The force by the
+  wanted state is handed down with its rate and interpolated at the velocity cycle: a held wanted
+  position would make the state feedback ripple even while coasting.
+- The velocity controller samples at the velocity cycle; its force acts one velocity cycle
+  later and is held.
+
+The same step advances numbers (a simulation, with saturation) and unit vectors (the matrices
+of the linear loop), so the two cannot differ. It takes a tenth of a millisecond, the diagram some
+thirty: tuning assembles hundreds of loops, a batch thousands.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import exp, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.model.controller import Controller, reference_state
+from mtcommission.loop.model.discrete import Stage, discretise, discretise_filter
+from mtcommission.loop.model.interpolation import delay_weights, kept_samples
+from mtcommission.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
+
+HELD = ("held_correction", "held_velocity", "held_force", "held_force_rate")
+"""What the position cycle hands down: position controller output, feed-forward of velocity and
+force, and how the force by the wanted state changes until the next one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LiftedLoop:
+    """The linear loop at the position cycle, X⁺ = A X + B r, Y = C X + D r.
+
+    Parameters
+    ----------
+    A, B, C, D
+        Shapes (n, n), (n, 4), (cycles n_outputs, n), (cycles n_outputs, 4); the outputs of the
+        first velocity cycle come first.
+    dt
+        Position cycle [s].
+    states, inputs, outputs
+        Names; an output is ``tcp[0]``, ..., with the velocity cycle in brackets.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    dt: float
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SampledLoop:
+    """A plant under a controller, ready to be advanced by position cycles.
+
+    Parameters
+    ----------
+    plant, controller
+        What it was built from; the plant may differ from the one the controller was tuned for.
+    step
+        State one velocity cycle later, before the new force and the integrator, shape (n, n).
+    demand
+        Force asked for, as a row over the state, shape (n,).
+    integration
+        What the integrator adds in a velocity cycle, shape (n,).
+    observation
+        Outputs at a velocity cycle, shape (n_outputs, n).
+    handed_down
+        What the position cycle computes (``HELD``), over (state, references), shape (4, n + 4).
+    states
+        Names of the loop's states.
+    outputs
+        Names per velocity cycle: tcp, encoder, force, then the plant's states.
+    lifted
+        The same loop, linear, at the position cycle.
+    """
+
+    plant: Plant
+    controller: Controller
+    step: Array
+    demand: Array
+    integration: Array
+    observation: Array
+    handed_down: Array
+    states: tuple[str, ...]
+    outputs: tuple[str, ...]
+    lifted: LiftedLoop = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lifted", _lift(self))
+
+    @property
+    def cycle(self) -> Array:
+        """Linear state one velocity cycle later, force and integrator included, shape (n, n)."""
+        cycle = self.step.copy()
+        cycle[self.integrator] += self.integration
+        cycle[self.integrator + 1] = self.demand
+        return cycle
+
+    @property
+    def integrator(self) -> int:
+        """Index of the integrator; the pending force follows it."""
+        return self.plant.order
+
+    @property
+    def held(self) -> int:
+        """Index of the first of ``HELD``; the kept setpoint samples follow them."""
+        return self.states.index("held_correction")
+
+    @property
+    def own_size(self) -> int:
+        """Number of states without the kept setpoint samples, which end it."""
+        return self.held + len(HELD)
+
+
+def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> SampledLoop:
+    """Return the loop of a plant under a controller.
+
+    Parameters
+    ----------
+    plant
+        The machine as it is (perhaps in a corner).
+    controller
+        All gains.
+    model
+        The machine as the controller believes it to be, for its reference state.
+
+    Returns
+    -------
+    SampledLoop
+    """
+    delays = kept_samples(controller)
+    filters = tuple(discretise_filter(item, controller) for item in controller.force_filters)
+    names = [f"plant.{name}" for name in plant.states]
+    names += ["integrator", "pending_force"]
+    names += ["reference_model"] if controller.reference_model_time else []
+    names += [f"filter[{i}].{k}" for i, stage in enumerate(filters) for k in range(len(stage.B))]
+    names += [f"observer.{model.states[i]}" for i in controller.observer.states]
+    names += list(HELD)
+    names += [f"{name}[-{k}]" for k in range(1, delays + 1) for name in INPUTS]
+    step, demand, integration = _velocity_cycle(plant, controller, filters, size=len(names))
+    unit = np.eye(len(names))
+    P = unit[: plant.order]
+    return SampledLoop(
+        plant=plant,
+        controller=controller,
+        step=step,
+        demand=demand,
+        integration=integration,
+        observation=np.vstack(
+            [plant.row("tcp") @ P, plant.row("encoder") @ P, unit[plant.order + 1], P]
+        ),
+        handed_down=_position_cycle(plant, controller, model, delays=delays, size=len(names)),
+        states=tuple(names),
+        outputs=("tcp", "encoder", "force", *plant.states),
+    )
+
+
+def _velocity_cycle(
+    plant: Plant, controller: Controller, filters: tuple[Stage, ...], *, size: int
+) -> tuple[Array, Array, Array]:
+    """Step matrix, demanded force and integrator increment, as rows over the state.
+
+    The order of the state is that of ``SampledLoop.states``; only the kept setpoint samples
+    at its end do not take part.
+    """
+    observer, n = controller.observer, plant.order
+    unit = np.eye(size)
+    P, z, pending, rest = unit[:n], unit[n], unit[n + 1], n + 2
+    if controller.reference_model_time:
+        modelled, rest = rest, rest + 1
+    step = unit.copy()
+    A, B = discretise(plant, controller.velocity_cycle)
+    step[:n] = A @ P + np.outer(B, pending)
+
+    first_observer = rest + sum(len(stage.B) for stage in filters)
+    seen = slice(first_observer, first_observer + len(observer.states))
+    estimate, held = unit[seen], unit[seen.stop : seen.stop + len(HELD)]
+    measured = np.array([plant.row(sensor) for sensor in controller.sensors]) @ P
+    step[seen] = (
+        observer.A @ estimate
+        + np.outer(observer.B, pending)
+        + observer.L @ (measured - observer.C @ estimate)
+    )
+
+    error = held[0] + held[1] - plant.row("encoder") @ plant.A @ P
+    integrated = error
+    if controller.reference_model_time:
+        # Only the correction passes the model: the fed-forward velocity already arrives in time.
+        share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
+        step[modelled] += share * (held[0] - unit[modelled])
+        integrated = error + unit[modelled] - held[0]
+    step[seen.stop + 2] += controller.velocity_cycle * held[3]
+    gains = controller.state_gains[list(observer.states)]
+    demand = controller.velocity_gain * (error + z) + held[2] - gains @ estimate
+    for stage in filters:
+        own = slice(rest, rest + len(stage.B))
+        step[own] = stage.A @ unit[own] + np.outer(stage.B, demand)
+        demand = stage.C @ unit[own] + stage.D * demand
+        rest = own.stop
+    return step, demand, controller.velocity_cycle / controller.integral_time * integrated
+
+
+def _position_cycle(
+    plant: Plant, controller: Controller, model: Plant, *, delays: int, size: int
+) -> Array:
+    """Correction, velocity, force and its rate handed down, as rows over (state, references)."""
+    T_p, m = controller.position_cycle, controller.feedforward_mass
+    delayed = delay_weights(controller.reference_age, cycle=T_p, delays=delays)
+    position = delay_weights(controller.reference_delay, cycle=T_p, delays=delays)[0]
+    wanted = controller.state_gains @ reference_state(model, controller)
+    # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
+    rate = wanted[:3] @ delayed[1:]
+    force = wanted @ delayed - 0.5 * (T_p - controller.velocity_cycle) * rate
+    force[2] += controller.acceleration_feedforward * m
+    force[3] += controller.jerk_feedforward * m * controller.force_lag
+    by_setpoint = np.vstack(
+        [
+            controller.position_gain * position,
+            controller.velocity_feedforward * delayed[1],
+            force,
+            rate,
+        ]
+    )
+    rows = np.zeros((len(HELD), size + 4))
+    rows[:, size:] = by_setpoint[:, :4]
+    rows[:, size - 4 * delays : size] = by_setpoint[:, 4:]
+    rows[0, : plant.order] = -controller.position_gain * plant.row("encoder")
+    return rows
+
+
+def advance_cycle(
+    loop: SampledLoop, X: Array, references: Array, *, force_limit: float = inf
+) -> tuple[Array, Array]:
+    """Return the loop one position cycle later, and its outputs at each velocity cycle.
+
+    Parameters
+    ----------
+    loop
+        The loop.
+    X
+        States, shape (n, m): m independent columns.
+    references
+        x_ref, v_ref, a_ref, j_ref now, shape (4, m).
+    force_limit
+        Saturation of the set force [N]; the integrator stands still while it acts.
+
+    Returns
+    -------
+    X_next
+        Shape (n, m).
+    outputs
+        Shape (cycles, n_outputs, m).
+    """
+    z, held = loop.integrator, loop.held
+    handed_down = loop.handed_down @ np.vstack([X, references])
+    outputs = np.empty((loop.controller.cycles, len(loop.outputs), X.shape[1]))
+    # One product a velocity cycle: a saturated simulation spends its time here.
+    rows = np.vstack([loop.observation, loop.demand, loop.integration, loop.step])
+    seen = len(loop.observation)
+    for i in range(loop.controller.cycles):
+        Y = rows @ X
+        outputs[i] = Y[:seen]
+        demand, increment, X = Y[seen], Y[seen + 1], Y[seen + 2 :]
+        force = np.minimum(np.maximum(demand, -force_limit), force_limit)
+        X[z] += np.where(force == demand, increment, 0.0)
+        X[z + 1] = force
+    kept = np.vstack([references, X[held + len(HELD) :]])[: len(X) - held - len(HELD)]
+    return np.vstack([X[:held], handed_down, kept]), outputs
+
+
+def _lift(loop: SampledLoop) -> LiftedLoop:
+    """The linear loop at the position cycle, by advancing unit states and unit references."""
+    n = len(loop.states)
+    unit = np.eye(n + 4)
+    following, outputs = advance_cycle(loop, unit[:n], unit[n:])
+    Y = outputs.reshape(-1, n + 4)
+    names = [f"{name}[{i}]" for i in range(loop.controller.cycles) for name in loop.outputs]
+    return LiftedLoop(
+        A=following[:, :n],
+        B=following[:, n:],
+        C=Y[:, :n],
+        D=Y[:, n:],
+        dt=loop.controller.position_cycle,
+        states=loop.states,
+        inputs=INPUTS,
+        outputs=tuple(names),
+    )
+
+
+def lift_on_plants(loop: SampledLoop, A: Array, B: Array, *, signals: Array) -> Array:
+    """Return the loop on many plants at the position cycle, without the kept setpoint samples.
+
+    Parameters
+    ----------
+    loop
+        The same controller on one of them.
+    A, B
+        The plants over a velocity cycle, shapes (n_plants, n, n), (n_plants, n).
+    signals
+        Rows over the loop's state (``own_size`` columns), shape (n_signals, n).
+
+    Returns
+    -------
+    ndarray
+        Shape (n_plants, n + (n_signals + 1) cycles, n). The first n rows are A in X⁺ = A X plus
+        what the setpoint hands down; then each signal at each velocity cycle, as rows over X;
+        then the tool position. One product is faster than three.
+    """
+    n, size = loop.plant.order, loop.own_size
+    cycle = np.repeat(loop.cycle[None, :size, :size], len(A), axis=0)
+    cycle[:, :n, :n], cycle[:, :n, loop.integrator + 1] = A, B
+    rows = np.repeat(np.vstack([signals, loop.observation[:1, :size]])[None], len(A), axis=0)
+    pieces = []
+    for _ in range(loop.controller.cycles):
+        pieces.append(rows)
+        rows = rows @ cycle
+    lifted = np.linalg.matrix_power(cycle, loop.controller.cycles)
+    lifted[:, loop.held :] = loop.handed_down[:, :size]
+    return np.concatenate([lifted, np.stack(pieces, axis=2).reshape(len(A), -1, size)], axis=1)

@@ -1,0 +1,333 @@
+"""The loop as a block diagram of python-control: its definition.
+
+Read beside the diagram in docs/feedback-loop.md. The blocks of the velocity cycle are connected
+first and lifted: N velocity cycles become one position cycle, with every signal once for each of
+them (``tcp[0]``, ``tcp[1]``, ...). To that the blocks of the position cycle are connected.
+
+To build it takes some tenth of a second, to import python-control more than one; so what tunes,
+searches and simulates takes its matrices from ``assembly``, which a test holds to this model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import exp
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mtcommission.loop.model.controller import Controller, filter_polynomials, reference_state
+from mtcommission.loop.model.interpolation import delay_weights, kept_samples
+from mtcommission.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+SETPOINT = ("x_ref", "v_ref", "a_ref", "j_ref")
+
+DRIVE = ("correction", "velocity", "feedforward", "push")
+"""What enters a velocity cycle: what was handed down, and a force on the line of the drive."""
+
+ASKED = ("asked_correction", "asked_velocity", "asked_force", "asked_force_rate")
+HELD = ("held_correction", "held_velocity", "held_force", "held_force_rate")
+"""What the position cycle computes, and hands down one cycle later."""
+
+LATE = ("x_late", "v_late", "a_late", "j_late")
+"""The setpoint as old as what is handed down is when it is used, so that it arrives τ late."""
+
+
+def build_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
+    """Return the loop as the position controller samples it.
+
+    Parameters
+    ----------
+    plant
+        The machine as it is (perhaps in a corner).
+    controller
+        All gains.
+    model
+        The machine as the controller believes it to be, for its reference state.
+
+    Returns
+    -------
+    control.StateSpace
+        From the setpoint ``x_ref``, ``v_ref``, ``a_ref``, ``j_ref`` and ``disturbance``, a force on
+        the line of the drive, to ``tcp``, ``encoder`` and ``force`` (F_set), at the position cycle.
+
+    Examples
+    --------
+    >>> from mtcommission.loop.tuning.tuning import tune_loop
+    >>> from benchmarks.population import random_machine
+    >>> loop = tune_loop(random_machine(3)).loops[0]
+    >>> model = build_model(loop.plant, loop.controller, model=loop.plant)
+    >>> abs(model["tcp", "x_ref"].dcgain()).round(6)
+    np.float64(1.0)
+    """
+    whole = build_lifted_model(plant, controller, model=model)
+    seen = ["tcp", "encoder", "force"]
+    return control.ss(whole[[f"{name}[0]" for name in seen], :], outputs=seen, name="loop")
+
+
+def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
+    """Return the loop at the position cycle, with its outputs at every velocity cycle.
+
+    Parameters
+    ----------
+    plant, controller, model
+        As for ``build_model``.
+
+    Returns
+    -------
+    control.StateSpace
+        From the same inputs to ``tcp[0]``, ``encoder[0]``, ``force[0]``, the plant's states
+        ``state_0[0]``, ..., then the same one velocity cycle later, ``tcp[1]``, ...
+    """
+    outputs = ["tcp", "encoder", "force", *(f"state_{k}" for k in range(plant.order))]
+    drive = _connect(
+        _blocks_of_the_velocity_cycle(plant, controller), inputs=DRIVE, outputs=outputs
+    )
+    return _connect(
+        [_lift(drive, controller.cycles), *_blocks_of_the_position_cycle(controller, model)],
+        inputs=[*SETPOINT, "disturbance"],
+        outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
+    )
+
+
+def build_open_loop(plant: Plant, controller: Controller) -> control.StateSpace:
+    """Return the loop cut at F_set, at the velocity cycle: L, unstable where 1 + L = 0.
+
+    Parameters
+    ----------
+    plant, controller
+        The loop. Its position path is taken in the base band: what is handed down is the mean of
+        the last N samples, N velocity cycles late.
+
+    Returns
+    -------
+    control.StateSpace
+        From ``force`` to ``-force``.
+    """
+    N, T_v = controller.cycles, controller.velocity_cycle
+    base_band = _block(
+        ["encoder"],
+        ["correction"],
+        A=np.eye(2 * N - 1, k=-1),
+        B=np.eye(2 * N - 1)[:, :1],
+        C=-controller.position_gain / N * (np.arange(2 * N - 1) >= N - 1),
+        states=[f"encoder[-{k}]" for k in range(1, 2 * N)],
+        dt=T_v,
+    )
+    blocks = _blocks_of_the_velocity_cycle(plant, controller, acting="acting")
+    return -_connect([*blocks, base_band], inputs=["acting"], outputs=["force"])
+
+
+def _blocks_of_the_velocity_cycle(
+    plant: Plant, controller: Controller, *, acting: str = "force"
+) -> list[control.StateSpace]:
+    """Plant, velocity controller, dead time, filters, observer; ``acting`` moves the plant."""
+    T_v, encoder = controller.velocity_cycle, plant.row("encoder")
+    Kp, observer = controller.velocity_gain, controller.observer
+    # A disturbance on the line of the drive force enters like the force state, without its lag.
+    push = plant.A[:, plant.force].copy()
+    push[plant.force] = 0.0
+    axis = control.ss(
+        plant.A,
+        np.column_stack([plant.B, push]),
+        np.vstack([plant.row("tcp"), encoder, encoder @ plant.A, np.eye(plant.order)]),
+        np.zeros((3 + plant.order, 2)),
+        inputs=[acting, "push"],
+        outputs=["tcp", "encoder", "rate", *(f"state_{k}" for k in range(plant.order))],
+        states=[f"plant.{name}" for name in plant.states],
+    ).sample(T_v, "zoh")
+    # Only the correction passes the reference model: the fed-forward velocity arrives in time.
+    integral = _block(
+        ["modelled", "velocity", "rate"],
+        ["integral"],
+        A=[[1.0]],
+        B=T_v / controller.integral_time * np.array([[1.0, 1.0, -1.0]]),
+        C=[[Kp]],
+        states=["integrator"],
+        dt=T_v,
+    )
+    dead_time = _delay(["filtered"], ["force"], states=["pending_force"], dt=T_v)
+    demand = _block(
+        ["correction", "velocity", "rate", "integral", "feedforward", "feedback"],
+        ["demand"],
+        D=[[Kp, Kp, -Kp, 1.0, 1.0, -1.0]],
+        dt=T_v,
+    )
+    feedback = _block(
+        [acting, *controller.sensors],
+        ["feedback"],
+        A=observer.A - observer.L @ observer.C,
+        B=np.column_stack([observer.B, observer.L]),
+        C=controller.state_gains[None, list(observer.states)],
+        states=[f"observer.{plant.states[i]}" for i in observer.states],
+        dt=T_v,
+    )
+    filters = _force_filters(controller)
+    return [axis, integral, dead_time, _reference_model(controller), demand, *filters, feedback]
+
+
+def _reference_model(controller: Controller) -> control.StateSpace:
+    """First-order lag through which the integral sees the position controller's output."""
+    T_v, T_r = controller.velocity_cycle, controller.reference_model_time
+    if not T_r:
+        return _block(["correction"], ["modelled"], D=[[1.0]], dt=T_v)
+    kept = exp(-T_v / T_r)
+    return _block(
+        ["correction"],
+        ["modelled"],
+        A=[[kept]],
+        B=[[1.0 - kept]],
+        C=[[1.0]],
+        states=["reference_model"],
+        dt=T_v,
+    )
+
+
+def _force_filters(controller: Controller) -> list[control.StateSpace]:
+    """Set-force filters one after another, sampled by the bilinear transform."""
+    items = controller.force_filters
+    signals = ["demand", *(f"filtered_{i}" for i in range(len(items) - 1)), "filtered"]
+    if not items:
+        return [_block(["demand"], ["filtered"], D=[[1.0]], dt=controller.velocity_cycle)]
+    found = []
+    for i, item in enumerate(items):
+        b, a = filter_polynomials(item)
+        form = control.ss(
+            [-a[1:], [1.0, 0.0]],
+            [[1.0], [0.0]],
+            [b[1:] - b[0] * a[1:]],
+            [[b[0]]],
+            inputs=[signals[i]],
+            outputs=[signals[i + 1]],
+            states=[f"filter[{i}].{k}" for k in range(2)],
+        )
+        found.append(form.sample(controller.velocity_cycle, "bilinear"))
+    return found
+
+
+def _blocks_of_the_position_cycle(controller: Controller, model: Plant) -> list[control.StateSpace]:
+    """Hold, dead time, memory of the setpoint, position controller, feed-forward."""
+    T_p, T_v, N = controller.position_cycle, controller.velocity_cycle, controller.cycles
+    Kv, m = controller.position_gain, controller.feedforward_mass
+    count, n_memory = kept_samples(controller), 4 * kept_samples(controller)
+    # The force is handed down with its rate and interpolated at the velocity cycle.
+    held = [
+        row
+        for i in range(N)
+        for row in ([1, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 0, 1, i * T_v, 0], [0, 0, 0, 0, 1])
+    ]
+    hold = _block(
+        [*HELD, "disturbance"], [f"{name}[{i}]" for i in range(N) for name in DRIVE], D=held, dt=T_p
+    )
+    dead_time = _delay(ASKED, HELD, states=HELD, dt=T_p)
+    weights = np.vstack(
+        [
+            delay_weights(controller.reference_delay, cycle=T_p, delays=count)[:1],
+            delay_weights(controller.reference_age, cycle=T_p, delays=count),
+        ]
+    )
+    memory = _block(
+        SETPOINT,
+        ["x_delayed", *LATE],
+        A=np.eye(n_memory, k=-4),
+        B=np.eye(n_memory, 4),
+        C=weights[:, 4:],
+        D=weights[:, :4],
+        states=[f"{name}[-{k}]" for k in range(1, count + 1) for name in SETPOINT],
+        dt=T_p,
+    )
+    position = _block(["x_delayed", "encoder[0]"], ["asked_correction"], D=[[Kv, -Kv]], dt=T_p)
+    velocity = _block(["v_late"], ["asked_velocity"], D=[[controller.velocity_feedforward]], dt=T_p)
+    by_setpoint = [
+        controller.acceleration_feedforward * m,
+        controller.jerk_feedforward * m * controller.force_lag,
+    ]
+    by_state = controller.state_gains @ reference_state(model, controller)
+    rate = np.append(0.0, by_state[:3])
+    # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
+    force = _block(
+        ["a_ref", "j_ref", *LATE],
+        ["asked_force", "asked_force_rate"],
+        D=[
+            [*by_setpoint, *(by_state - 0.5 * (T_p - T_v) * rate)],
+            [0.0, 0.0, *rate],
+        ],
+        dt=T_p,
+    )
+    return [hold, dead_time, memory, position, velocity, force]
+
+
+def _lift(system: control.StateSpace, cycles: int) -> control.StateSpace:
+    """N steps of a system as one, every signal once for each step."""
+    A, B, C, D = system.A, system.B, system.C, system.D
+    powers = [np.linalg.matrix_power(A, k) for k in range(cycles + 1)]
+    markov = [D, *(C @ power @ B for power in powers), np.zeros_like(D)]
+    each = range(cycles)
+    return control.ss(
+        powers[cycles],
+        np.hstack([powers[cycles - 1 - i] @ B for i in each]),
+        np.vstack([C @ powers[i] for i in each]),
+        np.block([[markov[i - j] if i >= j else markov[-1] for j in each] for i in each]),
+        cycles * system.dt,
+        inputs=[f"{name}[{i}]" for i in each for name in system.input_labels],
+        outputs=[f"{name}[{i}]" for i in each for name in system.output_labels],
+        states=system.state_labels,
+        remove_useless_states=False,
+    )
+
+
+def _delay(
+    inputs: Sequence[str], outputs: Sequence[str], *, states: Sequence[str], dt: float
+) -> control.StateSpace:
+    """One cycle of dead time."""
+    unit = np.eye(len(inputs))
+    return _block(inputs, outputs, A=0.0 * unit, B=unit, C=unit, states=states, dt=dt)
+
+
+def _block(
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    *,
+    A: ArrayLike = (),
+    B: ArrayLike = (),
+    C: ArrayLike = (),
+    D: ArrayLike | None = None,
+    states: Sequence[str] = (),
+    dt: float,
+) -> control.StateSpace:
+    """A block whose signals are connected by their names."""
+    n, direct = len(states), np.zeros((len(outputs), len(inputs))) if D is None else D
+    return control.ss(
+        np.reshape(A, (n, n)),
+        np.reshape(B, (n, len(inputs))),
+        np.reshape(C, (len(outputs), n)),
+        direct,
+        dt,
+        inputs=list(inputs),
+        outputs=list(outputs),
+        states=list(states),
+        remove_useless_states=False,
+    )
+
+
+def _connect(
+    blocks: Sequence[control.StateSpace], *, inputs: Sequence[str], outputs: Sequence[str]
+) -> control.StateSpace:
+    """The blocks with equal names connected, as plain matrices; states keep their own names."""
+    whole = control.interconnect(
+        blocks, inputs=list(inputs), outputs=list(outputs), check_unused=False
+    )
+    return control.ss(
+        whole.A,
+        whole.B,
+        whole.C,
+        whole.D,
+        whole.dt,
+        inputs=list(inputs),
+        outputs=list(outputs),
+        states=[name for block in blocks for name in block.state_labels],
+        remove_useless_states=False,
+    )

@@ -1,0 +1,59 @@
+loop-two-sentences = { $first } { $second }
+loop-one-or-other = { $first } oder { $second }
+
+loop-kp-symmetrical-optimum = Kp nach dem symmetrischen Optimum, m / (2 T_σ).
+loop-kp-lowered = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (gesenkt, bis die Reserven eingehalten sind).
+loop-kp-raised = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (die Zustandsrückführung lässt mehr zu).
+loop-tn-yaskawa = Tn = 4 m / Kp (Untergrenze nach Yaskawa für den Geschwindigkeitsregelkreis).
+loop-kv-damping-one = Kv = Kp / (4 m): Dämpfungsgrad 1 des Geschwindigkeitsregelkreises.
+loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindigkeitsreglertakt + der Teil der Kraftverzögerung, den die Ruckvorsteuerung übrig lässt + die Filter, damit Vorsteuerung und Regelung zusammentreffen.
+
+loop-unseen-modes = Die Geber sehen die Eigenform { $modes } nicht: keine Rückführung kann sie dämpfen.
+loop-no-state-feedback = Keine Zustandsrückführung.
+loop-state-feedback-design-failed = Keine Zustandsrückführung: ihr Entwurf ist gescheitert ({ $detail }).
+loop-state-feedback-damps-nothing = Keine Zustandsrückführung: keine dämpft bei eingehaltenen Reserven die Eigenform { $mode } besser als die Kaskade allein (Dämpfungsgrad { NUMBER($damping, digits: 3) }).
+loop-state-feedback = Zustandsrückführung (LQR um die Kaskade, Kalman-Beobachter an { $sensors }): Dämpfungsgrad der Eigenform { $mode } { NUMBER($own, digits: 3) } ohne Regelung, { NUMBER($cascade, digits: 3) } mit der Kaskade, { NUMBER($feedback, digits: 3) } mit Zustandsrückführung.
+loop-state-feedback-needed = Die Zustandsrückführung ist nötig: { $lacking }.
+loop-observed-encoder = Lagegeber
+loop-observed-encoder-and-tcp = Lagegeber und TCP
+
+loop-lacks-bandwidth = die schnellste Kaskade mit den Reserven hat { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth ist { PLAIN($wanted, digits: 3) } Hz
+loop-lacks-bandwidth-anyway = { $lacking }, und auch keine mit Zustandsrückführung erreicht sie
+
+loop-mixed-mode = Eigenform { $mode } und Antriebsregelung mischen sich im geschlossenen Kreis: Der angegebene Dämpfungsgrad gehört zu den Polen bei { NUMBER($shown_frequency, digits: 3) } Hz, die { PERCENT($shown_share) } der Eigenform enthalten; { PERCENT($larger_share) } von ihr schwingen bei { NUMBER($larger_frequency, digits: 3) } Hz mit { NUMBER($larger_damping, digits: 3) }.
+
+loop-margins = { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit { PLAIN($peak, digits: 3) } (ungünstigster Eckfall)
+loop-given-gains-poor = Die vorgegebenen Verstärkungen werden unverändert verwendet, haben aber schwache Reserven: { $margins }; gewollt sind { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit höchstens { PLAIN($peak, digits: 3) }. { $cure }.
+loop-given-gains-slow = Mit den vorgegebenen Verstärkungen erreicht der Geschwindigkeitsregelkreis im ungünstigsten Eckfall { PLAIN($reached, digits: 3) } Hz, weniger als minimum_bandwidth = { PLAIN($wanted, digits: 3) } Hz.
+loop-filters-soften = Die { $axis ->
+    [rotary] Momentensollwertfilter
+   *[linear] Kraftsollwertfilter
+} machen den Regelkreis weich: seine Bandbreite ist { PLAIN($filtered, digits: 3) } Hz mit ihnen, { PLAIN($unfiltered, digits: 3) } Hz ohne sie.
+loop-takes-damping = Der Regelkreis entdämpft die Eigenform { $mode }: ihr Dämpfungsgrad ist { NUMBER($closed, digits: 3) } im geschlossenen Kreis, { NUMBER($own, digits: 3) } ohne Regelung.
+
+loop-cure = Die Reserven wären eingehalten mit { $gains }, alle anderen Vorgaben unverändert
+loop-no-cure = Keine Verstärkung allein behebt das; ohne Vorgaben werden sie eingestellt
+loop-cure-kv = Kv bis { NUMBER($value) } 1/s
+loop-cure-kp = Kp bis { NUMBER($value) } { $axis ->
+    [rotary] N m s/rad
+   *[linear] N s/m
+}
+loop-cure-tn = Tn ab { TIME($value) }
+
+loop-unstable = mit Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { PLAIN($Tn) } s an { $corner }. { $cure }
+loop-nominal-machine = der Nennmaschine
+loop-corner-payload = Zuladung { SI($value, "MASS") }
+loop-corner-frequencies = Frequenzen × { NUMBER($value) }
+loop-corner-damping = Dämpfung × { NUMBER($value) }
+loop-no-margins = bei Kp = { SI($Kp, "DAMPING") }, { PERCENT($share) } des symmetrischen Optimums, sind es { $margins }
+loop-mode-without-damping = Eigenform { $mode } ({ PLAIN($frequency) } Hz) hat den Dämpfungsgrad 0
+loop-hidden-states = Zustandsrückführung von { $states }
+loop-observer-failed = Beobachter: { $error }
+loop-gains-failed = Verstärkungen für die Eigenform { $mode }: { $error }
+
+budget-full-force = Bewegung { $move } dauert mindestens { PLAIN($time, digits: 3) } s mit { SI($force, "FORCE") } an { SI($mass, "MASS") }; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { NUMBER($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }
+budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } und eine Rampe von { PLAIN($jerk_time) } s, womit eine Bewegung { PLAIN($time) } s dauert; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { PLAIN($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }; { $remedy }
+budget-rule-asks = für ein Band von { SI($band, "LENGTH", digits: 3) } verlangt die Inbetriebnahmeregel
+budget-check-band = die Einheit von tcp_deviation prüfen
+budget-asked-for = verlangt sind
+budget-check-options = die Einheiten von --acceleration und --jerk prüfen

@@ -1,0 +1,80 @@
+# Names of states, outputs and keys of the profile.
+
+name-F-set = { $axis ->
+    [rotary] Sollmoment F_set
+   *[linear] Sollkraft F_set
+}
+name-F = { $axis ->
+    [rotary] Drehmoment F
+   *[linear] Kraft F
+}
+name-tcp = Werkzeugbezugspunkt (TCP)
+name-tcp-vibration = Elastische Auslenkung am Werkzeug
+name-x-b = Gestelllage x_b
+name-x-s = Schlittenlage x_s
+name-phi = Drehung des Aufbaus φ
+name-v-b = Gestellgeschwindigkeit v_b
+name-v-s = Schlittengeschwindigkeit v_s
+name-v-phi = Drehgeschwindigkeit des Aufbaus v_φ
+name-x = Lage x
+name-v = Geschwindigkeit v
+name-t-f-lower-bound = Bewiesene untere Schranke von t_f
+name-relative-gap = Relativer Abstand zur unteren Schranke
+name-adjoint-initial = Adjungierte bei t = 0
+name-switching-slopes = Steigung der Schaltfunktion an jedem Schaltzeitpunkt
+name-switching-law-holds = Schaltgesetz überall erfüllt
+name-terminal-jacobian-rank = Rang der Jacobimatrix der Endbedingungen
+name-terminal-jacobian-condition = Ihre Konditionszahl, skaliert
+name-law-residual = Größte Abweichung vom Steuergesetz, bezogen auf F_max
+name-tcp-deviation = Zulässige TCP-Abweichung (Band)
+name-tcp-gain = Verstärkung am Werkzeug
+name-measured-gain = Verstärkung am Lagegeber
+name-tcp-height = TCP-Höhe h, mit Vorzeichen
+name-force-lag = { $axis ->
+    [rotary] Zeitkonstante des Momentenregelkreises T
+   *[linear] Zeitkonstante des Kraftregelkreises T
+}
+name-Kv = Lagereglerverstärkung Kv
+name-Kp = Geschwindigkeitsreglerverstärkung Kp
+name-Tn = Nachstellzeit Tn
+name-encoder = Lagegeber
+name-base-mass = Gestellmasse
+name-slider-mass = Schlittenmasse
+name-rotary-inertia = Drehträgheit
+name-lever-arm = Hebelarm
+name-base-stiffness = Gestellsteifigkeit
+name-base-damping = Gestelldämpfung
+name-rotary-stiffness = Drehsteifigkeit
+name-rotary-damping = Drehdämpfung
+name-moving-mass = { $axis ->
+    [rotary] Bewegtes Trägheitsmoment
+   *[linear] Bewegte Masse
+}
+name-frequency = Eigenfrequenz
+name-damping-ratio = Dämpfungsgrad
+name-max-force = { $axis ->
+    [rotary] Größtes Drehmoment
+   *[linear] Größte Kraft
+}
+name-continuous-force = { $axis ->
+    [rotary] Dauermoment
+   *[linear] Dauerkraft
+}
+name-static-load = Statische Last
+name-velocity-step = Geschwindigkeitssprung
+name-distance = { $axis ->
+    [rotary] Winkel
+   *[linear] Weg
+}
+name-max-velocity = Höchstgeschwindigkeit
+name-dwell = Verweilzeit
+name-max-settling-time = Größte Einschwingzeit
+name-frequency-spread = Streuung der Frequenzen
+name-damping-spread = Streuung der Dämpfungen
+name-payload-least = Zuladung (kleinste)
+name-payload-largest = Zuladung (größte)
+
+## $mode: as the profile names it
+
+mode-deflection = Auslenkung der Eigenform { $mode }
+mode-rate = Auslenkungsgeschwindigkeit der Eigenform { $mode }

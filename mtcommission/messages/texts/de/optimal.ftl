@@ -1,0 +1,36 @@
+# What was computed when an optimal control could not be found.
+# $unit: of the signal or of the force, as the plant names it
+
+signal-bound = |{ $signal }| <= { PLAIN($value, digits: 6) } { $unit }
+signal-bound-about = |{ $signal }| <= { PLAIN($value, digits: 4) } { $unit }
+value-about = { PLAIN($value, digits: 4) } { $unit }
+
+bound-below-need = { $bound }, die Bewegung braucht mindestens { PLAIN($least, digits: 6) } { $unit }
+bound-not-positive = { $bound }, die Bewegung braucht mehr als 0
+bounds-near-least = { $bounds }: nur etwa { PLAIN($above, digits: 1, unit: "%") } % über dem Kleinstmöglichen
+bounds-below-least = { $bounds }: kleinstmöglich ist etwa { $least }
+bounds-beyond-time = { $bounds }: t_f wäre länger als { PLAIN($t_f) } s
+bounds-need-longer = t_f = { PLAIN($t_f, digits: 6, unit: "ms") } ms, aber Schranken von { $bounds } { $need }; kleinstmöglich bis zu diesem t_f: etwa { $possible }{ $together }
+bounds-take-some = brauchen etwa { PLAIN($t_f, unit: "ms") } ms
+bounds-take-longer = brauchen länger
+bounds-widened-alike = { " " }(alle gleich erweitert)
+
+bounded-optimum-not-found = zeitoptimale Steuerung unter { $bounds } und { PLAIN($force, digits: 6) } { $unit }
+grid-search-stopped = die Suche nach t_f auf dem Gitter endete bei { PLAIN($t_f, digits: 6) } s
+grid-program-unfinished = das lineare Programm mit { PLAIN($cells, digits: 9) } Zellen für { PLAIN($t_f, digits: 6) } s kam nicht zum Ende
+cruise-needs-velocity = eine Fahrt mit konstanter Geschwindigkeit braucht eine max_velocity
+too-short-to-cruise = der Weg von { PLAIN($distance, digits: 6) } { $unit } ist zu kurz für eine Fahrt mit { PLAIN($velocity, digits: 6) } { $unit }/s
+
+damping-needs-force = t_f = { PLAIN($t_f, digits: 6) } s braucht mehr als { PLAIN($needed, digits: 9) } { $unit }, vorhanden sind { PLAIN($force, digits: 6) } { $unit }
+damping-not-solved = dämpfungsoptimale Steuerung für t_f = { PLAIN($t_f, digits: 6) } s und { PLAIN($force, digits: 6) } { $unit }: nur bis zu einer Grenze von { PLAIN($solved, digits: 6) } { $unit } gelöst
+
+ipopt-ended = IPOPT endete mit { $status } nach { PLAIN($iterations, digits: 9) } Iterationen, Schema { $scheme }, { PLAIN($intervals, digits: 9) } Intervalle
+ipopt-ended-at = t_f = { PLAIN($t_f, digits: 6) } s: { $ended }
+ipopt-went-far = IPOPT ging bis t_f = { PLAIN($t_f) } s
+target-not-reached = { PLAIN($reach, digits: 9) } des Ziels werden bei t_f = { PLAIN($t_f, digits: 9) } s erreicht
+
+force-left = für die Bewegung bleiben { PLAIN($force, digits: 6) } { $unit }
+modes-answer-alike = { PLAIN($force, digits: 6) } { $unit } beenden die Bewegung nach etwa { PLAIN($t_f, digits: 3) } s, { PLAIN($angle, digits: 2) } rad der langsamsten Eigenform; die Rundung lässt dann { PLAIN($doubt, digits: 1) } von t_f im Zweifel
+no-control-reaches-rest = keine Steuerung für die Spanne { PLAIN($span, digits: 6) } nahe { PLAIN($t_f, digits: 9) } s kommt zur Ruhe
+multipliers-prove-beyond = die Multiplikatoren beweisen eine Zeit jenseits von { PLAIN($t_f, digits: 3) } s
+optimum-not-accurate = t_f = { PLAIN($t_f, digits: 9) } s mit { PLAIN($switches, digits: 9) } Umschaltungen, relative Lücke { PLAIN($gap, digits: 2) } (höchstens { PLAIN($allowed_gap, digits: 6) }), Endfehler von { $state } { PLAIN($error, digits: 2) } seines Höchstwerts (höchstens { PLAIN($allowed_error, digits: 6) })

@@ -1,0 +1,459 @@
+# The commissioning sheet, and the summary on the terminal.
+
+## The printers' own words
+
+title = Inbetriebnahmeprotokoll
+axis = Achse
+identity = Profil { $name }, SHA-256 { $hash }
+disclaimer = Berechnetes Protokoll, keine Abnahmeprüfung.
+contents = Inhalt
+skip = Zum Ergebnis springen
+page = Seite
+script-note = Diagramme: Ziehen vergrößert, Doppelklick setzt zurück, Zeiger oder Pfeiltasten zeigen Werte. Ohne JavaScript stehen die Diagramme im PDF.
+
+## Words
+
+yes = ja
+no = nein
+met = erfüllt
+not-met = NICHT ERFÜLLT
+not-settled = nicht eingeschwungen
+unlimited = unbegrenzt
+no-jerk-limit = ohne Grenze
+none = Keine.
+move = Bewegung { $number }
+velocity-step = Geschwindigkeitssprung { $velocity }
+positioning = Positionieren um { $distance }
+positioning-limited = Positionieren um { $distance } mit höchstens { $velocity }
+in-unit = { $name } in { $unit }
+quantity = Größe
+value = Wert
+key = Schlüssel im Profil
+source = Quelle
+acceleration = Beschleunigung
+jerk = Ruck
+jerk-time = Ruckzeit
+settling-time = Einschwingzeit
+residual = Restabweichung
+peak-deviation = Größte Abweichung
+time = Zeit
+frequency = Frequenz
+damping-ratio = Dämpfungsgrad
+velocity = Geschwindigkeit
+
+## Verdict
+
+verdict-heading = Ergebnis und einzugebende Werte
+verdict-met = Alle Anforderungen erfüllt
+verdict-not-met = Anforderungen NICHT erfüllt
+values-bound-by = Begrenzt durch: { $bound }
+obstacle = Im Weg steht: { $obstacle }
+result-caption = Ergebnis mit diesen Grenzwerten, ungünstigste Bewegung, ungünstigster Eckfall
+of-band = { $value }, { $percent } der zulässigen { $band }
+no-residual = nicht eingeschwungen; zulässig { $band }
+reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling } ({ $more } mehr).
+reference-unsettled = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: nicht eingeschwungen.
+reference-faster = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling }, { $less } weniger, da am Band und nicht an exakter Ruhe gemessen.
+reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
+reference-composed = { $optimum } (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter { $bound })
+reference-note = Der Vergleichswert bringt die Nennmaschine mit idealer Steuerung in exakte Ruhe; die Empfehlung ist eingeschwungen, sobald das Werkzeug in der zulässigen Abweichung bleibt.
+first-look-caption = { $move }: Sollwert, Antwort und TCP-Abweichung, Nennmaschine
+first-look-alt = Beschleunigung von Sollwert und Antwort sowie TCP-Abweichung über der Zeit: höchstens { $peak }, eingeschwungen nach { $settling }.
+checks-caption = Anforderungen
+data-source = Quelle der Maschinendaten: { $source }
+warning-count = Warnungen: { $count }, siehe Abschnitt Nachweise und Annahmen.
+further-warnings = Weitere Warnungen: { $count }, siehe Abschnitt Nachweise und Annahmen.
+check = Anforderung
+found = Gefunden
+permitted = Zulässig
+verdict = Urteil
+where = Ungünstigster Fall
+warning = Warnung: { $warning }
+could-be-met = Erreichbar: { $requirement } { $value } statt { $limit }.
+sparkline = Beschleunigungssollwert, { $move }, { $duration }:
+
+## Machine
+
+machine-heading = Maschine und Achse
+data-caption = Daten, mit denen gerechnet wurde
+machine-row = Maschine
+axis-row = Achse
+motion-row = Bewegungsart
+linear = linear
+rotary = rotatorisch
+rigid-caption = Starre Achse
+moving-mass = { $axis ->
+    [rotary] Bewegtes Trägheitsmoment
+   *[linear] Bewegte Masse
+}
+controllability = Steuerbarkeit: Rang der Kalman-Matrix
+of-states = { $rank } von { $count } Zuständen
+modes-caption = Eigenformen der Struktur (ohne Regelung)
+mode = Eigenform
+tcp-gain = Verstärkung am Werkzeug
+measured-gain = Verstärkung am Lagegeber
+of-mode = { $name } der Eigenform { $mode }
+peak-bound = { $name }, größter Betrag
+requirements-heading = Bewegungen und Anforderungen
+requirements-caption = Was gefordert ist
+
+## Limits
+
+limits-heading = Empfohlene Grenzwerte
+machining-caption = Grenzwerte je Bearbeitungsart, jede mit eigenem Band
+machining-mode = Bearbeitungsart
+machining-surface = Oberfläche (Schlichten)
+machining-accuracy = Genauigkeit
+machining-speed = Geschwindigkeit (Schruppen)
+permitted-band = Band
+bound-by-column = Begrenzt durch
+attainable = Erreichbar
+attainable-caption = Was stattdessen erreichbar wäre, allein oder mit den genannten, alle anderen eingehalten
+attainable-band = { $reason }; erreichbar wäre ein Band von { $band }
+alternatives-caption = Empfehlung und Alternativen, in derselben Simulation
+limits-name = Grenzwerte
+recommended = Empfohlen
+rule-heading = Inbetriebnahmeregel, von Hand angewandt
+rule-valid = Gültig für: { $range }
+rule-result = Von Hand: a = { $acceleration }, j = { $jerk } (Rampe: { $chosen }; begrenzt durch: { $bound }), vorhergesagte Restabweichung { $residual }. Die Suche braucht keine Regel; diese dient zur Kontrolle mit dem Taschenrechner.
+rule-steps-caption = Die Regel, Schritt für Schritt
+rule-symbols-caption = Formelzeichen der Regel (Index i: eine Eigenform; Werte je Eigenform: { $modes })
+rule-symbol-a = Beschleunigung nach der Regel
+rule-symbol-j = Ruck nach der Regel
+rule-symbol-t-j = Ruckzeit nach der Regel, a/j
+rule-symbol-band = Zulässige TCP-Abweichung
+rule-symbol-F = { $axis ->
+    [rotary] Für die Bewegung verfügbares Drehmoment
+   *[linear] Für die Bewegung verfügbare Kraft
+}
+rule-symbol-v = Geschwindigkeitsänderung oder größte Geschwindigkeit jeder Bewegung
+rule-symbol-L = Weg jeder Positionierbewegung
+rule-symbol-m = { $axis ->
+    [rotary] Bewegtes Trägheitsmoment; in der Momentenbedingung mit der größten Zuladung
+   *[linear] Bewegte Masse; in der Kraftbedingung mit der größten Zuladung
+}
+rule-symbol-m-ff = { $axis ->
+    [rotary] Trägheitsmoment in der Vorsteuerung
+   *[linear] Masse in der Vorsteuerung
+}
+rule-symbol-T = { $axis ->
+    [rotary] Zeitkonstante des Momentenregelkreises
+   *[linear] Zeitkonstante des Kraftregelkreises
+}
+rule-symbol-f = Eigenfrequenz
+rule-symbol-omega = Eigenkreisfrequenz
+rule-symbol-zeta = Dämpfungsgrad einer Eigenform
+rule-symbol-g = Anteil einer Eigenform am Werkzeug, allein oder gegen den Lagegeber; der größere
+rule-symbol-c = Anteil einer Eigenform am Lagegeber
+rule-symbol-R = Anteil der Schwingung einer Eigenform, den eine Rampe übrig lässt
+rule-symbol-x = Länge einer Rampe in Perioden einer Eigenform, f t_j
+rule-symbol-i = Imaginäre Einheit (als Index: Nummer der Eigenform)
+symbol = Zeichen
+meaning = Bedeutung
+rule-step = Schritt
+rule-how = Formel
+rules-heading = Vergleich mit Faustregeln
+rules-caption = Regeln von Herstellern und Lehrbüchern, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
+rule = Regel
+meets = Alles erfüllt
+compare-caption = Einschwingzeit gegen Restabweichung: Empfehlung, Alternativen und Regeln
+compare-alt = Jeder Punkt ist eine Wahl der Grenzwerte; weiter links schwingt früher ein, weiter unten schwingt weniger nach. Empfohlen: { $settling } und { $residual }. Die Zahlen stehen in den Tabellen.
+unsettled-rules = Nicht eingeschwungen, daher nicht im Diagramm: { $names }.
+band = Band { $band }
+landscape-heading = Kennfeld der Einschwingzeit
+landscape-caption = Größte Einschwingzeit über Beschleunigung und Ruckzeit
+landscape-alt = Kennfeld über { $rows } Beschleunigungen und { $columns } Ruckzeiten; Einschwingzeiten von { $least } bis { $most }; der gewählte Punkt liegt bei { $acceleration } und { $jerk_time }.
+chosen = gewählt
+residual-border = Restabweichung = Band { $band }
+usage-border = { $axis ->
+    [rotary] Drehmoment, Effektivmoment oder ein Höchstwert gerade erreicht
+   *[linear] Kraft, Effektivkraft oder ein Höchstwert gerade erreicht
+}
+hatched = { $caption } (schraffiert: nicht eingeschwungen)
+
+## Compared with another record
+
+differences-heading = Änderungen seit dem früheren Protokoll
+compared-with = Verglichen mit: { $machine }, Achse { $axis_name }, berechnet am { $created }, Profil { $name }, SHA-256 { $hash }.
+changed-inputs = Maschine, Bewegungen und Anforderungen: was sich geändert hat
+no-changed-inputs = Maschine, Bewegungen und Anforderungen sind in beiden Protokollen dieselben.
+changed-limits = Grenzwerte, vorher und nachher
+changed-result = Ergebnis, vorher und nachher
+changed-loop = Regelkreis, vorher und nachher
+before = Vorher
+after = Nachher
+change = Änderung
+changed = geändert
+unchanged = gleich
+not-stated = nicht angegeben
+state-feedback-used = Zustandsrückführung
+
+## Motion
+
+motion-heading = Optimum, Empfehlung und Antwort
+drive-caption = { $axis ->
+    [rotary] { $move }: Drehmoment, Beschleunigung und Geschwindigkeit
+   *[linear] { $move }: Kraft, Beschleunigung und Geschwindigkeit
+}
+vibration-caption = { $move }: Schwingung und TCP-Abweichung
+motion-alt = { $axis ->
+    [rotary] Verläufe über der Zeit: { $signals }. Sollmoment der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
+   *[linear] Verläufe über der Zeit: { $signals }. Sollkraft der Antwort höchstens { $force }; das Werkzeug weicht höchstens { $peak } vom Sollwert ab und ist nach { $settling } eingeschwungen.
+}
+motion-note = Alle Diagramme einer Bewegung haben dieselbe Zeitachse. Optima enden bei t_f in exakter Ruhe; ihre Beschleunigung und die der Antwort ist F/m. Der Sollwert ist gezeigt wie vorgegeben; die Abweichung zählt gegen den um { $delay } verzögerten Sollwert.
+time-optimal = zeitoptimal
+constrained = zeitoptimal, beschränkt
+damping-optimal = dämpfungsoptimal
+setpoint = Sollwert
+response = Antwort des Regelkreises
+deviation = TCP-Abweichung
+peaks-caption = { $move }: größte Beträge
+signal-head = Signal
+amplitudes-caption = { $move }: Amplituden am Werkzeug nach dem Ende des Sollwerts
+amplitude = Amplitude
+setpoint-caption = { $move }: Abschnitte des Sollwerts
+duration = Dauer
+segment = Abschnitt
+moving-average = Gleitender Mittelwert (Ruckfilter) der Steuerung: { $time }.
+comparison-heading = Vergleich mit den optimalen Steuerungen
+comparison-note = { $axis ->
+    [rotary] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral des quadrierten Motormoments.
+   *[linear] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral der quadrierten Motorkraft.
+}
+controls-caption = { $move }: Wege, die Bewegung auszuführen
+control = Steuerung
+transfer-time = Überführungszeit
+overshoot = Überschwingen
+peak-of = Höchstwert { $name }
+heat = Wärme
+work = Arbeit
+fed-forward-caption = { $move }: die optimale Steuerung selbst als Vorsteuerung, an der Nennmaschine und an einer etwas anderen
+saturated-share = { $axis ->
+    [rotary] Zeitanteil ohne Momentenreserve
+   *[linear] Zeitanteil ohne Kraftreserve
+}
+continuous-check = Gegenprobe: derselbe Sollwert schwingt in einer kontinuierlichen Näherung des Regelkreises nach { $settling } ein (abgetastet: { $sampled }; { $settling_difference }), Restabweichung { $residual } ({ $residual_difference }).
+continuous-unsettled = Gegenprobe: in einer kontinuierlichen Näherung des Regelkreises schwingt derselbe Sollwert nicht ein (abgetastet: { $sampled }); sie taugt hier nicht zur Probe, und nichts wird nach ihr beurteilt.
+claims = Die Veröffentlichung sagt: ein Sollwert im Regelkreis schwingt am Ende über und braucht viel länger als die kleinste Zeit. Hier gemessen:
+why-not = Warum das Optimum nicht einfach eingegeben wird:
+
+## Loop
+
+loop-heading = Regelkreis
+diagram-caption = Struktur des Regelkreises
+diagram-alt = { $axis ->
+    [rotary] Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, Momentengrenze und Momentenregelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
+   *[linear] Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, Kraftgrenze und Kraftregelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
+}
+diagram-delay = Verzögerung
+diagram-cycle = Takt { $cycle }
+diagram-late = wirkt { $time } später
+diagram-mechanics = Mechanik
+diagram-modes = Eigenformen: { $count }
+diagram-observer = Beobachter
+diagram-gains = { $count } Werte, s. Tabelle
+gains-caption = Reglerparameter
+margins-caption = { $axis ->
+    [rotary] Stabilität, Kreis am Sollmoment aufgetrennt
+   *[linear] Stabilität, Kreis an der Sollkraft aufgetrennt
+}
+margin = Reserve
+nominal = Nennmaschine
+worst-corner = Ungünstigster Eckfall
+gain-margin = Amplitudenreserve
+gain-margin-up = Verstärkung darf steigen um
+gain-margin-down = Verstärkung darf fallen um
+bandwidth-short = Bandbreite
+stiffness-short = Kleinste dynamische Steifigkeit
+loop-corners-caption = Der Regelkreis in jedem Eckfall von Zuladung und Streuung
+disturbance-caption = { $axis ->
+    [rotary] Antwort des Werkzeugs auf einen Momentensprung um die Achse des Antriebs
+   *[linear] Antwort des Werkzeugs auf einen Kraftsprung in der Wirklinie des Antriebs
+}
+disturbance-alt = { $axis ->
+    [rotary] Drehung des Werkzeugs je Drehmoment über der Zeit, eine Kurve je Regelkreis. Größte Werte: { $largest }.
+   *[linear] Auslenkung des Werkzeugs je Kraft über der Zeit, eine Kurve je Regelkreis. Größte Werte: { $largest }.
+}
+deflection = { $axis ->
+    [rotary] Drehung des Werkzeugs je Drehmoment
+   *[linear] Auslenkung des Werkzeugs je Kraft
+}
+delays-caption = Verzögerungen in jedem Pfad des Regelkreises
+path = Pfad
+setpoint-age = Alter des Sollwerts
+dead-time = Totzeit (ganze Takte)
+hold = Mittleres Alter des gehaltenen Werts
+lag = Verzögerungsglieder (Antrieb, Filter)
+total = Summe
+jerk-feedforward-caption = Was die Ruckvorsteuerung ändert, empfohlene Grenzwerte, ungünstigster Fall
+jerk-weight = Gewicht der Ruckvorsteuerung
+wanted-force = { $axis ->
+    [rotary] Verlangtes Sollmoment, Spitze
+   *[linear] Verlangte Sollkraft, Spitze
+}
+phase-margin = Phasenreserve
+sensitivity-peak = Maximum der Empfindlichkeit
+bandwidth = Bandbreite des Geschwindigkeitsregelkreises (−3 dB)
+reference-delay = Sollwertverzögerung τ
+feedforward = Vorsteuerung: { $name }
+state-feedback = Zustandsrückführung von { $name }
+no-state-feedback = Keine Zustandsrückführung.
+sensors = Geber: { $names }.
+observed = Beobachtete Zustände: { $names }.
+position-cycle = Lagereglertakt
+velocity-cycle = Geschwindigkeitsreglertakt
+variants-caption = Regelkreis mit und ohne Zustandsrückführung, je mit den besten Grenzwerten
+variant-used = { $name } (verwendet)
+damping-of = Dämpfungsgrad der Eigenform { $mode }
+dynamic-stiffness = Kleinste dynamische Steifigkeit am Werkzeug
+stiffness-at = { $stiffness } bei { $frequency }
+bode-caption = { $axis ->
+    [rotary] Frequenzgang: offener Kreis (am Sollmoment aufgetrennt), geschlossener Geschwindigkeitsregelkreis
+   *[linear] Frequenzgang: offener Kreis (an der Sollkraft aufgetrennt), geschlossener Geschwindigkeitsregelkreis
+}
+bode-alt = Betrag und Phase über der Frequenz. Amplitudenreserve { $gain }, Phasenreserve { $phase }, Bandbreite des Geschwindigkeitsregelkreises { $bandwidth }.
+magnitude = Betrag in dB
+phase = Phase in °
+open-loop = offener Kreis
+closed-velocity = geschlossener Geschwindigkeitsregelkreis
+poles-caption = Pole des geschlossenen Kreises, langsamste zuerst
+real-part = Realteil
+remarks = Bemerkungen
+corners-caption = { $move }: Antwort in jedem Eckfall
+payload = Zuladung
+frequencies = Frequenzen
+dampings = Dämpfungen
+max-force = { $axis ->
+    [rotary] Größtes Sollmoment
+   *[linear] Größte Sollkraft
+}
+rms-force = { $axis ->
+    [rotary] Effektivmoment
+   *[linear] Effektivkraft
+}
+saturated = Gesättigt
+
+## Robustness
+
+robustness-heading = Robustheit
+kept-between = Weichen alle Eigenfrequenzen um denselben Faktor ab, sind alle Anforderungen von { $low } bis { $high } eingehalten.
+at-least = mindestens { $value }
+kept-nowhere = Die Anforderungen sind schon mit den Eigenfrequenzen des Profils nicht eingehalten; für einen Frequenzfehler bleibt nichts übrig.
+frequency-error = Fehler aller Eigenfrequenzen in %
+frequency-error-caption = Restabweichung und Einschwingzeit über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung
+frequency-error-alt = Zwei Kurven über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt zwischen { $least } und { $most }; zulässig sind { $band }.
+residual-error-caption = Restabweichung über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung
+residual-error-alt = Eine Kurve über dem gemeinsamen Fehler aller Eigenfrequenzen. Die Restabweichung liegt zwischen { $least } und { $most }; zulässig sind { $band }.
+no-settling-curve = Die Achse schwingt bei keinem der untersuchten Fehler der Eigenfrequenzen von { $low } bis { $high } ein; eine Kurve der Einschwingzeit gibt es daher nicht.
+no-error-curves = Die Achse schwingt bei keinem der untersuchten Fehler der Eigenfrequenzen von { $low } bis { $high } ein; Kurven von Restabweichung und Einschwingzeit gibt es daher nicht.
+nothing-drawn = Das Profil nennt weder eine Streuung von Frequenz oder Dämpfung noch einen Bereich der Zuladung; daher wurden keine Maschinen ausgelost.
+drawn = { $samples } aus der angegebenen Streuung ausgeloste Maschinen (Zuladung, Frequenzen und Dämpfung je gleichverteilt und unabhängig; Startwert { $seed }): { $met } halten alle Anforderungen ein, { $band } das Band.
+machines = Ausgeloste Maschinen
+least = kleinster Wert
+largest = größter Wert
+share-of-machines = { $share } liegen nicht darüber
+quantiles-caption = Verteilung über die ausgelosten Maschinen, ungünstigste Bewegung
+histogram-caption = { $name } der ausgelosten Maschinen
+histogram-alt = Histogramm: Werte von { $low } bis { $high }; die meisten Maschinen, { $most }, bei { $place }.
+worst-machine = größte Restabweichung
+slowest-machine = längste Einschwingzeit
+extremes-caption = Die ungünstigsten der ausgelosten Maschinen
+sensitivities-caption = Was eine kleine Änderung kostet, ungünstigste Bewegung, ungünstigster Eckfall
+what-changes = Was sich ändert
+
+## Other sizes of move
+
+sizes-heading = Kleinere und größere Bewegungen
+sizes-note = Eine kleine Bewegung endet, bevor die Beschleunigung erreicht ist; ihre Rampen sind dann kürzer und löschen keine Schwingung. Die Tabelle sagt, für welche Bewegungen dieselben Grenzwerte das Band einhalten (ungünstigster Eckfall). Ein gleitender Mittelwert über eine Periode, wenn die Steuerung ihn hat, löscht die Schwingung bei jeder Bewegung; er ist gezeigt, wo er das Band bei allen kleineren Bewegungen einhält.
+sizes-caption = { $move }: für welche Größen die Grenzwerte gelten
+filter-time = Gleitender Mittelwert
+full-from = Beschleunigung erreicht ab
+kept-from = Band eingehalten ab
+kept-to = Band eingehalten bis
+never = nie
+nowhere = nirgends
+or-less = { $value } oder weniger
+or-more = { $value } oder mehr
+sizes-plot-caption = { $move }: Restabweichung über der Größe der Bewegung, ungünstigster Eckfall
+sizes-plot-alt = Restabweichung über der Größe der Bewegung, je eine Kurve für: { $ways }. Zulässig sind { $band }.
+
+## Evidence
+
+evidence-heading = Nachweise und Annahmen
+certificate-caption = { $move }: { $what }
+final-time = Endzeit t_f
+method = Verfahren
+cost = Kosten
+switches = Schaltzeitpunkte
+largest-error = Größter Endfehler, bezogen auf den Höchstwert seines Zustands
+weights = Gewichte
+assumptions = Annahmen
+warnings = Warnungen
+settings-caption = Numerische Einstellungen: { $names }
+setting = Einstellung
+versions-heading = Versionen und Profil
+versions-caption = Gerechnet mit
+program = Programm
+version = Version
+created = Berechnet am
+hash-row = SHA-256 des Profils
+profile-caption = Profil { $name }, wie gelesen
+
+## Measurements
+
+measure-heading = Messungen an der Maschine
+measure-note = Die Werte gelten für die Nennmaschine ohne Zuladung. Liegt eine Frequenz außerhalb des zulässigen Bereichs: Profil berichtigen und neu rechnen, bevor die Grenzwerte gelten. Bewegungen: { $moves }.
+measure-how-1 = Eigenfrequenzen und Dämpfungsgrade: Impulshammer und Beschleunigungsaufnehmer am Werkzeug oder Frequenzgang des Antriebs; Regelung aus, Bremse gelöst, Mitte des Verfahrwegs.
+measure-how-2 = { $axis ->
+    [rotary] Bewegtes Trägheitsmoment: Motormoment durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
+   *[linear] Bewegte Masse: Motorkraft durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).
+}
+measure-how-3 = { $axis ->
+    [rotary] Reserven und Bandbreite: Frequenzgang mit der Messfunktion der Steuerung, Kreis am Sollmoment aufgetrennt.
+   *[linear] Reserven und Bandbreite: Frequenzgang mit der Messfunktion der Steuerung, Kreis an der Sollkraft aufgetrennt.
+}
+measure-how-4 = { $axis ->
+    [rotary] Abweichungen und Einschwingzeit: Winkelmessgerät oder Beschleunigungsaufnehmer auf bekanntem Radius, mit den Grenzwerten dieses Protokolls, gegen den verzögerten Sollwert.
+   *[linear] Abweichungen und Einschwingzeit: Laserinterferometer oder Beschleunigungsaufnehmer am Werkzeug, mit den Grenzwerten dieses Protokolls, gegen den verzögerten Sollwert.
+}
+measure-how-5 = { $axis ->
+    [rotary] Drehmomente: Aufzeichnung des Antriebs (Momenten- oder Stromsollwert).
+   *[linear] Kräfte: Aufzeichnung des Antriebs (Kraft- oder Stromsollwert).
+}
+measure-caption = Berechnete und gemessene Werte
+measurement = Messung
+calculated = Berechnet
+measured = Gemessen
+difference = Differenz
+measured-by = Datum, Name
+measure-field-1 = Messmittel (Typ, Nummer, kalibriert bis)
+measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, Temperatur)
+
+## Entry and signature
+
+entry-heading = Parameter für die Steuerung
+entry-caption = Werte für die Steuerung
+parameter = Parameter
+also = In anderer Einheit
+old-value = Alter Wert
+new-value = Neuer Wert
+entered-by = Eingegeben von
+verified = Geprüft
+entry-note = Vor Gebrauch prüfen. Den Ruck nie auf-, die Ruckzeit nie abrunden.
+signature-heading = Unterschrift
+signed-values = { $machine }, Achse { $axis_name }: Beschleunigung { $acceleration }, Ruck { $jerk }.
+signature-field-1 = Maschinennummer, Aufstellort
+signature-field-2 = An der Steuerung eingegeben (Datum, Name, Unterschrift)
+signature-field-3 = An der Maschine geprüft (Datum, Name, Unterschrift)
+signature-field-4 = Bemerkungen
+
+## Faults
+
+# $got, $wanted: linear or rotary
+compared-with-other-motion = die Achse ist { $got ->
+    [rotary] rotatorisch
+   *[linear] linear
+}, muss { $wanted ->
+    [rotary] rotatorisch
+   *[linear] linear
+} sein wie die des Protokolls, das gedruckt wird

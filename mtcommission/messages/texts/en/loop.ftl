@@ -1,0 +1,69 @@
+# What was chosen for the feedback loop, by which rule, what is poor about it, and what failed.
+
+# One remark of two sentences; $first and $second are messages.
+loop-two-sentences = { $first } { $second }
+loop-one-or-other = { $first } or { $second }
+
+# By which rule a gain was chosen
+loop-kp-symmetrical-optimum = Kp by the symmetrical optimum, m / (2 T_σ).
+# $fraction: of the optimum
+loop-kp-lowered = Kp by the symmetrical optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (lowered until the margins hold).
+loop-kp-raised = Kp by the symmetrical optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (the state feedback allows more).
+loop-tn-yaskawa = Tn = 4 m / Kp (Yaskawa's lower bound for the speed loop).
+loop-kv-damping-one = Kv = Kp / (4 m): speed loop damping 1.
+loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle + the force lag that the jerk feed-forward leaves + the filters, so that feed-forward and feedback meet.
+
+# State feedback; $mode, $modes: names of modes as the profile spells them
+loop-unseen-modes = The sensors do not see mode { $modes }: no feedback can damp it.
+loop-no-state-feedback = No state feedback.
+loop-state-feedback-design-failed = No state feedback: its design failed ({ $detail }).
+loop-state-feedback-damps-nothing = No state feedback: none damps mode { $mode } better than the cascade alone (damping ratio { NUMBER($damping, digits: 3) }) with the margins kept.
+loop-state-feedback = State feedback (LQR around the cascade, Kalman observer on { $sensors }): damping ratio of mode { $mode } { NUMBER($own, digits: 3) } without control, { NUMBER($cascade, digits: 3) } with the cascade, { NUMBER($feedback, digits: 3) } with state feedback.
+loop-state-feedback-needed = State feedback is needed: { $lacking }.
+loop-observed-encoder = encoder
+loop-observed-encoder-and-tcp = encoder and tcp
+
+# $lacking: loop-lacks-bandwidth
+loop-lacks-bandwidth = the fastest cascade with the margins has { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth is { PLAIN($wanted, digits: 3) } Hz
+loop-lacks-bandwidth-anyway = { $lacking }, and none with state feedback has it either
+
+# Poles of which a mode holds a share; frequencies in Hz
+loop-mixed-mode = Mode { $mode } and the servo mix in the closed loop: the damping ratio shown is that of the poles at { NUMBER($shown_frequency, digits: 3) } Hz, which hold { PERCENT($shown_share) } of the mode; { PERCENT($larger_share) } of it ring at { NUMBER($larger_frequency, digits: 3) } Hz with { NUMBER($larger_damping, digits: 3) }.
+
+# Margins: dB, degrees; they may be infinite
+loop-margins = { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) } degrees, sensitivity peak { PLAIN($peak, digits: 3) } (worst corner)
+loop-given-gains-poor = The given gains are used as given, but their margins are poor: { $margins }; wanted are { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) } degrees, sensitivity peak at most { PLAIN($peak, digits: 3) }. { $cure }.
+loop-given-gains-slow = With the given gains the closed velocity loop reaches { PLAIN($reached, digits: 3) } Hz in its worst corner, less than minimum_bandwidth = { PLAIN($wanted, digits: 3) } Hz.
+loop-filters-soften = The set-force filters make the loop soft: its bandwidth is { PLAIN($filtered, digits: 3) } Hz with them, { PLAIN($unfiltered, digits: 3) } Hz without.
+loop-takes-damping = The loop takes damping from mode { $mode }: its damping ratio is { NUMBER($closed, digits: 3) } in the closed loop, { NUMBER($own, digits: 3) } without control.
+
+# What to change; $gains: the messages that follow
+loop-cure = The margins would hold with { $gains }, all other given values as they are
+loop-no-cure = No single gain cures that; leave the gains out to have them tuned
+loop-cure-kv = Kv up to { NUMBER($value) } 1/s
+loop-cure-kp = Kp up to { NUMBER($value) } { $axis ->
+    [rotary] N m s/rad
+   *[linear] N s/m
+}
+loop-cure-tn = Tn from { TIME($value) } on
+
+# Details of outcomes that end the tuning
+loop-unstable = with Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { PLAIN($Tn) } s on { $corner }. { $cure }
+loop-nominal-machine = the nominal machine
+loop-corner-payload = payload { SI($value, "MASS") }
+loop-corner-frequencies = frequencies × { NUMBER($value) }
+loop-corner-damping = damping × { NUMBER($value) }
+loop-no-margins = at Kp = { SI($Kp, "DAMPING") }, { PERCENT($share) } of the symmetrical optimum, they are { $margins }
+loop-mode-without-damping = mode { $mode } ({ PLAIN($frequency) } Hz) has damping ratio 0
+loop-hidden-states = state feedback of { $states }
+# $error: what the solver said
+loop-observer-failed = observer: { $error }
+loop-gains-failed = gains for mode { $mode }: { $error }
+
+# What a move costs: more velocity cycles than are followed
+budget-full-force = move { $move } takes at least { PLAIN($time, digits: 3) } s with { SI($force, "FORCE") } on { SI($mass, "MASS") }; in { $corners } corner(s) all moves together are { NUMBER($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most
+budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } and a ramp of { PLAIN($jerk_time) } s, with which a move takes { PLAIN($time) } s; in { $corners } corner(s) all moves together are { PLAIN($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most; { $remedy }
+budget-rule-asks = to keep a band of { SI($band, "LENGTH", digits: 3) } the commissioning rule asks for
+budget-check-band = check the unit of tcp_deviation
+budget-asked-for = asked for are
+budget-check-options = check the units of --acceleration and --jerk

@@ -1,0 +1,86 @@
+# Names of states, outputs and keys of the profile.
+
+name-F-set = { $axis ->
+    [rotary] Set torque F_set
+   *[linear] Set force F_set
+}
+name-F = { $axis ->
+    [rotary] Torque F
+   *[linear] Force F
+}
+name-tcp = Tool centre point
+name-tcp-vibration = Elastic deflection at the tool
+name-x-b = Base position x_b
+name-x-s = Slider position x_s
+name-phi = Tower rotation φ
+name-v-b = Base velocity v_b
+name-v-s = Slider velocity v_s
+name-v-phi = Tower rotation rate v_φ
+name-x = Position x
+name-v = Velocity v
+name-t-f-lower-bound = Proven lower bound of t_f
+name-relative-gap = Relative gap to the lower bound
+name-adjoint-initial = Adjoint at t = 0
+name-switching-slopes = Slope of the switching function at each switch
+name-switching-law-holds = Switching law holds on the whole interval
+name-terminal-jacobian-rank = Rank of the Jacobian of the terminal conditions
+name-terminal-jacobian-condition = Its condition number, scaled
+name-law-residual = Largest deviation from the control law, relative to F_max
+name-tcp-deviation = Permitted TCP deviation (band)
+name-tcp-gain = Gain at the tool
+name-measured-gain = Gain at the encoder
+name-tcp-height = TCP height h, signed
+name-force-lag = { $axis ->
+    [rotary] Time constant of the torque loop T
+   *[linear] Time constant of the force loop T
+}
+name-Kv = Position gain Kv
+name-Kp = Velocity gain Kp
+name-Tn = Integral time Tn
+name-encoder = Encoder
+name-base-mass = { $axis ->
+    [rotary] Base moment of inertia
+   *[linear] Base mass
+}
+name-slider-mass = { $axis ->
+    [rotary] Slider moment of inertia
+   *[linear] Slider mass
+}
+name-rotary-inertia = Rotary inertia
+name-lever-arm = Lever arm
+name-base-stiffness = Base stiffness
+name-base-damping = Base damping
+name-rotary-stiffness = Rotary stiffness
+name-rotary-damping = Rotary damping
+name-moving-mass = { $axis ->
+    [rotary] Moving moment of inertia
+   *[linear] Moving mass
+}
+name-frequency = Frequency
+name-damping-ratio = Damping ratio
+name-max-force = { $axis ->
+    [rotary] Max torque
+   *[linear] Max force
+}
+name-continuous-force = { $axis ->
+    [rotary] Continuous torque
+   *[linear] Continuous force
+}
+name-static-load = Static load
+name-velocity-step = Velocity step
+name-distance = { $axis ->
+    [rotary] Angle
+   *[linear] Distance
+}
+name-max-velocity = Max velocity
+name-dwell = Dwell
+name-max-settling-time = Max settling time
+name-frequency-spread = Frequency spread
+name-damping-spread = Damping spread
+name-payload-least = Payload (least)
+name-payload-largest = Payload (largest)
+
+## $mode: as the profile names it
+
+mode-deflection = Deflection of mode { $mode }
+mode-rate = Rate of mode { $mode }

@@ -1,0 +1,41 @@
+# Numerical settings, by their names in the record.
+
+setting-gain-margin-db = Gain margin demanded
+setting-phase-margin-deg = Phase margin demanded
+setting-reserve-deg = Phase kept in reserve for the state feedback
+setting-sensitivity-peak = Sensitivity peak allowed
+setting-mode-weights = Weights of the mode tried for the state feedback
+setting-reduction = Factor from one try of Kp to the next
+setting-force-noise = { $axis ->
+    [rotary] Torque noise of the observer, relative to F_max
+   *[linear] Force noise of the observer, relative to F_max
+}
+setting-position-noise = Encoder noise of the observer
+setting-least-acceleration = Least acceleration, relative to F_max/m
+setting-least-jerk-time = Shortest jerk time
+setting-longest-jerk-time = Longest jerk time, in periods of the slowest mode
+setting-slow-jerk-time = Longest jerk time on a stiff axis, at least
+setting-grid = Grid points in each direction
+setting-coarse-grid = { $axis ->
+    [rotary] Grid points at which the torque is simulated
+   *[linear] Grid points at which the force is simulated
+}
+setting-seeds = Cells refined at once
+setting-refinements = Refinements, each halves a cell
+setting-digits = Significant digits of the result
+setting-samples = Machines drawn, at most
+setting-sample-cycles = Position cycles simulated over all machines drawn, at most
+setting-seed = Seed of the random numbers
+setting-frequency-range = Largest frequency error tried, relative
+setting-frequency-points = Frequency errors tried
+setting-landscape = Points of the map in each direction
+setting-largest-fraction = Largest factor on Kp tried with state feedback
+setting-mode-noise = Mode noise of the observer, relative to F_max
+setting-evaluations = Limits judged in every corner
+
+## What they are for
+
+settings-tuning = tuning
+settings-search = search
+settings-comparison = comparison
+settings-robustness = robustness

@@ -1,0 +1,453 @@
+# The commissioning sheet, and the summary on the terminal.
+
+## The printers' own words
+
+title = Commissioning sheet
+axis = axis
+identity = Profile { $name }, SHA-256 { $hash }
+disclaimer = Calculated record, not an acceptance test.
+contents = Contents
+skip = Skip to the verdict
+page = page
+script-note = Plots: drag to zoom, double-click to reset, move the pointer (or the arrow keys) to read values. Without JavaScript the plots are in the PDF.
+
+## Words
+
+yes = yes
+no = no
+met = met
+not-met = NOT MET
+not-settled = not settled
+unlimited = unlimited
+no-jerk-limit = no limit
+none = None.
+move = Move { $number }
+velocity-step = velocity step { $velocity }
+positioning = positioning by { $distance }
+positioning-limited = positioning by { $distance } at up to { $velocity }
+in-unit = { $name } in { $unit }
+quantity = Quantity
+value = Value
+key = Key in the profile
+source = Source
+acceleration = Acceleration
+jerk = Jerk
+jerk-time = Jerk time
+settling-time = Settling time
+residual = Residual deviation
+peak-deviation = Peak deviation
+time = Time
+frequency = Frequency
+damping-ratio = Damping ratio
+velocity = Velocity
+
+## Verdict
+
+verdict-heading = Verdict and values to enter
+verdict-met = All requirements met
+verdict-not-met = Requirements NOT met
+values-bound-by = Bound by: { $bound }
+obstacle = What stands in the way: { $obstacle }
+result-caption = Result with these limits, worst move and worst corner
+of-band = { $value }, { $percent } of the permitted { $band }
+no-residual = not settled; permitted { $band }
+reference = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling } ({ $more } more).
+reference-unsettled = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: not settled.
+reference-faster = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling }, { $less } less, since it is judged by the band and not by exact rest.
+reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
+reference-composed = { $optimum } (composed with a cruise; proved: not below { $bound })
+reference-note = The reference moves the nominal machine to exact rest with ideal control; the recommendation is settled when the tool stays within the permitted deviation.
+first-look-caption = { $move }: setpoint, response and TCP deviation, nominal machine
+first-look-alt = Acceleration of setpoint and response, and TCP deviation over time: at most { $peak }, settled after { $settling }.
+checks-caption = Requirements
+data-source = Source of the machine data: { $source }
+warning-count = Warnings: { $count }, see the section on certificates and assumptions.
+further-warnings = Further warnings: { $count }, see the section on certificates and assumptions.
+check = Requirement
+found = Found
+permitted = Permitted
+verdict = Verdict
+where = Worst case
+warning = Warning: { $warning }
+could-be-met = Could be met: { $requirement } { $value } instead of { $limit }.
+sparkline = Acceleration setpoint, { $move }, { $duration }:
+
+## Machine
+
+machine-heading = Machine and axis
+data-caption = Data as calculated with
+machine-row = Machine
+axis-row = Axis
+motion-row = Motion
+linear = linear
+rotary = rotary
+rigid-caption = Rigid axis
+moving-mass = { $axis ->
+    [rotary] Moving moment of inertia
+   *[linear] Moving mass
+}
+controllability = Controllability: rank of the Kalman matrix
+of-states = { $rank } of { $count } states
+modes-caption = Modes of the structure (control off)
+mode = Mode
+tcp-gain = Gain at the tool
+measured-gain = Gain at the encoder
+of-mode = { $name } of mode { $mode }
+peak-bound = { $name }, largest magnitude
+requirements-heading = Moves and requirements
+requirements-caption = What is required
+
+## Limits
+
+limits-heading = Recommended limits
+machining-caption = Limits by machining mode, each from a band of its own
+machining-mode = Machining mode
+machining-surface = Surface (finishing)
+machining-accuracy = Accuracy
+machining-speed = Speed (roughing)
+permitted-band = Band
+bound-by-column = Bound by
+attainable = Could be met
+attainable-caption = What could be met instead, each by itself or with those it names, all others kept
+attainable-band = { $reason }; a band of { $band } could be met
+alternatives-caption = Recommendation and alternatives, in the same simulation
+limits-name = Limits
+recommended = Recommended
+rule-heading = Commissioning rule, applied by hand
+rule-valid = Valid for: { $range }
+rule-result = By hand: a = { $acceleration }, j = { $jerk } (ramp: { $chosen }; bound by: { $bound }), predicted residual deviation { $residual }. The search needs no rule; this is to check it with a calculator.
+rule-steps-caption = The rule, step by step
+rule-symbols-caption = Symbols of the rule (index i: a mode; values by mode: { $modes })
+rule-symbol-a = Acceleration by the rule
+rule-symbol-j = Jerk by the rule
+rule-symbol-t-j = Jerk time by the rule, a/j
+rule-symbol-band = Permitted TCP deviation
+rule-symbol-F = { $axis ->
+    [rotary] Torque left for motion
+   *[linear] Force left for motion
+}
+rule-symbol-v = Change of velocity, or largest velocity, of each move
+rule-symbol-L = Length of each positioning move
+rule-symbol-m = { $axis ->
+    [rotary] Moving moment of inertia; in the torque condition with the largest payload
+   *[linear] Moving mass; in the force condition with the largest payload
+}
+rule-symbol-m-ff = { $axis ->
+    [rotary] Moment of inertia in the feed-forward
+   *[linear] Mass in the feed-forward
+}
+rule-symbol-T = { $axis ->
+    [rotary] Time constant of the torque loop
+   *[linear] Time constant of the force loop
+}
+rule-symbol-f = Natural frequency of a mode
+rule-symbol-omega = Natural angular frequency of a mode
+rule-symbol-zeta = Damping ratio of a mode
+rule-symbol-g = Share of a mode at the tool, by itself or beside the encoder; the larger one
+rule-symbol-c = Share of a mode at the encoder
+rule-symbol-R = Share of a mode's vibration that a ramp leaves
+rule-symbol-x = Length of a ramp in periods of a mode, f t_j
+rule-symbol-i = Imaginary unit (as an index: number of the mode)
+symbol = Symbol
+meaning = Meaning
+rule-step = Step
+rule-how = Formula
+rules-heading = Comparison with rules of thumb
+rules-caption = Rules of makers and textbooks, in the same simulation (worst move, worst corner)
+rule = Rule
+meets = All met
+compare-caption = Settling time against residual deviation: recommendation, alternatives and rules
+compare-alt = Each point is one choice of limits; further left settles sooner, further down vibrates less. Recommended: { $settling } and { $residual }. The numbers are in the tables.
+unsettled-rules = Not settled, so not in the plot: { $names }.
+band = band { $band }
+landscape-heading = Landscape of the settling time
+landscape-caption = Worst settling time over acceleration and jerk time
+landscape-alt = Map of { $rows } accelerations by { $columns } jerk times; settling times from { $least } to { $most }; the chosen point is at { $acceleration } and { $jerk_time }.
+chosen = chosen
+residual-border = residual deviation = band { $band }
+usage-border = { $axis ->
+    [rotary] torque, RMS torque or a bounded peak just reached
+   *[linear] force, RMS force or a bounded peak just reached
+}
+hatched = { $caption } (hatched: not settled)
+
+## Compared with another record
+
+differences-heading = Changes since the earlier record
+compared-with = Compared with: { $machine }, axis { $axis_name }, calculated on { $created }, profile { $name }, SHA-256 { $hash }.
+changed-inputs = Machine, moves and requirements: what changed
+no-changed-inputs = Machine, moves and requirements are the same in both records.
+changed-limits = Limits, before and after
+changed-result = Result, before and after
+changed-loop = Control loop, before and after
+before = Before
+after = After
+change = Change
+changed = changed
+unchanged = same
+not-stated = not stated
+state-feedback-used = State feedback
+
+## Motion
+
+motion-heading = Optimum, recommendation and response
+drive-caption = { $axis ->
+    [rotary] { $move }: torque, acceleration and velocity
+   *[linear] { $move }: force, acceleration and velocity
+}
+vibration-caption = { $move }: vibration and TCP deviation
+motion-alt = { $axis ->
+    [rotary] Curves over time of { $signals }. Set torque of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
+   *[linear] Curves over time of { $signals }. Set force of the response at most { $force }; the tool is at most { $peak } off the setpoint and settled after { $settling }.
+}
+motion-note = All plots of a move share the time axis. Optima end in exact rest at t_f; the acceleration shown for them and for the response is F/m. The setpoint is shown as commanded; the deviation is counted from the setpoint delayed by { $delay }.
+time-optimal = time-optimal
+constrained = time-optimal, bounded
+damping-optimal = damping-optimal
+setpoint = setpoint
+response = loop response
+deviation = TCP deviation
+peaks-caption = { $move }: largest magnitudes
+signal-head = Signal
+amplitudes-caption = { $move }: amplitudes at the tool after the setpoint ends
+amplitude = Amplitude
+setpoint-caption = { $move }: segments of the setpoint
+duration = Duration
+segment = Segment
+moving-average = Moving-average filter of the control: { $time }.
+comparison-heading = Comparison with the optimal controls
+comparison-note = { $axis ->
+    [rotary] Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor torque.
+   *[linear] Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor force.
+}
+controls-caption = { $move }: ways of doing the move
+control = Control
+transfer-time = Transfer time
+overshoot = Overshoot
+peak-of = Peak of { $name }
+heat = Heat
+work = Work
+fed-forward-caption = { $move }: the optimal control itself fed forward, on the machine and on one that is a little different
+saturated-share = { $axis ->
+    [rotary] Time without torque left
+   *[linear] Time without force left
+}
+continuous-check = Cross-check: the same setpoint through a continuous approximation of the loop settles after { $settling } (sampled loop: { $sampled }; { $settling_difference }), residual deviation { $residual } ({ $residual_difference }).
+continuous-unsettled = Cross-check: in a continuous approximation of the loop the same setpoint does not settle (sampled loop: { $sampled }); here it is no check, and nothing is judged by it.
+claims = The paper says that a setpoint in a feedback loop overshoots at the end and takes much longer than the least time. Measured here:
+why-not = Why the optimum is not simply entered:
+
+## Loop
+
+loop-heading = Control loop
+diagram-caption = Structure of the loop
+diagram-alt = { $axis ->
+    [rotary] Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, torque limit and torque loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
+   *[linear] Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, force limit and force loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
+}
+diagram-delay = Delay
+diagram-cycle = cycle { $cycle }
+diagram-late = acts { $time } late
+diagram-mechanics = Mechanics
+diagram-modes = modes: { $count }
+diagram-observer = Observer
+diagram-gains = gains: { $count }, see table
+gains-caption = Gains
+margins-caption = { $axis ->
+    [rotary] Stability, loop cut at the set torque
+   *[linear] Stability, loop cut at the set force
+}
+margin = Margin
+nominal = Nominal machine
+worst-corner = Worst corner
+gain-margin = Gain margin
+gain-margin-up = Gain may rise by
+gain-margin-down = Gain may fall by
+bandwidth-short = Bandwidth
+stiffness-short = Least dynamic stiffness
+loop-corners-caption = The loop in every corner of payload and spread
+disturbance-caption = { $axis ->
+    [rotary] Response of the tool to a step of torque about the axis of the drive
+   *[linear] Response of the tool to a step of force on the line of the drive
+}
+disturbance-alt = { $axis ->
+    [rotary] Rotation of the tool per torque over time, one curve for each loop. Largest values: { $largest }.
+   *[linear] Displacement of the tool per force over time, one curve for each loop. Largest values: { $largest }.
+}
+deflection = { $axis ->
+    [rotary] Rotation of the tool per torque
+   *[linear] Displacement of the tool per force
+}
+delays-caption = Delays in each path of the loop
+path = Path
+setpoint-age = Age of the setpoint
+dead-time = Dead time (whole cycles)
+hold = Mean age of the held value
+lag = Lags (drive, filters)
+total = Sum
+jerk-feedforward-caption = What the jerk feed-forward changes, recommended limits, worst case
+jerk-weight = Weight of the jerk feed-forward
+wanted-force = { $axis ->
+    [rotary] Set torque wanted, peak
+   *[linear] Set force wanted, peak
+}
+phase-margin = Phase margin
+sensitivity-peak = Sensitivity peak
+bandwidth = Bandwidth of the velocity loop (−3 dB)
+reference-delay = Reference delay τ
+feedforward = Feed-forward: { $name }
+state-feedback = State feedback from { $name }
+no-state-feedback = No state feedback.
+sensors = Sensors: { $names }.
+observed = Observed states: { $names }.
+position-cycle = Position cycle
+velocity-cycle = Velocity cycle
+variants-caption = The loop with and without state feedback, each with its best limits
+variant-used = { $name } (used)
+damping-of = Damping of mode { $mode }
+dynamic-stiffness = Least dynamic stiffness at the tool
+stiffness-at = { $stiffness } at { $frequency }
+bode-caption = { $axis ->
+    [rotary] Frequency response: open loop (cut at the set torque), closed velocity loop
+   *[linear] Frequency response: open loop (cut at the set force), closed velocity loop
+}
+bode-alt = Magnitude and phase over frequency. Gain margin { $gain }, phase margin { $phase }, bandwidth of the velocity loop { $bandwidth }.
+magnitude = Magnitude in dB
+phase = Phase in °
+open-loop = open loop
+closed-velocity = closed velocity loop
+poles-caption = Poles of the closed loop, slowest first
+real-part = Real part
+remarks = Remarks
+corners-caption = { $move }: response in every corner
+payload = Payload
+frequencies = Frequencies
+dampings = Damping
+max-force = { $axis ->
+    [rotary] Largest set torque
+   *[linear] Largest set force
+}
+rms-force = { $axis ->
+    [rotary] RMS torque
+   *[linear] RMS force
+}
+saturated = Saturated
+
+## Robustness
+
+robustness-heading = Robustness
+kept-between = With all eigenfrequencies off by a common factor, every requirement is kept from { $low } to { $high }.
+at-least = at least { $value }
+kept-nowhere = The requirements are not kept even with the eigenfrequencies of the profile, so there is no frequency error to allow.
+frequency-error = Error of all eigenfrequencies in %
+frequency-error-caption = Residual deviation and settling time over the error of the eigenfrequencies, worst payload and damping
+frequency-error-alt = Two curves over the common error of all eigenfrequencies. The residual deviation lies between { $least } and { $most }; permitted are { $band }.
+residual-error-caption = Residual deviation over the error of the eigenfrequencies, worst payload and damping
+residual-error-alt = A curve over the common error of all eigenfrequencies. The residual deviation lies between { $least } and { $most }; permitted are { $band }.
+no-settling-curve = The axis settles with none of the errors of the eigenfrequencies that were tried, { $low } to { $high }; so there is no curve of the settling time.
+no-error-curves = The axis settles with none of the errors of the eigenfrequencies that were tried, { $low } to { $high }; so there are no curves of residual deviation and settling time.
+nothing-drawn = The profile states no spread of frequency or damping and no range of payload, so no machines were drawn at random.
+drawn = { $samples } machines drawn from the stated spread (payload, frequencies and damping each uniform and independent; seed { $seed }): { $met } keep every requirement, { $band } the band.
+machines = Machines drawn
+least = least
+largest = largest
+share-of-machines = { $share } are not above
+quantiles-caption = Distribution over the machines drawn, worst move
+histogram-caption = { $name } of the machines drawn
+histogram-alt = Histogram: values from { $low } to { $high }; most machines, { $most }, about { $place }.
+worst-machine = largest residual deviation
+slowest-machine = longest settling time
+extremes-caption = The worst of the machines drawn
+sensitivities-caption = What a small change costs, worst move and worst corner
+what-changes = What changes
+
+## Other sizes of move
+
+sizes-heading = Smaller and larger moves
+sizes-note = A small move ends before the acceleration is reached; its ramps are shorter then and cancel no vibration. The table says for which moves the same limits keep the band (worst corner). A moving average of one period, if the control has one, cancels the vibration whatever the move; it is shown where it keeps the band on all smaller moves.
+sizes-caption = { $move }: for which sizes the limits hold
+filter-time = Moving average
+full-from = Acceleration reached from
+kept-from = Band kept from
+kept-to = Band kept to
+never = never
+nowhere = nowhere
+or-less = { $value } or less
+or-more = { $value } or more
+sizes-plot-caption = { $move }: residual deviation over the size of the move, worst corner
+sizes-plot-alt = Residual deviation over the size of the move, a curve for each of: { $ways }. Permitted are { $band }.
+
+## Evidence
+
+evidence-heading = Certificates and assumptions
+certificate-caption = { $move }: { $what }
+final-time = Final time t_f
+method = Method
+cost = Cost
+switches = Switching times
+largest-error = Largest terminal error, relative to the peak of its state
+weights = Weights
+assumptions = Assumptions
+warnings = Warnings
+settings-caption = Numerical settings: { $names }
+setting = Setting
+versions-heading = Versions and profile
+versions-caption = Calculated with
+program = Program
+version = Version
+created = Calculated on
+hash-row = SHA-256 of the profile
+profile-caption = Profile { $name } as read
+
+## Measurements
+
+measure-heading = Measurements to make on the machine
+measure-note = The values are those of the nominal machine without payload. If a frequency lies outside its permitted range, correct the profile and calculate again before using the limits. Moves: { $moves }.
+measure-how-1 = Frequencies and damping ratios: impact hammer and accelerometer at the tool, or frequency response of the drive; control off, brake released, at the middle of the travel.
+measure-how-2 = { $axis ->
+    [rotary] Moving moment of inertia: motor torque over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
+   *[linear] Moving mass: motor force over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
+}
+measure-how-3 = { $axis ->
+    [rotary] Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set torque.
+   *[linear] Margins and bandwidth: frequency response by the control's own measuring function, loop cut at the set force.
+}
+measure-how-4 = { $axis ->
+    [rotary] Deviations and settling time: angle measuring device, or accelerometer at a known radius, with the limits of this sheet, counted from the end of the setpoint and the delayed setpoint.
+   *[linear] Deviations and settling time: laser interferometer or accelerometer at the tool, with the limits of this sheet, counted from the end of the setpoint and the delayed setpoint.
+}
+measure-how-5 = { $axis ->
+    [rotary] Torques: trace of the drive (torque or current setpoint).
+   *[linear] Forces: trace of the drive (force or current setpoint).
+}
+measure-caption = Calculated and measured values
+measurement = Measurement
+calculated = Calculated
+measured = Measured
+difference = Difference
+measured-by = Date, name
+measure-field-1 = Measuring instruments (type, number, calibrated until)
+measure-field-2 = State of the machine (position of the other axes, payload, temperature)
+
+## Entry and signature
+
+entry-heading = Parameters for the control
+entry-caption = Values for the control
+parameter = Parameter
+also = In other units
+old-value = Old value
+new-value = New value
+entered-by = Entered by
+verified = Verified
+entry-note = Verify before use. Never round the jerk up or the jerk time down.
+signature-heading = Signature
+signed-values = { $machine }, axis { $axis_name }: acceleration { $acceleration }, jerk { $jerk }.
+signature-field-1 = Machine number, place
+signature-field-2 = Entered on the control (date, name, signature)
+signature-field-3 = Verified at the machine (date, name, signature)
+signature-field-4 = Remarks
+
+## Faults
+
+# $got, $wanted: linear or rotary
+compared-with-other-motion = got a { $got } axis, must be { $wanted } like the record to be printed

@@ -1,0 +1,256 @@
+"""Edits of a solved sequence whose motion or multipliers break a condition of the optimum.
+
+- A piece that shrank to nothing, or a touch point with a multiplier of the wrong sign: taken out.
+- A bound exceeded inside a piece: a touch point is put in where it is exceeded most; one of order 1
+  exceeded where the force turns is held there for a while.
+- σ of the other sign than the force in a part of a bang arc: the force is turned there, or, if
+  that part holds a touch point, the touch point has grown into a boundary arc.
+
+What to do about a multiplier with a density of the wrong sign is told in ``newton.off_boundary``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.bounded.newton.extremal import Extremal
+from mtcommission.optimal.bounded.places import ConstraintPoint
+from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.proof.dual_point import sigma_sign, stretches
+from mtcommission.optimal.bounded.proof.dual_value import dual_value
+from mtcommission.optimal.bounded.structure.detection import place_touches
+from mtcommission.optimal.bounded.structure.sequence import (
+    Piece,
+    Sequence,
+    Touch,
+    peaks_above,
+    piece_states,
+    touch_points,
+)
+
+Array = NDArray[np.float64]
+
+
+def pruned(problem: BoundedProblem, extremal: Extremal, *, least: float) -> Sequence | None:
+    """Return the sequence without vanishing pieces and wrong touch points; None if it has none.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved, or as far as the iteration came.
+    least
+        Share of t_f below which a piece is taken out, and a touch point so near to an arc.
+
+    Returns
+    -------
+    Sequence or None
+    """
+    sequence = extremal.sequence
+    shared = _shared(_reunited(sequence.pieces))
+    pieces = _joined([p for p in shared if p.duration > least * sequence.t_f])
+    points = touch_points(sequence)
+    weights = {atom.remaining: atom.weight for atom in extremal.measure.atoms}
+    t_f = sum(piece.duration for piece in pieces)
+    inside = tuple(
+        at
+        for i, at in enumerate(points)
+        if weights.get(at.remaining, 0.0) * at.side >= 0.0
+        and 0.0 < at.remaining < t_f
+        and not _at_arc(sequence, at, near=least * t_f)
+        and not any(_are_one(at, other, near=least * t_f) for other in points[:i])
+    )
+    if len(pieces) == len(sequence.pieces) and len(inside) == len(points):
+        return None
+    return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), inside))
+
+
+def _are_one(point: ConstraintPoint, other: ConstraintPoint, *, near: float) -> bool:
+    """Return whether two touch points have become the same, with two weights for one."""
+    same = point.limit == other.limit and point.side == other.side
+    return same and abs(point.remaining - other.remaining) <= near
+
+
+def _reunited(pieces: tuple[Piece, ...]) -> list[Piece]:
+    """Return the pieces with two arcs as one, where nothing is left between them.
+
+    Of two arcs that Newton's method drives over each other the second has a negative duration:
+    together they are as long as from the entry of the first to the exit of the second.
+    """
+    left: list[Piece] = []
+    for piece in pieces:
+        apart = left[-1].duration if left else 1.0
+        if len(left) > 1 and apart <= 0.0 and _kind(left[-2]) == _kind(piece):
+            whole = left[-2].duration + apart + piece.duration
+            if min(left[-2].duration, piece.duration) < 0.0 < whole:
+                left[-2:] = [replace(piece, duration=whole)]
+                continue
+        left.append(piece)
+    return left
+
+
+def _kind(piece: Piece) -> tuple[int, int]:
+    return piece.limit, piece.side
+
+
+def _shared(pieces: list[Piece]) -> list[Piece]:
+    """Return the pieces with half of each negative duration taken from the pieces beside it."""
+    spans = [piece.duration for piece in pieces]
+    for i in range(1, len(spans) - 1):
+        half = 0.5 * spans[i]
+        if half < 0.0 and min(spans[i - 1], spans[i + 1]) > -half:
+            spans[i - 1], spans[i], spans[i + 1] = spans[i - 1] + half, 0.0, spans[i + 1] + half
+    return [replace(piece, duration=span) for piece, span in zip(pieces, spans, strict=True)]
+
+
+def _at_arc(sequence: Sequence, point: ConstraintPoint, *, near: float) -> bool:
+    """Return whether a touch point has come to an end of an arc of its bound, whose atom it is."""
+    ends = sequence.t_f - np.cumsum([0.0, *(piece.duration for piece in sequence.pieces)])
+    return any(
+        piece.limit == point.limit and np.abs(ends[i : i + 2] - point.remaining).min() <= near
+        for i, piece in enumerate(sequence.pieces)
+    )
+
+
+def with_touch(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with a touch point where it exceeds a bound most; None if nowhere.
+
+    The first of several excesses of a decaying oscillation is often the only one that is left.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved.
+
+    Returns
+    -------
+    Sequence or None
+    """
+    sequence = extremal.sequence
+    levels_along = _levels(problem, sequence)
+    worst, most = None, 1.0 + problem.settings.proof.excess
+    for index, piece in enumerate(sequence.pieces):
+        tau, levels = levels_along[index]
+        for at, k in peaks_above(levels, most):
+            if k != piece.limit and abs(levels[at, k]) > most:
+                side, most = int(np.sign(levels[at, k])), float(abs(levels[at, k]))
+                worst = Touch(piece=index, offset=float(tau[at]), limit=k, side=side)
+    if worst is None:
+        return None
+    return Sequence(pieces=sequence.pieces, touches=(*sequence.touches, worst))
+
+
+def with_short_arc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with an arc where a bound of order 1 is exceeded most; None if nowhere.
+
+    Such a bound cannot be touched by a smooth motion: it is exceeded where the force turns, and
+    must be held there, however short.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved.
+
+    Returns
+    -------
+    Sequence or None
+    """
+    pieces = list(extremal.sequence.pieces)
+    first = np.array([limit.order for limit in problem.limits]) == 1
+    along = _levels(problem, extremal.sequence)
+    worst, most = None, 1.0 + problem.settings.proof.excess
+    for index, (piece, after) in enumerate(pairwise(pieces)):
+        tau, levels = along[index]
+        size = np.where(first, np.abs(levels[-1]), 0.0)
+        k = int(size.argmax())
+        if max(piece.limit, after.limit) < 0 and size[k] > most:
+            speed = (size[k] - abs(levels[-2, k])) / (tau[-1] - tau[-2])
+            half = min((size[k] - 1.0) / speed, 0.5 * piece.duration, 0.5 * after.duration)
+            worst, most = (index, half, k, int(np.sign(levels[-1, k]))), float(size[k])
+    if worst is None:
+        return None
+    index, half, k, side = worst
+    before, after = pieces[index], pieces[index + 1]
+    pieces[index : index + 2] = [
+        replace(before, duration=before.duration - half),
+        Piece(limit=k, side=side, duration=2.0 * half),
+        replace(after, duration=after.duration - half),
+    ]
+    touches = touch_points(extremal.sequence)
+    return Sequence(pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), touches))
+
+
+def _levels(problem: BoundedProblem, sequence: Sequence) -> list[tuple[Array, Array]]:
+    """Return times since the start of each piece [s] and the levels of all bounds there."""
+    state, found = np.zeros(problem.plant.order), []
+    for piece in sequence.pieces:
+        count = (
+            int(np.ceil(piece.duration * problem.rate / problem.settings.newton.radians_per_sample))
+            + 4
+        )
+        tau = np.linspace(0.0, piece.duration, count)
+        states = piece_states(problem, piece, state, tau)
+        found.append((tau, states @ problem.rows.T))
+        state = states[-1]
+    return found
+
+
+def with_switches(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with the force turned wherever σ has the other sign; None if nowhere.
+
+    About a touch point where σ has the other sign the bound is held for a while.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved.
+
+    Returns
+    -------
+    Sequence or None
+    """
+    measure, sequence = extremal.measure, extremal.sequence
+    parts = stretches(problem, measure)
+    zeros = dual_value(problem, parts, measure.atoms).zeros
+    ends = measure.t_f - np.cumsum([piece.duration for piece in sequence.pieces])
+    touches = touch_points(sequence)
+    pieces: list[Piece] = []
+    for piece, end in zip(sequence.pieces, ends.tolist(), strict=True):
+        apart, start = problem.settings.newton.apart * measure.t_f, end + piece.duration
+        inside = zeros[(zeros > end + apart) & (zeros < start - apart)][::-1]
+        if piece.limit >= 0 or not inside.size:
+            pieces.append(piece)
+            continue
+        for a, b in pairwise([start, *inside.tolist(), end]):
+            side = sigma_sign(problem, parts, 0.5 * (a + b))
+            held = next((at for at in touches if b < at.remaining < a and side != piece.side), None)
+            if held is None:
+                pieces.append(Piece(limit=-1, side=side, duration=a - b))
+            else:
+                pieces.append(Piece(limit=held.limit, side=held.side, duration=a - b))
+    if len(pieces) == len(sequence.pieces):
+        return None
+    joined = tuple(_joined(pieces))
+    return Sequence(pieces=joined, touches=place_touches(problem, joined, touches))
+
+
+def _joined(pieces: list[Piece]) -> list[Piece]:
+    """Return the pieces with neighbours of the same kind as one."""
+    joined: list[Piece] = []
+    for piece in pieces:
+        if joined and _kind(joined[-1]) == _kind(piece):
+            joined[-1] = replace(joined[-1], duration=joined[-1].duration + piece.duration)
+        else:
+            joined.append(piece)
+    return joined

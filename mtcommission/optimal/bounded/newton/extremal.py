@@ -1,0 +1,393 @@
+"""Sequences of bang arcs, boundary arcs and touch points, solved to full precision.
+
+The unknowns are the durations, the places of the touch points, the terminal multipliers and
+the atoms; the equations are the entry conditions c x = ±1, c A x = 0, ..., the touch conditions
+c x = ±1, c A x = 0, the terminal conditions, and σ = 0 at every switch. The system is square
+for every sequence whose boundary arcs have order 1 or 2 (docs/optimal-control-bounds.md,
+section 4); arcs of higher order are joined by infinitely many touch points and have no such
+sequence.
+
+Every derivative is exact: on each leg the state and the adjoint follow linear flows, so the
+derivative of a flow with respect to its duration is the flow times its generator.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.bounded.places import ArcInterior
+from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.proof.dual_point import Atom, Measure
+from mtcommission.optimal.bounded.structure.sequence import Sequence, Touch
+from mtcommission.optimal.closed_form import step_response, transition
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Extremal:
+    """A sequence with the multipliers that go with it.
+
+    Parameters
+    ----------
+    sequence
+        Durations and touch points.
+    measure
+        Dual point.
+    residual
+        Largest scaled residual of all conditions.
+    """
+
+    sequence: Sequence
+    measure: Measure
+    residual: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Leg:
+    """A piece from one touch point to the next.
+
+    ``piece`` is the index of its piece, ``touch`` the touch point at its start, ``ends`` whether
+    the piece ends with it, ``atom`` the number of the atom at its start or -1.
+    """
+
+    piece: int
+    limit: int
+    side: int
+    touch: Touch | None
+    ends: bool
+    atom: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _System:
+    problem: BoundedProblem
+    legs: tuple[_Leg, ...]
+    start: Array
+    scale: float
+
+    @property
+    def width(self) -> int:
+        """Number of durations and terminal multipliers; the atoms come behind them."""
+        return len(self.legs) + self.problem.fixed.size
+
+    @property
+    def size(self) -> int:
+        return self.width + 1 + max(leg.atom for leg in self.legs)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Point:
+    """Unknowns, residual, Jacobian, and the number of conditions on the state (they come first)."""
+
+    unknowns: Array
+    residual: Array
+    jacobian: Array
+    primal: int
+
+    @property
+    def norm(self) -> float:
+        return float(np.linalg.norm(self.residual))
+
+
+@dataclass(slots=True, eq=False)
+class _Rows:
+    """Conditions that are being collected, with their derivatives."""
+
+    values: list[Array]
+    slopes: list[Array]
+
+    def add(self, value: Array, slope: Array) -> None:
+        self.values.append(np.atleast_1d(value))
+        self.slopes.append(np.atleast_2d(slope))
+
+
+def solve_sequence(problem: BoundedProblem, guess: Sequence) -> Extremal:
+    """Return the extremal of a given sequence by Newton's method.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    guess
+        Sequence with approximate durations; its boundary arcs have order 1 or 2.
+
+    Returns
+    -------
+    Extremal
+        Its residual tells whether the iteration converged; durations may have become negative
+        where the sequence is not the optimal one.
+    """
+    system = _system(problem, guess)
+    first = _first_point(system)
+    point = _undamped(system, first)
+    if point.norm > problem.settings.newton.residual:
+        point = _damped(system, first)
+    return Extremal(
+        sequence=_placed(system, guess, point.unknowns),
+        measure=_measure(system, point.unknowns),
+        residual=float(np.abs(point.residual).max()),
+    )
+
+
+def _undamped(system: _System, point: _Point) -> _Point:
+    """Return where full Newton steps lead; a residual may grow on the way to a solution."""
+    settings = system.problem.settings.newton
+    limit = settings.growth * point.norm
+    for _ in range(settings.steps):
+        following = _tried(system, point, _step(system, point, 0.0))
+        if following is None or not following.norm < limit:
+            break
+        if point.norm < settings.residual and following.norm >= point.norm:
+            break
+        done = point.norm < settings.residual and following.norm > 0.1 * point.norm
+        point = following
+        if done:
+            break
+    return point
+
+
+def _damped(system: _System, point: _Point) -> _Point:
+    settings = system.problem.settings.newton
+    damping = 1e-9
+    for _ in range(settings.steps):
+        if point.norm < 1e-14:
+            break
+        following, damping = _newton_step(system, point, damping)
+        if following.norm >= point.norm:
+            break
+        done = point.norm < settings.residual and following.norm > 0.1 * point.norm
+        point = following
+        if done:
+            break
+    return point
+
+
+def _tried(system: _System, point: _Point, step: Array) -> _Point | None:
+    """Return the point after a step; None where its durations lead too far."""
+    settings = system.problem.settings.newton
+    legs = len(system.legs)
+    unknowns = point.unknowns - step
+    back = -float(unknowns[:legs].min()) * system.scale * system.problem.rate
+    if float(np.abs(step[:legs]).max()) > settings.largest_step or back > settings.furthest_back:
+        return None
+    return _point(system, unknowns)
+
+
+def _step(system: _System, point: _Point, damping: float) -> Array:
+    """Return the change of the unknowns to be taken back, damped (Levenberg-Marquardt)."""
+    settings = system.problem.settings.newton
+    size = np.linalg.norm(point.jacobian, axis=0)
+    size[size == 0.0] = 1.0
+    left, value, right = np.linalg.svd(point.jacobian / size, full_matrices=False)
+    share = value / (value**2 + max(damping, settings.singular * value[0]) ** 2)
+    return np.asarray((right.T @ (left.T @ point.residual * share)) / size)
+
+
+def _system(problem: BoundedProblem, guess: Sequence) -> _System:
+    legs: list[_Leg] = []
+    durations: list[float] = []
+    atoms = 0
+    for i, piece in enumerate(guess.pieces):
+        touches = sorted((t for t in guess.touches if t.piece == i), key=lambda t: t.offset)
+        ends = [*(touch.offset for touch in touches), piece.duration]
+        for k, touch in enumerate([None, *touches]):
+            entered = touch is None and piece.limit >= 0 and problem.limits[piece.limit].order == 2
+            has_atom = touch is not None or entered
+            legs.append(
+                _Leg(
+                    piece=i,
+                    limit=piece.limit,
+                    side=piece.side,
+                    touch=touch,
+                    ends=k == len(touches),
+                    atom=atoms if has_atom else -1,
+                )
+            )
+            durations.append(ends[k] - (ends[k - 1] if k else 0.0))
+            atoms += has_atom
+    scale = guess.t_f
+    return _System(
+        problem=problem, legs=tuple(legs), start=np.array(durations) / scale, scale=scale
+    )
+
+
+def _placed(system: _System, guess: Sequence, unknowns: Array) -> Sequence:
+    lengths = np.zeros(len(guess.pieces))
+    touches: list[Touch] = []
+    for leg, length in zip(system.legs, (unknowns * system.scale).tolist(), strict=False):
+        if leg.touch is not None:
+            offset = float(lengths[leg.piece])
+            touches.append(replace(leg.touch, offset=offset))
+        lengths[leg.piece] += length
+    pieces = tuple(
+        replace(piece, duration=length)
+        for piece, length in zip(guess.pieces, lengths.tolist(), strict=True)
+    )
+    return Sequence(pieces=pieces, touches=tuple(touches))
+
+
+def _first_point(system: _System) -> _Point:
+    """Return the first durations with the multipliers that fit best, a linear problem."""
+    unknowns = np.append(system.start, np.zeros(system.size - system.start.size))
+    point, times = _point(system, unknowns), system.start.size
+    rows, right = point.jacobian[point.primal :, times:], -point.residual[point.primal :]
+    unknowns[times:] = np.linalg.lstsq(rows, right, rcond=None)[0]
+    return _point(system, unknowns)
+
+
+def _newton_step(system: _System, point: _Point, damping: float) -> tuple[_Point, float]:
+    """Return the damped Newton iterate (Levenberg-Marquardt) and the next damping."""
+    settings = system.problem.settings.newton
+    # Where rounding is all that is left, damping cannot help.
+    for _ in range(settings.dampings if point.norm > settings.residual else 1):
+        trial = _tried(system, point, _step(system, point, damping))
+        if trial is not None and trial.norm < point.norm:
+            return trial, damping * 1e-3
+        damping = max(damping, 1e-12) * 30.0
+    return point, damping
+
+
+def _point(system: _System, unknowns: Array) -> _Point:
+    rows = _Rows([], [])
+    final_rate, rate_slope = _add_primal(system, unknowns, rows)
+    primal = sum(value.size for value in rows.values)
+    _add_dual(system, unknowns, rows, final_rate=final_rate, rate_slope=rate_slope)
+    return _Point(
+        unknowns=unknowns,
+        residual=np.concatenate(rows.values),
+        jacobian=np.vstack(rows.slopes),
+        primal=primal,
+    )
+
+
+def _bang_flows(system: _System, durations: Array) -> tuple[Array, Array]:
+    """Return the flows and pushes of all legs as if they were bang arcs."""
+    plant = system.problem.plant
+    forward = transition(plant, durations)
+    pushes = step_response(plant, durations)
+    # Newton's trial durations may be negative: the response then runs backwards.
+    for i in np.nonzero(durations < 0.0)[0]:
+        pushes[i] = -forward[i] @ step_response(plant, -durations[i])
+    return forward, pushes * system.problem.force_limit
+
+
+def _add_primal(system: _System, unknowns: Array, rows: _Rows) -> tuple[Array, Array]:
+    """Add the conditions on the state; return dx/dt at the end and its derivative."""
+    problem, plant = system.problem, system.problem.plant
+    durations = unknowns[: len(system.legs)] * system.scale
+    flows, pushes = _bang_flows(system, durations)
+    state, slope = np.zeros(plant.order), np.zeros((plant.order, unknowns.size))
+    for j, leg in enumerate(system.legs):
+        held = None if leg.limit < 0 else problem.limits[leg.limit]
+        generator = plant.A if held is None else held.boundary_flow.matrix
+        push = plant.B * (leg.side * problem.force_limit if held is None else 0.0)
+        if leg.touch is not None:
+            row = problem.limits[leg.touch.limit].row
+            rate = row @ generator / problem.rate
+            value = [row @ state - leg.touch.side, rate @ state + row @ push / problem.rate]
+            rows.add(np.array(value), np.array([row @ slope, rate @ slope]))
+        elif held is not None:
+            levels = held.missed(state, leg.side)
+            moves = held.output_chain @ slope
+            rows.add(levels, moves)
+            # What is missed here is counted once: carried on, it would grow over the whole arc.
+            state, slope = state - held.impulses @ levels, slope - held.impulses @ moves
+        if held is None:
+            state = flows[j] @ state + pushes[j] * leg.side
+            slope = flows[j] @ slope
+        else:
+            flow = held.boundary_flow.over(float(durations[j]))
+            state, slope = flow @ state, flow @ slope
+        slope[:, j] = (generator @ state + push) * system.scale
+    error, scales = state - problem.target, problem.state_scale[problem.fixed]
+    rows.add(error[problem.fixed] / scales, slope[problem.fixed] / scales[:, np.newaxis])
+    return generator @ state + push, generator @ slope
+
+
+def _add_dual(
+    system: _System, unknowns: Array, rows: _Rows, *, final_rate: Array, rate_slope: Array
+) -> None:
+    """Add the conditions on the adjoint: normalisation, then σ = 0 at the switches."""
+    problem, plant = system.problem, system.problem.plant
+    to_sigma = problem.force_limit * plant.B * system.scale
+    durations = unknowns[: len(system.legs)] * system.scale
+    flows, _ = _bang_flows(system, durations)
+    adjoint, slope = _terminal(system, unknowns), np.zeros((plant.order, unknowns.size))
+    first = len(system.legs)
+    slope[problem.fixed, first + np.arange(problem.fixed.size)] = (
+        1.0 / problem.state_scale[problem.fixed]
+    )
+    value = float(adjoint @ final_rate) * system.scale - 1.0
+    rows.add(np.array(value), (final_rate @ slope + adjoint @ rate_slope) * system.scale)
+    for j in range(len(system.legs) - 1, -1, -1):
+        leg = system.legs[j]
+        held = None if leg.limit < 0 else problem.limits[leg.limit]
+        generator = plant.A if held is None else held.adjoint_flow.matrix.T
+        if held is not None and leg.ends:
+            rows.add(np.array(adjoint @ to_sigma), to_sigma @ slope)
+            # The atom of order 2 lets σ' = 0; here, too, a σ that is missed is not carried on.
+            slope = slope - held.output_chain.T @ (held.impulses.T @ slope)
+            adjoint = adjoint - (adjoint @ held.impulses) @ held.output_chain
+        flow = flows[j] if held is None else held.adjoint_flow.over(float(durations[j])).T
+        adjoint, slope = adjoint @ flow, flow.T @ slope
+        slope[:, j] = adjoint @ generator * system.scale
+        if leg.atom >= 0:
+            row = _jump_row(problem, leg)
+            slope[:, system.width + leg.atom] -= row
+            adjoint = adjoint - unknowns[system.width + leg.atom] * row
+        elif held is None and j > 0 and system.legs[j - 1].limit < 0:
+            rows.add(np.array(adjoint @ to_sigma), to_sigma @ slope)
+
+
+def _jump_row(problem: BoundedProblem, leg: _Leg) -> Array:
+    """Return the jump of Λ for a unit atom at the start of a leg: the row times the side."""
+    limit, side = (leg.touch.limit, leg.touch.side) if leg.touch else (leg.limit, leg.side)
+    return problem.limits[limit].row * side
+
+
+def _terminal(system: _System, unknowns: Array) -> Array:
+    problem, first = system.problem, len(system.legs)
+    terminal = np.zeros(problem.plant.order)
+    multipliers = unknowns[first : first + problem.fixed.size]
+    terminal[problem.fixed] = multipliers / problem.state_scale[problem.fixed]
+    return terminal
+
+
+def _measure(system: _System, unknowns: Array) -> Measure:
+    problem = system.problem
+    durations = (unknowns[: len(system.legs)] * system.scale).tolist()
+    atoms: list[Atom] = []
+    interiors: list[ArcInterior] = []
+    adjoint, after, interior_end = _terminal(system, unknowns), 0.0, 0.0
+    for leg, duration in zip(reversed(system.legs), reversed(durations), strict=True):
+        held = None if leg.limit < 0 else problem.limits[leg.limit]
+        if held is not None and leg.ends:
+            interior_end = after
+            if held.order == 2:
+                out = float(adjoint @ held.force_chain[:, 1]) / held.gain
+                adjoint = adjoint - out * held.row
+                atoms.append(Atom(remaining=after, limit=leg.limit, weight=out))
+        after += duration
+        if held is None:
+            adjoint = adjoint @ transition(problem.plant, np.array(duration))
+        else:
+            adjoint = held.adjoint_flow.over(duration) @ adjoint
+        if leg.atom >= 0:
+            weight = float(unknowns[system.width + leg.atom])
+            limit, side = (leg.touch.limit, leg.touch.side) if leg.touch else (leg.limit, leg.side)
+            adjoint = adjoint - weight * _jump_row(problem, leg)
+            atoms.append(Atom(remaining=after, limit=limit, weight=side * weight))
+        if held is not None and leg.touch is None:
+            interiors.append(
+                ArcInterior(start=after, end=interior_end, limit=leg.limit, side=leg.side)
+            )
+    return Measure(
+        t_f=after,
+        terminal=_terminal(system, unknowns),
+        atoms=tuple(atom for atom in atoms if atom.weight != 0.0),
+        interiors=tuple(reversed(interiors)),
+    )

@@ -1,0 +1,233 @@
+"""Off-boundary subarcs: a bound is left where its multiplier has a density of the wrong sign.
+
+There it pays to leave the bound for a while: away from it, towards it, and (order 2) away again. A
+subarc that would go beyond the bound on the other side holds that one instead, over the zone: there
+its multiplier has the right sign.
+
+How long a subarc is follows from the multipliers alone. Inside it μ = 0, so σ^(r) is the density ν
+that the arc would have, ν ∝ s² - z² about the middle of the wrong zone of half-width z. For
+order 2 the force is turned at a quarter and three quarters of the subarc, and σ = 0 there and at
+its ends: its length is sqrt(19.2) z. For order 1 it is turned in the middle: sqrt(12) z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.bounded.newton.extremal import Extremal
+from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.proof.dual_value import DensityZone, negative_zones
+from mtcommission.optimal.bounded.settings import NewtonSettings
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, flow_bang, piece_states
+
+Array = NDArray[np.float64]
+
+SUBARC_LENGTH = {1: sqrt(12.0), 2: sqrt(19.2)}
+"""Length of a subarc over half the width of the zone of wrong density, by order."""
+SUBARC_PATTERN = {1: (-1, 1), 2: (-1, 1, -1)}
+"""Directions of the force in a subarc: +1 is towards the bound."""
+SWING_PATTERN = {1: (1,), 2: (1, -1)}
+"""Directions of the force from one side of a bound to the other: +1 is towards where it goes."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Place:
+    """Index and start of a piece, middle and half-length of the subarc in it [s]."""
+
+    index: int
+    start: float
+    middle: float
+    half: float
+
+
+def with_subarc(problem: BoundedProblem, extremal: Extremal) -> Sequence | None:
+    """Return the sequence with a subarc where the density of a multiplier is most wrong.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    extremal
+        Solved.
+
+    Returns
+    -------
+    Sequence or None
+        None if no density has the wrong sign, or there is no room for a subarc.
+    """
+    zones = negative_zones(problem, extremal.measure)
+    if not zones:
+        return None
+    worst = min(zones, key=lambda zone: zone.depth)
+    place = _place(problem, extremal.sequence, worst)
+    if place is None:
+        return None
+    piece = extremal.sequence.pieces[place.index]
+    state = _state_at(problem, extremal.sequence, place.middle - place.half)
+    subarc = _subarc(problem, piece, state, 2.0 * place.half)
+    if subarc is None or not _crosses(problem, piece, state, subarc):
+        return None if subarc is None else _inserted(extremal.sequence, place, subarc)
+    return _with_excursion(problem, extremal.sequence, place, worst)
+
+
+def _crosses(problem: BoundedProblem, held: Piece, state: Array, subarc: tuple[Piece, ...]) -> bool:
+    """Return whether a subarc goes beyond the bound on the other side."""
+    row = problem.limits[held.limit].row * held.side
+    for piece in subarc:
+        states = piece_states(
+            problem,
+            piece,
+            state,
+            np.linspace(0.0, piece.duration, problem.settings.newton.subarc_samples),
+        )
+        if float((states @ row).min()) < -1.0:
+            return True
+        state = states[-1]
+    return False
+
+
+def _with_excursion(
+    problem: BoundedProblem, sequence: Sequence, place: _Place, zone: DensityZone
+) -> Sequence | None:
+    """Return the sequence with the bound on the other side held over a zone, or None."""
+    piece, t_f = sequence.pieces[place.index], sequence.t_f
+    other = replace(piece, side=-piece.side)
+    middle, width = t_f - 0.5 * (zone.start + zone.end), zone.start - zone.end
+    way = _swing(problem, other, _state_at(problem, sequence, middle - 0.5 * width))
+    if way is None:
+        return None
+    taken = sum(span.duration for span in way)
+    start = middle - 0.5 * (width + taken)
+    if taken >= width or start < place.start:
+        return None
+    there = _swing(problem, other, _state_at(problem, sequence, start))
+    if there is None:
+        return None
+    hold = replace(other, duration=width - sum(span.duration for span in there))
+    state = _state_at(problem, sequence, start)
+    for part in (*there, hold):
+        state = piece_states(problem, part, state, np.array([0.0, part.duration]))[-1]
+    back = _swing(problem, piece, state)
+    if back is None:
+        return None
+    parts = (*there, hold, *back)
+    half = 0.5 * sum(part.duration for part in parts)
+    if start + 2.0 * half > place.start + piece.duration:
+        return None
+    moved = replace(place, middle=start + half, half=half)
+    return _inserted(sequence, moved, parts)
+
+
+def _swing(problem: BoundedProblem, goal: Piece, state: Array) -> tuple[Piece, ...] | None:
+    """Return the bang arcs from one side of a bound to the other, where it is to be held."""
+    limit = problem.limits[goal.limit]
+    sides = [goal.side * int(np.sign(limit.gain)) * way for way in SWING_PATTERN[limit.order]]
+
+    def miss(spans: Array) -> Array:
+        after = state
+        for side, span in zip(sides, spans.tolist(), strict=True):
+            after = flow_bang(problem, after, side, span)
+        return limit.missed(after, goal.side)
+
+    # Two of the bound by the force alone: once or twice integrated.
+    rate = abs(limit.gain) * problem.force_limit * problem.rate ** (limit.order - 1)
+    first = np.full(limit.order, (2.0 / rate) ** (1.0 / limit.order))
+    spans = _spans(
+        miss,
+        first,
+        problem.settings.newton,
+        longest=problem.settings.newton.longest_swing * float(first.sum()),
+    )
+    return None if spans is None else _bangs(sides, spans)
+
+
+def _bangs(sides: list[int], spans: Array) -> tuple[Piece, ...] | None:
+    """Return bang arcs; None unless all of them have a length."""
+    if not np.all(spans > 0.0):
+        return None
+    return tuple(
+        Piece(limit=-1, side=side, duration=span)
+        for side, span in zip(sides, spans.tolist(), strict=True)
+    )
+
+
+def _place(problem: BoundedProblem, sequence: Sequence, zone: DensityZone) -> _Place | None:
+    settings = problem.settings.newton
+    ends = np.cumsum([piece.duration for piece in sequence.pieces])
+    middle = float(ends[-1]) - zone.lowest
+    index = int(np.searchsorted(ends, middle))
+    piece = sequence.pieces[index]
+    start = float(ends[index]) - piece.duration
+    order = 0 if piece.limit < 0 else problem.limits[piece.limit].order
+    if order not in SUBARC_LENGTH:
+        return None
+    room = settings.subarc_room * min(middle - start, float(ends[index]) - middle)
+    half = min(0.25 * SUBARC_LENGTH[order] * (zone.start - zone.end), room)
+    if half < settings.shortest_subarc * float(ends[-1]):
+        return None
+    return _Place(index=index, start=start, middle=middle, half=half)
+
+
+def _state_at(problem: BoundedProblem, sequence: Sequence, t: float) -> Array:
+    state, left = np.zeros(problem.plant.order), t
+    for piece in sequence.pieces:
+        span = min(piece.duration, left)
+        state = piece_states(problem, piece, state, np.array([0.0, span]))[-1]
+        left -= span
+        if left <= 0.0:
+            break
+    return state
+
+
+def _subarc(
+    problem: BoundedProblem, piece: Piece, state: Array, length: float
+) -> tuple[Piece, ...] | None:
+    """Return the bang arcs of a subarc of given length that ends on the bound, or None."""
+    limit = problem.limits[piece.limit]
+    sides = [piece.side * int(np.sign(limit.gain)) * way for way in SUBARC_PATTERN[limit.order]]
+
+    def miss(first: Array) -> Array:
+        after = state
+        for side, span in zip(sides, [*first.tolist(), length - float(first.sum())], strict=True):
+            after = flow_bang(problem, after, side, span)
+        return limit.missed(after, piece.side)
+
+    shares = np.full(len(sides), 0.5)
+    shares[[0, -1]] = 0.5 / limit.order
+    spans = _spans(miss, shares[:-1] * length, problem.settings.newton, longest=length)
+    return None if spans is None else _bangs(sides, np.append(spans, length - float(spans.sum())))
+
+
+def _spans(
+    miss: Callable[[Array], Array], first: Array, settings: NewtonSettings, *, longest: float
+) -> Array | None:
+    """Return the durations without a miss by Newton's method, or None where one is too long."""
+    step = settings.difference * longest
+    for _ in range(settings.subarc_steps):
+        value = miss(first)
+        columns = [(miss(first + step * unit) - value) / step for unit in np.eye(first.size)]
+        first = first - np.linalg.lstsq(np.column_stack(columns), value, rcond=None)[0]
+        if not np.abs(first).max() < longest:
+            return None
+    return first
+
+
+def _inserted(sequence: Sequence, place: _Place, parts: tuple[Piece, ...]) -> Sequence:
+    """Return the sequence with pieces put into a boundary arc."""
+    piece, added = sequence.pieces[place.index], 1 + len(parts)
+    before = place.middle - place.half - place.start
+    after = piece.duration - before - sum(part.duration for part in parts)
+    pieces = [replace(piece, duration=before), *parts, replace(piece, duration=after)]
+    return Sequence(
+        pieces=(*sequence.pieces[: place.index], *pieces, *sequence.pieces[place.index + 1 :]),
+        touches=tuple(
+            replace(touch, piece=touch.piece + added) if touch.piece > place.index else touch
+            for touch in sequence.touches
+            if touch.piece != place.index
+        ),
+    )

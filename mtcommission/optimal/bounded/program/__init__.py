@@ -1,0 +1,1 @@
+"""Linear programs, and the even grid that begins the search."""

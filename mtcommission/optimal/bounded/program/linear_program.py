@@ -1,0 +1,200 @@
+"""Linear programs by the simplex method of HiGHS, from a known basis where there is one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import highspy
+import numpy as np
+from highspy import HighsBasisStatus, HighsModelStatus
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from mtcommission.optimal.bounded.settings import ProgramSettings
+
+Array = NDArray[np.float64]
+
+WAYS: tuple[dict[str, str | int], ...] = (
+    # Forces and bounds are relative here. Scaled by their largest coefficients, short cells weigh
+    # like long ones: bases become singular and the multipliers lose half their digits.
+    {"solver": "simplex", "simplex_scale_strategy": 0},
+    {"solver": "simplex"},
+    {"solver": "ipm"},
+)
+"""Options of HiGHS for three ways to the same vertex: tried in this order, where one loses its
+basis for rounding. (Its primal simplex method may turn in circles for ever.)"""
+
+FINAL = (HighsModelStatus.kInfeasible, HighsModelStatus.kIterationLimit)
+"""Verdicts after which no other way is tried, unless the program is known to have a solution."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Program:
+    """Minimise cost x under floors <= rows x <= rooms, equal x = right, and bounds on each unknown.
+
+    Parameters
+    ----------
+    cost
+        Shape (n,).
+    rows, rooms, floors
+        Shapes (k, n), (k,) and (k,); no floors: minus infinity.
+    equal, right
+        Shapes (l, n) and (l,).
+    lower, upper
+        Bounds of each unknown, shapes (n,); infinite where there is none.
+    """
+
+    cost: Array
+    rows: Array
+    rooms: Array
+    equal: Array
+    right: Array
+    lower: Array
+    upper: Array
+    floors: Array | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Basis:
+    """Which unknowns and constraints, equations first, are at a bound: where a search starts."""
+
+    unknowns: tuple[HighsBasisStatus, ...]
+    constraints: tuple[HighsBasisStatus, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solution:
+    """The solution of a program and its multipliers.
+
+    Parameters
+    ----------
+    unknowns
+        Shape (n,).
+    rows, equal, bounds
+        Change of the cost with ``rooms`` or ``floors``, with ``right``, and with the bound at
+        which an unknown is, shapes (k,), (l,) and (n,).
+    basis
+        Where a program like it may start.
+    """
+
+    unknowns: Array
+    rows: Array
+    equal: Array
+    bounds: Array
+    basis: Basis
+
+
+def solve_program(
+    program: Program,
+    settings: ProgramSettings,
+    *,
+    steps: int,
+    tolerance: float = 1e-7,
+    start: Basis | None = None,
+    solvable: bool = False,
+) -> Solution | None:
+    """Return the solution of a linear program, or None where the simplex method finds none.
+
+    Parameters
+    ----------
+    program
+        What to solve.
+    settings
+        How the simplex method treats it.
+    steps
+        Of the simplex method, at most.
+    tolerance
+        Of primal and dual feasibility; the default is that of HiGHS. Where it cannot be met the
+        program is tried once more, within ``settings.forgiving``.
+    start
+        Basis of a program with the same unknowns whose rows were the first of this one's.
+    solvable
+        Whether the program is known to have a solution, so that no verdict against it is believed.
+
+    Returns
+    -------
+    Solution or None
+
+    Examples
+    --------
+    >>> one = np.ones((1, 1))
+    >>> program = Program(cost=-one[0], rows=one, rooms=np.array([2.0]), equal=np.empty((0, 1)),
+    ...     right=np.empty(0), lower=np.zeros(1), upper=np.full(1, np.inf))
+    >>> float(solve_program(program, ProgramSettings(), steps=10).unknowns[0])
+    2.0
+    """
+    model = _model(program)
+    for way in WAYS:
+        allowed = max(tolerance, settings.forgiving) if way is WAYS[-1] else tolerance
+        solver = _solver(way, settings, steps=steps, tolerance=allowed)
+        solver.passModel(model)
+        if start is not None:
+            solver.setBasis(_highs_basis(start, rows=model.num_row_))
+        solver.run()
+        status = solver.getModelStatus()
+        if status == HighsModelStatus.kOptimal:
+            return _solution(solver, equations=program.right.size)
+        if not solvable and status in FINAL:
+            return None
+        start = None
+    return None
+
+
+def _model(program: Program) -> highspy.HighsLp:
+    matrix = csr_array(np.vstack([program.equal, program.rows]))
+    model = highspy.HighsLp()
+    model.num_col_, model.num_row_ = program.cost.size, matrix.shape[0]
+    model.col_cost_ = program.cost
+    model.col_lower_, model.col_upper_ = program.lower, program.upper
+    floors = np.full(program.rooms.size, -np.inf) if program.floors is None else program.floors
+    model.row_lower_ = np.concatenate([program.right, floors])
+    model.row_upper_ = np.concatenate([program.right, program.rooms])
+    model.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
+    model.a_matrix_.start_ = matrix.indptr
+    model.a_matrix_.index_ = matrix.indices
+    model.a_matrix_.value_ = matrix.data
+    return model
+
+
+def _solver(
+    way: Mapping[str, str | int], settings: ProgramSettings, *, steps: int, tolerance: float
+) -> highspy.Highs:
+    solver = highspy.Highs()  # type: ignore[no-untyped-call]
+    options: dict[str, bool | int | float | str] = {
+        "output_flag": False,
+        "parallel": "off",
+        # Presolving costs more here than it saves, and calls some feasible programs infeasible.
+        "presolve": "off",
+        "small_matrix_value": settings.smallest_coefficient,
+        "simplex_iteration_limit": steps,
+        "ipm_iteration_limit": settings.interior_steps,
+        "primal_feasibility_tolerance": tolerance,
+        "dual_feasibility_tolerance": tolerance,
+        **way,
+    }
+    for name, value in options.items():
+        solver.setOptionValue(name, value)
+    return solver
+
+
+def _solution(solver: highspy.Highs, *, equations: int) -> Solution:
+    solution, basis = solver.getSolution(), solver.getBasis()
+    prices = np.array(solution.row_dual)
+    return Solution(
+        unknowns=np.array(solution.col_value),
+        rows=prices[equations:],
+        equal=prices[:equations],
+        bounds=np.array(solution.col_dual),
+        basis=Basis(unknowns=tuple(basis.col_status), constraints=tuple(basis.row_status)),
+    )
+
+
+def _highs_basis(start: Basis, *, rows: int) -> highspy.HighsBasis:
+    """Return a basis in which constraints that are new do not act."""
+    new = [HighsBasisStatus.kBasic] * (rows - len(start.constraints))
+    basis = highspy.HighsBasis()
+    basis.col_status = list(start.unknowns)
+    basis.row_status = [*start.constraints, *new]
+    basis.valid = basis.alien = True
+    return basis

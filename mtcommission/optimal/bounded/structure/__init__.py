@@ -1,0 +1,1 @@
+"""Structure arcs and touch points from constraint points."""

@@ -1,0 +1,226 @@
+"""Structure the structure of the optimal control from the multipliers on a mesh.
+
+Points where a bound acts and that follow each other cell by cell are a boundary arc, single
+ones a touch point; between the arcs the force switches at the zeros of σ. Two facts of the
+theory fill in what the mesh may hide: an arc of order 2 is entered and left by braking away
+from the bound, an arc of order 1 is entered by driving towards it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence as Items
+from dataclasses import dataclass
+from itertools import groupby, pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.bounded.places import ArcInterior, ConstraintPoint
+from mtcommission.optimal.bounded.problem import BoundedProblem
+from mtcommission.optimal.bounded.proof.dual_point import Stretch, sigma_sign
+from mtcommission.optimal.bounded.settings import STANDARD, StructureSettings
+from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Structure:
+    """Arcs and touch points seen on a mesh.
+
+    Parameters
+    ----------
+    arcs
+        Boundary arcs in order of time.
+    touches
+        Single points, one for each cluster.
+    """
+
+    arcs: tuple[ArcInterior, ...]
+    touches: tuple[ConstraintPoint, ...]
+
+
+def detect_structure(
+    active: Items[ConstraintPoint], mesh: Array, settings: StructureSettings = STANDARD.structure
+) -> Structure:
+    """Return the arcs and touch points that active points form.
+
+    Parameters
+    ----------
+    active
+        Points with positive weight; interiors as densely spaced points.
+    mesh
+        All remaining times between cells, ascending [s].
+    settings
+        How near points follow each other in an arc.
+
+    Returns
+    -------
+    Structure
+
+    Examples
+    --------
+    >>> mesh = np.linspace(0.0, 1.0, 101)
+    >>> dense = [ConstraintPoint(remaining=0.01 * i, limit=0, side=1, weight=1.0)
+    ...     for i in range(30, 50)]
+    >>> single = ConstraintPoint(remaining=0.8, limit=0, side=1, weight=1.0)
+    >>> structure = detect_structure([*dense, single], mesh)
+    >>> len(structure.arcs), len(structure.touches)
+    (1, 1)
+    """
+    arcs: list[ArcInterior] = []
+    touches: list[ConstraintPoint] = []
+    ordered = sorted(active, key=lambda at: (at.limit, at.side, at.remaining))
+    for (limit, side), group in groupby(ordered, key=lambda at: (at.limit, at.side)):
+        for chain in _chains(list(group), mesh, settings.chain_gap):
+            low, high = chain[0].remaining, chain[-1].remaining
+            wide = high - low >= 0.75 * settings.chain_points * local_cell(mesh, low)
+            if len(chain) >= settings.chain_points and wide:
+                arcs.append(ArcInterior(start=high, end=low, limit=limit, side=side))
+                continue
+            weight = sum(at.weight for at in chain)
+            centre = sum(at.weight * at.remaining for at in chain) / weight
+            touches.append(ConstraintPoint(remaining=centre, limit=limit, side=side, weight=weight))
+    apart: list[ArcInterior] = []
+    for arc in sorted(arcs, key=lambda arc: -arc.start):
+        if not apart or arc.start < apart[-1].end:
+            apart.append(arc)
+            continue
+        # The force holds one bound at a time: beside it the other is touched.
+        touches += [
+            ConstraintPoint(remaining=end, limit=arc.limit, side=arc.side, weight=1.0)
+            for end in (arc.start, arc.end)
+        ]
+    return Structure(arcs=tuple(apart), touches=tuple(touches))
+
+
+def _chains(points: list[ConstraintPoint], mesh: Array, most: float) -> list[list[ConstraintPoint]]:
+    chains = [[points[0]]]
+    for before, after in pairwise(points):
+        # Beside a large cell, a touch point would become the end of an arc that is not there.
+        gap = most * min(local_cell(mesh, at.remaining) for at in (before, after))
+        if after.remaining - before.remaining <= gap:
+            chains[-1].append(after)
+        else:
+            chains.append([after])
+    return chains
+
+
+def local_cell(mesh: Array, remaining: float) -> float:
+    """Return the larger of the two cells beside a remaining time [s]."""
+    i = int(np.clip(np.searchsorted(mesh, remaining), 1, mesh.size - 1))
+    after = mesh[min(i + 1, mesh.size - 1)] - mesh[i]
+    return float(max(after, mesh[i] - mesh[i - 1]))
+
+
+def detect_sequence(
+    problem: BoundedProblem,
+    structure: Structure,
+    parts: tuple[Stretch, ...],
+    zeros: Array,
+    mesh: Array,
+) -> Sequence:
+    """Return the sequence of pieces that a dual point shows.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    structure
+        Arcs and touch points.
+    parts
+        Stretches of the adjoint.
+    zeros
+        Remaining times where σ changes sign [s].
+    mesh
+        All remaining times between cells, ascending [s].
+
+    Returns
+    -------
+    Sequence
+    """
+    pieces: list[Piece] = []
+    position = parts[0].start
+    after = 0
+    for arc in structure.arcs:
+        towards = int(np.sign(problem.limits[arc.limit].gain)) * arc.side
+        before = towards if problem.limits[arc.limit].order % 2 else -towards
+        edges = _edges(zeros, position, arc.start, mesh, first=not pieces)
+        bangs = _bang_pieces(problem, parts, edges, after=after, before=before)
+        if not pieces and before == -towards:
+            bangs = _driven(bangs, towards)
+        pieces += bangs
+        pieces.append(Piece(limit=arc.limit, side=arc.side, duration=arc.start - arc.end))
+        position, after = arc.end, -towards
+    edges = _edges(zeros, position, 0.0, mesh, first=not pieces)
+    pieces += _bang_pieces(problem, parts, edges, after=after, before=0)
+    return Sequence(
+        pieces=tuple(pieces), touches=place_touches(problem, tuple(pieces), structure.touches)
+    )
+
+
+def _driven(bangs: list[Piece], towards: int) -> list[Piece]:
+    """Return the bang arcs before a first arc of order 2; from rest, braking alone leads nowhere.
+
+    On a coarse mesh the switch between driving and braking lies in the cell of the arc's entry.
+    """
+    if any(piece.side == towards for piece in bangs):
+        return bangs
+    half = 0.5 * sum(piece.duration for piece in bangs)
+    return [Piece(limit=-1, side=side, duration=half) for side in (towards, -towards)]
+
+
+def _edges(zeros: Array, start: float, end: float, mesh: Array, *, first: bool) -> Array:
+    """Return start, the zeros of σ between two arcs, end; zeros at the arcs' ends are noise."""
+    high = start if first else start - local_cell(mesh, start)
+    low = end + local_cell(mesh, end) if end > 0.0 else 0.0
+    inner = zeros[(zeros > low) & (zeros < high)]
+    return np.concatenate([[start], inner[::-1], [end]])
+
+
+def _bang_pieces(
+    problem: BoundedProblem, parts: tuple[Stretch, ...], edges: Array, *, after: int, before: int
+) -> list[Piece]:
+    sign = sigma_sign(problem, parts, 0.5 * (edges[0] + edges[1]))
+    pieces = []
+    for start, end in pairwise(edges.tolist()):
+        pieces.append(Piece(limit=-1, side=sign, duration=start - end))
+        sign = -sign
+    short = 0.02 * float(edges[0] - edges[-1])
+    if after and pieces[0].side != after:
+        pieces.insert(0, Piece(limit=-1, side=after, duration=min(short, 1e-3 * parts[0].start)))
+    if before and pieces[-1].side != before:
+        pieces.append(Piece(limit=-1, side=before, duration=min(short, 1e-3 * parts[0].start)))
+    return pieces
+
+
+def place_touches(
+    problem: BoundedProblem, pieces: tuple[Piece, ...], points: tuple[ConstraintPoint, ...]
+) -> tuple[Touch, ...]:
+    """Return the points as touch points of the arcs in which they lie.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem.
+    pieces
+        In order of time.
+    points
+        By remaining time; those on a boundary arc are left out, unless it has order 1.
+
+    Returns
+    -------
+    tuple of Touch
+    """
+    ends = np.cumsum([piece.duration for piece in pieces])
+    touches = []
+    for point in points:
+        t = float(ends[-1]) - point.remaining
+        index = min(int(np.searchsorted(ends, t)), len(pieces) - 1)
+        held = pieces[index].limit
+        # An atom of order 1 would turn the force; inside an arc it may not disturb σ = 0.
+        least = 1 if held < 0 else problem.limits[held].order
+        if problem.limits[point.limit].order > least:
+            offset = t - float(ends[index]) + pieces[index].duration
+            touches.append(Touch(piece=index, offset=offset, limit=point.limit, side=point.side))
+    return tuple(touches)

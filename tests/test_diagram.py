@@ -1,0 +1,174 @@
+"""One loop: what every engine computes with is the block diagram of python-control."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import pi
+from pathlib import Path
+
+import control
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchmarks.population import random_machine
+from mtcommission.loop.analysis.frequency import respond_at
+from mtcommission.loop.model.assembly import lift_on_plants
+from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
+from mtcommission.loop.model.discrete import discretise
+from mtcommission.loop.simulate.disturbance import simulate_disturbance
+from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import (
+    FilterKind,
+    ForceFilter,
+    Machine,
+    StateFeedback,
+    TcpSensor,
+    VelocityStep,
+)
+from mtcommission.profile.read import read_profile
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from tests.independent_loop import quiet_copy
+from tests.machines import paper_machine
+
+Array = NDArray[np.float64]
+
+PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
+
+SEEDS = range(24)
+
+NOTCH = ForceFilter(kind=FilterKind.NOTCH, natural_frequency=2 * pi * 150.0, damping=0.2)
+LOW_PASS = ForceFilter(kind=FilterKind.LOW_PASS, natural_frequency=2 * pi * 900.0, damping=0.7)
+
+
+def member(seed: int) -> Machine:
+    """Cascades and state feedback, filters, second encoders, reference models, given delays."""
+    machine = random_machine(seed)
+    filters = ((), (NOTCH,), (), (NOTCH, LOW_PASS))[seed % 4]
+    return quiet_copy(
+        machine,
+        state_feedback=StateFeedback.AUTO if seed % 2 else StateFeedback.OFF,
+        tcp_sensor=TcpSensor.POSITION if seed % 3 == 1 else TcpSensor.NONE,
+        force_filters=filters,
+        reference_model_time=machine.drive.force_lag if seed % 5 == 0 else 0.0,
+        reference_delay=0.4 * machine.control.position_cycle if seed % 7 == 3 else None,
+        velocity_feedforward=0.8 if seed % 4 == 2 else 1.0,
+        jerk_feedforward=0.5 if seed % 6 == 1 else 0.0,
+    )
+
+
+@cache
+def tuned_member(seed: int) -> TunedLoop:
+    return tune_loop(member(seed))
+
+
+def assert_same(ours: Array, theirs: Array) -> None:
+    """To 1e-12 of each entry; entries that are rounding beside their column count by it."""
+    floor = 1e-6 * np.max(np.abs(theirs), initial=0.0)
+    assert np.max(np.abs(ours - theirs) / np.maximum(np.abs(theirs), floor or 1.0)) < 1e-12
+
+
+def assert_is_the_diagram(tuned: TunedLoop) -> None:
+    believed = tuned.loops[0].plant
+    for loop in tuned.loops:
+        ours = loop.lifted
+        theirs = build_lifted_model(loop.plant, tuned.controller, model=believed)
+        assert (ours.dt, ours.states) == (theirs.dt, tuple(theirs.state_labels))
+        assert len(ours.outputs) == theirs.noutputs
+        n = len(ours.inputs)
+        assert ours.inputs == tuple(theirs.input_labels[:n])
+        assert_same(ours.A, theirs.A)
+        assert_same(ours.B, theirs.B[:, :n])
+        assert_same(ours.C, theirs.C)
+        assert_same(ours.D, theirs.D[:, :n])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_assembly_is_the_diagram_over_the_population(seed: int) -> None:
+    """Every engine takes its matrices from the assembly: they would all be wrong alike."""
+    assert_is_the_diagram(tuned_member(seed))
+
+
+@pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.stem)
+def test_assembly_is_the_diagram_of_every_shipped_machine(path: Path) -> None:
+    assert_is_the_diagram(tune_loop(read_profile(path)))
+
+
+def test_the_population_has_what_a_loop_may_have() -> None:
+    """A population of plain cascades would hold nothing to the diagram."""
+    found = [tuned_member(seed).controller for seed in SEEDS]
+    assert any(item.state_gains.any() for item in found)
+    assert any(not item.state_gains.any() for item in found)
+    assert any(item.reference_age == 0.0 for item in found)
+    assert {len(item.force_filters) for item in found} == {0, 1, 2}
+    assert {len(item.sensors) for item in found} == {1, 2}
+    assert len({item.cycles for item in found}) > 1
+    assert len({bool(item.reference_model_time) for item in found}) == 2
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_open_loop_is_that_of_the_diagram(seed: int) -> None:
+    """Margins are read off it: a forgotten block would be promised as a margin."""
+    tuned = tuned_member(seed)
+    loop, T_v = tuned.loops[0], tuned.controller.velocity_cycle
+    omega = np.geomspace(2 * pi * 0.3, 0.99 * pi / T_v, 60)
+    ours = respond_at(loop.plant, tuned.controller, omega=omega).open_loop
+    theirs = build_open_loop(loop.plant, tuned.controller)(np.exp(1j * omega * T_v))
+    assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
+
+
+@pytest.mark.parametrize("seed", [1, 4, 7])
+def test_batch_on_the_same_plant_is_the_loop(seed: int) -> None:
+    """Thousands of machines would be judged with another controller than the nominal one."""
+    loop = tuned_member(seed).loops[-1]
+    A, B = discretise(loop.plant, loop.controller.velocity_cycle)
+    signals = loop.observation[2:3, : loop.own_size]
+    rows = lift_on_plants(loop, A[None], B[None], signals=signals)[0]
+    n, cycles, per_cycle = loop.own_size, loop.controller.cycles, len(loop.outputs)
+    assert_same(rows[:n], loop.lifted.A[:n, :n])
+    assert_same(rows[n : n + cycles], loop.lifted.C[2::per_cycle, :n])
+    assert_same(rows[n + cycles :], loop.lifted.C[::per_cycle, :n])
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_responses_are_those_of_the_diagram(seed: int) -> None:
+    """A setpoint and a step of disturbance, simulated by python-control."""
+    machine, tuned = member(seed), tuned_member(seed)
+    loop, T_p = tuned.loops[0], tuned.controller.position_cycle
+    model = build_lifted_model(loop.plant, tuned.controller, model=loop.plant)
+    tool = [i for i, name in enumerate(model.output_labels) if name.startswith("tcp[")]
+    t = np.arange(200) * T_p
+
+    setpoint = plan_setpoint(
+        VelocityStep(velocity_step=0.1), MotionLimits(acceleration=1.5, jerk=100.0)
+    )
+    strong = replace(machine.drive, max_force=1e12)
+    response = simulate(loop, setpoint, drive=strong, band=5e-6)
+    setpoints = np.vstack([sample_setpoint(setpoint, t).T, np.zeros(len(t))])
+    theirs = control.forced_response(model, t, setpoints, squeeze=False).outputs[tool].T.ravel()
+    n = min(len(theirs), len(response.t))
+    late = sample_setpoint(setpoint, response.t[:n] - tuned.controller.reference_delay)[:, 0]
+    size = np.max(np.abs(response.deviation))
+    assert np.max(np.abs(theirs[:n] - late - response.deviation[:n])) < 1e-9 * max(size, late[-1])
+
+    step = simulate_disturbance(loop, duration=t[-1])
+    push = np.vstack([np.zeros((4, len(t))), np.ones(len(t))])
+    theirs = control.forced_response(model, t, push, squeeze=False).outputs[tool].T.ravel()
+    theirs = theirs[: len(step.t)]
+    assert np.allclose(step.deflection, theirs, rtol=0.0, atol=1e-9 * step.peak)
+
+
+def test_model_of_a_tuned_loop_goes_on_in_python_control() -> None:
+    """``found.loop.model`` is promised for bode plots; the tool must follow the setpoint."""
+    tuned = tune_loop(paper_machine())
+    model = tuned.model
+    assert isinstance(model, control.StateSpace)
+    assert tuple(model.input_labels) == ("x_ref", "v_ref", "a_ref", "j_ref", "disturbance")
+    assert tuple(model.output_labels) == ("tcp", "encoder", "force")
+    assert model["tcp", "x_ref"].dcgain() == pytest.approx(1.0)
+    poles = np.exp(tuned.nominal.poles * model.dt)
+    assert all(np.min(np.abs(model.poles() - pole)) < 1e-6 for pole in poles)
