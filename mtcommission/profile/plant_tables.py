@@ -92,7 +92,8 @@ def _element(key: str, data_type: type[Any]) -> type[DataTable]:
     return table
 
 
-def _plant_table(kind: str, data_type: type[Any]) -> type[PlantTable]:
+def plant_table(kind: str, data_type: type[Any]) -> type[PlantTable]:
+    """Return the table of a kind of plant."""
     tag: Any = Literal[kind]
     table: type[PlantTable] = create_model(
         f"{kind.title()}Table",
@@ -106,7 +107,7 @@ def _plant_table(kind: str, data_type: type[Any]) -> type[PlantTable]:
 
 
 PLANT_TABLES: Mapping[str, type[PlantTable]] = {
-    kind: _plant_table(kind, data_type) for kind, data_type in KINDS.items()
+    kind: plant_table(kind, data_type) for kind, data_type in KINDS.items()
 }
 """Table of each kind of plant."""
 
