@@ -15,9 +15,10 @@ from typing import Any
 from mtcommission.limits.commissioning_rule.by_hand import Kp, f, formulas_for, m, t_j
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.machine.machine import VelocityStep
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.messages import formula
 from mtcommission.messages.formula import call
-from mtcommission.messages.message import Message, to_json
+from mtcommission.messages.message import Message, Value, to_json
 from mtcommission.record.files import find_checksum
 from mtcommission.record.schema import SCHEMA, Record
 from mtcommission.record.shape import to_entry, to_plain
@@ -47,6 +48,11 @@ UNITS = {
     "tcp_vibration": "m",
 }
 REFERENCES = ["x_ref_delayed", "v_ref", "a_ref", "j_ref", "deviation"]
+
+
+def said(kind: str, **values: Value) -> Any:
+    """What the program says, as a record holds it."""
+    return to_json(Message(kind, **values))
 
 
 def on_json(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -94,8 +100,8 @@ def _unsealed_record() -> Json:
             _datum("requirements.peaks.v_phi", 0.0053, "SI"),
         ],
         "settings": {"tuning.gain_margin_db": 6.1, "tuning.mode_weights": "0.2, 0.1"},
-        "assumptions": ["The force loop is a first-order lag."],
-        "warnings": ["The encoder does not see mode rotation."],
+        "assumptions": [said("assumption-linear")],
+        "warnings": [said("loop-unseen-modes", modes="rotation")],
         "plant": {
             "states": STATES,
             "units": UNITS,
@@ -129,7 +135,9 @@ def _unsealed_record() -> Json:
                     "limit": 5.1e-6,
                     "unit": "m",
                     "met": True,
-                    "where": "move 1, nominal",
+                    "where": said(
+                        "place", parts=(Message("place-move", number=1), Message("place-nominal"))
+                    ),
                 }
             ],
             "obstacle": "",
@@ -186,7 +194,7 @@ def unsettled_record() -> Json:
                 "limit": 0.2,
                 "unit": "s",
                 "met": False,
-                "where": "move 1",
+                "where": said("place", parts=(Message("place-move", number=1),)),
             }
         ],
         "obstacle": "settling time",
@@ -352,7 +360,7 @@ def _optima(move: dict[str, float]) -> Any:
         "time": _optimum(move, 0.0435),
         "constrained": None,
         "damping": damping,
-        "remarks": ["t_f of the damping-optimal control is the profile's."],
+        "remarks": [said("damping-optimum-exceeds-velocity", times=1.25)],
     }
 
 
@@ -379,7 +387,7 @@ def _limits() -> Any:
             "acceleration": best["acceleration"],
             "jerk": best["jerk"],
             "jerk_time": 0.0585,
-            "bound_by": "residual deviation",
+            "bound_by": said("bound-by-requirements", requirements=RESIDUAL_DEVIATION.message),
             "settling_time": best["settling_time"],
             "residual_deviation": best["residual_deviation"],
             "peak_deviation": best["peak_deviation"],
@@ -446,7 +454,7 @@ def _mode(name: str, band: float) -> Any:
         "acceleration": 1.9,
         "jerk": 41.0,
         "jerk_time": 1.9 / 41.0,
-        "bound_by": "residual deviation",
+        "bound_by": said("bound-by-requirements", requirements=RESIDUAL_DEVIATION.message),
         "settling_time": 0.11,
         "residual_deviation": 0.9 * band,
         "peak_deviation": 1.8 * band,
@@ -558,7 +566,7 @@ def _loop() -> Any:
                 "closed_velocity_db": [-k / 4 for k in range(81)],
             },
         },
-        "remarks": ["Tn by Yaskawa's lower bound."],
+        "remarks": [said("loop-tn-yaskawa")],
         "warnings": [],
     }
 
@@ -675,13 +683,13 @@ def _robustness() -> Any:
                 "meets_requirements": is_met,
             }
             for change, settling, residual_change, is_met in (
-                ("jerk +10 %", 0.159, 0.253, False),
-                ("jerk -10 %", 0.0499, -0.073, True),
-                ("acceleration +10 %", 0.179, 0.176, False),
-                ("acceleration -10 %", 0.194, 0.102, False),
-                ("frequencies +1 %", 0.0, -0.029, True),
-                ("frequencies -1 %", 0.16, 0.035, False),
-                ("damping -10 %", 0.0, -0.001, True),
+                (said("change-jerk", change=0.1), 0.159, 0.253, False),
+                (said("change-jerk", change=-0.1), 0.0499, -0.073, True),
+                (said("change-acceleration", change=0.1), 0.179, 0.176, False),
+                (said("change-acceleration", change=-0.1), 0.194, 0.102, False),
+                (said("change-frequencies", change=0.01), 0.0, -0.029, True),
+                (said("change-frequencies", change=-0.01), 0.16, 0.035, False),
+                (said("change-damping", change=-0.1), 0.0, -0.001, True),
             )
         ],
         "warnings": [],
@@ -701,9 +709,14 @@ def _unsettled_robustness() -> Any:
     return {**found, "monte_carlo": None}
 
 
+def _settles(nominal: float, worst: float) -> Message:
+    times = (Message("time-value", time=time) for time in (nominal, worst))
+    return Message("settles-on-both", **dict(zip(("nominal", "worst"), times, strict=True)))
+
+
 def _comparison() -> Any:
     control = {
-        "name": "trapezoidal acceleration, in the loop",
+        "name": said("trapezoidal-in-the-loop"),
         "transfer_time": 0.1051,
         "overshoot": 0.0213,
         "peaks": {name: 0.00345 * (k + 1) for k, name in enumerate([*STATES, *OUTPUTS])},
@@ -712,7 +725,7 @@ def _comparison() -> Any:
         "work": 3.912,
     }
     fed = {
-        "control": "time-optimal",
+        "control": said("control-time-optimal"),
         "payload": 0.0,
         "frequency_factor": 0.951,
         "damping_factor": 1.0,
@@ -728,18 +741,26 @@ def _comparison() -> Any:
         "residual_difference": -0.012,
     }
     claims = [
-        "The rectangular acceleration setpoint overshoots by 12.6 % and takes 169.2 ms, 3.89 times "
-        "the least time of 43.52 ms.",
-        "The trapezoidal one with the recommended limits does not overshoot (less than 0.05 %) and "
-        "takes 104.2 ms, 2.39 times the least time of 43.52 ms.",
+        said(
+            "claim-rectangular",
+            overshoot=Message("claim-overshoot", overshoot=0.126),
+            transfer=Message("claim-transfer", time=0.1692, times=3.89, least=0.04352),
+        ),
+        said(
+            "claim-trapezoidal",
+            overshoot=Message("claim-no-overshoot"),
+            transfer=Message("claim-transfer", time=0.1042, times=2.39, least=0.04352),
+        ),
     ]
     why_not = [
-        "Fed forward, the time-optimal control settles after 43.65 ms on the machine as stated and "
-        "after 98 ms on the worst one, where it leaves 37.8 um.",
-        "The setpoint with the recommended limits settles after 104.2 ms on the machine as stated "
-        "and after 110.3 ms on the worst one, where it leaves 6.1 um.",
-        "The band is 5 um, the machines differ by up to 5 % in frequency, and controls take "
-        "acceleration and jerk, not a force every velocity cycle.",
+        said(
+            "fed-forward-outcome",
+            name=Message("control-time-optimal"),
+            outcome=_settles(0.04365, 0.098),
+            left=37.8e-6,
+        ),
+        said("recommended-outcome", outcome=_settles(0.1042, 0.1103), left=6.1e-6),
+        said("why-controls-take-limits", band=5e-6, spread=0.05),
     ]
     return {
         "controls": [control],
@@ -791,7 +812,10 @@ def retuned(record: Json) -> Json:
     later["data"].append(
         {"key": "plant.tcp_height", "value": 0.2, "unit": "m", "source": "measured"}
     )
-    later["limits"]["recommended"] |= {"acceleration": 2.41 * 1.2, "bound_by": "force limit"}
+    later["limits"]["recommended"] |= {
+        "acceleration": 2.41 * 1.2,
+        "bound_by": said("bound-by-requirements", requirements=SET_FORCE.message),
+    }
     later["limits"]["recommended"]["settling_time"] = None
     later["loop"]["Kv"] *= 0.9
     later["checksum"] = find_checksum(later)

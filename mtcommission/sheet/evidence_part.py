@@ -74,7 +74,7 @@ def _certificate_rows(optimum: OptimumEntry, words: Catalogue) -> list[tuple[str
     text, f = words.text, words.format
     rows = [
         (text("final-time"), f.quantity(optimum.t_f, "s")),
-        (text("method"), words.say(optimum.method)),
+        (text("method"), words.known(f"method-{optimum.method}", optimum.method)),
         (text("switches"), ", ".join(f.quantity(t, "s") for t in _changes(optimum.arcs))),
         (text("largest-error"), f.number(_largest_error(optimum), digits=2)),
     ]

@@ -36,7 +36,8 @@ OPEN, CLOSED = 4, 1
 def loop(record: Record, words: Catalogue) -> Section:
     """Return gains, margins, frequency response and poles."""
     text, part = words.text, record.loop
-    sentences = [text("sensors", names=", ".join(map(words.say, part.sensors)))]
+    sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
+    sentences = [text("sensors", names=", ".join(sensors))]
     if part.observer.states:
         sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
     if not part.state_feedback:
@@ -84,7 +85,9 @@ def gain_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
     ]
     for name, value in asdict(part.feedforward).items():
         unit = mass if "mass" in name else ""
-        rows.append((text("feedforward", name=words.say(name)), f.quantity(value, unit)))
+        rows.append(
+            (text("feedforward", name=text(f"feedforward-{name}")), f.quantity(value, unit))
+        )
     for state, gain in part.state_feedback.items():
         unit = f"{units['F']}/({units[state]})" if state in units else ""
         rows.append((text("state-feedback", name=symbol(state)), f.quantity(gain, unit)))

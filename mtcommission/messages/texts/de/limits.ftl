@@ -59,7 +59,10 @@ rule-force = { $axis ->
     [rotary] Drehmoment
    *[linear] Kraft
 }
-rule-reach = Weg oder Geschwindigkeit
+rule-reach = { $axis ->
+    [rotary] Winkel oder Geschwindigkeit
+   *[linear] Weg oder Geschwindigkeit
+}
 rule-band = Band
 rule-bound-by = begrenzt durch: { $what }
 rule-for-velocity-step = beim Geschwindigkeitssprung

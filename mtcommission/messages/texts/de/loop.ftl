@@ -6,7 +6,10 @@ loop-kp-lowered = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { PLAIN($fr
 loop-kp-raised = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (die Zustandsrückführung lässt mehr zu).
 loop-tn-yaskawa = Tn = 4 m / Kp (Untergrenze nach Yaskawa für den Geschwindigkeitsregelkreis).
 loop-kv-damping-one = Kv = Kp / (4 m): Dämpfungsgrad 1 des Geschwindigkeitsregelkreises.
-loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindigkeitsreglertakt + der Teil der Kraftverzögerung, den die Ruckvorsteuerung übrig lässt + die Filter, damit Vorsteuerung und Regelung zusammentreffen.
+loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindigkeitsreglertakt + der Teil der { $axis ->
+    [rotary] Momentenverzögerung
+   *[linear] Kraftverzögerung
+}, den die Ruckvorsteuerung übrig lässt + die Filter, damit Vorsteuerung und Regelung zusammentreffen.
 
 loop-unseen-modes = Die Geber sehen die Eigenform { $modes } nicht: keine Rückführung kann sie dämpfen.
 loop-no-state-feedback = Keine Zustandsrückführung.

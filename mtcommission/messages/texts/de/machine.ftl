@@ -5,7 +5,10 @@ mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz mit einem Dämpfungsgr
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us ist kürzer, als Antriebe es können, 31.25 us bis 1 ms; limits, simulate und run verfolgen jeden Takt und können Minuten brauchen
 mode-damping-low = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt unter dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
 mode-damping-high = Dämpfungsgrad { ROUND($damping_ratio, digits: 3) } liegt über dem von Maschinengestellen, { ROUND($low) } bis { ROUND($high) }
-mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und Masse prüfen
+mode-slow = { ROUND($frequency, digits: 3) } Hz ist langsamer als jedes Maschinengestell; Steifigkeit und { $axis ->
+    [rotary] Trägheitsmoment
+   *[linear] Masse
+} prüfen
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz; keine Rückführung kann sie dämpfen
 mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz liegt über einem Drittel der Abtastrate des Lagereglers, { ROUND($rate) } Hz; Sollwerte in diesem Takt können sie nicht formen
 mode-of-few-position-cycles = eine Periode hat nur { ROUND($cycles, digits: 2) } Lagereglertakte von { ROUND($cycle, digits: 3, unit: "ms") } ms; so grob ist die Ruckzeit einstellbar

@@ -19,7 +19,10 @@ bounded-optimum-not-found = zeitoptimale Steuerung unter { $bounds } und { PLAIN
 grid-search-stopped = die Suche nach t_f auf dem Gitter endete bei { PLAIN($t_f, digits: 6) } s
 grid-program-unfinished = das lineare Programm mit { PLAIN($cells, digits: 9) } Zellen für { PLAIN($t_f, digits: 6) } s kam nicht zum Ende
 cruise-needs-velocity = eine Fahrt mit konstanter Geschwindigkeit braucht eine max_velocity
-too-short-to-cruise = der Weg von { PLAIN($distance, digits: 6) } { $unit } ist zu kurz für eine Fahrt mit { PLAIN($velocity, digits: 6) } { $unit }/s
+too-short-to-cruise = der { $axis ->
+    [rotary] Winkel
+   *[linear] Weg
+} von { PLAIN($distance, digits: 6) } { $unit } ist zu kurz für eine Fahrt mit { PLAIN($velocity, digits: 6) } { $unit }/s
 
 damping-needs-force = t_f = { PLAIN($t_f, digits: 6) } s braucht mehr als { PLAIN($needed, digits: 9) } { $unit }, vorhanden sind { PLAIN($force, digits: 6) } { $unit }
 damping-not-solved = dämpfungsoptimale Steuerung für t_f = { PLAIN($t_f, digits: 6) } s und { PLAIN($force, digits: 6) } { $unit }: nur bis zu einer Grenze von { PLAIN($solved, digits: 6) } { $unit } gelöst

@@ -127,7 +127,10 @@ rule-symbol-F = { $axis ->
    *[linear] Für die Bewegung verfügbare Kraft
 }
 rule-symbol-v = Geschwindigkeitsänderung oder größte Geschwindigkeit jeder Bewegung
-rule-symbol-L = Weg jeder Positionierbewegung
+rule-symbol-L = { $axis ->
+    [rotary] Winkel
+   *[linear] Weg
+} jeder Positionierbewegung
 rule-symbol-m = { $axis ->
     [rotary] Bewegtes Trägheitsmoment; in der Momentenbedingung mit der größten Zuladung
    *[linear] Bewegte Masse; in der Kraftbedingung mit der größten Zuladung
@@ -296,9 +299,18 @@ sensitivity-peak = Maximum der Empfindlichkeit
 bandwidth = Bandbreite des Geschwindigkeitsregelkreises (−3 dB)
 reference-delay = Sollwertverzögerung τ
 feedforward = Vorsteuerung: { $name }
+feedforward-velocity = Geschwindigkeit
+feedforward-acceleration = Beschleunigung
+feedforward-jerk = Ruck
+feedforward-mass = { $axis ->
+    [rotary] Trägheitsmoment
+   *[linear] Masse
+}
 state-feedback = Zustandsrückführung von { $name }
 no-state-feedback = Keine Zustandsrückführung.
 sensors = Geber: { $names }.
+sensor-encoder = Lagegeber
+sensor-tcp = Sensor am TCP
 observed = Beobachtete Zustände: { $names }.
 position-cycle = Lagereglertakt
 velocity-cycle = Geschwindigkeitsreglertakt
@@ -383,6 +395,9 @@ evidence-heading = Nachweise und Annahmen
 certificate-caption = { $move }: { $what }
 final-time = Endzeit t_f
 method = Verfahren
+method-exact = exakt
+method-transcription = Transkription
+method-composed = zusammengesetzt
 cost = Kosten
 switches = Schaltzeitpunkte
 largest-error = Größter Endfehler, bezogen auf den Höchstwert seines Zustands

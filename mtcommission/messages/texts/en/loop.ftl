@@ -11,7 +11,10 @@ loop-kp-lowered = Kp by the symmetrical optimum, m / (2 T_σ) × { PLAIN($fracti
 loop-kp-raised = Kp by the symmetrical optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (the state feedback allows more).
 loop-tn-yaskawa = Tn = 4 m / Kp (Yaskawa's lower bound for the speed loop).
 loop-kv-damping-one = Kv = Kp / (4 m): speed loop damping 1.
-loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle + the force lag that the jerk feed-forward leaves + the filters, so that feed-forward and feedback meet.
+loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle + the { $axis ->
+    [rotary] torque lag
+   *[linear] force lag
+} that the jerk feed-forward leaves + the filters, so that feed-forward and feedback meet.
 
 # State feedback; $mode, $modes: names of modes as the profile spells them
 loop-unseen-modes = The sensors do not see mode { $modes }: no feedback can damp it.
@@ -34,7 +37,10 @@ loop-mixed-mode = Mode { $mode } and the servo mix in the closed loop: the dampi
 loop-margins = { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) } degrees, sensitivity peak { PLAIN($peak, digits: 3) } (worst corner)
 loop-given-gains-poor = The given gains are used as given, but their margins are poor: { $margins }; wanted are { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) } degrees, sensitivity peak at most { PLAIN($peak, digits: 3) }. { $cure }.
 loop-given-gains-slow = With the given gains the closed velocity loop reaches { PLAIN($reached, digits: 3) } Hz in its worst corner, less than minimum_bandwidth = { PLAIN($wanted, digits: 3) } Hz.
-loop-filters-soften = The set-force filters make the loop soft: its bandwidth is { PLAIN($filtered, digits: 3) } Hz with them, { PLAIN($unfiltered, digits: 3) } Hz without.
+loop-filters-soften = The { $axis ->
+    [rotary] set-torque
+   *[linear] set-force
+} filters make the loop soft: its bandwidth is { PLAIN($filtered, digits: 3) } Hz with them, { PLAIN($unfiltered, digits: 3) } Hz without.
 loop-takes-damping = The loop takes damping from mode { $mode }: its damping ratio is { NUMBER($closed, digits: 3) } in the closed loop, { NUMBER($own, digits: 3) } without control.
 
 # What to change; $gains: the messages that follow

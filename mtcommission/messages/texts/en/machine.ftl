@@ -8,7 +8,10 @@ mode-rings-for-ever = { ROUND($frequency, digits: 3) } Hz at a damping ratio of 
 cycle-shorter-than-drives-have = { ROUND($cycle, digits: 3, unit: "us") } us is shorter than drives have, 31.25 us to 1 ms; limits, simulate and run follow every cycle and may take minutes
 mode-damping-low = damping ratio { ROUND($damping_ratio, digits: 3) } is below what machine structures show, { ROUND($low) } to { ROUND($high) }
 mode-damping-high = damping ratio { ROUND($damping_ratio, digits: 3) } is above what machine structures show, { ROUND($low) } to { ROUND($high) }
-mode-slow = { ROUND($frequency, digits: 3) } Hz is slower than any machine structure; check stiffness and mass
+mode-slow = { ROUND($frequency, digits: 3) } Hz is slower than any machine structure; check stiffness and { $axis ->
+    [rotary] moment of inertia
+   *[linear] mass
+}
 # $rate [Hz]
 mode-above-velocity-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz; no feedback can damp it
 mode-above-position-sampling = { ROUND($frequency, digits: 3) } Hz is above a third of the position loop's sampling rate, { ROUND($rate) } Hz; setpoints at that cycle cannot shape it

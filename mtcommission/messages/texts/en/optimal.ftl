@@ -19,7 +19,10 @@ bounded-optimum-not-found = time-optimal control under { $bounds } and { PLAIN($
 grid-search-stopped = search for t_f on the grid stopped at { PLAIN($t_f, digits: 6) } s
 grid-program-unfinished = the linear program of { PLAIN($cells, digits: 9) } cells for { PLAIN($t_f, digits: 6) } s did not end
 cruise-needs-velocity = a cruise needs a max_velocity
-too-short-to-cruise = the distance of { PLAIN($distance, digits: 6) } { $unit } is too short to cruise at { PLAIN($velocity, digits: 6) } { $unit }/s
+too-short-to-cruise = the { $axis ->
+    [rotary] angle
+   *[linear] distance
+} of { PLAIN($distance, digits: 6) } { $unit } is too short to cruise at { PLAIN($velocity, digits: 6) } { $unit }/s
 
 damping-needs-force = t_f = { PLAIN($t_f, digits: 6) } s takes more than { PLAIN($needed, digits: 9) } { $unit }, there are { PLAIN($force, digits: 6) } { $unit }
 damping-not-solved = damping-optimal control for t_f = { PLAIN($t_f, digits: 6) } s and { PLAIN($force, digits: 6) } { $unit }: solved down to a limit of { PLAIN($solved, digits: 6) } { $unit } only
@@ -29,7 +32,10 @@ ipopt-ended-at = t_f = { PLAIN($t_f, digits: 6) } s: { $ended }
 ipopt-went-far = IPOPT went to t_f = { PLAIN($t_f) } s
 target-not-reached = { PLAIN($reach, digits: 9) } of the target is reached at t_f = { PLAIN($t_f, digits: 9) } s
 
-force-left = force left for motion { PLAIN($force, digits: 6) } { $unit }
+force-left = { $axis ->
+    [rotary] torque
+   *[linear] force
+} left for motion { PLAIN($force, digits: 6) } { $unit }
 modes-answer-alike = { PLAIN($force, digits: 6) } { $unit } end the move after some { PLAIN($t_f, digits: 3) } s, { PLAIN($angle, digits: 2) } rad of the slowest mode; rounding then leaves { PLAIN($doubt, digits: 1) } of t_f in doubt
 no-control-reaches-rest = no control for span { PLAIN($span, digits: 6) } next to { PLAIN($t_f, digits: 9) } s reaches rest
 multipliers-prove-beyond = the multipliers prove a time beyond { PLAIN($t_f, digits: 3) } s

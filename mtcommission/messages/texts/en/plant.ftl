@@ -4,7 +4,7 @@
 tcp-height-assumed = tcp_height is taken as the height of the tool centre point { $side ->
     [above] above
    *[below] below
-} the rotary joint, so the tool stands at x_s - x_b + h phi as seen from the base; the paper names h but gives no equation and no sign.
+} the rotary joint, so the tool stands at x_s - x_b + h φ as seen from the base; the paper names h but gives no equation and no sign.
 
 # What does not fit together in the data of a plant.
 

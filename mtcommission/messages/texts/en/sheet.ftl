@@ -296,9 +296,18 @@ sensitivity-peak = Sensitivity peak
 bandwidth = Bandwidth of the velocity loop (−3 dB)
 reference-delay = Reference delay τ
 feedforward = Feed-forward: { $name }
+feedforward-velocity = velocity
+feedforward-acceleration = acceleration
+feedforward-jerk = jerk
+feedforward-mass = { $axis ->
+    [rotary] moment of inertia
+   *[linear] mass
+}
 state-feedback = State feedback from { $name }
 no-state-feedback = No state feedback.
 sensors = Sensors: { $names }.
+sensor-encoder = encoder
+sensor-tcp = tcp
 observed = Observed states: { $names }.
 position-cycle = Position cycle
 velocity-cycle = Velocity cycle
@@ -383,6 +392,9 @@ evidence-heading = Certificates and assumptions
 certificate-caption = { $move }: { $what }
 final-time = Final time t_f
 method = Method
+method-exact = exact
+method-transcription = transcription
+method-composed = composed
 cost = Cost
 switches = Switching times
 largest-error = Largest terminal error, relative to the peak of its state
