@@ -41,6 +41,7 @@ def wizard(
         answers_file=answers,
         take_defaults=yes,
         offers_run=not run_after,
+        language=language,
     )
     if session.ending is Ending.WRITTEN and (run_after or session.wants_run):
         run(profile=output, language=language)
