@@ -22,13 +22,14 @@ from mtcommission.record.schema import (
     RuleResult,
     SimulationPart,
 )
-from mtcommission.sheet.limits_part import name_obstacle
 
 
 def describe_limits(
     machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[Message | str]
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
+    from mtcommission.sheet.limits_part import name_obstacle  # with it comes the whole sheet
+
     spoken, length = words_for(machine), machine.axis_units.length.si
     printed, said, best = spoken.format, spoken.say, part.recommended
     unsettled = spoken.text("terminal-not-settled")
@@ -39,7 +40,7 @@ def describe_limits(
         name = f"{mode.name} ({printed.quantity(mode.band, length)})"
         entries.append((name, mode, mode.meets_requirements))
     for other in (*part.alternatives, *part.rules):
-        entries.append((other.name, other, other.meets_requirements))
+        entries.append((said(other.name), other, other.meets_requirements))
     for name, entry, keeps in entries:
         table.add_row(
             escape(name),
