@@ -21,12 +21,13 @@ from hypothesis import strategies as st
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings
+from mtcommission.messages.message import Message
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, profile_text_hash, read_profile
 from mtcommission.record.build import build_record
-from mtcommission.record.data import list_data
+from mtcommission.record.data import ACCEPTED_DEFAULT, list_data
 from mtcommission.record.schema import Profile
 from mtcommission.record.shape import to_plain
 from mtcommission.study.loop_choice import Settings
@@ -297,10 +298,10 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     sources = {item.key: item.source for item in list_data(machine, build_plant(machine), text)}
     accepted = ("drive.static_load", "requirements.frequency_spread", "requirements.damping_spread")
     for key in accepted:
-        assert sources[key] == "default accepted, not measured"
+        assert sources[key] == ACCEPTED_DEFAULT
         assert key in " ".join(said.partition("Default accepted, not measured:")[2].split())
     assert sources["drive.force_lag"] == sources["plant.base_mass"] == machine.source
-    assert sources["requirements.tcp_deviation"] == "stated in the profile"
+    assert sources["requirements.tcp_deviation"] == Message("source-stated")
     # Whoever types the default has stated it; whoever only goes past it has not.
     answers = "\n" * 7 + "0 N\n" + "\n" * 80
     talk(path, answers)

@@ -39,6 +39,7 @@ from mtcommission.record.schema import (
     MoveSizesEntry,
     RuleResult,
     SimulationPart,
+    Words,
 )
 from mtcommission.sheet.limits_part import name_obstacle
 
@@ -62,7 +63,7 @@ def show(content: RenderableType) -> None:
     console.print(content)
 
 
-def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[str]) -> Group:
+def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Words]) -> Group:
     """Return modes, rigid-body limits and warnings of a profile.
 
     Parameters
@@ -260,7 +261,7 @@ def _touch_lines(solution: TimeOptimum) -> list[Message]:
 
 
 def describe_limits(
-    machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[str]
+    machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[Words]
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
     spoken, length = _words(machine), machine.axis_units.length.si
@@ -273,7 +274,7 @@ def describe_limits(
         name = f"{mode.name} ({printed.quantity(mode.band, length)})"
         entries.append((name, mode, mode.meets_requirements))
     for other in (*part.alternatives, *part.rules):
-        entries.append((other.name, other, other.meets_requirements))
+        entries.append((said(other.name), other, other.meets_requirements))
     for name, entry, keeps in entries:
         table.add_row(
             escape(name),
@@ -292,7 +293,7 @@ def describe_limits(
         Text(
             spoken.text(
                 "terminal-by-hand",
-                chosen=rule.chosen,
+                chosen=said(rule.chosen),
                 acceleration=rule.acceleration,
                 jerk=rule.jerk,
             )
@@ -380,7 +381,7 @@ def _verdict(spoken: Catalogue, assessment: AssessmentPart) -> list[RenderableTy
     return lines
 
 
-def _warnings(spoken: Catalogue, warnings: Sequence[Message | str]) -> list[Text]:
+def _warnings(spoken: Catalogue, warnings: Sequence[Words]) -> list[Text]:
     lines = [spoken.text("terminal-warning", warning=spoken.say(line)) for line in warnings]
     return [Text(line, style="yellow") for line in lines]
 

@@ -17,6 +17,7 @@ from mtcommission.export.plc import PLC_CONTROLS
 from mtcommission.export.rounding import type_limits
 from mtcommission.export.subject import Subject, build_subject, with_gains
 from mtcommission.export.wording import show_value
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.data import ACCEPTED_DEFAULT
 from mtcommission.record.schema import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -158,17 +159,17 @@ def _header(subject: Subject, control: Control, values: Values) -> tuple[str, ..
             f"These limits go with a moving-average setpoint filter of {1e3 * average:.4g} ms in "
             "the control (the profile's setpoint_filter); without it they are not valid."
         )
-    sentences += _doubts(record)
+    sentences += _doubts(record, Catalogue(rotary=subject.is_rotary))
     sentences.append(f"{DOUBT} means: name or unit not verified, {UNVERIFIED}.")
     return tuple(_one_line(sentence) for sentence in sentences)
 
 
-def _doubts(record: Record) -> list[str]:
+def _doubts(record: Record, words: Catalogue) -> list[str]:
     """What the run warned of, and the data that nobody measured."""
-    found = [f"WARNING: {warning}" for warning in record.warnings]
+    found = [f"WARNING: {words.say(warning)}" for warning in record.warnings]
     unmeasured = [item.key for item in record.data if item.source == ACCEPTED_DEFAULT]
     if unmeasured:
-        found.append(f"{ACCEPTED_DEFAULT.capitalize()}: {', '.join(unmeasured)}.")
+        found.append(f"Default accepted, not measured: {', '.join(unmeasured)}.")
     return found
 
 

@@ -64,7 +64,7 @@ def build_record(
         ),
         data=list_data(machine, plant, profile.text),
         settings=_settings_entry(commissioning),
-        assumptions=list_assumptions(machine),
+        assumptions=[*list_assumptions(machine)],
         warnings=[*warnings, *commissioning.tuned.warnings, *robustness.warnings],
         plant=_plant_entry(plant),
         optima=[_optima_entry(plant, item) for item in commissioning.optima],

@@ -50,8 +50,8 @@ def comparison_entry(
             for name, rows in comparison.fed_forward
             for found in rows
         ],
-        claims=state_claims(comparison.controls),
-        why_not_the_optimum=explain_why_not(machine, comparison.fed_forward),
+        claims=[*state_claims(comparison.controls)],
+        why_not_the_optimum=[*explain_why_not(machine, comparison.fed_forward)],
         continuous=continuous_entry(
             comparison.continuous,
             result.responses[0],

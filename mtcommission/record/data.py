@@ -6,7 +6,7 @@ from math import isfinite
 
 from mtcommission.machine.datum import list_quantities
 from mtcommission.machine.machine import Machine, Move, VelocityStep
-from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
 from mtcommission.record.schema import Datum
@@ -14,8 +14,9 @@ from mtcommission.record.schema import Datum
 Row = tuple[str, float, str]
 """Key, value and SI unit."""
 
-ACCEPTED_DEFAULT = "default accepted, not measured"
-"""Source of a value that nobody stated."""
+ILLUSTRATIVE = Message("source-illustrative")
+ACCEPTED_DEFAULT = Message("source-accepted-default")
+"""Sources of values that nobody measured."""
 
 
 def describe_move(move: Move) -> dict[str, float]:
@@ -31,29 +32,18 @@ def describe_move(move: Move) -> dict[str, float]:
     return entry
 
 
-def list_assumptions(machine: Machine) -> list[str]:
+def list_assumptions(machine: Machine) -> list[Message]:
     """Return what the computation assumes beyond the profile; printed on every sheet."""
-    found = [
-        "The axis is linear: a rigid mass, a first-order force lag and decoupled flexible modes. "
-        "Friction, backlash, cogging and cable forces are left out.",
-        "The encoder measures without error; velocity is the exact rate of the encoder position "
-        "at each velocity cycle.",
-        "Position controller and feed-forward act one position cycle late and are held for one "
-        "cycle; the force acts one velocity cycle late.",
-        "The time-optimal reference demands exact rest of all modes; the recommendation is judged "
-        "by a band, so the two answer different questions.",
-        "A calculated record is not an acceptance test (e.g. ISO 230); confirm on the machine.",
+    return [
+        *([Message("assumption-illustrative")] if machine.illustrative else []),
+        *machine.mechanics.assumptions(),
+        Message("assumption-linear"),
+        Message("assumption-encoder"),
+        Message("assumption-cycles"),
+        Message("assumption-exact-rest"),
+        Message("assumption-calculated"),
+        *([Message("assumption-static-load")] if machine.drive.static_load else []),
     ]
-    english = Catalogue("en")
-    found[:0] = [english.say(message) for message in machine.mechanics.assumptions()]
-    if machine.drive.static_load:
-        found.append(
-            "The static load takes its amount from the force available for motion; its "
-            "deflection is constant and taken up by the integral part of the velocity loop."
-        )
-    if machine.illustrative:
-        found.insert(0, "The machine data are illustrative, not those of a real machine.")
-    return found
 
 
 def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
@@ -138,10 +128,10 @@ def _spelt(machine: Machine, path: KeyPath) -> str:
             return ".".join(map(str, path))
 
 
-def _source(machine: Machine, key: str, given: set[str], assumed: set[str]) -> str:
+def _source(machine: Machine, key: str, given: set[str], assumed: set[str]) -> Message | str:
     plain = key.partition(" (")[0]
     if plain in assumed:
-        return "illustrative" if machine.illustrative else ACCEPTED_DEFAULT
+        return ILLUSTRATIVE if machine.illustrative else ACCEPTED_DEFAULT
     if plain not in given:
-        return "default"
-    return machine.source if key.startswith(("plant.", "drive.")) else "stated in the profile"
+        return Message("source-default")
+    return machine.source if key.startswith(("plant.", "drive.")) else Message("source-stated")

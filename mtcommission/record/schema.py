@@ -8,8 +8,14 @@ null.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
+
+from mtcommission.messages.message import Message
 
 SCHEMA = 2
+
+Words: TypeAlias = "Message | str"
+"""What the catalogue says, or the user's own words."""
 
 NO_LIMITS = "no limits were found that meet all requirements with this band"
 """Why a machining mode has no values."""
@@ -40,7 +46,7 @@ class Datum:
     key: str
     value: float | str
     unit: str
-    source: str
+    source: Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,7 +161,7 @@ class OptimaEntry:
     time: OptimumEntry
     constrained: OptimumEntry | None
     damping: OptimumEntry | None
-    remarks: list[str]
+    remarks: list[Words]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,7 +171,7 @@ class LimitsEntry:
     acceleration: float
     jerk: float
     jerk_time: float
-    bound_by: str
+    bound_by: Words
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float
@@ -187,21 +193,21 @@ class JudgedLimits:
 class Alternative(JudgedLimits):
     """Other limits, and why they are shown."""
 
-    name: str
+    name: Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleResult(Alternative):
     """A maker's or textbook's rule, in the same simulation."""
 
-    source: str
+    source: Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleStepEntry:
     """One line of the hand calculation."""
 
-    name: str
+    name: Words
     formula: str
     value: float | None
     unit: str
@@ -211,18 +217,18 @@ class RuleStepEntry:
 class RuleText:
     """The commissioning rule, in words and as a formula, with its range, applied here."""
 
-    text: str
+    text: Words
     formula: str
-    valid_for: str
+    valid_for: Words
     acceleration: float
     jerk: float
     jerk_time: float
-    chosen: str
-    bound_by: str
+    chosen: Words
+    bound_by: Words
     predicted_settling_time: float | None
     predicted_residual: float | None
     steps: list[RuleStepEntry]
-    warnings: list[str]
+    warnings: list[Words]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -254,12 +260,12 @@ class ModeLimitsEntry:
     acceleration: float | None
     jerk: float | None
     jerk_time: float | None
-    bound_by: str
+    bound_by: Words
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float | None
     meets_requirements: bool
-    reason: str
+    reason: Words
     attainable: float | None
 
 
@@ -292,7 +298,7 @@ class MoveSizesEntry:
     ``own`` (both null if not even there); an end of ``size`` means: at least so far.
     """
 
-    way: str
+    way: Words
     acceleration: float
     jerk: float | None
     moving_average: float
@@ -375,7 +381,7 @@ class Margins:
 class VariantEntry(Margins):
     """The loop without or with state feedback, each with its own best limits."""
 
-    name: str
+    name: Words
     used: bool
     mode_damping: dict[str, float]
     weakest_frequency_hz: float
@@ -408,7 +414,7 @@ class DelayEntry:
     ``total`` their sum.
     """
 
-    path: str
+    path: Message
     setpoint_age: float
     dead_time: float
     hold: float
@@ -472,8 +478,8 @@ class LoopPart:
     disturbance: Series
     jerk_feedforward: list[JerkFeedforwardEntry]
     bode: Series
-    remarks: list[str]
-    warnings: list[str]
+    remarks: list[Words]
+    warnings: list[Words]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -525,7 +531,7 @@ class MoveEntry:
 class ComparedEntry:
     """One way of doing a move, in the loop or by an optimal control on the plant."""
 
-    name: str
+    name: Words
     transfer_time: float | None
     overshoot: float
     peaks: dict[str, float]
@@ -538,7 +544,7 @@ class ComparedEntry:
 class FedForwardEntry:
     """An optimal control fed forward while the loop corrects, or the limits, on one machine."""
 
-    control: str
+    control: Words
     payload: float
     frequency_factor: float
     damping_factor: float
@@ -573,8 +579,8 @@ class ComparisonEntry:
 
     controls: list[ComparedEntry]
     fed_forward: list[FedForwardEntry]
-    claims: list[str]
-    why_not_the_optimum: list[str]
+    claims: list[Words]
+    why_not_the_optimum: list[Words]
     continuous: ContinuousEntry
 
 
@@ -587,7 +593,7 @@ class Check:
     limit: float
     unit: str
     met: bool
-    where: str
+    where: Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -596,7 +602,7 @@ class AssessmentPart:
 
     met: bool
     checks: list[Check]
-    obstacle: str
+    obstacle: Words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -610,7 +616,7 @@ class SimulationPart:
     response: ResponseEntry
     corners: list[ResponseEntry]
     moves: list[MoveEntry]
-    warnings: list[str]
+    warnings: list[Words]
     assessment: AssessmentPart
 
 
@@ -702,7 +708,7 @@ class SensitivityEntry:
     not settled.
     """
 
-    change: str
+    change: Words
     settling_time: float | None
     residual_deviation: float | None
     settling_change: float | None
@@ -722,7 +728,7 @@ class RobustnessPart:
     monte_carlo: MonteCarloEntry | None
     frequency_error: FrequencyErrorEntry
     sensitivities: list[SensitivityEntry]
-    warnings: list[str]
+    warnings: list[Words]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -737,8 +743,8 @@ class Record:
     machine: MachineEntry
     data: list[Datum]
     settings: dict[str, float | str]
-    assumptions: list[str]
-    warnings: list[str]
+    assumptions: list[Words]
+    warnings: list[Words]
     plant: PlantEntry
     optima: list[OptimaEntry]
     limits: LimitsPart

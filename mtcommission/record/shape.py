@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
+from functools import cache
 from math import isfinite, nan
 from types import NoneType
 from typing import Any, TypeVar, get_origin
@@ -17,7 +18,8 @@ from cattrs import ClassValidationError, Converter, IterableValidationError
 from cattrs.cols import list_structure_factory, mapping_structure_factory
 from cattrs.gen import make_dict_structure_fn
 
-from mtcommission.messages.message import Message
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message, from_json, to_json
 
 Entry = TypeVar("Entry")
 
@@ -181,6 +183,27 @@ def _plain(form: type, expected: str) -> Callable[[object, Any], object]:
     return read
 
 
+def _message(value: object, _: Any) -> Message:
+    """A message that can be said: of a known kind, with all that its text speaks of."""
+    try:
+        found = from_json(value)
+        if isinstance(found, Message):
+            _english().say(found)
+            return found
+    except (KeyError, ValueError, RecursionError) as error:
+        raise _wrong(value, "json-message") from error
+    raise _wrong(value, "json-message")
+
+
+def _message_or_text(value: object, form: Any) -> Message | str:
+    return value if isinstance(value, str) else _message(value, form)
+
+
+@cache
+def _english() -> Catalogue:
+    return Catalogue()
+
+
 def _number(value: object, _: Any) -> float:
     if value is None:
         return nan
@@ -228,6 +251,9 @@ def _is_a(form: type) -> Callable[[Any], bool]:
 def _converter() -> Converter:
     made = Converter()
     made.register_unstructure_hook(float, lambda value: value if isfinite(value) else None)
+    made.register_unstructure_hook(Message, to_json)
+    made.register_structure_hook(Message, _message)
+    made.register_structure_hook(Message | str, _message_or_text)
     made.register_structure_hook(float, _number)
     made.register_structure_hook(float | None, _number_or_null)
     made.register_structure_hook(float | str, _number_or_text)

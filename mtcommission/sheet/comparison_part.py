@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import symbol
-from mtcommission.record.schema import ComparedEntry, ContinuousEntry, FedForwardEntry, Record
+from mtcommission.record.schema import (
+    ComparedEntry,
+    ContinuousEntry,
+    FedForwardEntry,
+    Record,
+    Words,
+)
 from mtcommission.sheet.model import (
     Block,
     Bullets,
@@ -40,7 +46,7 @@ def comparisons(record: Record, words: Catalogue) -> Section:
     return Section(key="comparisons", heading=text("comparison-heading"), blocks=tuple(blocks))
 
 
-def _told(lead: str, sentences: list[str], words: Catalogue) -> tuple[Block, ...]:
+def _told(lead: str, sentences: list[Words], words: Catalogue) -> tuple[Block, ...]:
     """Return sentences of the record behind the words that lead to them."""
     if not sentences:
         return ()

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from itertools import pairwise
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import symbol
-from mtcommission.record.schema import ArcEntry, OptimumEntry, Record
+from mtcommission.record.schema import ArcEntry, OptimumEntry, Record, Words
 from mtcommission.sheet.model import (
     Block,
     Bullets,
@@ -123,7 +124,7 @@ def _listed(values: dict[str, float], words: Catalogue) -> str:
     )
 
 
-def _sentences(items: list[str], tone: Tone, words: Catalogue) -> Block:
+def _sentences(items: Sequence[Words], tone: Tone, words: Catalogue) -> Block:
     if not items:
         return Paragraph(text=words.text("none"))
     return Bullets(items=tuple(words.say(item) for item in items), tone=tone)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Datum, Record
+from mtcommission.record.schema import Datum, Record, Words
 from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
 
 REQUIRED = ("requirements.", "moves")
@@ -70,19 +70,24 @@ def _rigid_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]
 def long_sources(record: Record) -> list[str]:
     """Return the sources too long to be repeated in each row; the first is number 1."""
     named = [record.machine.source, *(item.source for item in record.data)]
-    return [source for source in dict.fromkeys(named) if len(source) > LONGEST_SOURCE]
+    users = [source for source in dict.fromkeys(named) if isinstance(source, str)]
+    return [source for source in users if len(source) > LONGEST_SOURCE]
 
 
-def _numbered(source: str, sources: list[str], words: Catalogue) -> str:
+def _numbered(source: Words, sources: list[str], words: Catalogue) -> str:
     """Return a source behind its number, if it has one."""
     said = words.say(source)
-    return f"[{sources.index(source) + 1}] {said}" if source in sources else said
+    return (
+        f"[{sources.index(source) + 1}] {said}"
+        if isinstance(source, str) and source in sources
+        else said
+    )
 
 
 def _data_table(caption: str, data: list[Datum], record: Record, words: Catalogue) -> Table:
     text, sources = words.text, long_sources(record)
 
-    def cited(source: str) -> str:
+    def cited(source: Words) -> str:
         return (
             _numbered(source, sources, words).partition(" ")[0]
             if source in sources

@@ -6,7 +6,7 @@ import numpy as np
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import MoveSizesEntry, Record
+from mtcommission.record.schema import MoveSizesEntry, Record, Words
 from mtcommission.sheet.limits_part import shown_jerk
 from mtcommission.sheet.model import (
     Block,
@@ -20,7 +20,7 @@ from mtcommission.sheet.model import (
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.verdict_part import band, move_title
 
-STYLES = {"recommended": 4, "commissioning rule": 1, "moving average": 2}
+STYLES: dict[Words, int] = {"recommended": 4, "commissioning rule": 1, "moving average": 2}
 """Line style of each way."""
 
 

@@ -14,9 +14,42 @@ record-missing = fehlt
 record-of-no-known-form = von keiner hier bekannten Form
 json-object = ein Objekt
 json-array = eine Liste
+json-message = eine hier bekannte Meldung
 json-text = ein Text
 json-boolean = true oder false
 json-number = eine Zahl
 json-number-or-null = eine Zahl oder null
 json-number-or-text = eine Zahl oder ein Text
 json-whole-number = eine ganze Zahl
+
+assumption-illustrative = Die Maschinendaten sind Beispielwerte, nicht die einer wirklichen Maschine.
+assumption-linear = { $axis ->
+    [rotary] Die Achse gilt als lineares System: starrer Körper, ein Momentenregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastmomente und Momente der Energieführung bleiben außer Betracht.
+   *[linear] Die Achse ist linear: eine starre Masse, ein Kraftregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastkräfte und Kräfte der Energieführung bleiben außer Betracht.
+}
+assumption-encoder = Der Lagegeber misst fehlerfrei; die Geschwindigkeit ist die exakte Ableitung der Geberlage in jedem Takt des Geschwindigkeitsreglers.
+assumption-cycles = Lageregler und Vorsteuerung wirken einen Lagereglertakt verspätet und werden einen Takt lang gehalten; { $axis ->
+    [rotary] das Drehmoment
+   *[linear] die Kraft
+} wirkt einen Takt des Geschwindigkeitsreglers verspätet.
+assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Toleranzband gemessen. Beide beantworten verschiedene Fragen.
+assumption-calculated = Ein berechnetes Protokoll ist keine Abnahmeprüfung (z. B. ISO 230); an der Maschine bestätigen.
+assumption-static-load = Die statische Last mindert { $axis ->
+    [rotary] das Drehmoment
+   *[linear] die Kraft
+} für die Bewegung um ihren Betrag; ihre Verformung ist konstant, und der Integralanteil des Geschwindigkeitsreglers nimmt sie auf.
+
+source-default = Vorgabewert
+source-stated = im Profil angegeben
+source-illustrative = Beispielwert
+source-accepted-default = Vorgabe übernommen, nicht gemessen
+
+path-position-setpoint = Lagesollwert
+path-position-controller = Lageregler
+path-velocity-feed-forward = Geschwindigkeitsvorsteuerung
+path-wanted-state = Sollzustand
+path-force-feed-forward = { $axis ->
+    [rotary] Momentenvorsteuerung
+   *[linear] Kraftvorsteuerung
+}
+path-velocity-controller = Geschwindigkeitsregler

@@ -17,9 +17,48 @@ record-missing = missing
 record-of-no-known-form = of no form that is known here
 json-object = an object
 json-array = an array
+json-message = a message that is known here
 json-text = a text
 json-boolean = true or false
 json-number = a number
 json-number-or-null = a number or null
 json-number-or-text = a number or a text
 json-whole-number = a whole number
+
+# What is assumed beyond the profile.
+
+assumption-illustrative = The machine data are illustrative, not those of a real machine.
+assumption-linear = { $axis ->
+    [rotary] The axis is taken as a linear system: a rigid body, a first-order torque lag and decoupled flexible modes. Friction, backlash, cogging and cable drag are left out.
+   *[linear] The axis is linear: a rigid mass, a first-order force lag and decoupled flexible modes. Friction, backlash, cogging and cable forces are left out.
+}
+assumption-encoder = The encoder measures without error; velocity is the exact rate of the encoder position at each velocity cycle.
+assumption-cycles = Position controller and feed-forward act one position cycle late and are held for one cycle; the { $axis ->
+    [rotary] torque
+   *[linear] force
+} acts one velocity cycle late.
+assumption-exact-rest = The time-optimal reference demands exact rest of all modes; the recommendation is judged by a band, so the two answer different questions.
+assumption-calculated = A calculated record is not an acceptance test (e.g. ISO 230); confirm on the machine.
+assumption-static-load = The static load takes its amount from the { $axis ->
+    [rotary] torque
+   *[linear] force
+} available for motion; its deflection is constant and taken up by the integral part of the velocity loop.
+
+# Where a datum comes from.
+
+source-default = default
+source-stated = stated in the profile
+source-illustrative = illustrative
+source-accepted-default = default accepted, not measured
+
+# Paths of the loop, each with what delays it.
+
+path-position-setpoint = position setpoint
+path-position-controller = position controller
+path-velocity-feed-forward = velocity feed-forward
+path-wanted-state = wanted state
+path-force-feed-forward = { $axis ->
+    [rotary] torque feed-forward
+   *[linear] force feed-forward
+}
+path-velocity-controller = velocity controller
