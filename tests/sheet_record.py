@@ -20,7 +20,7 @@ from mtcommission.messages.formula import call
 from mtcommission.messages.message import Message, to_json
 from mtcommission.record.files import find_checksum
 from mtcommission.record.schema import SCHEMA, Record
-from mtcommission.record.shape import to_entry
+from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.study.machining_modes import NO_LIMITS
 
 Json = dict[str, Any]
@@ -60,7 +60,8 @@ def on_json(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _read(value: Any) -> Any:
-    return to_entry(value, Record) if isinstance(value, dict) and "checksum" in value else value
+    is_record = isinstance(value, dict) and "checksum" in value
+    return to_entry(to_plain(value), Record) if is_record else value
 
 
 def example_record() -> Json:
@@ -531,12 +532,12 @@ def _loop() -> Any:
         "worst_mode_damping": {"base": 0.18, "rotation": 0.047},
         "corners": [_loop_corner(1.0), _loop_corner(0.95), _loop_corner(1.05)],
         "delays": [
-            _delay("position setpoint", age=5.625e-3),
-            _delay("position controller", dead=2e-3, hold=0.9375e-3),
-            _delay("velocity ahead", age=2.6875e-3, dead=2e-3, hold=0.9375e-3),
-            _delay("wanted state", age=2.6875e-3, dead=2e-3, hold=0.9375e-3),
-            _delay("force ahead", dead=2.125e-3, hold=1e-3, lag=2.5e-3),
-            _delay("velocity controller", dead=0.125e-3, hold=0.0625e-3, lag=2.5e-3),
+            _delay("path-position-setpoint", age=5.625e-3),
+            _delay("path-position-controller", dead=2e-3, hold=0.9375e-3),
+            _delay("path-velocity-feed-forward", age=2.6875e-3, dead=2e-3, hold=0.9375e-3),
+            _delay("path-wanted-state", age=2.6875e-3, dead=2e-3, hold=0.9375e-3),
+            _delay("path-force-feed-forward", dead=2.125e-3, hold=1e-3, lag=2.5e-3),
+            _delay("path-velocity-controller", dead=0.125e-3, hold=0.0625e-3, lag=2.5e-3),
         ],
         "disturbance": {
             "t": [5e-4 * k for k in range(600)],
@@ -580,7 +581,7 @@ def _delay(
     path: str, *, age: float = 0.0, dead: float = 0.0, hold: float = 0.0, lag: float = 0.0
 ) -> Any:
     return {
-        "path": path,
+        "path": {"message": path, "values": {}},
         "setpoint_age": age,
         "dead_time": dead,
         "hold": hold,

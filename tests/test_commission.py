@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mtcommission.cli.terminal import describe_limits, show
+from mtcommission.cli.results_view import describe_limits
+from mtcommission.cli.terminal import show
 from mtcommission.commission import Commissioning, commission
 from mtcommission.machine.machine import Motion
 from mtcommission.messages.quantities import Formatter
@@ -59,7 +60,7 @@ def test_record_simulated_again_by_an_outsider(record: Record) -> None:
 
 def _simulate_again(record: dict[str, Any]) -> None:
     loop = record["loop"]["closed_loop"]
-    A, B, C, D = (np.array(loop[key]) for key in ("A", "B", "C", "D"))  # type: ignore[literal-required]
+    A, B, C, D = (np.array(loop[key]) for key in ("A", "B", "C", "D"))
     tau, dt, cycle = record["loop"]["reference_delay"], loop["dt"], record["loop"]["velocity_cycle"]
     band = next(item for item in record["data"] if item["key"].endswith("tcp_deviation"))["value"]
     assert isinstance(band, float)

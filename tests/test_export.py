@@ -36,6 +36,7 @@ from mtcommission.machine.machine import Motion, Positioning, VelocityStep
 from mtcommission.plant.plant import dominant_mode
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.build import build_record
+from mtcommission.record.data import ACCEPTED_DEFAULT
 from mtcommission.record.files import dump_json, find_checksum, load_record
 from mtcommission.record.schema import Profile, Record
 from mtcommission.record.shape import to_entry
@@ -601,7 +602,7 @@ def test_doubts_of_the_run_reach_the_file(control: str, paper: Case) -> None:
     """Who types the numbers in may never have seen the sheet with its warnings."""
     record = deepcopy(paper.record)
     record["warnings"] = ["mode base: 50 Hz is *) a slip"]
-    record["data"][3]["source"] = "default accepted, not measured"
+    record["data"][3]["source"] = ACCEPTED_DEFAULT
     header = " ".join(export_record(record, control=control).header)
     assert "WARNING: mode base: 50 Hz is *) a slip" in header
     assert f"Default accepted, not measured: {record['data'][3]['key']}." in header

@@ -8,12 +8,9 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from mtcommission.limits.rules_of_thumb import (
-    apply_rules_of_thumb,
-    apply_slower_ramps,
-    peak_velocity,
-)
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
 from mtcommission.machine.machine import Positioning, VelocityStep
+from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant, dominant_mode, longest_period
 from tests.independent_loop import Vibration, profile_of

@@ -138,7 +138,8 @@ def optimal(
     from time import perf_counter
 
     from mtcommission.cli.csv_texts import motion_csv
-    from mtcommission.cli.terminal import describe_optimum, show
+    from mtcommission.cli.optimum_view import describe_optimum
+    from mtcommission.cli.terminal import show
     from mtcommission.files import require_writable, write_text
     from mtcommission.options import (
         OptimalRequest,
@@ -195,7 +196,8 @@ def limits(
     require_writable(json_file)
     machine = read_machine(profile, f_max)
 
-    from mtcommission.cli.terminal import describe_limits, show
+    from mtcommission.cli.results_view import describe_limits
+    from mtcommission.cli.terminal import show
     from mtcommission.commission import commission
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_part
@@ -233,7 +235,8 @@ def simulate(
     require_short_moves(machine, chosen)
 
     from mtcommission.cli.csv_texts import response_csv
-    from mtcommission.cli.terminal import describe_simulation, show
+    from mtcommission.cli.results_view import describe_simulation
+    from mtcommission.cli.terminal import show
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part

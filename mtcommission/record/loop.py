@@ -13,6 +13,7 @@ from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.requirement import SET_FORCE
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.schema import (
     ClosedLoop,
@@ -132,7 +133,7 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
     held = 0.5 * (T_p - T_v)
 
     def entry(
-        path: str, *, age: float = 0.0, dead: float = 0.0, hold: float = 0.0, lag: float = 0.0
+        path: Message, *, age: float = 0.0, dead: float = 0.0, hold: float = 0.0, lag: float = 0.0
     ) -> DelayEntry:
         return DelayEntry(
             path=path,
@@ -144,14 +145,24 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
         )
 
     ahead = {"age": controller.reference_age, "dead": T_p, "hold": held}
-    wanted = [entry("wanted state", **ahead)] if controller.state_gains.any() else []
+    wanted = [entry(Message("path-wanted-state"), **ahead)] if controller.state_gains.any() else []
     return [
-        entry("position setpoint", age=controller.reference_delay),
-        entry("position controller", dead=T_p, hold=held),
-        entry("velocity ahead", **ahead),
+        entry(Message("path-position-setpoint"), age=controller.reference_delay),
+        entry(Message("path-position-controller"), dead=T_p, hold=held),
+        entry(Message("path-velocity-feed-forward"), **ahead),
         *wanted,
-        entry("force ahead", dead=T_p + T_v, hold=held + 0.5 * T_v, lag=left + filters),
-        entry("velocity controller", dead=T_v, hold=0.5 * T_v, lag=controller.force_lag + filters),
+        entry(
+            Message("path-force-feed-forward"),
+            dead=T_p + T_v,
+            hold=held + 0.5 * T_v,
+            lag=left + filters,
+        ),
+        entry(
+            Message("path-velocity-controller"),
+            dead=T_v,
+            hold=0.5 * T_v,
+            lag=controller.force_lag + filters,
+        ),
     ]
 
 

@@ -421,7 +421,7 @@ class DelayEntry:
     ``total`` their sum.
     """
 
-    path: Words
+    path: Message
     setpoint_age: float
     dead_time: float
     hold: float

@@ -83,7 +83,7 @@ def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
             48,
             f"Kv = {f.quantity(part.Kv, '1/s')}",
             text("diagram-cycle", cycle=f.quantity(part.position_cycle, "s")),
-            _late(record, "position controller", words),
+            _late(record, "path-position-controller", words),
         ),
         _box(
             286,
@@ -94,7 +94,7 @@ def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
             f"Kp = {f.axis(part.Kp, 'N s/m')}",
             f"Tn = {f.quantity(part.Tn, 's')}, "
             f"{text('diagram-cycle', cycle=f.quantity(part.velocity_cycle, 's'))}",
-            _late(record, "velocity controller", words),
+            _late(record, "path-velocity-controller", words),
         ),
         _box(
             474,
@@ -125,7 +125,14 @@ def _ahead_boxes(record: Record, words: Catalogue) -> list[Box]:
     )
     mass = f.axis(ahead.mass, "kg")
     return [
-        _box(160, AHEAD - 17, 92, 34, f"× {velocity}", _late(record, "velocity ahead", words)),
+        _box(
+            160,
+            AHEAD - 17,
+            92,
+            34,
+            f"× {velocity}",
+            _late(record, "path-velocity-feed-forward", words),
+        ),
         _box(
             352,
             AHEAD - 21,
@@ -133,14 +140,14 @@ def _ahead_boxes(record: Record, words: Catalogue) -> list[Box]:
             42,
             f"m ({acceleration} a_ref + {jerk} T j_ref)",
             f"m = {mass}",
-            _late(record, "force ahead", words),
+            _late(record, "path-force-feed-forward", words),
         ),
     ]
 
 
 def _late(record: Record, path: str, words: Catalogue) -> str:
     """Return how late a path acts, drive and filters included."""
-    totals = {entry.path: entry.total for entry in record.loop.delays}
+    totals = {entry.path.kind: entry.total for entry in record.loop.delays}
     return words.text("diagram-late", time=words.format.quantity(totals.get(path), "s"))
 
 

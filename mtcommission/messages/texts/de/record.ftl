@@ -43,3 +43,13 @@ source-default = Vorgabewert
 source-stated = im Profil angegeben
 source-illustrative = Beispielwert
 source-accepted-default = Vorgabe übernommen, nicht gemessen
+
+path-position-setpoint = Lagesollwert
+path-position-controller = Lageregler
+path-velocity-feed-forward = Geschwindigkeitsvorsteuerung
+path-wanted-state = Sollzustand
+path-force-feed-forward = { $axis ->
+    [rotary] Momentenvorsteuerung
+   *[linear] Kraftvorsteuerung
+}
+path-velocity-controller = Geschwindigkeitsregler

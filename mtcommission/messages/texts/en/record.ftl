@@ -50,3 +50,15 @@ source-default = default
 source-stated = stated in the profile
 source-illustrative = illustrative
 source-accepted-default = default accepted, not measured
+
+# Paths of the loop, each with what delays it.
+
+path-position-setpoint = position setpoint
+path-position-controller = position controller
+path-velocity-feed-forward = velocity feed-forward
+path-wanted-state = wanted state
+path-force-feed-forward = { $axis ->
+    [rotary] torque feed-forward
+   *[linear] force feed-forward
+}
+path-velocity-controller = velocity controller
