@@ -32,7 +32,7 @@ from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 SOONER = 0.98
@@ -62,7 +62,7 @@ def measure(machine: Machine, points: int) -> Row:
     begun = time.process_time()
     choice = choose_limits(machine, plant, tuned, starts=starts)
     spent = time.process_time() - begun
-    ours = judge(machine, plant, tuned, "search", "", choice.limits)
+    ours = evaluate(machine, plant, tuned, choice.limits)
     met = ours.assessment.is_met
     latest = ours.settling_time if isfinite(ours.settling_time) else inf
     limits = candidates(machine, tuned, points, SOONER * latest)

@@ -24,15 +24,16 @@ from benchmarks.population import random_machine
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
-from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.variations import as_variations
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.study.evaluate import Trial, judge
+from mtcommission.study.evaluate import Candidate, evaluate
 from mtcommission.study.shapers import compare_shapers
 
 GRID = 10
@@ -84,13 +85,13 @@ def score_machine(seed: int) -> list[Score]:
         return []
     scores = []
 
-    def note(source: str, trial: Trial, seconds: float) -> None:
+    def note(source: str, candidate: Candidate, seconds: float) -> None:
         scores.append(
             Score(
                 seed=seed,
                 source=source,
-                is_met=trial.assessment.is_met,
-                settling_time=trial.settling_time,
+                is_met=candidate.assessment.is_met,
+                settling_time=candidate.settling_time,
                 seconds=seconds,
             )
         )
@@ -98,26 +99,26 @@ def score_machine(seed: int) -> list[Score]:
     start = process_time()
     searched = choose_limits(machine, plant, tuned).limits
     taken = process_time() - start
-    note(SEARCH, judge(machine, plant, tuned, SEARCH, "", searched), taken)
+    note(SEARCH, evaluate(machine, plant, tuned, searched), taken)
     start = process_time()
     by_hand = apply_commissioning_rule(machine, plant, tuned).limits
     taken = process_time() - start
-    note(RULE, judge(machine, plant, tuned, RULE, "", by_hand), taken)
-    for rule in apply_rules(machine, plant):
-        name = rule.name.split(" (")[0]
-        note(name, judge(machine, plant, tuned, name, "", rule.limits), 0.0)
+    note(RULE, evaluate(machine, plant, tuned, by_hand), taken)
+    for rule in apply_rules_of_thumb(machine, plant):
+        name = Catalogue().say(rule.name).split(" (")[0]
+        note(name, evaluate(machine, plant, tuned, rule.limits), 0.0)
     start = process_time()
     shaped = compare_shapers(machine, plant, tuned)
     taken = (process_time() - start) / len(shaped)
-    for trial in shaped:
-        note(trial.name.split(" (")[0], trial, taken)
+    for candidate in shaped:
+        note(Catalogue().say(candidate.name or "").split(" (")[0], candidate, taken)
     start = process_time()
     best = search_by_grid(machine, plant, tuned)
     note(BRUTE, best, process_time() - start)
     return scores
 
 
-def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Trial:
+def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidate:
     """Return the soonest point of a plain grid that meets all requirements, else the last tried."""
     largest = machine.drive.motion_force / moving_mass(machine)
     places = as_variations(tuned.corners)
@@ -133,10 +134,10 @@ def search_by_grid(machine: Machine, plant: Plant, tuned: TunedLoop) -> Trial:
             points.append((outside or used, float(found.settling_time.max()), limits))
     points.sort(key=lambda point: point[:2])
     for _, _, limits in points[:TRIES]:
-        trial = judge(machine, plant, tuned, BRUTE, "", limits)
-        if trial.assessment.is_met:
+        candidate = evaluate(machine, plant, tuned, limits)
+        if candidate.assessment.is_met:
             break
-    return trial
+    return candidate
 
 
 def score_population(count: int, *, workers: int) -> Iterator[Score]:

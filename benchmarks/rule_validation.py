@@ -37,9 +37,10 @@ from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Positioning, moving_mass
 from mtcommission.machine.variations import corners
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 
 NAME = "commissioning-rule-validation"
 
@@ -98,11 +99,11 @@ def describe(seed: int, machine: Machine, plant: Plant, *, outcome: str) -> Row:
 def compare(
     row: Row, machine: Machine, plant: Plant, tuned: TunedLoop, searched: MotionLimits
 ) -> Row:
-    by_search = judge(machine, plant, tuned, "search", "", searched)
+    by_search = evaluate(machine, plant, tuned, searched)
     heaviest = max(moving_mass(machine) + corner.payload for corner in corners(machine))
     a = machine.drive.motion_force / (1.2 * heaviest)
     naive = MotionLimits(acceleration=a, jerk=a * dominant_mode(plant).frequency_hz)
-    textbook = judge(machine, plant, tuned, "j = a f", "", naive)
+    textbook = evaluate(machine, plant, tuned, naive)
     return replace(
         apply_rule(row, machine, plant, tuned),
         search_met=by_search.assessment.is_met,
@@ -116,17 +117,17 @@ def compare(
 def apply_rule(row: Row, machine: Machine, plant: Plant, tuned: TunedLoop) -> Row:
     """The row with what the rule does; the other columns stay."""
     found = apply_commissioning_rule(machine, plant, tuned)
-    by_rule = judge(machine, plant, tuned, "rule", "", found.limits)
+    by_rule = evaluate(machine, plant, tuned, found.limits)
     values = {check.name: check.value / check.limit for check in by_rule.assessment.checks}
     return replace(
         row,
         rule_met=by_rule.assessment.is_met,
         rule_time=by_rule.settling_time,
         rule_residual=values["residual deviation"],
-        rule_estimate=found.predicted_residual / machine.requirements.tcp_deviation,
+        rule_estimate=found.best.residual_deviation / machine.requirements.tcp_deviation,
         rule_force=values["set force"],
-        rule_chosen=found.chosen.split(" of ")[0],
-        rule_bound_by=found.bound_by,
+        rule_chosen=Catalogue().say(found.best.name).split(" of ")[0],
+        rule_bound_by=Catalogue().say(found.best.bound_by),
     )
 
 

@@ -6,78 +6,35 @@ machine -> plant -> optima -> starting limits -> tuned loop -> chosen limits
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
 from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
-from mtcommission.limits.rules_of_thumb import apply_rules, apply_slower_ramps
-from mtcommission.loop.simulate.continuous import ContinuousResponse, simulate_continuous
 from mtcommission.loop.simulation_budget import require_affordable
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.assess import Assessment
-from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
-from mtcommission.study.comparison import ComparedControl, compare_controls
-from mtcommission.study.evaluate import MoveResult, Trial, judge, judge_moves, run_moves
-from mtcommission.study.feedforward import FedForward, feed_forward, follow_setpoint
-from mtcommission.study.loop_choice import LoopChoice, Settings, settle_on_loop
+from mtcommission.study.attainable import Attainable, find_attainable
+from mtcommission.study.comparison import MoveComparison, compare_move
+from mtcommission.study.evaluate import (
+    Candidate,
+    MoveResult,
+    evaluate,
+    evaluate_moves,
+    simulate_moves,
+)
+from mtcommission.study.known_rules import evaluate_rules
+from mtcommission.study.loop_choice import LoopChoice, settle_on_loop
 from mtcommission.study.loop_study import LoopStudy, study_loop
-from mtcommission.study.move_sizes import MoveSizes, SetpointWay, vary_move_sizes
+from mtcommission.study.machining_modes import ModeLimits, find_limits_by_mode
+from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
 from mtcommission.study.robustness import Robustness, examine_robustness
-from mtcommission.study.shapers import compare_shapers
-from mtcommission.study.size_filter import find_size_filter
-
-RULE_SOURCE = "this project, by hand; derived and validated in docs/commissioning-rule.md"
+from mtcommission.study.settings import Settings
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ModeLimits:
-    """Limits for one machining mode, from a band of its own.
-
-    Parameters
-    ----------
-    name
-        ``"surface"``, ``"accuracy"`` or ``"speed"``.
-    band
-        Allowed residual deviation [m].
-    choice, trial
-        The search with this band, and its result judged with it.
-    attainable
-        Where that result does not meet all requirements, it is no recommendation: the least
-        residual deviation that was found with the others kept; None if met, or if there is none.
-    """
-
-    name: str
-    band: float
-    choice: Choice
-    trial: Trial
-    attainable: Attainable | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MoveComparison:
-    """A move done in the loop and by optimal controls.
-
-    Parameters
-    ----------
-    controls
-        The paper's comparison.
-    fed_forward
-        Names of the optimal controls, and what each does when it is fed forward; then the
-        recommended limits on the same machines.
-    continuous
-        The recommended setpoint through the continuous approximation of the loop.
-    """
-
-    controls: tuple[ComparedControl, ...]
-    fed_forward: tuple[tuple[str, tuple[FedForward, ...]], ...]
-    continuous: ContinuousResponse
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,9 +86,9 @@ class Commissioning:
     loop_study: LoopStudy
     choice: Choice
     moves: tuple[MoveResult, ...]
-    recommended: Trial
-    alternatives: tuple[Trial, ...]
-    rules: tuple[Trial, ...]
+    recommended: Candidate
+    alternatives: tuple[Candidate, ...]
+    rules: tuple[Candidate, ...]
     comparisons: tuple[MoveComparison, ...]
     modes: tuple[ModeLimits, ...]
     rule: RuleResult
@@ -179,44 +136,46 @@ def commission(
     plant = build_plant(machine)
     progress("optimal controls")
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
-    starts = condense_optima(machine, plant, optima)
+    condensed = condense_optima(machine, plant, optima)
+    starts = [limits for _, limits in condensed]
     progress("feedback loop")
     loop = settle_on_loop(machine, plant, settings)
     tuned = loop.tuned
     progress("limits")
-    start_limits = [trial[1] for trial in starts]
-    choice = choose_limits(machine, plant, tuned, starts=start_limits, settings=settings.search)
+    choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
     progress("responses and rules of thumb")
-    moves = run_moves(machine, tuned, choice.limits)
-    recommended = judge_moves(machine, plant, tuned, "recommended", "this search", moves)
+    moves = simulate_moves(machine, tuned, choice.limits)
+    recommended = evaluate_moves(machine, plant, tuned, moves)
     alternatives = tuple(
-        judge(machine, plant, tuned, name, "condensed from the optimum", limits)
-        for name, limits in starts
+        evaluate(machine, plant, tuned, limits, name=name) for name, limits in condensed
     )
     rule = apply_commissioning_rule(machine, plant, tuned)
-    rules = judge_rules(machine, plant, tuned, rule)
+    rules = evaluate_rules(machine, plant, tuned, rule)
     attainable: tuple[Attainable, ...] = ()
     if not recommended.assessment.is_met:
         progress("what could be met")
         attainable = find_attainable(machine, plant, tuned, choice, settings=settings.comparison)
     progress("machining modes")
-    modes = limits_by_mode(machine, plant, tuned, choice, start_limits, settings)
+    modes = find_limits_by_mode(
+        machine, plant, tuned, choice, starts=starts, settings=settings.search
+    )
     progress("comparison with the optima")
     comparisons = tuple(
-        compare(machine, plant, tuned, item, result)
-        for item, result in zip(optima, moves, strict=True)
+        compare_move(machine, plant, tuned, *pair) for pair in zip(optima, moves, strict=True)
     )
     progress("robustness")
     robustness = examine_robustness(
         machine, plant, tuned, choice.limits, settings=settings.robustness
     )
+    loop_study = study_loop(machine, loop, choice.limits)
+    move_sizes = compare_move_sizes(machine, plant, tuned, choice.limits, rule.limits)
     return Commissioning(
         machine=machine,
         plant=plant,
         settings=settings,
         optima=optima,
         loop=loop,
-        loop_study=study_loop(machine, loop, choice.limits),
+        loop_study=loop_study,
         choice=choice,
         moves=moves,
         recommended=recommended,
@@ -226,139 +185,6 @@ def commission(
         modes=modes,
         rule=rule,
         robustness=robustness,
-        move_sizes=vary_move_sizes(machine, tuned, _ways(machine, plant, tuned, choice, rule)),
+        move_sizes=move_sizes,
         attainable=attainable,
-    )
-
-
-def judge_rules(
-    machine: Machine, plant: Plant, tuned: TunedLoop, rule: RuleResult
-) -> tuple[Trial, ...]:
-    """Return what the rules of makers and textbooks do in the same loop.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    rule
-        The commissioning rule, applied.
-
-    Returns
-    -------
-    tuple of Trial
-        First the commissioning rule, then the others, then shapers and the jerk filter.
-    """
-    return (
-        judge(machine, plant, tuned, "commissioning rule", RULE_SOURCE, rule.limits),
-        *(
-            judge(machine, plant, tuned, item.name, item.source, item.limits)
-            for item in (*apply_rules(machine, plant), *apply_slower_ramps(machine, plant))
-        ),
-        *compare_shapers(machine, plant, tuned),
-    )
-
-
-def limits_by_mode(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    choice: Choice,
-    starts: Sequence[MotionLimits],
-    settings: Settings,
-) -> tuple[ModeLimits, ...]:
-    """Return limits for the machining modes surface, accuracy and speed.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    choice
-        The recommendation; reused where a mode has the same band.
-    starts
-        Limits to refine from.
-    settings
-        Of the search.
-
-    Returns
-    -------
-    tuple of ModeLimits
-    """
-    found = []
-    bands = machine.requirements.modes
-    for name in ("surface", "accuracy", "speed"):
-        band: float = getattr(bands, name)
-        needs = replace(machine.requirements, tcp_deviation=band)
-        other = replace(machine, requirements=needs)
-        chosen = choice
-        if band != machine.requirements.tcp_deviation:
-            chosen = choose_limits(other, plant, tuned, starts=starts, settings=settings.search)
-        trial = judge(other, plant, tuned, name, "machining mode", chosen.limits)
-        attainable = None
-        if not trial.assessment.is_met:
-            attainable = find_least_residual(other, plant, tuned, chosen)
-        found.append(
-            ModeLimits(name=name, band=band, choice=chosen, trial=trial, attainable=attainable)
-        )
-    return tuple(found)
-
-
-def _ways(
-    machine: Machine, plant: Plant, tuned: TunedLoop, choice: Choice, rule: RuleResult
-) -> tuple[SetpointWay, ...]:
-    """What is tried on moves of other sizes; the filter only where it cures all smaller ones."""
-    own = machine.control.moving_average_time
-    cure = find_size_filter(machine, plant, tuned)
-    return (
-        SetpointWay(name="recommended", limits=choice.limits, moving_average=own),
-        SetpointWay(name="commissioning rule", limits=rule.limits, moving_average=own),
-        *((cure,) if cure else ()),
-    )
-
-
-def compare(
-    machine: Machine, plant: Plant, tuned: TunedLoop, optima: Optima, result: MoveResult
-) -> MoveComparison:
-    """Return what the optimal controls of a move do, on the plant and fed forward in the loop.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    optima, result
-        Of the same move.
-
-    Returns
-    -------
-    MoveComparison
-    """
-    solutions = {
-        "time-optimal": optima.time,
-        "constrained": optima.constrained,
-        "damping-optimal": optima.damping,
-    }
-    found = {name: solution for name, solution in solutions.items() if solution is not None}
-    return MoveComparison(
-        controls=compare_controls(
-            machine,
-            plant,
-            tuned,
-            optima.move,
-            limits=result.setpoint.limits,
-            optima=tuple(found.values()),
-        ),
-        fed_forward=(
-            *(
-                (name, feed_forward(machine, plant, tuned, solution))
-                for name, solution in found.items()
-            ),
-            ("recommended limits", follow_setpoint(machine, plant, tuned, result.setpoint)),
-        ),
-        continuous=simulate_continuous(
-            plant,
-            tuned.controller,
-            result.setpoint,
-            model=plant,
-            band=machine.requirements.tcp_deviation,
-            until=min(float(result.responses[0].t[-1]), result.responses[0].t_end + 0.5),
-        ),
     )

@@ -12,10 +12,16 @@ from functools import wraps
 from math import exp, pi, sin
 from typing import Any
 
-from mtcommission.limits.commissioning_rule.rule import VALIDITY
+from mtcommission.limits.commissioning_rule.by_hand import Kp, f, formulas_for, m, t_j
+from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
+from mtcommission.machine.machine import VelocityStep
+from mtcommission.messages import formula
+from mtcommission.messages.formula import call
+from mtcommission.messages.message import Message, to_json
 from mtcommission.record.files import find_checksum
-from mtcommission.record.schema import NO_LIMITS, SCHEMA, Record
+from mtcommission.record.schema import SCHEMA, Record
 from mtcommission.record.shape import to_entry, to_plain
+from mtcommission.study.machining_modes import NO_LIMITS
 
 Json = dict[str, Any]
 
@@ -155,7 +161,7 @@ def unsettled_record() -> Json:
     for mode in limits["modes"]:
         mode["acceleration"] = mode["jerk"] = mode["jerk_time"] = None
         mode["settling_time"] = mode["residual_deviation"] = None
-        mode["bound_by"] = mode["reason"] = NO_LIMITS
+        mode["bound_by"] = mode["reason"] = to_json(NO_LIMITS)
         mode["meets_requirements"] = False
     limits["modes"][0]["attainable"] = 3.17e-6
     limits["attainable"] = [
@@ -381,42 +387,44 @@ def _limits() -> Any:
         "modes": [_mode("surface", 2e-6), _mode("accuracy", 5e-6), _mode("speed", 2e-5)],
         "attainable": [],
         "move_sizes": [
-            _move_sizes("recommended", 41.0, 0.0),
-            _move_sizes("commissioning rule", 24.0, 0.0),
-            _move_sizes("moving average", None, 0.0199),
+            _move_sizes("way-recommended", 41.0, 0.0),
+            _move_sizes("commissioning-rule", 24.0, 0.0),
+            _move_sizes("way-moving-average", None, 0.0199),
         ],
         "alternatives": [_alternative("gentler", 0.8)],
         "rules": [_trial("j = a f", 1.3), _trial("j = 10 a", 1.7)],
         "rule": {
-            "text": "A rule to apply by hand: each jerk step leaves a vibration in every mode and "
-            "a tail of the servo loop, both in proportion to the jerk; ramps of whole periods "
-            "cancel the vibration. Of the ramps tried, the one with the shortest motion is taken.",
-            "formula": "j root(C_S^2 + sum (C_i V_i)^2) <= band, with C_i = m |g_i|/omega_i^3 and "
-            "R(x) = |1 - exp(2 pi x (i - zeta))| within the spread; v/a >= t_j. Try t_j = 1, 2 "
-            "periods of each mode, and the t_j that needs no cancelling (R = 2); take the shortest "
-            "motion; j = a/t_j.",
-            "valid_for": VALIDITY,
+            "text": to_json(DESCRIPTION),
+            "formula": [
+                {
+                    "tree": formula.to_json(item.tree),
+                    "aside": item.aside and to_json(item.aside),
+                }
+                for item in formulas_for([VelocityStep(velocity_step=0.1)])
+            ],
+            "advice": to_json(ADVICE),
+            "valid_for": to_json(VALIDITY),
             "acceleration": 1.4,
             "jerk": 24.0,
             "jerk_time": 1.4 / 24.0,
-            "chosen": "3 periods of base",
-            "bound_by": "band",
+            "chosen": to_json(Message("rule-periods", count=3, mode="base")),
+            "bound_by": to_json(Message("rule-band")),
             "predicted_settling_time": 0.14,
             "predicted_residual": 4.9e-6,
             "steps": [
-                {"name": "speed loop omega_v", "formula": "Kp / m", "value": 170.97, "unit": "1/s"},
-                {
-                    "name": "jerk time t_j",
-                    "formula": "3 periods of base",
-                    "value": 0.06,
-                    "unit": "s",
-                },
-                {
-                    "name": "vibration V of mode base",
-                    "formula": "R(f t_j)",
-                    "value": 0.4,
-                    "unit": "1",
-                },
+                _step(Message("rule-speed-loop"), formula.to_json(Kp / m), 170.97, "1/s"),
+                _step(
+                    Message("rule-jerk-time"),
+                    to_json(Message("rule-periods", count=3, mode="base")),
+                    0.06,
+                    "s",
+                ),
+                _step(
+                    Message("rule-mode-vibration", mode="base"),
+                    formula.to_json(call("R", f * t_j)),
+                    0.4,
+                    "1",
+                ),
             ],
             "warnings": [],
         },
@@ -448,10 +456,14 @@ def _mode(name: str, band: float) -> Any:
     }
 
 
+def _step(name: Message, how: object, value: float, unit: str) -> Any:
+    return {"name": to_json(name), "formula": how, "value": value, "unit": unit}
+
+
 def _move_sizes(way: str, jerk: float | None, moving_average: float) -> Any:
     size = [0.00102 * 300 ** (k / 31) for k in range(32)]
     return {
-        "way": way,
+        "way": to_json(Message(way)),
         "acceleration": 1.9,
         "jerk": jerk,
         "moving_average": moving_average,
@@ -505,8 +517,8 @@ def _loop() -> Any:
         "weakest_frequency_hz": 14.87,
         "mode_damping": {"base": 0.2075},
         "variants": [
-            _variant("without state feedback", 1.0, used=False),
-            _variant("with state feedback", 1.1, used=True),
+            _variant("without-state-feedback", 1.0, used=False),
+            _variant("with-state-feedback", 1.1, used=True),
         ],
         "worst_corner": {
             "gain_margin_db": 12.31,
@@ -532,8 +544,8 @@ def _loop() -> Any:
             "signals": {
                 name: [peak * sin(0.05 * k) * exp(-0.02 * k) for k in range(600)]
                 for name, peak in (
-                    ("without state feedback", 1.1e-7),
-                    ("with state feedback", 0.5e-7),
+                    ("without-state-feedback", 1.1e-7),
+                    ("with-state-feedback", 0.5e-7),
                 )
             },
         },
@@ -591,7 +603,7 @@ def _jerk_feedforward(weight: float, force: float) -> Any:
 
 def _variant(name: str, scale: float, *, used: bool) -> Any:
     return {
-        "name": name,
+        "name": to_json(Message(name)),
         "used": used,
         "mode_damping": {"base": 0.2075 * scale},
         "gain_margin_db": 13.52 * scale,

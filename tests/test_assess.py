@@ -10,10 +10,17 @@ import pytest
 
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.machine.machine import Machine, Motion, Peak
+from mtcommission.machine.requirement import SET_FORCE
 from mtcommission.machine.variations import NOMINAL, Corner
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.assess import Assessment, Check, assess, describe_place
 from tests.machines import paper_machine
+
+
+def unspaced(text: str) -> str:
+    return text.replace(THIN_SPACE, " ")
 
 
 def response(**changes: object) -> LoopResponse:
@@ -65,7 +72,7 @@ def test_every_requirement_has_a_check_with_its_limit() -> None:
         "RMS force": (1000.0, "N"),
     }
     assert found.is_met
-    assert found.obstacle == ""
+    assert found.limiting_requirement is None
 
 
 def test_what_is_not_required_is_not_checked() -> None:
@@ -88,12 +95,15 @@ peaks[5] = 6e-3
         ({"rms_force": 1001.0}, "RMS force"),
     ],
 )
-def test_each_missed_requirement_is_the_obstacle(changes: dict[str, object], name: str) -> None:
+def test_each_missed_requirement_is_the_limiting_one(changes: dict[str, object], name: str) -> None:
     found = verdict(demanding(), response(), response(**changes))
     assert not found.is_met
     assert [check.name for check in found.checks if not check.is_met] == [name]
-    assert found.obstacle == name
-    assert named(found, name).where == "payload 100 kg, frequencies x 0.95"
+    limiting = found.limiting_requirement
+    assert limiting is not None
+    assert limiting.value == name
+    where = unspaced(Catalogue().say(named(found, name).where))
+    assert where == "payload 100 kg, frequencies × 0.95"
 
 
 def test_a_requirement_just_met_is_met() -> None:
@@ -101,9 +111,9 @@ def test_a_requirement_just_met_is_met() -> None:
     assert found.is_met
 
 
-def test_the_obstacle_is_missed_by_the_largest_factor() -> None:
+def test_the_limiting_requirement_is_missed_by_the_largest_factor() -> None:
     found = verdict(demanding(), response(residual_deviation=5.5e-6, max_force=3000.0))
-    assert found.obstacle == "set force"
+    assert found.limiting_requirement == SET_FORCE
 
 
 def test_the_worst_move_counts_and_is_named() -> None:
@@ -111,7 +121,7 @@ def test_the_worst_move_counts_and_is_named() -> None:
     rows = [[response()], [response(settling_time=0.15)]]
     found = assess(machine, build_plant(machine), (NOMINAL,), rows)
     check = named(found, "settling time")
-    assert (check.value, check.where) == (0.15, "move 2, nominal")
+    assert (check.value, Catalogue().say(check.where)) == (0.15, "move 2, nominal")
 
 
 def test_static_load_leaves_less_force() -> None:
@@ -129,5 +139,9 @@ def test_rotary_axes_are_judged_in_their_units() -> None:
 
 def test_places_are_described_in_words() -> None:
     corner = Corner(payload=50.0, frequency_factor=1.05, damping_factor=0.7)
-    assert describe_place(1, corner, 1) == "payload 50 kg, frequencies x 1.05, damping x 0.7"
-    assert describe_place(2, NOMINAL, 3) == "move 2, nominal"
+    say = Catalogue().say
+    assert (
+        unspaced(say(describe_place(1, corner, 1)))
+        == "payload 50 kg, frequencies × 1.05, damping × 0.7"
+    )
+    assert say(describe_place(2, NOMINAL, 3)) == "move 2, nominal"

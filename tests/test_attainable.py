@@ -9,9 +9,10 @@ import pytest
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Peak
+from mtcommission.machine.requirement import SETTLING_TIME, peak_of
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from tests.machines import paper_machine
 
 COARSE = SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)
@@ -33,12 +34,12 @@ def attainable(machine: Machine) -> dict[str, Attainable]:
     choice = choose_limits(machine, plant, tuned, settings=COARSE)
     assert not choice.meets_requirements
     found = find_attainable(machine, plant, tuned, choice, settings=COARSE)
-    return {item.requirement: item for item in found}
+    return {item.requirement.value: item for item in found}
 
 
 def is_met(machine: Machine, item: Attainable) -> bool:
     plant, tuned = build_plant(machine), tune_loop(machine)
-    return judge(machine, plant, tuned, "", "", item.limits).assessment.is_met
+    return evaluate(machine, plant, tuned, item.limits).assessment.is_met
 
 
 def test_impossible_settling_time() -> None:
@@ -72,13 +73,13 @@ def test_impossible_rms_force() -> None:
     assert is_met(asked(settling=0.15, rms=1.0001 * item.value), item)
 
 
-def test_two_obstacles_must_give_way_together() -> None:
+def test_two_requirements_must_give_way_together() -> None:
     """If it failed, relaxing one would be promised to help, or nothing be said at all."""
     bound = Peak(name="v_s", bound=0.05)
     found = attainable(asked(settling=0.02, peaks=(bound,)))
     time, peak = found["settling time"], found["peak v_s"]
-    assert time.together_with == ("peak v_s",)
-    assert peak.together_with == ("settling time",)
+    assert time.together_with == (peak_of("v_s"),)
+    assert peak.together_with == (SETTLING_TIME,)
     assert (time.limit, peak.limit) == (0.02, 0.05)
     assert time.limits == peak.limits
     eased = replace(bound, bound=1.0001 * peak.value)
@@ -100,10 +101,10 @@ def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
     found = find_least_residual(machine, plant, tuned, choice)
     assert found is not None
     assert found.unit == "m"
-    trial = judge(machine, plant, tuned, "", "", found.limits)
-    assert trial.residual_deviation == pytest.approx(found.value, rel=1e-9)
+    candidate = evaluate(machine, plant, tuned, found.limits)
+    assert candidate.residual_deviation == pytest.approx(found.value, rel=1e-9)
     others = [
-        judge(machine, plant, tuned, "", "", replace(found.limits, jerk=f * found.limits.jerk))
+        evaluate(machine, plant, tuned, replace(found.limits, jerk=f * found.limits.jerk))
         for f in (0.5, 1.5, 2.0, 4.0)
     ]
     assert sum(found.value < item.residual_deviation for item in others) >= 3
@@ -116,6 +117,6 @@ def test_no_worse_than_the_recommendation_itself() -> None:
     choice = choose_limits(machine, plant, tuned)
     poor = SearchSettings(grid=6, coarse_grid=5, seeds=1, refinements=1)
     found = find_attainable(machine, plant, tuned, choice, settings=poor)
-    slower = next(item for item in found if item.requirement == "settling time")
-    recommended = judge(machine, plant, tuned, "", "", choice.limits)
+    slower = next(item for item in found if item.requirement == SETTLING_TIME)
+    recommended = evaluate(machine, plant, tuned, choice.limits)
     assert slower.value <= recommended.settling_time

@@ -11,7 +11,7 @@ import pytest
 from benchmarks.population import random_machine
 from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
-from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.limits.search.region import narrow_region, widest_region
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import settle
@@ -27,7 +27,10 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
+from mtcommission.machine.requirement import RMS_FORCE, SETTLING_TIME
 from mtcommission.machine.variations import vary
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.setpoint import (
     JerkSteps,
@@ -36,7 +39,7 @@ from mtcommission.setpoint.setpoint import (
     plan_setpoint,
 )
 from mtcommission.study.assess import Assessment, assess
-from mtcommission.study.evaluate import judge as try_limits
+from mtcommission.study.evaluate import evaluate
 from tests.independent_loop import judge, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
@@ -223,11 +226,11 @@ def test_recommendation_holds_in_a_second_program() -> None:
         assert np.max(np.abs(motion.force)) <= machine.drive.max_force
 
 
-def test_impossible_settling_time_is_named_as_the_obstacle() -> None:
+def test_impossible_settling_time_is_named_as_limiting() -> None:
     case = solve(CASES["impossible settling time"])
     assert not case.choice.meets_requirements
-    assert case.assessment.obstacle == "settling time"
-    assert "no limits meet all" in case.choice.bound_by
+    assert case.assessment.limiting_requirement == SETTLING_TIME
+    assert case.choice.bound_by == Message("bound-by-nothing-met")
 
 
 def test_a_bound_that_forbids_more_is_named() -> None:
@@ -237,7 +240,7 @@ def test_a_bound_that_forbids_more_is_named() -> None:
     assert case.settling_time >= free.settling_time * (1 - 1e-3)
     assert case.choice.bound_by
     tight = solve(require(PAPER, peaks=(Peak(name="v_phi", bound=5e-4),)))
-    assert "peak v_phi" in tight.choice.bound_by
+    assert "peak v_phi" in Catalogue().say(tight.choice.bound_by)
     assert tight.settling_time > free.settling_time
 
 
@@ -257,13 +260,13 @@ def test_search_never_settles_later_than_what_is_known(seed: int) -> None:
     """The rule is printed beside the search: it must not beat it, wherever its limits lie."""
     machine = random_machine(seed)
     plant, tuned = build_plant(machine), tune_loop(machine)
-    named = [rule.limits for rule in apply_rules(machine, plant)]
+    named = [rule.limits for rule in apply_rules_of_thumb(machine, plant)]
     named.append(apply_commissioning_rule(machine, plant, tuned).limits)
     found = choose_limits(machine, plant, tuned)
-    ours = try_limits(machine, plant, tuned, "search", "", found.limits)
+    ours = evaluate(machine, plant, tuned, found.limits)
     assert ours.assessment.is_met
     for limits in named:
-        theirs = try_limits(machine, plant, tuned, "rule", "", limits)
+        theirs = evaluate(machine, plant, tuned, limits)
         if theirs.assessment.is_met:
             assert ours.settling_time <= 1.002 * theirs.settling_time
 
@@ -275,8 +278,7 @@ def test_a_start_off_the_grid_is_not_lost() -> None:
     blind = SearchSettings(grid=2, coarse_grid=2, seeds=1, refinements=1)
     helped = choose_limits(PAPER, plant, tuned, starts=[alone.limits], settings=blind)
     times = [
-        try_limits(PAPER, plant, tuned, "", "", choice.limits).settling_time
-        for choice in (alone, helped)
+        evaluate(PAPER, plant, tuned, choice.limits).settling_time for choice in (alone, helped)
     ]
     assert times[1] <= 1.002 * times[0]
 
@@ -288,7 +290,7 @@ def test_nothing_outside_the_narrowed_region_settles_sooner(seed: int) -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     widest = widest_region(machine, plant, SearchSettings())
     known = apply_commissioning_rule(machine, plant, tuned).limits
-    latest = try_limits(machine, plant, tuned, "", "", known).settling_time
+    latest = evaluate(machine, plant, tuned, known).settling_time
     longest = latest - tuned.controller.reference_delay
     region = narrow_region(widest, machine, longest_motion=longest)
     a, t = np.geomspace(1e-3, 1.0, 200) * region.largest_acceleration, np.geomspace(5e-4, 2.0, 200)
@@ -307,7 +309,7 @@ def test_no_force_at_all_ends_in_a_verdict_not_in_a_crash() -> None:
     weak = replace(PAPER, drive=replace(PAPER.drive, continuous_force=1.0))
     case = solve(weak)
     assert not case.choice.meets_requirements
-    assert case.assessment.obstacle == "RMS force"
+    assert case.assessment.limiting_requirement == RMS_FORCE
 
 
 def test_requirements_of_the_cases_are_what_they_say() -> None:
@@ -323,7 +325,7 @@ def test_a_step_too_small_for_any_acceleration_still_gets_limits(step: float) ->
     machine = replace(paper_machine(), moves=(VelocityStep(velocity_step=step),))
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = choose_limits(machine, plant, tuned).limits
-    trial = try_limits(machine, plant, tuned, "", "", limits)
-    assert trial.assessment.is_met
+    candidate = evaluate(machine, plant, tuned, limits)
+    assert candidate.assessment.is_met
     # Such a step cannot leave the band: nothing need be slower than the quickest setpoint.
-    assert trial.settling_time < tuned.controller.reference_delay + 2e-3
+    assert candidate.settling_time < tuned.controller.reference_delay + 2e-3

@@ -9,15 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.variations import NOMINAL
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.profile.read import read_profile
-from mtcommission.record.claims import explain_why_not, state_claims
-from mtcommission.study.comparison import ComparedControl
+from mtcommission.study.comparison import ComparedControl, explain_why_not, state_claims
 from mtcommission.study.feedforward import FedForward
 from tests.machines import paper_machine
 
 ROTARY = read_profile(Path(__file__).parent.parent / "profiles" / "rotary-table.toml")
+
+
+def unspaced(text: str) -> str:
+    return text.replace(THIN_SPACE, " ")
 
 
 def fed(settling: float, residual: float) -> FedForward:
@@ -32,33 +38,37 @@ def fed(settling: float, residual: float) -> FedForward:
 
 def why_not(machine: Machine, residual: float) -> list[str]:
     ours = fed(0.08, machine.requirements.tcp_deviation)
-    rows = [("time-optimal", [fed(12.3456, residual)]), ("recommended limits", [ours])]
-    return explain_why_not(machine, rows)
+    rows = [
+        (Message("control-time-optimal"), [fed(12.3456, residual)]),
+        (Message("recommended-limits"), [ours]),
+    ]
+    words = Catalogue(rotary=machine.motion is Motion.ROTARY)
+    return [unspaced(words.say(sentence)) for sentence in explain_why_not(machine, rows)]
 
 
 @pytest.mark.parametrize(
     ("residual", "words"),
     [
-        (37.82e-6, "37.8 um."),
+        (37.82e-6, "37.8 µm."),
         (2.18e-3, "2.18 mm."),
         (0.25, "250 mm."),
         (0.7, "0.7 m."),
-        (999.96e-6, "1000 um."),
-        (0.7e-3, "700 um."),
+        (999.96e-6, "1 mm."),
+        (0.7e-3, "700 µm."),
         (42e-9, "42 nm."),
-        (3e-13, "0.0003 nm."),
-        (0.0, "0 nm."),
+        (3e-13, "3×10⁻⁴ nm."),
+        (0.0, "0 m."),
     ],
 )
 def test_deviation_of_a_linear_axis_has_a_unit_of_its_size(residual: float, words: str) -> None:
     """A reader met '2.18e+03 um'."""
     sentence = why_not(paper_machine(), residual)[0]
     assert sentence.endswith(f"where it leaves {words}")
-    assert "settles after 12350 ms" in sentence  # four digits, no power of ten
+    assert "settles after 12.35 s" in sentence  # four digits, no power of ten
 
 
 @pytest.mark.parametrize(
-    ("degrees", "words"), [(5.0 / 3600.0, "5 arcsec."), (0.05, "180 arcsec."), (0.25, "0.25 deg.")]
+    ("degrees", "words"), [(5.0 / 3600.0, "5″."), (0.05, "180″."), (0.25, "0.25°.")]
 )
 def test_rotary_axis_speaks_of_degrees_and_arc_seconds(degrees: float, words: str) -> None:
     """The same sheet's tables print degrees and seconds of arc; a sentence said µrad."""
@@ -67,12 +77,12 @@ def test_rotary_axis_speaks_of_degrees_and_arc_seconds(degrees: float, words: st
     )
     sentences = why_not(machine, degrees * pi / 180.0)
     assert sentences[0].endswith(f"where it leaves {words}")
-    assert sentences[-1].startswith("The band is 10 arcsec, ")
+    assert sentences[-1].startswith("The band is 10″, ")
 
 
 def compared(transfer: float, overshoot: float) -> ComparedControl:
     return ComparedControl(
-        name="any",
+        name=Message("way-recommended"),
         transfer_time=transfer,
         overshoot=overshoot,
         peaks=np.zeros(1),
@@ -85,9 +95,9 @@ def compared(transfer: float, overshoot: float) -> ComparedControl:
 def test_claims_are_written_without_powers_of_ten() -> None:
     """A slow move of a soft axis read 'takes 1.235e+04 ms'."""
     controls = [compared(12.3456, 31.4), compared(inf, 1e-5), compared(0.010001, 0.0)]
-    first, second = state_claims(controls)
+    first, second = (unspaced(Catalogue().say(claim)) for claim in state_claims(controls))
     assert first == (
-        "The rectangular acceleration setpoint overshoots by 3140 % and takes 12350 ms, "
-        "1230 times the least time of 10 ms."
+        "The rectangular acceleration setpoint overshoots by 3140 % and takes 12.35 s, "
+        "1234 times the least time of 10 ms."
     )
     assert second.endswith("does not settle, where the least time is 10 ms.")

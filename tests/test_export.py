@@ -42,8 +42,8 @@ from mtcommission.record.schema import Profile, Record
 from mtcommission.record.shape import to_entry
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.study.evaluate import judge
-from mtcommission.study.loop_choice import Settings
+from mtcommission.study.evaluate import evaluate
+from mtcommission.study.settings import Settings
 from mtcommission.study.shapers import shape_setpoint
 
 from .sheet_record import Json, on_json
@@ -254,7 +254,7 @@ def _meets(case: Case, found: ReadBack) -> bool:
     """The judgement of the run, not that of the export."""
     tuned = _loop(case, found)
     if found.shaper is None:
-        verdict = judge(case.found.machine, case.found.plant, tuned, "", "", found.limits)
+        verdict = evaluate(case.found.machine, case.found.plant, tuned, found.limits)
         return verdict.assessment.is_met
     from mtcommission.loop.simulate.response import simulate
     from mtcommission.study.assess import assess
@@ -583,11 +583,15 @@ def test_neighbours_are_tried_where_the_nearest_pair_misses(paper: Case) -> None
     subject = build_subject(paper.record)
     coding = Coding(acceleration_unit=1.0, jerk_unit=1.0)
     raised = replace(subject, limits=replace(subject.limits, jerk=1.015 * subject.limits.jerk))
-    nearest = judge(
-        subject.machine, subject.plant, subject.tuned, "", "",
-        MotionLimits(acceleration=subject.limits.acceleration,
-                     jerk=float(round_down(raised.limits.jerk))),
-    )  # fmt: skip
+    nearest = evaluate(
+        subject.machine,
+        subject.plant,
+        subject.tuned,
+        MotionLimits(
+            acceleration=subject.limits.acceleration,
+            jerk=float(round_down(raised.limits.jerk)),
+        ),
+    )
     assert not nearest.assessment.is_met
     typed = type_limits(raised, coding)
     assert typed.verdict.assessment.is_met

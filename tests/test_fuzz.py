@@ -27,7 +27,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
-from mtcommission.study.loop_choice import Settings
+from mtcommission.study.settings import Settings
 
 COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "200"))
 

@@ -16,7 +16,8 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.loop_choice import Settings, settle_on_loop
+from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.settings import Settings
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
@@ -123,11 +124,12 @@ def test_state_feedback_is_tried_where_the_cascade_is_too_slow() -> None:
     assert found.feedback is not None
     assert found.feedback.least_bandwidth_hz >= 25.0
     assert has_all_margins(found.feedback)
-    chosen = settle_on_loop(machine, build_plant(machine), Settings()).tuned
+    choice = settle_on_loop(machine, build_plant(machine), Settings())
+    chosen = choice.tuned
     assert chosen.controller.observer.states
     said = [ENGLISH.say(remark) for remark in chosen.remarks]
     assert any("has 23.8 Hz, minimum_bandwidth is 25 Hz" in text for text in said)
-    assert "The control must offer state feedback" in said[-1]
+    assert choice.remarks == (Message("control-needs-state-feedback"),)
     assert check_loop(machine) == chosen.warnings  # no word of a bandwidth out of reach
 
 

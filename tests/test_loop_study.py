@@ -13,7 +13,7 @@ from mtcommission.machine.machine import Machine, Requirements, StateFeedback
 from mtcommission.machine.variations import corners
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import judge, run_moves
+from mtcommission.study.evaluate import evaluate, simulate_moves
 from mtcommission.study.feedforward import follow_setpoint
 from mtcommission.study.loop_choice import LoopChoice
 from mtcommission.study.loop_study import study_loop
@@ -65,19 +65,17 @@ def test_jerk_feedforward_costs_force_and_saves_the_lag() -> None:
     without, with_it = study_loop(
         machine, LoopChoice(tuned=tuned, variants=()), LIMITS
     ).jerk_feedforward
-    own = judge(machine, build_plant(machine), tuned, "", "", LIMITS)
+    own = evaluate(machine, build_plant(machine), tuned, LIMITS)
     assert (without.weight, with_it.weight) == (0.0, 1.0)
     assert without.is_used
     assert not with_it.is_used
     assert without.settling_time == pytest.approx(own.settling_time)
     lag = machine.drive.force_lag
     assert without.reference_delay - with_it.reference_delay == pytest.approx(lag)
-    again = judge(
+    again = evaluate(
         machine,
         build_plant(machine),
         tune_loop(quiet_copy(machine, jerk_feedforward=1.0)),
-        "",
-        "",
         LIMITS,
     )
     assert with_it.settling_time == pytest.approx(again.settling_time)
@@ -89,7 +87,7 @@ def test_recommended_limits_stand_beside_the_optimum_on_the_same_machines() -> N
     """Comparing the optimum off by 5 % with limits on the exact machine would be unfair."""
     machine = paper_machine()
     tuned, plant = tune_loop(machine), build_plant(machine)
-    setpoint = run_moves(machine, tuned, LIMITS)[0].setpoint
+    setpoint = simulate_moves(machine, tuned, LIMITS)[0].setpoint
     rows = follow_setpoint(machine, plant, tuned, setpoint)
     needs: Requirements = replace(machine.requirements, frequency_spread=0.05)
     spread = replace(machine, requirements=needs)
@@ -102,7 +100,7 @@ def test_recommended_limits_stand_beside_the_optimum_on_the_same_machines() -> N
         state_feedback=StateFeedback.OFF,
     )
     plain = tune_loop(replace(fixed, requirements=machine.requirements))
-    again = run_moves(spread, tune_loop(fixed), LIMITS)[0].responses
+    again = simulate_moves(spread, tune_loop(fixed), LIMITS)[0].responses
     for row, response in zip(follow_setpoint(machine, plant, plain, setpoint), again, strict=True):
         assert row.settling_time == pytest.approx(response.settling_time)
         assert row.residual_deviation == pytest.approx(response.residual_deviation)

@@ -11,19 +11,20 @@ import pytest
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Control, Machine, Positioning, StateFeedback, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from mtcommission.study.move_sizes import (
     MoveSizes,
     SetpointWay,
+    find_size_filter,
     full_size,
     resize,
     vary_move_sizes,
 )
-from mtcommission.study.size_filter import find_size_filter
 from tests.machines import paper_machine
 
 LIMITS = MotionLimits(acceleration=1.6, jerk=30.0)
@@ -42,8 +43,8 @@ def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> t
     move = resize(item.move, float(item.size[index]) / own)
     control = replace(machine.control, moving_average_time=item.way.moving_average)
     one = replace(machine, moves=(move,), control=control)
-    trial = judge(one, build_plant(one), tuned, "", "", item.way.limits)
-    return trial.settling_time, trial.residual_deviation
+    candidate = evaluate(one, build_plant(one), tuned, item.way.limits)
+    return candidate.settling_time, candidate.residual_deviation
 
 
 @pytest.mark.parametrize("moving_average", [0.0, 0.0139])
@@ -147,7 +148,7 @@ def test_only_the_filter_keeps_whole_periods_on_small_steps() -> None:
         name="j = a f", limits=MotionLimits(acceleration=1.0, jerk=20.0), moving_average=0.0
     )
     average = SetpointWay(
-        name="moving average",
+        name=Message("way-moving-average"),
         limits=MotionLimits(acceleration=1.0, jerk=1.0 / NO_JERK_LIMIT),
         moving_average=0.05,
     )

@@ -101,7 +101,7 @@ def test_reference_that_had_to_be_composed_says_so(monkeypatch: pytest.MonkeyPat
     machine = replace(machine, moves=(move,))
     found = find_optima(machine, build_plant(machine), move)
     assert found.time.method == "composed"
-    assert "Nothing is faster than" in found.remarks[0]
+    assert "Nothing is faster than" in Catalogue().say(found.remarks[0])
 
 
 def test_damping_control_that_exceeds_max_velocity_says_so() -> None:
@@ -113,8 +113,10 @@ def test_damping_control_that_exceeds_max_velocity_says_so() -> None:
     assert optima.damping is not None
     share = optima.damping.peaks[plant.velocity] / move.max_velocity
     assert share > 1.01
-    assert [f"reaches {share:.4g} times max_velocity" in r for r in optima.remarks] == [True]
-    german = GERMAN.say(optima.remarks[0])
+    assert [
+        f"reaches {share:.4g} times max_velocity" in Catalogue().say(r) for r in optima.remarks
+    ] == [True]
+    german = Catalogue("de").say(optima.remarks[0])
     assert german.startswith("Die dämpfungsoptimale Steuerung erreicht das")
 
 

@@ -13,6 +13,7 @@ from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Control, Machine, Peak, Positioning, StateFeedback
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE, peak_of
 from mtcommission.machine.variations import (
     Corner,
     Variations,
@@ -22,11 +23,12 @@ from mtcommission.machine.variations import (
     vary,
 )
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
-from mtcommission.record.robustness import robustness_part, warn_of_narrow_range
+from mtcommission.record.robustness import robustness_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from mtcommission.study.robustness import (
     FrequencyError,
     RobustnessSettings,
@@ -34,8 +36,13 @@ from mtcommission.study.robustness import (
     find_frequency_error,
     find_sensitivities,
     run_monte_carlo,
+    warn_of_narrow_range,
 )
 from tests.machines import paper_machine, slowly_decaying_machine
+
+
+def unspaced(text: str) -> str:
+    return text.replace(THIN_SPACE, " ")
 
 
 def spread_paper_machine(*, state_feedback: StateFeedback = StateFeedback.OFF) -> Machine:
@@ -118,10 +125,10 @@ def test_no_spread_is_the_nominal_machine() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.5, jerk=50.0)
     found = run_monte_carlo(machine, plant, tuned, limits, samples=3)
-    trial = judge(machine, plant, tuned, "", "", limits)
+    candidate = evaluate(machine, plant, tuned, limits)
     assert np.ptp(found.residual_deviation) <= 1e-15
-    assert found.residual_deviation[0] == pytest.approx(trial.residual_deviation, rel=1e-7)
-    assert found.settling_time[0] == pytest.approx(trial.settling_time, abs=1e-8)
+    assert found.residual_deviation[0] == pytest.approx(candidate.residual_deviation, rel=1e-7)
+    assert found.settling_time[0] == pytest.approx(candidate.settling_time, abs=1e-8)
 
 
 def test_worst_case_and_share_agree_with_the_samples() -> None:
@@ -149,9 +156,12 @@ def test_sensitivities_against_trials() -> None:
     machine = spread_paper_machine()
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
-    found = {item.change: item for item in find_sensitivities(machine, plant, tuned, limits)}
-    base = judge(machine, plant, tuned, "", "", limits)
-    more = judge(machine, plant, tuned, "", "", replace(limits, jerk=33.0))
+    found = {
+        unspaced(Catalogue().say(item.change)): item
+        for item in find_sensitivities(machine, plant, tuned, limits)
+    }
+    base = evaluate(machine, plant, tuned, limits)
+    more = evaluate(machine, plant, tuned, replace(limits, jerk=33.0))
     item = found["jerk +10 %"]
     assert item.residual_deviation == pytest.approx(more.residual_deviation, rel=1e-6)
     expected = more.residual_deviation / base.residual_deviation - 1.0
@@ -171,7 +181,7 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
     places = as_variations(corners(machine))
     found = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
-    checks = judge(machine, plant, tuned, "", "", limits).assessment.checks
+    checks = evaluate(machine, plant, tuned, limits).assessment.checks
     shares = {check.name: check.value / check.limit for check in checks}
     used = max(shares[name] for name in ("set force", "peak v_phi", "RMS force"))
     assert found.usage.max() == pytest.approx(used, rel=2e-3)
@@ -200,7 +210,7 @@ def test_frequency_error_names_the_range_that_is_kept() -> None:
     settings = RobustnessSettings(frequency_range=0.3, frequency_points=15)
     found = find_frequency_error(machine, plant, tuned, limits, settings=settings)
     assert found.factor[[0, 15, 30]] == pytest.approx([0.7, 1.0, 1.3])
-    nominal = judge(machine, plant, tuned, "", "", limits)
+    nominal = evaluate(machine, plant, tuned, limits)
     assert nominal.assessment.is_met
     assert found.residual_deviation[15] == pytest.approx(nominal.residual_deviation, rel=1e-6)
     kept = found.residual_deviation <= machine.requirements.tcp_deviation
@@ -255,10 +265,10 @@ def test_record_holds_the_distribution() -> None:
 @pytest.mark.parametrize(
     ("kept", "english", "german"),
     [
-        ((0.995, 1.1), "-0.5 % to at least +10 %", "−0,5 % bis mindestens +10 %"),
+        ((0.995, 1.1), "−0.5 % to at least +10 %", "−0,5 % bis mindestens +10 %"),
         ((1.0, 1.1), "0 % to at least +10 %", "0 % bis mindestens +10 %"),
-        ((0.97, 1.0125), "-3 % to +1.25 %", "−3 % bis +1,25 %"),
-        ((0.9, 1.005), "at least -10 % to +0.5 %", "mindestens −10 % bis +0,5 %"),
+        ((0.97, 1.0125), "−3 % to +1.25 %", "−3 % bis +1,25 %"),
+        ((0.9, 1.005), "at least −10 % to +0.5 %", "mindestens −10 % bis +0,5 %"),
     ],
 )
 def test_limits_that_hang_on_an_exact_frequency_are_called_so(
@@ -267,12 +277,13 @@ def test_limits_that_hang_on_an_exact_frequency_are_called_so(
     """Otherwise "all requirements met" would be read as true of a machine half a per cent off."""
     machine = paper_machine()
     (warning,) = warn_of_narrow_range(machine, _kept(*kept))
+    said = unspaced(Catalogue().say(warning))
     lost = (
         "residual deviation (where they are lower) and set force (where they are higher) and "
-        "peak v_phi (where they are higher)"
+        "peak v_φ (where they are higher)"
     )
-    assert f"off by {english}. Missed outside this range: {lost}. State requirements" in warning
-    translated = Catalogue("de").say(warning)
+    assert f"off by {english}. Missed outside this range: {lost}. State requirements" in said
+    translated = unspaced(Catalogue("de").say(warning))
     assert german in translated
     lost = (
         "Restabweichung (wo sie tiefer liegen) und Sollkraft (wo sie höher liegen) und "
@@ -297,8 +308,8 @@ def _kept(low: float, high: float) -> FrequencyError:
         residual_deviation=np.full(81, 1e-6),
         kept_from=float(factor[np.argmin(abs(factor - low))]) if low == low else low,
         kept_to=float(factor[np.argmin(abs(factor - high))]) if high == high else high,
-        lost_below=("residual deviation",),
-        lost_above=("set force", "peak v_phi"),
+        lost_below=(RESIDUAL_DEVIATION,),
+        lost_above=(SET_FORCE, peak_of("v_phi")),
     )
 
 
@@ -315,9 +326,9 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
     settings = RobustnessSettings(frequency_points=10)
     error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
     warnings = warn_of_narrow_range(machine, error)
-    assert ["set force (where they are lower). " in warning for warning in warnings] == (
-        [True] if is_narrow else []
-    )
+    assert [
+        "set force (where they are lower). " in Catalogue().say(warning) for warning in warnings
+    ] == ([True] if is_narrow else [])
     (move,) = machine.moves
     for factor, is_kept in ((1.0, True), (0.98, not is_narrow)):
         varied = build_plant(vary(machine, Corner(frequency_factor=factor)))

@@ -24,7 +24,7 @@ from mtcommission.limits.commissioning_rule.estimate import (
     servo_parts,
 )
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
-from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (
@@ -40,12 +40,13 @@ from mtcommission.machine.machine import (
     moving_mass,
 )
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 from tests.machines import paper_machine
 
 WIDE = Modes(surface=1e-6, accuracy=1e-6, speed=1e-6)
@@ -114,7 +115,7 @@ def test_ramp_vibration_is_the_worst_of_the_spread(
     ("lag", "position_cycle", "velocity_cycle"),
     [(2.5e-3, 2e-3, 125e-6), (4e-3, 1e-3, 125e-6), (1e-3, 4e-3, 500e-6), (1.5e-3, 2e-3, 250e-6)],
 )
-def test_servo_tail_against_the_loop(
+def test_following_error_transient_against_the_loop(
     lag: float, position_cycle: float, velocity_cycle: float
 ) -> None:
     """If it failed, the tail that binds most stiff machines would be misjudged.
@@ -161,9 +162,9 @@ def test_rule_meets_the_band_on_random_machines(seed: int) -> None:
     """If it failed, the sheet would print a rule that does not do what it is for."""
     machine = random_machine(seed)
     found, tuned = apply(machine)
-    trial = judge(machine, build_plant(machine), tuned, "rule", "", found.limits)
-    assert trial.assessment.is_met
-    assert trial.settling_time == pytest.approx(found.predicted_settling_time, abs=1e-9)
+    candidate = evaluate(machine, build_plant(machine), tuned, found.limits)
+    assert candidate.assessment.is_met
+    assert candidate.settling_time == pytest.approx(found.predicted_settling_time, abs=1e-9)
 
 
 def test_rule_on_the_papers_machine_meets_the_band() -> None:
@@ -171,7 +172,7 @@ def test_rule_on_the_papers_machine_meets_the_band() -> None:
     machine = paper_machine()
     machine = replace(machine, control=Control(state_feedback=StateFeedback.OFF))
     found, tuned = apply(machine)
-    assert judge(machine, build_plant(machine), tuned, "", "", found.limits).assessment.is_met
+    assert evaluate(machine, build_plant(machine), tuned, found.limits).assessment.is_met
 
 
 @pytest.mark.parametrize("seed", [4, 9, 17])
@@ -206,8 +207,8 @@ def test_the_acceleration_is_reached_and_the_band_predicted(seed: int) -> None:
             move, acceleration=found.limits.acceleration, jerk=found.limits.jerk
         )
         assert reached == pytest.approx(found.limits.acceleration, rel=1e-6)
-    assert found.predicted_residual <= machine.requirements.tcp_deviation * (1 + 1e-9)
-    shortest = min(candidate.duration for candidate in found.candidates)
+    assert found.best.residual_deviation <= machine.requirements.tcp_deviation * (1 + 1e-9)
+    shortest = min(candidate.duration for candidate in found.tried)
     assert found.predicted_settling_time >= shortest
 
 
@@ -227,12 +228,15 @@ def test_the_steps_suffice_to_calculate_the_residual_by_hand() -> None:
     found, tuned = apply(machine)
     mechanics, gains = machine.mechanics, tuned.controller
     assert isinstance(mechanics, Modal)
-    steps = {step.name: step.value for step in found.steps}
+    steps = {Catalogue().say(step.name): step.value for step in found.steps}
     omega_v, t_j = gains.velocity_gain / gains.feedforward_mass, found.limits.jerk_time
-    assert steps["speed loop omega_v"] == pytest.approx(omega_v, rel=0.3)  # largest mass counts
-    parts = [steps["servo compliance C_S"], steps["payload compliance C_P"]]
+    assert steps["speed loop ω_v"] == pytest.approx(omega_v, rel=0.3)  # largest mass counts
+    parts = [
+        steps["jerk sensitivity C_S of the servo"],
+        steps["jerk sensitivity C_P by the payload"],
+    ]
     for mode in mechanics.modes:
-        compliance = steps[f"compliance C of mode {mode.name}"]
+        sensitivity = steps[f"jerk sensitivity C of mode {mode.name}"]
         pull = gains.feedforward_mass * mode.measured_gain
         if pull:
             widened = pull * min(1.0, omega_v / mode.natural_frequency)
@@ -240,7 +244,7 @@ def test_the_steps_suffice_to_calculate_the_residual_by_hand() -> None:
             assert shown == pytest.approx(
                 min(widened, 0.5 - machine.requirements.frequency_spread), rel=1e-9
             )
-        parts.append(compliance * steps[f"vibration V of mode {mode.name}"])
+        parts.append(sensitivity * steps[f"vibration V of mode {mode.name}"])
     by_hand = found.limits.jerk * float(np.sqrt(np.sum(np.square(parts))))
     assert by_hand == pytest.approx(steps["predicted residual"], rel=1e-9)
     assert found.limits.acceleration == pytest.approx(found.limits.jerk * t_j, rel=1e-12)
@@ -315,8 +319,8 @@ def test_the_example_by_hand_gives_what_the_program_gives(tmp_path: Path) -> Non
     times = {"no cancelling": np.sqrt(v * 1.25 * np.hypot(C_S, 2 * C * decayed) / e)}
     for k in (1, 2, 3):
         times[f"{k} period{'s' if k > 1 else ''} of column"] = k / 40.0
-    for candidate in found.candidates:
-        t_j = times[candidate.name]
+    for candidate in found.tried:
+        t_j = times[Catalogue().say(candidate.name)]
         low, high = 40.0 * t_j * 0.97, 40.0 * t_j * 1.03
         left, gone = np.exp(-2 * pi * 0.03 * low), 1 - np.exp(-2 * pi * 0.03 * high)
         S = max(abs(np.sin(pi * low)), abs(np.sin(pi * high)))
@@ -325,7 +329,7 @@ def test_the_example_by_hand_gives_what_the_program_gives(tmp_path: Path) -> Non
         a = min(by_force, by_band, v / t_j)
         assert candidate.limits.acceleration == pytest.approx(a, rel=2e-3), candidate.name
         assert candidate.duration == pytest.approx(v / a + t_j, rel=2e-3), candidate.name
-        text = f"| **{1e3 * (v / a + t_j):.1f} ms** |" if candidate.name == found.chosen else ""
+        text = f"| **{1e3 * (v / a + t_j):.1f} ms** |" if candidate == found.best else ""
         assert text in DOC.read_text(encoding="utf-8")
 
 
@@ -334,22 +338,27 @@ def test_the_example_prints_what_is_simulated(tmp_path: Path) -> None:
     machine = example_of_the_document(tmp_path)
     plant = build_plant(machine)
     found, tuned = apply(machine)
-    trial = judge(machine, plant, tuned, "", "", found.limits)
-    force = next(check for check in trial.assessment.checks if check.name == "set force")
+    candidate = evaluate(machine, plant, tuned, found.limits)
+    force = next(check for check in candidate.assessment.checks if check.name == "set force")
     text = " ".join(DOC.read_text(encoding="utf-8").split())
     assert (
-        f"Simulated: {1e3 * trial.settling_time:.1f} ms, {1e6 * trial.residual_deviation:.2f} µm, "
+        f"Simulated: {1e3 * candidate.settling_time:.1f} ms, "
+        f"{1e6 * candidate.residual_deviation:.2f} µm, "
         f"{force.value:.0f} N of 2000 N."
     ) in text
     searched = choose_limits(machine, plant, tuned).limits
-    best = judge(machine, plant, tuned, "", "", searched).settling_time
-    cost = 100.0 * (trial.settling_time / best - 1.0)
+    best = evaluate(machine, plant, tuned, searched).settling_time
+    cost = 100.0 * (candidate.settling_time / best - 1.0)
     assert (
         f"The search finds {1e3 * best:.1f} ms with {searched.acceleration:g} m/s² and "
         f"{searched.jerk:g} m/s³: the rule costs {cost:.0f} % here."
     ) in text
-    naive = next(item for item in apply_rules(machine, plant) if item.name.startswith("j = a f"))
-    other = judge(machine, plant, tuned, "", "", naive.limits)
+    naive = next(
+        item
+        for item in apply_rules_of_thumb(machine, plant)
+        if item.name.kind == "rule-of-thumb-periods"
+    )
+    other = evaluate(machine, plant, tuned, naive.limits)
     assert (
         f"leaves {1e6 * other.residual_deviation:.1f} µm and settles after "
         f"{1e3 * other.settling_time:.1f} ms"

@@ -8,9 +8,10 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from mtcommission.limits.rules_of_thumb import apply_rules, apply_slower_ramps
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb, apply_slower_ramps
 from mtcommission.machine.machine import Positioning, VelocityStep
 from mtcommission.machine.rigid_body import peak_velocity
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant, dominant_mode, longest_period
 from tests.independent_loop import Vibration, profile_of
 from tests.machines import paper_machine, random_modal_machine
@@ -18,7 +19,10 @@ from tests.machines import paper_machine, random_modal_machine
 
 def test_rules_on_the_papers_machine_by_hand() -> None:
     machine = paper_machine()
-    rules = {rule.name: rule.limits for rule in apply_rules(machine, build_plant(machine))}
+    rules = {
+        Catalogue().say(rule.name): rule.limits
+        for rule in apply_rules_of_thumb(machine, build_plant(machine))
+    }
     a = 2000.0 / 750.0
     f = sqrt(44.41e6 / 450.0) / (2 * pi)  # the base: 1/k_b exceeds h r / k
     soft = min(a, 5e-6 * (2 * pi * f) ** 2)
@@ -40,7 +44,10 @@ def test_slower_ramps_take_two_and_three_periods() -> None:
     """If it failed, the later zeros of j = a f / k would not be what is compared."""
     machine = paper_machine()
     a, period = 2000.0 / 750.0, 2 * pi * sqrt(450.0 / 44.41e6)
-    found = {rule.name: rule.limits for rule in apply_slower_ramps(machine, build_plant(machine))}
+    found = {
+        Catalogue().say(rule.name): rule.limits
+        for rule in apply_slower_ramps(machine, build_plant(machine))
+    }
     assert list(found) == ["j = a f / 2 (base, 50 Hz)", "j = a f / 3 (base, 50 Hz)"]
     for k, limits in zip((2, 3), found.values(), strict=True):
         assert limits.acceleration == pytest.approx(a)
@@ -67,7 +74,7 @@ def test_peak_velocity_of_a_move() -> None:
 def test_rules_use_the_force_that_is_left_for_motion() -> None:
     machine = paper_machine()
     loaded = replace(machine, drive=replace(machine.drive, static_load=-500.0))
-    rule = apply_rules(loaded, build_plant(loaded))[0]
+    rule = apply_rules_of_thumb(loaded, build_plant(loaded))[0]
     assert rule.limits.acceleration == pytest.approx(1500.0 / 750.0)
 
 

@@ -17,8 +17,9 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
-from mtcommission.study.evaluate import judge as judge_here
-from mtcommission.study.loop_choice import Settings, settle_on_loop
+from mtcommission.study.evaluate import evaluate
+from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.settings import Settings
 from tests.independent_loop import judge, profile_of, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
@@ -35,7 +36,7 @@ def broken_requirements(machine: Machine) -> list[str] | None:
     plant = build_plant(machine)
     tuned = settle_on_loop(machine, plant, Settings()).tuned
     limits = choose_limits(machine, plant, tuned).limits
-    if not judge_here(machine, plant, tuned, "", "", limits).assessment.is_met:
+    if not evaluate(machine, plant, tuned, limits).assessment.is_met:
         return None
     needs, drive, gains = machine.requirements, machine.drive, tuned.controller
     broken = []

@@ -11,6 +11,7 @@ import pytest
 
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Control, Positioning, StateFeedback, VelocityStep
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import PlantMode, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
@@ -105,7 +106,13 @@ def test_comparison_on_the_papers_machine() -> None:
         machine, requirements=needs, control=Control(state_feedback=StateFeedback.OFF)
     )
     trials = compare_shapers(machine, build_plant(machine), tune_loop(machine))
-    assert [trial.name.split()[0] for trial in trials] == ["ZV", "MZV", "ZVD", "EI", "moving"]
+    assert [Catalogue().say(trial.name).split()[0] for trial in trials] == [
+        "ZV",
+        "MZV",
+        "ZVD",
+        "EI",
+        "moving",
+    ]
     for trial in trials:
         force = next(c for c in trial.assessment.checks if c.name == "set force")
         assert force.is_met

@@ -28,11 +28,8 @@ from typer.testing import CliRunner
 from mtcommission.cli import app
 from mtcommission.cli.results_view import describe_simulation
 from mtcommission.errors import ComputationError, InputError, Outcome
-from mtcommission.limits.commissioning_rule.rule import (
-    FORMULA,
-    apply_commissioning_rule,
-    formula_for,
-)
+from mtcommission.limits.commissioning_rule.by_hand import RuleFormula, formulas_for
+from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import (
@@ -430,7 +427,7 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia():
     """A field "Moving mass 8.3 kg m²" makes one doubt all other fields."""
     record = rotary_record()
     record["limits"]["recommended"]["bound_by"] = "residual deviation and force limit"
-    record["assumptions"] = list_assumptions(read_shipped("rotary-table").machine)
+    record["assumptions"] = to_plain(list_assumptions(read_shipped("rotary-table").machine))
     forces = {"en": r"\b([Ff]orces?|[Mm]ass)\b", "de": "[Kk]raft|[Kk]räft|[Mm]asse"}
     for language in ("en", "de"):
         document = compose(record, language)
@@ -572,21 +569,24 @@ def test_a_peak_and_the_gains_carry_the_unit_of_their_state():
 # the rule
 
 
+def formula_entry(item: RuleFormula) -> dict[str, object]:
+    return {"tree": to_plain(item.tree), "aside": to_plain(item.aside)}
+
+
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(language):
     """The rule is to be used with a calculator, so no letter may be left to guess."""
     record = example_record()
-    record["limits"]["rule"]["formula"] = FORMULA
-    steps = [
-        (
-            "servo compliance C_S",
-            "(max(0.4 T^2, 0.18 T_p^2) + 0.8 sum m c/omega^2) min(1.5/omega_v, t_j)",
-        ),
-        ("payload compliance C_P", "eps min(Tn/(omega_v Kv), 1.3 t_j/(omega_v (Kv + 1/Tn)))"),
-        ("unknown share of the mass eps", "|m_ff - m| / m"),
-    ]
-    record["limits"]["rule"]["steps"] += [
-        {"name": name, "formula": formula, "value": 1.0, "unit": "1"} for name, formula in steps
+    machine = read_shipped("milling-manipulator").machine
+    rule = apply_commissioning_rule(machine, build_plant(machine), tune_loop(machine))
+    record["limits"]["rule"]["steps"] = [
+        {
+            "name": to_plain(step.name),
+            "formula": to_plain(step.formula),
+            "value": 1.0,
+            "unit": step.unit,
+        }
+        for step in rule.steps
     ]
     section = next(s for s in compose(record, language).sections if s.key == "rule")
     formulas = [block for block in section.blocks if isinstance(block, Formula)]
@@ -608,7 +608,7 @@ def test_the_rule_for_positioning_has_its_own_formulas_and_their_length(language
     record = example_record()
     move = Positioning(distance=0.02, max_velocity=0.5)
     record["moves"][0]["move"] = {"distance": move.distance, "max_velocity": move.max_velocity}
-    record["limits"]["rule"]["formula"] = formula_for([move])
+    record["limits"]["rule"]["formula"] = [formula_entry(item) for item in formulas_for([move])]
     section = next(s for s in compose(record, language).sections if s.key == "rule")
     formulas = [block for block in section.blocks if isinstance(block, Formula)]
     spoken = [(write_formula(item.tree), item.aside) for item in formulas if item.aside]
@@ -984,7 +984,7 @@ def test_german_knows_data_assumptions_loop_and_rule_of_every_example_machine(na
     rule = apply_commissioning_rule(machine, plant, tuned)
     steps = [step.name for step in rule.steps]
     sentences = [*list_assumptions(machine), *tuned.remarks, *tuned.warnings]
-    sentences += [rule.chosen, rule.bound_by, *rule.warnings, *steps]
+    sentences += [rule.best.name, rule.best.bound_by, *rule.warnings, *steps]
     assert len(sentences) > 15
     for sentence in sentences:
         assert "Originaltext" not in GERMAN.say(sentence), sentence

@@ -31,7 +31,7 @@ from mtcommission.record.build import build_record
 from mtcommission.record.data import ACCEPTED_DEFAULT, list_data
 from mtcommission.record.schema import Profile
 from mtcommission.record.shape import to_plain
-from mtcommission.study.loop_choice import Settings
+from mtcommission.study.settings import Settings
 from mtcommission.wizard.axis_units import (
     MODAL,
     PAIR_BY_FREQUENCY,

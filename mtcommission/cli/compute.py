@@ -30,7 +30,6 @@ from mtcommission.cli.inputs import (
 )
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
-from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
@@ -202,7 +201,7 @@ def limits(
     from mtcommission.commission import commission
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_part
-    from mtcommission.record.robustness import warn_of_narrow_range
+    from mtcommission.record.schema import Words
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
@@ -210,8 +209,7 @@ def limits(
     if json_file:
         write_text(json_file, dump_json(part))
     if json_file != "-":
-        narrow = warn_of_narrow_range(machine, found.robustness.frequency_error)
-        warnings: list[Message | str] = [*found.tuned.warnings, *narrow]
+        warnings: list[Words] = [*found.tuned.warnings, *found.robustness.warnings]
         show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if met else 1)
 
@@ -225,7 +223,7 @@ def simulate(
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
 ) -> None:
-    """Run one setpoint through the loop and judge it."""
+    """Run one setpoint through the loop and evaluate it."""
     from mtcommission.files import require_writable, write_text
     from mtcommission.limits.optima import require_force
     from mtcommission.options import read_limits, require_short_moves
@@ -243,8 +241,9 @@ def simulate(
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
     from mtcommission.setpoint.motion_limits import without_jerk_limit
-    from mtcommission.study.evaluate import run_moves
-    from mtcommission.study.loop_choice import Settings, settle_on_loop
+    from mtcommission.study.evaluate import simulate_moves
+    from mtcommission.study.loop_choice import settle_on_loop
+    from mtcommission.study.settings import Settings
 
     asked, notes = chosen, []
     if asked.jerk_time < machine.control.position_cycle:
@@ -259,7 +258,7 @@ def simulate(
         progress(Message("stage-feedback-loop"))
         tuned = settle_on_loop(machine, plant, Settings()).tuned
         progress(Message("stage-response"))
-        moves = run_moves(machine, tuned, chosen)
+        moves = simulate_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
     part = replace(part, warnings=[*notes, *part.warnings])
     if json_file:

@@ -22,6 +22,7 @@ from mtcommission.record.schema import (
     RuleResult,
     SimulationPart,
 )
+from mtcommission.sheet.values import say_limiting, say_requirement
 
 
 def describe_limits(
@@ -67,13 +68,13 @@ def describe_limits(
         *(
             Text(spoken.say(_hold_sentence(item, spoken, length)))
             for item in part.move_sizes
-            if item.way == "recommended"
+            if item.way == Message("way-recommended")
         ),
         *(
             Text(
                 spoken.text(
                     "terminal-in-the-way",
-                    obstacle=said(name_obstacle(item)),
+                    obstacle=say_limiting(item, spoken),
                     limit=printed.quantity(item.limit, item.unit),
                     value=printed.quantity(item.value, item.unit),
                 )
@@ -138,7 +139,7 @@ def _verdict(spoken: Catalogue, assessment: AssessmentPart) -> list[RenderableTy
     for check in assessment.checks:
         line = spoken.text(
             "terminal-check-met" if check.met else "terminal-check-not-met",
-            name=spoken.say(check.name),
+            name=say_requirement(check.name, spoken),
             value=printed.quantity(check.value, check.unit, missing=unsettled),
             limit=printed.quantity(check.limit, check.unit),
             where=spoken.say(check.where),

@@ -1,4 +1,4 @@
-"""Record -> Subject: what an export needs to know, and the loop to judge it in.
+"""Record -> Subject: what an export needs to know, and the loop to evaluate it in.
 
 The record holds the profile's text and every gain that was chosen, so the loop is built again
 as it was, in every corner, without tuning or optimising anything.
@@ -24,7 +24,7 @@ from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
 from mtcommission.study.assess import Assessment, assess
-from mtcommission.study.evaluate import run_setpoints
+from mtcommission.study.evaluate import simulate_setpoints
 
 REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what
@@ -267,7 +267,7 @@ def judge_setpoints(subject: Subject, setpoints: Sequence[Setpoint]) -> Verdict:
     Verdict
     """
     machine, tuned = subject.machine, subject.tuned
-    rows = [result.responses for result in run_setpoints(machine, tuned, setpoints)]
+    rows = [result.responses for result in simulate_setpoints(machine, tuned, setpoints)]
     everywhere = [response for row in rows for response in row]
     return Verdict(
         settling_time=max(response.settling_time for response in everywhere),

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
-from mtcommission.limits.rules_of_thumb import apply_rules
+from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.limits.search.bench import (
     Bench,
     build_bench,
@@ -27,11 +27,13 @@ from mtcommission.limits.search.bench import (
 from mtcommission.limits.search.explore import explore, guess_usage, join
 from mtcommission.limits.search.landscape import Landscape, chart_landscape
 from mtcommission.limits.search.region import Region, lay_grid, narrow_region, widest_region
+from mtcommission.limits.search.rounding import round_best
 from mtcommission.limits.search.settings import SearchSettings
-from mtcommission.limits.search.typed import pick
 from mtcommission.loop.simulation_budget import require_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION
+from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -47,7 +49,7 @@ class Choice:
     Parameters
     ----------
     limits
-        Rounded to what is typed in.
+        Rounded to the control's resolution.
     meets_requirements
         Whether all requirements hold by the search's own judgement.
     explain
@@ -60,39 +62,19 @@ class Choice:
 
     limits: MotionLimits
     meets_requirements: bool
-    explain: Callable[[], str]
+    explain: Callable[[], Message]
     chart: Callable[[], Landscape]
     evaluations: int
 
     @property
-    def bound_by(self) -> str:
+    def bound_by(self) -> Message:
         """What forbids faster limits."""
         return self.explain()
 
     @property
-    def acceleration(self) -> Array:
-        """First axis of the landscape [m/s²]."""
-        return self.chart().acceleration
-
-    @property
-    def jerk_time(self) -> Array:
-        """Second axis of the landscape [s]."""
-        return self.chart().jerk_time
-
-    @property
-    def settling_time(self) -> Array:
-        """Of the landscape [s]."""
-        return self.chart().settling_time
-
-    @property
-    def residual_deviation(self) -> Array:
-        """Of the landscape [m]."""
-        return self.chart().residual_deviation
-
-    @property
-    def usage(self) -> Array:
-        """Of the landscape [-]."""
-        return self.chart().usage
+    def landscape(self) -> Landscape:
+        """Settling time, residual deviation and use of force over all limits."""
+        return self.chart()
 
 
 def choose_limits(
@@ -120,7 +102,7 @@ def choose_limits(
     -------
     Choice
         Never slower than a rule or a start that meets all requirements (up to the rounding of
-        what is typed in). Where nothing meets them, the limits with the least settling time
+        the resolution). Where nothing meets them, the limits with the least settling time
         within force and peaks.
 
     Raises
@@ -134,7 +116,7 @@ def choose_limits(
     require_affordable_limits(machine, by_rule)
     trusted = [by_rule, *starts]
     widest = widest_region(machine, plant, settings, trusted)
-    known = [*trusted, *(rule.limits for rule in apply_rules(machine, plant))]
+    known = [*trusted, *(rule.limits for rule in apply_rules_of_thumb(machine, plant))]
     stage = _set_stage(machine, plant, tuned, widest, known)
     bench, region = stage.bench, stage.region
     grid = lay_grid(region, machine, widest=widest, points=settings.grid)
@@ -145,7 +127,7 @@ def choose_limits(
         # Nothing comes to rest within the band: then the least settling time alone counts.
         more = explore(bench, guess, grid, region, starts=begin, settings=settings, urgency=0.0)
         pool = join([pool, more])
-    found = pick(bench, pool, settings)
+    found = round_best(bench, pool, settings)
     return Choice(
         limits=found.limits,
         meets_requirements=found.meets_requirements,
@@ -241,19 +223,21 @@ FEW = 8
 """Known limits whose force is simulated together, best first."""
 
 
-def _explain(bench: Bench, limits: MotionLimits, feasible: bool) -> str:
+def _explain(bench: Bench, limits: MotionLimits, feasible: bool) -> Message:
     """Name what breaks when either limit is raised a little."""
     if not feasible:
-        return "least settling time; no limits meet all requirements"
+        return Message("bound-by-nothing-met")
     steps = (1.01, 1.03, 1.1)
     pairs = [(f, 1.0) for f in steps] + [(1.0, f) for f in steps] + [(f, f) for f in steps]
     factors = np.array(pairs)
     a = limits.acceleration * factors[:, 0]
     t = a / (limits.jerk * factors[:, 1])
-    used = use_of_bounds(bench, a, t) > 1.0
-    broken = {name for name, column in zip(bench.names, used.T, strict=True) if column.any()}
     residual = settle_exactly(bench, a, t).residual_deviation
-    if np.any(residual > bench.band):
-        broken.add("residual deviation")
-    ordered = [name for name in ("residual deviation", *bench.names) if name in broken]
-    return " and ".join(ordered) if ordered else "settling time (higher limits settle later)"
+    used = use_of_bounds(bench, a, t)
+    columns = zip(
+        (RESIDUAL_DEVIATION, *bench.requirements), (residual / bench.band, *used.T), strict=True
+    )
+    broken = [requirement.message for requirement, share in columns if np.any(share > 1.0)]
+    if not broken:
+        return Message("bound-by-settling-later")
+    return Message("bound-by-requirements", requirements=join_by_and(broken))

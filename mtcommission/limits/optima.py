@@ -53,7 +53,7 @@ class Optima:
     time: TimeOptimum
     constrained: TimeOptimum | None
     damping: DampingOptimum | None
-    remarks: tuple[str, ...]
+    remarks: tuple[Message, ...]
 
 
 def require_force(machine: Machine) -> None:
@@ -66,8 +66,8 @@ def require_force(machine: Machine) -> None:
     """
     drive = machine.drive
     if drive.motion_force <= 0.0:
-        detail = f"static_load {drive.static_load:.6g} N of max_force {drive.max_force:.6g} N"
-        raise ComputationError(Outcome.NO_FORCE_LEFT, Message("verbatim", text=detail))
+        detail = Message("static-load-of-force", load=drive.static_load, force=drive.max_force)
+        raise ComputationError(Outcome.NO_FORCE_LEFT, detail)
 
 
 def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
@@ -86,39 +86,32 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     """
     force = machine.drive.motion_force
     time = find_time_optimum(plant, move, force_limit=force, bounds=())
-    constrained, remarks = None, []
+    constrained = None
+    remarks: list[Message] = []
     if time.method == "composed":
+        proof = time.certificate
         remarks.append(
-            "The move cruises at max_velocity for long; the reference shown is composed of two "
-            "time-optimal velocity steps and a cruise at rest. Nothing is faster than "
-            f"{1e3 * time.certificate.t_f_lower_bound:.6g} ms (a proved bound, "
-            f"{100 * time.certificate.relative_gap:.2g} % below)."
+            Message("optimum-composed", least=proof.t_f_lower_bound, below=proof.relative_gap)
         )
     bounds = tuple(Bound(name=p.name, value=p.bound) for p in machine.requirements.peaks)
     if bounds:
         try:
             constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
         except ComputationError as error:
-            remarks.append(f"Optimum under the bounds on peaks: {error}.")
+            remarks.append(Message("optimum-under-bounds-failed", error=error.message))
     if constrained and constrained.certificate.relative_gap > TIGHT_GAP:
-        slower = 100.0 * constrained.certificate.relative_gap
-        remarks.append(
-            f"The optimum under the bounds on peaks is at most {slower:.1g} % slower than the "
-            "fastest control; exact arcs were not found."
-        )
+        gap = constrained.certificate.relative_gap
+        remarks.append(Message("optimum-not-exact", slower=gap))
     wanted = machine.damping_optimal
     t_f = wanted.t_f or (constrained.t_f if constrained else DAMPING_TIME_FACTOR * time.t_f)
     damping = None
     try:
         damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
     except ComputationError as error:
-        remarks.append(f"Damping-optimal control: {error}.")
+        remarks.append(Message("damping-optimum-failed", error=error.message))
     excess = excess_velocity(plant, damping) if damping else 0.0
     if excess:
-        remarks.append(
-            f"The damping-optimal control reaches {1.0 + excess:.4g} times max_velocity: its "
-            "functional knows no limits on states."
-        )
+        remarks.append(Message("damping-optimum-exceeds-velocity", times=1.0 + excess))
     return Optima(
         move=move,
         time=time,
@@ -193,8 +186,8 @@ def find_damping_optimum(
         FINAL_TIME_TOO_SHORT if t_f < least, with t_f,min in the message.
     """
     if t_f < least:
-        detail = f"t_f = {1e3 * t_f:.9g} ms, but t_f,min = {_rounded_up(1e3 * least):.9g} ms"
-        raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, Message("verbatim", text=detail))
+        detail = Message("final-time-below-least", final=t_f, least=_rounded_up(least))
+        raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
     force = machine.drive.motion_force
     weights = machine.damping_optimal.weights
     if not weights:
@@ -205,7 +198,7 @@ def find_damping_optimum(
 
 def condense_optima(
     machine: Machine, plant: Plant, optima: Sequence[Optima]
-) -> tuple[tuple[str, MotionLimits], ...]:
+) -> tuple[tuple[Message, MotionLimits], ...]:
     """Return the jerk-limited profile closest to each optimum, with its name.
 
     Parameters
@@ -223,18 +216,20 @@ def condense_optima(
     cycle = machine.control.position_cycle
     found = []
     for number, item in enumerate(optima, start=1):
-        place = f", move {number}" if len(optima) > 1 else ""
         solutions = {
-            "time-optimal": item.time,
-            "constrained": item.constrained,
-            "damping-optimal": item.damping,
+            "closest-to-time-optimal": item.time,
+            "closest-to-constrained": item.constrained,
+            "closest-to-damping-optimal": item.damping,
         }
-        for name, solution in solutions.items():
+        for kind, solution in solutions.items():
             if solution is None:
                 continue
             motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / 500)
             limits = condense(item.move, motion, velocity=plant.velocity, shortest_ramp=cycle)
-            found.append((f"closest to the {name} control{place}", limits))
+            name = Message(kind)
+            if len(optima) > 1:
+                name = Message("with-move-number", name=name, number=number)
+            found.append((name, limits))
     return tuple(found)
 
 

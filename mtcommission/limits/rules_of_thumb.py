@@ -11,12 +11,13 @@ from math import isfinite
 
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.rigid_body import peak_velocity
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rule:
+class RuleOfThumb:
     """One rule, applied to a machine.
 
     Parameters
@@ -29,12 +30,12 @@ class Rule:
         What it gives here.
     """
 
-    name: str
-    source: str
+    name: Message
+    source: Message
     limits: MotionLimits
 
 
-def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
+def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
     """Return the rules of thumb applied to a machine.
 
     Parameters
@@ -44,7 +45,7 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
 
     Returns
     -------
-    tuple of Rule
+    tuple of RuleOfThumb
 
     Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f.
     """
@@ -53,37 +54,16 @@ def apply_rules(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
     f, omega = mode.frequency_hz, mode.natural_frequency
     stiff = min(a, machine.requirements.tcp_deviation * omega**2)
     rules = [
-        Rule(
-            name="a = F_max/m, no jerk limit",
-            source="naive",
-            limits=without_jerk_limit(machine, a),
-        ),
+        _rule("no-jerk-limit", "naive", without_jerk_limit(machine, a)),
         _ramp_of_periods(mode, a, periods=1),
-        Rule(
-            name="a = e ω², j = a f",
-            source="static deflection within the band (textbook)",
-            limits=_with_jerk_time(stiff, 1.0 / f),
-        ),
-        Rule(
-            name="j = 10 a",
-            source="grblHAL; lower end of LinuxCNC",
-            limits=_with_jerk_time(a, 0.1),
-        ),
-        Rule(
-            name="j = 100 a",
-            source="upper end of LinuxCNC",
-            limits=_with_jerk_time(a, 0.01),
-        ),
+        _rule("stiffness", "static-deflection", _with_jerk_time(stiff, 1.0 / f)),
+        _rule("ten", "grblhal", _with_jerk_time(a, 0.1)),
+        _rule("hundred", "linuxcnc", _with_jerk_time(a, 0.01)),
     ]
     velocity = max(peak_velocity(move, a) for move in machine.moves)
     if isfinite(velocity):
-        rules.append(
-            Rule(
-                name="j = a²/v_max",
-                source="HEIDENHAIN, MANUALplus 620: least axPathJerk",
-                limits=MotionLimits(acceleration=a, jerk=a**2 / velocity),
-            )
-        )
+        limits = MotionLimits(acceleration=a, jerk=a**2 / velocity)
+        rules.append(_rule("velocity", "heidenhain", limits))
     return tuple(rules)
 
 
@@ -91,7 +71,7 @@ SLOWER_RAMPS = (2, 3)
 """Periods of the dominant mode that a ramp may take besides one."""
 
 
-def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
+def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, ...]:
     """Return j = a f / k, the later zeros of the vibration, applied to a machine.
 
     Parameters
@@ -101,7 +81,7 @@ def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
 
     Returns
     -------
-    tuple of Rule
+    tuple of RuleOfThumb
         With a = F_max/m, one for each of ``SLOWER_RAMPS``.
 
     Source: Biagiotti & Melchiorri 2008, as j = a f.
@@ -111,13 +91,18 @@ def apply_slower_ramps(machine: Machine, plant: Plant) -> tuple[Rule, ...]:
     return tuple(_ramp_of_periods(mode, a, periods=k) for k in SLOWER_RAMPS)
 
 
-def _ramp_of_periods(mode: PlantMode, a: float, *, periods: int) -> Rule:
+def _rule(name: str, source: str, limits: MotionLimits) -> RuleOfThumb:
+    return RuleOfThumb(
+        name=Message(f"rule-of-thumb-{name}"), source=Message(f"source-{source}"), limits=limits
+    )
+
+
+def _ramp_of_periods(mode: PlantMode, a: float, *, periods: int) -> RuleOfThumb:
     """Return j = a f / k: a ramp of k periods of a mode."""
     f = mode.frequency_hz
-    formula = "j = a f" if periods == 1 else f"j = a f / {periods}"
-    return Rule(
-        name=f"{formula} ({mode.name}, {f:.3g} Hz)",
-        source="zero residual vibration of an undamped mode (Biagiotti & Melchiorri)",
+    return RuleOfThumb(
+        name=Message("rule-of-thumb-periods", periods=periods, mode=mode.name, frequency=f),
+        source=Message("source-zero-vibration"),
         limits=_with_jerk_time(a, periods / f),
     )
 

@@ -8,8 +8,9 @@ lists of a name and its arguments; ``write_formula`` says it in one line of plai
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
+from typing import Any
 
 GREEK: Mapping[str, str] = MappingProxyType(
     {
@@ -207,6 +208,28 @@ def _parts(tree: Expression) -> tuple[Expression, ...]:
         case Enclosed(inner) | Root(inner) | Sum(inner):
             return (inner,)
     return ()
+
+
+def with_decimal_mark(tree: Expression, mark: str) -> Expression:
+    """Return a formula whose numbers have the decimal mark of a language.
+
+    Examples
+    --------
+    >>> write_formula(with_decimal_mark(1.25 * symbol("a"), ","))
+    '1,25 a'
+    """
+    if isinstance(tree, Number):
+        return Number(tree.digits.replace(".", mark))
+    if isinstance(tree, Symbol):
+        return tree
+    changed: dict[str, Any] = {}
+    for field in fields(tree):  # type: ignore[arg-type]
+        value = getattr(tree, field.name)
+        if isinstance(value, Expression):
+            changed[field.name] = with_decimal_mark(value, mark)
+        elif isinstance(value, tuple) and isinstance(value[0], Expression):
+            changed[field.name] = tuple(with_decimal_mark(part, mark) for part in value)
+    return replace(tree, **changed)  # type: ignore[type-var]
 
 
 def write_formula(tree: Expression) -> str:

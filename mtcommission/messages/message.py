@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import NoReturn, TypeAlias
 
@@ -58,6 +58,18 @@ class Message:
 
 def _again(kind: str, values: dict[str, Value]) -> Message:
     return Message(kind, **values)
+
+
+def join_by_and(messages: Sequence[Message]) -> Message:
+    """Return one message that says all of some: a and b and c.
+
+    Examples
+    --------
+    >>> join_by_and([Message("force"), Message("band")])
+    Message('joined-by-and', first=Message('force'), second=Message('band'))
+    """
+    *before, last = messages
+    return Message("joined-by-and", first=join_by_and(before), second=last) if before else last
 
 
 def to_json(value: Value) -> object:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from math import isfinite
 
-from mtcommission.commission import MoveComparison
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
-from mtcommission.record.claims import explain_why_not, state_claims
 from mtcommission.record.schema import (
     ComparedEntry,
     ComparisonEntry,
@@ -17,6 +15,7 @@ from mtcommission.record.schema import (
     FedForwardEntry,
 )
 from mtcommission.record.shape import entry_of
+from mtcommission.study.comparison import MoveComparison
 from mtcommission.study.evaluate import MoveResult
 
 
@@ -50,8 +49,8 @@ def comparison_entry(
             for name, rows in comparison.fed_forward
             for found in rows
         ],
-        claims=[*state_claims(comparison.controls)],
-        why_not_the_optimum=[*explain_why_not(machine, comparison.fed_forward)],
+        claims=list(comparison.claims),
+        why_not_the_optimum=list(comparison.why_not_the_optimum),
         continuous=continuous_entry(
             comparison.continuous,
             result.responses[0],

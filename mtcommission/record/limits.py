@@ -7,11 +7,11 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.commission import Commissioning, ModeLimits
+from mtcommission.commission import Commissioning
+from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.machine.machine import VelocityStep
 from mtcommission.record.data import describe_move
 from mtcommission.record.schema import (
-    NO_LIMITS,
     Alternative,
     AttainableEntry,
     JudgedLimits,
@@ -20,13 +20,16 @@ from mtcommission.record.schema import (
     LimitsPart,
     ModeLimitsEntry,
     MoveSizesEntry,
+    RuleFormulaEntry,
     RuleResult,
     RuleStepEntry,
     RuleText,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
-from mtcommission.study.evaluate import Trial
+from mtcommission.study.attainable import Attainable
+from mtcommission.study.evaluate import Candidate
+from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
 
 Array = NDArray[np.float64]
@@ -36,29 +39,38 @@ Judged = TypeVar("Judged", bound=JudgedLimits)
 def limits_part(commissioning: Commissioning) -> LimitsPart:
     """Return all about the limits, as ``limits --json`` prints it."""
     choice, best = commissioning.choice, commissioning.recommended
+    seen = choice.landscape
     return LimitsPart(
         recommended=entry_of(LimitsEntry, best, best.limits, bound_by=choice.bound_by),
         modes=[_mode_entry(mode) for mode in commissioning.modes],
-        attainable=[
-            entry_of(AttainableEntry, item, item.limits) for item in commissioning.attainable
-        ],
+        attainable=[_attainable_entry(item) for item in commissioning.attainable],
         move_sizes=[_move_sizes_entry(item) for item in commissioning.move_sizes],
-        alternatives=[_judged(Alternative, trial) for trial in commissioning.alternatives],
-        rules=[_judged(RuleResult, trial) for trial in commissioning.rules],
+        alternatives=[_judged(Alternative, item) for item in commissioning.alternatives],
+        rules=[_judged(RuleResult, item) for item in commissioning.rules],
         rule=_rule_text(commissioning),
         landscape=entry_of(
             Landscape,
-            choice,
-            settling_time=_plotted(choice.settling_time),
-            residual_deviation=_plotted(choice.residual_deviation),
-            usage=_plotted(choice.usage),
+            seen,
+            settling_time=_plotted(seen.settling_time),
+            residual_deviation=_plotted(seen.residual_deviation),
+            usage=_plotted(seen.usage),
         ),
         search={"evaluations": choice.evaluations},
     )
 
 
-def _judged(form: type[Judged], trial: Trial) -> Judged:
-    return entry_of(form, trial, trial.limits, meets_requirements=trial.assessment.is_met)
+def _judged(form: type[Judged], item: Candidate) -> Judged:
+    return entry_of(form, item, item.limits, meets_requirements=item.assessment.is_met)
+
+
+def _attainable_entry(item: Attainable) -> AttainableEntry:
+    return entry_of(
+        AttainableEntry,
+        item,
+        item.limits,
+        requirement=item.requirement.value,
+        together_with=[other.value for other in item.together_with],
+    )
 
 
 def _rule_text(commissioning: Commissioning) -> RuleText:
@@ -66,20 +78,21 @@ def _rule_text(commissioning: Commissioning) -> RuleText:
     return entry_of(
         RuleText,
         rule,
+        rule.best,
         rule.limits,
-        text=(
-            "A rule to apply by hand: each jerk step leaves a vibration in every mode and a tail "
-            "of the servo loop, both in proportion to the jerk; ramps of whole periods cancel "
-            "the vibration. Of the ramps tried, the one with the shortest motion is taken."
-        ),
-        valid_for=rule.validity,
+        text=DESCRIPTION,
+        formula=[entry_of(RuleFormulaEntry, item) for item in rule.formulas],
+        advice=ADVICE,
+        valid_for=VALIDITY,
+        chosen=rule.best.name,
+        predicted_residual=rule.best.residual_deviation,
         steps=[entry_of(RuleStepEntry, step) for step in rule.steps],
     )
 
 
 def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
-    trial, found = mode.trial, mode.attainable
-    is_met = trial.assessment.is_met
+    candidate, found = mode.candidate, mode.attainable
+    is_met = candidate.assessment.is_met
     nothing = dict.fromkeys(
         (
             "acceleration",
@@ -93,8 +106,8 @@ def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
     return entry_of(
         ModeLimitsEntry,
         mode,
-        trial,
-        trial.limits,
+        candidate,
+        candidate.limits,
         bound_by=mode.choice.bound_by if is_met else NO_LIMITS,
         meets_requirements=is_met,
         reason="" if is_met else NO_LIMITS,

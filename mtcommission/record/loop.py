@@ -12,6 +12,7 @@ from mtcommission.loop.analysis.frequency import FrequencyResponse
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.requirement import SET_FORCE
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.schema import (
@@ -77,7 +78,7 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         disturbance=_disturbance_entry(commissioning.loop_study),
         jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
         bode=_bode(tuned.responses[0]),
-        remarks=[*tuned.remarks, *explain_mixing(mixed)],
+        remarks=[*tuned.remarks, *commissioning.loop.remarks, *explain_mixing(mixed)],
     )
 
 
@@ -170,7 +171,7 @@ def _disturbance_entry(study: LoopStudy) -> Series:
     every = max(1, round(PUSH_STEP / (t[1] - t[0])))
     return Series(
         t=t[::every].tolist(),
-        signals={item.name: item.step.deflection[::every].tolist() for item in study.pushed},
+        signals={item.name.kind: item.step.deflection[::every].tolist() for item in study.pushed},
     )
 
 
@@ -185,12 +186,12 @@ def _by_mode(plant: Plant, values: Sequence[float] | Array) -> dict[str, float]:
 
 
 def _variant_entry(plant: Plant, variant: LoopVariant) -> VariantEntry:
-    nominal, trial = variant.tuned.nominal, variant.trial
-    force = next(check for check in trial.assessment.checks if check.name == "set force")
+    nominal, candidate = variant.tuned.nominal, variant.candidate
+    force = candidate.assessment.check_of(SET_FORCE)
     return entry_of(
         VariantEntry,
         nominal,
-        trial,
+        candidate,
         name=variant.name,
         used=variant.is_used,
         mode_damping=_by_mode(plant, nominal.mode_damping),

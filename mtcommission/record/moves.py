@@ -129,8 +129,9 @@ def simulation_part(
 
 def assessment_part(assessment: Assessment) -> AssessmentPart:
     """Return the verdict as the record holds it."""
+    limiting = assessment.limiting_requirement
     return AssessmentPart(
         met=assessment.is_met,
         checks=[entry_of(Check, check, met=check.is_met) for check in assessment.checks],
-        obstacle=assessment.obstacle,
+        obstacle=limiting.value if limiting else "",
     )

@@ -19,7 +19,7 @@ from mtcommission.record.schema import (
     SensitivityEntry,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
-from mtcommission.study.robustness import FrequencyError, MonteCarlo, Robustness
+from mtcommission.study.robustness import MonteCarlo, Robustness
 
 Array = NDArray[np.float64]
 
@@ -32,10 +32,6 @@ BINS = 24
 ALIKE = 1e-9
 """Relative difference below which samples are the same: a setpoint that leaves the band nowhere
 settles at its end on every machine."""
-
-KNOWN_FREQUENCY = 0.02
-"""Error of an eigenfrequency that must be reckoned with even where it was measured [-]
-(empirical: resolution of the measurement, temperature, position on the axis)."""
 
 
 def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
@@ -60,47 +56,7 @@ def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
             entry_of(SensitivityEntry, item, meets_requirements=item.is_met)
             for item in robustness.sensitivities
         ],
-        warnings=list(warn_of_narrow_range(machine, robustness.frequency_error)),
-    )
-
-
-def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[str, ...]:
-    """Return a warning where the requirements hang on frequencies nobody knows so exactly.
-
-    Limits that cancel a vibration are as exact as its frequency. Where no spread is stated they
-    may be kept at the stated frequency alone, and the verdict would not show it.
-
-    Parameters
-    ----------
-    machine
-        Nominal; its stated spread counts.
-    error
-        Between which frequency errors every requirement is kept.
-
-    Returns
-    -------
-    tuple of str
-        Empty where a spread is stated, where at least 2 % of error to either side are borne, or
-        where not even the stated frequencies keep the requirements: the verdict says so.
-    """
-    low, high = error.kept_from - 1.0, error.kept_to - 1.0
-    is_narrow = max(low, -high) > -KNOWN_FREQUENCY + ALIKE
-    if machine.requirements.frequency_spread > 0.0 or not is_narrow:
-        return ()
-    tried = zip((low, high), (error.factor[0] - 1.0, error.factor[-1] - 1.0), strict=True)
-    ends = " to ".join(
-        f"{'at least ' if end == last else ''}{f'{100.0 * end:+.3g}' if end else '0'} %"
-        for end, last in tried
-    )
-    lost = " and ".join(
-        f"{name} (where they are {side})"
-        for side, names in (("lower", error.lost_below), ("higher", error.lost_above))
-        for name in names
-    )
-    return (
-        "The profile states no spread of the frequencies; all requirements are kept only while "
-        f"the eigenfrequencies are off by {ends}. Missed outside this range: {lost}. State "
-        f"requirements.frequency_spread, at least {100.0 * KNOWN_FREQUENCY:g} %, and run again.",
+        warnings=list(robustness.warnings),
     )
 
 

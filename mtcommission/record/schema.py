@@ -10,15 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from mtcommission.messages.formula import Expression
 from mtcommission.messages.message import Message
 
 SCHEMA = 2
 
-Words: TypeAlias = "Message | str"
+Words: TypeAlias = Message | str
 """What the catalogue says, or the user's own words."""
-
-NO_LIMITS = "no limits were found that meet all requirements with this band"
-"""Why a machining mode has no values."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -204,11 +202,19 @@ class RuleResult(Alternative):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RuleFormulaEntry:
+    """One formula of the rule, and where it holds."""
+
+    tree: Expression
+    aside: Message | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RuleStepEntry:
     """One line of the hand calculation."""
 
     name: Words
-    formula: str
+    formula: Expression | Message
     value: float | None
     unit: str
 
@@ -218,7 +224,8 @@ class RuleText:
     """The commissioning rule, in words and as a formula, with its range, applied here."""
 
     text: Words
-    formula: str
+    formula: list[RuleFormulaEntry]
+    advice: Words
     valid_for: Words
     acceleration: float
     jerk: float
@@ -381,7 +388,7 @@ class Margins:
 class VariantEntry(Margins):
     """The loop without or with state feedback, each with its own best limits."""
 
-    name: Words
+    name: Message
     used: bool
     mode_damping: dict[str, float]
     weakest_frequency_hz: float
@@ -602,7 +609,7 @@ class AssessmentPart:
 
     met: bool
     checks: list[Check]
-    obstacle: Words
+    obstacle: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

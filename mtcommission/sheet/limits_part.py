@@ -10,7 +10,6 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import (
     Alternative,
-    AttainableEntry,
     LimitsEntry,
     ModeLimitsEntry,
     Record,
@@ -26,7 +25,7 @@ from mtcommission.sheet.model import (
     name_and_numbers,
 )
 from mtcommission.sheet.plot_model import Border, Contour, HeatMap, Mark, PointPlot
-from mtcommission.sheet.values import residual, settling
+from mtcommission.sheet.values import residual, say_limiting, settling
 from mtcommission.sheet.verdict_part import acceleration, band, capitalised
 
 Array = NDArray[np.float64]
@@ -85,7 +84,7 @@ def _attainable(record: Record, words: Catalogue) -> tuple[Table, ...]:
     heads = (text("permitted"), text("attainable"), text("acceleration"), text("jerk"))
     rows = tuple(
         (
-            capitalised(words.say(name_obstacle(item))),
+            capitalised(say_limiting(item, words)),
             f.quantity(item.limit, item.unit),
             f.quantity(item.value, item.unit),
             f.axis(item.acceleration, "m/s^2"),
@@ -95,25 +94,6 @@ def _attainable(record: Record, words: Catalogue) -> tuple[Table, ...]:
     )
     columns = name_and_numbers(text("check"), heads, width=1.6)
     return (Table(caption=text("attainable-caption"), columns=columns, rows=rows),) if rows else ()
-
-
-def name_obstacle(item: AttainableEntry) -> str:
-    """Return the requirement, and those that must give way with it, in the record's English.
-
-    Parameters
-    ----------
-    item
-        What could be met instead; records of older versions do not hold the others.
-
-    Examples
-    --------
-    >>> item = AttainableEntry(requirement="settling time", limit=0.02, value=0.09, unit="s",
-    ...     acceleration=1.8, jerk=64.0, together_with=["peak v_s"])
-    >>> name_obstacle(item)
-    'settling time, together with peak v_s'
-    """
-    others = " and ".join(item.together_with)
-    return f"{item.requirement}, together with {others}" if others else item.requirement
 
 
 def _mode_bound(mode: ModeLimitsEntry, words: Catalogue) -> str:

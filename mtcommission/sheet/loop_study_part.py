@@ -59,19 +59,19 @@ def _corners(record: Record, words: Catalogue) -> Table:
 def _disturbance(record: Record, words: Catalogue) -> LinePlot:
     """Return how the tool gives way to a step of force, for each loop that was compared."""
     text, f, series = words.text, words.format, record.loop.disturbance
-    used = {item.name for item in record.loop.variants if item.used}
+    used = {item.name.kind for item in record.loop.variants if item.used}
     t = np.array(series.t)
     curves = {name: np.array(values) for name, values in series.signals.items()}
     t_scale = f.scale(float(t[-1]) if t.size else 0.0, "s")
     unit = "rad/(N m)" if words.rotary else "m/N"
     y_scale = f.scale_for(list(curves.values()), unit)
     largest = "; ".join(
-        f"{words.say(name)}: {f.quantity(float(np.max(np.abs(y))), unit)}"
+        f"{words.text(name)}: {f.quantity(float(np.max(np.abs(y))), unit)}"
         for name, y in curves.items()
     )
     lines = tuple(
         Line(
-            label=words.say(name),
+            label=words.text(name),
             x=t / t_scale.size,
             y=y / y_scale.size,
             style=USED if name in used or len(curves) == 1 else OTHER,

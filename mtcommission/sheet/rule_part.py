@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
-
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.formula import symbol
+from mtcommission.messages.formula import Expression, symbol, with_decimal_mark
+from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import ModeEntry, Record
-from mtcommission.sheet.formula import parse_formula
-from mtcommission.sheet.model import Block, Cell, Column, Formula, Paragraph, Section, Table, Tone
+from mtcommission.record.schema import ModeEntry, Record, RuleText
+from mtcommission.sheet.model import Cell, Column, Formula, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import residual
 from mtcommission.sheet.verdict_part import band
-
-SENTENCE_END = re.compile(r"; |\. |\.$")
-JOINT = re.compile(r", with |, | and ")
-"""What stands between formulas in one sentence."""
 
 
 def rule(record: Record, words: Catalogue) -> Section:
@@ -28,7 +21,8 @@ def rule(record: Record, words: Catalogue) -> Section:
         blocks=(
             Paragraph(text=words.say(part.text)),
             Paragraph(text=_result(record, words)),
-            *_formulas(part.formula, words),
+            *_formulas(part, words),
+            Paragraph(text=words.say(part.advice)),
             _symbols(record, words),
             _steps(record, words),
             Paragraph(text=text("rule-valid", range=words.say(part.valid_for)), tone=Tone.NOTE),
@@ -49,63 +43,15 @@ def _result(record: Record, words: Catalogue) -> str:
     )
 
 
-def _formulas(text: str, words: Catalogue) -> tuple[Block, ...]:
-    """Return each formula of the rule in a line of its own, and the words between them."""
-    blocks: list[Block] = []
-    between: list[str] = []
-    for sentence in filter(None, (part.strip() for part in SENTENCE_END.split(text))):
-        found = tuple(split_formulas(sentence, decimal_mark=words.format.decimal_mark))
-        if all(isinstance(block, Formula) for block in found):
-            blocks += [_spoken(block, words) for block in found if isinstance(block, Formula)]
-        else:
-            between.append(sentence)
-    if between:
-        blocks.append(Paragraph(text=words.say("; ".join(between) + ".")))
-    return tuple(blocks)
-
-
-def split_formulas(sentence: str, *, decimal_mark: str = ".") -> Iterator[Formula | str]:
-    """Yield the formulas of a sentence; what is none comes as text.
-
-    Parameters
-    ----------
-    sentence
-        Formulas in plain signs, joined by words.
-    decimal_mark
-        For the numbers of the formulas.
-
-    Examples
-    --------
-    >>> [write_formula(part.tree) for part in split_formulas("j <= F/m, with m = a/F within reach")]
-    ['j <= F/m', 'm = a/F']
-    """
-    for piece in _pieces(sentence):
-        words = piece.split(" ")
-        for count in range(len(words), 0, -1):
-            source = " ".join(words[:count])
-            tree = parse_formula(source, decimal_mark=decimal_mark)
-            if tree is not None and any(sign in source for sign in "<>="):
-                yield Formula(tree=tree, aside=" ".join(words[count:]))
-                break
-        else:
-            yield piece
-
-
-def _pieces(sentence: str) -> Iterator[str]:
-    """Split a sentence at its joints, but not inside brackets."""
-    begin = 0
-    for joint in JOINT.finditer(sentence):
-        piece = sentence[begin : joint.start()]
-        if piece.count("(") == piece.count(")"):
-            yield piece
-            begin = joint.end()
-    yield sentence[begin:]
-
-
-def _spoken(formula: Formula, words: Catalogue) -> Formula:
-    if not formula.aside:
-        return formula
-    return Formula(tree=formula.tree, aside=words.say(formula.aside))
+def _formulas(part: RuleText, words: Catalogue) -> tuple[Formula, ...]:
+    """Return each formula of the rule in a line of its own."""
+    return tuple(
+        Formula(
+            tree=with_decimal_mark(item.tree, words.format.decimal_mark),
+            aside=words.say(item.aside) if item.aside else "",
+        )
+        for item in part.formula
+    )
 
 
 def _symbols(record: Record, words: Catalogue) -> Table:
@@ -194,8 +140,10 @@ def _steps(record: Record, words: Catalogue) -> Table:
     )
 
 
-def _how(formula: str, words: Catalogue) -> Cell:
-    return parse_formula(formula, decimal_mark=words.format.decimal_mark) or words.say(formula)
+def _how(formula: Expression | Message, words: Catalogue) -> Cell:
+    if isinstance(formula, Message):
+        return words.say(formula)
+    return with_decimal_mark(formula, words.format.decimal_mark)
 
 
 def _value(value: float | None, unit: str, words: Catalogue) -> str:

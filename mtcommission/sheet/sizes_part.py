@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import MoveSizesEntry, Record, Words
 from mtcommission.sheet.limits_part import shown_jerk
@@ -20,7 +21,11 @@ from mtcommission.sheet.model import (
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.verdict_part import band, move_title
 
-STYLES: dict[Words, int] = {"recommended": 4, "commissioning rule": 1, "moving average": 2}
+STYLES: dict[Words, int] = {
+    Message("way-recommended"): 4,
+    Message("commissioning-rule"): 1,
+    Message("way-moving-average"): 2,
+}
 """Line style of each way."""
 
 

@@ -13,9 +13,8 @@ from rich.text import Text
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.record.schema import Record
-from mtcommission.sheet.limits_part import name_obstacle
 from mtcommission.sheet.robustness_part import drawn_sentence, kept_sentence
-from mtcommission.sheet.values import settling
+from mtcommission.sheet.values import say_limiting, say_requirement, settling
 from mtcommission.sheet.verdict_part import (
     acceleration,
     jerk,
@@ -93,7 +92,8 @@ class Summary:
         for warning in record.warnings:
             yield plain(text("warning", warning=words.say(warning)), "yellow")
         if record.assessment.obstacle:
-            yield plain(text("obstacle", obstacle=words.say(record.assessment.obstacle)))
+            obstacle = say_requirement(record.assessment.obstacle, words)
+            yield plain(text("obstacle", obstacle=obstacle))
         table = Table.grid(padding=(0, 2))
         for name, value in summary_rows(record, words):
             table.add_row(plain(name), plain(value, "bold"))
@@ -123,7 +123,7 @@ def further_sentences(record: Record, words: Catalogue) -> list[str]:
     could_be_met = [
         text(
             "could-be-met",
-            requirement=words.say(name_obstacle(item)),
+            requirement=say_limiting(item, words),
             value=f.quantity(item.value, item.unit),
             limit=f.quantity(item.limit, item.unit),
         )

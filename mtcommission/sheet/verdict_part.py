@@ -8,7 +8,7 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Check, Record
 from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Section, Table, Tone
 from mtcommission.sheet.plot_model import LinePlot
-from mtcommission.sheet.values import settling
+from mtcommission.sheet.values import say_requirement, settling
 
 
 def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
@@ -17,7 +17,8 @@ def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
     assessment = record.assessment
     detail = text("values-bound-by", bound=words.say(limits.bound_by))
     if assessment.obstacle:
-        detail = f"{text('obstacle', obstacle=words.say(assessment.obstacle))}. {detail}"
+        obstacle = say_requirement(assessment.obstacle, words)
+        detail = f"{text('obstacle', obstacle=obstacle)}. {detail}"
     headline = Headline(
         is_met=assessment.met,
         verdict=text("verdict-met") if assessment.met else text("verdict-not-met"),
@@ -185,7 +186,7 @@ def _checks(checks: list[Check], words: Catalogue) -> Table:
     text, f = words.text, words.format
     rows = tuple(
         (
-            capitalised(words.say(check.name)),
+            capitalised(say_requirement(check.name, words)),
             f.quantity(check.value, check.unit, missing=text("not-settled")),
             f.quantity(check.limit, check.unit),
             text("met") if check.met else text("not-met"),

@@ -8,7 +8,16 @@ from math import isfinite
 
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import (
+    RESIDUAL_DEVIATION,
+    RMS_FORCE,
+    SET_FORCE,
+    SETTLING_TIME,
+    Requirement,
+    peak_of,
+)
 from mtcommission.machine.variations import NOMINAL, Corner
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 
 
@@ -18,7 +27,7 @@ class Check:
 
     Parameters
     ----------
-    name
+    requirement
         What is required.
     value
         Worst over all moves and corners; inf if the response never settles.
@@ -32,12 +41,17 @@ class Check:
         Move and corner of the worst value.
     """
 
-    name: str
+    requirement: Requirement
     value: float
     limit: float
     unit: str
     is_met: bool
-    where: str
+    where: Message
+
+    @property
+    def name(self) -> str:
+        """Name of the requirement in records."""
+        return self.requirement.value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,12 +72,15 @@ class Assessment:
         return all(check.is_met for check in self.checks)
 
     @property
-    def obstacle(self) -> str:
-        """The requirement missed by the largest factor; "" if all are met."""
+    def limiting_requirement(self) -> Requirement | None:
+        """The requirement missed by the largest factor; None if all are met."""
         missed = [check for check in self.checks if not check.is_met]
-        if not missed:
-            return ""
-        return max(missed, key=lambda check: check.value / check.limit).name
+        worst = max(missed, key=lambda check: check.value / check.limit, default=None)
+        return worst.requirement if worst else None
+
+    def check_of(self, requirement: Requirement) -> Check:
+        """Return the check of one requirement."""
+        return next(check for check in self.checks if check.requirement == requirement)
 
 
 def assess(
@@ -95,40 +112,45 @@ def assess(
         for corner, response in zip(corners, row, strict=True)
     ]
 
-    def worst(name: str, limit: float, unit: str, values: Sequence[float]) -> Check:
+    def worst(requirement: Requirement, limit: float, unit: str, values: Sequence[float]) -> Check:
         value, where = max(
             ((value, where) for value, (_, where) in zip(values, found, strict=True)),
             key=lambda pair: pair[0],
         )
         return Check(
-            name=name, value=value, limit=limit, unit=unit, is_met=value <= limit, where=where
+            requirement=requirement,
+            value=value,
+            limit=limit,
+            unit=unit,
+            is_met=value <= limit,
+            where=where,
         )
 
     residuals = [response.residual_deviation for response, _ in found]
-    checks = [worst("residual deviation", needs.tcp_deviation, length, residuals)]
+    checks = [worst(RESIDUAL_DEVIATION, needs.tcp_deviation, length, residuals)]
     if isfinite(needs.max_settling_time):
         settling = [response.settling_time for response, _ in found]
-        checks.append(worst("settling time", needs.max_settling_time, "s", settling))
+        checks.append(worst(SETTLING_TIME, needs.max_settling_time, "s", settling))
     for peak in needs.peaks:
         column = plant.signals.index(peak.name)
         values = [float(response.peaks[column]) for response, _ in found]
-        checks.append(worst(f"peak {peak.name}", peak.bound, plant.signal_units[column], values))
+        checks.append(worst(peak_of(peak.name), peak.bound, plant.signal_units[column], values))
     forces = [response.max_force for response, _ in found]
-    checks.append(worst("set force", drive.motion_force, force, forces))
+    checks.append(worst(SET_FORCE, drive.motion_force, force, forces))
     if isfinite(drive.continuous_force):
         rms = [response.rms_force for response, _ in found]
-        checks.append(worst("RMS force", drive.continuous_force, force, rms))
+        checks.append(worst(RMS_FORCE, drive.continuous_force, force, rms))
     return Assessment(checks=tuple(checks))
 
 
-def describe_place(move: int, corner: Corner, n_moves: int) -> str:
-    """Return where a value was found, e.g. ``move 2, payload 100 kg, frequencies x 0.95``."""
-    parts = [f"move {move}"] if n_moves > 1 else []
+def describe_place(move: int, corner: Corner, n_moves: int) -> Message:
+    """Return where a value was found, e.g. ``move 2, payload 100 kg, frequencies × 0.95``."""
+    parts = [Message("place-move", number=move)] if n_moves > 1 else []
     if corner == NOMINAL:
-        return ", ".join([*parts, "nominal"])
-    parts.append(f"payload {corner.payload:g} kg")
+        return Message("place", parts=(*parts, Message("place-nominal")))
+    parts.append(Message("place-payload", payload=corner.payload))
     if corner.frequency_factor != 1.0:
-        parts.append(f"frequencies x {corner.frequency_factor:g}")
+        parts.append(Message("place-frequencies", factor=corner.frequency_factor))
     if corner.damping_factor != 1.0:
-        parts.append(f"damping x {corner.damping_factor:g}")
-    return ", ".join(parts)
+        parts.append(Message("place-damping", factor=corner.damping_factor))
+    return Message("place", parts=tuple(parts))

@@ -1,7 +1,7 @@
 """Where no limits meet the requirements: which requirement is in the way, and what could be met.
 
 Each requirement is relaxed alone, the others kept: if limits are found then, that requirement is
-an obstacle, and the value that those limits reach is what could be asked for instead. Where none
+a limiting one, and the value that those limits reach is what could be asked for instead. Where none
 helps alone, several hold the limits back together: as few as possible are then relaxed by one
 common factor, the least that is found to help.
 """
@@ -18,10 +18,17 @@ import numpy as np
 from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import (
+    RESIDUAL_DEVIATION,
+    RMS_FORCE,
+    SETTLING_TIME,
+    Requirement,
+    peak_of,
+)
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
-from mtcommission.study.evaluate import Trial, judge
+from mtcommission.study.evaluate import Candidate, evaluate
 
 CANDIDATES = 12
 """Limits with the least residual of the landscape that are simulated, until one keeps the rest."""
@@ -40,7 +47,7 @@ class Attainable:
     Parameters
     ----------
     requirement
-        Name as in the verdict.
+        As in the verdict.
     limit
         What is asked for.
     value
@@ -50,15 +57,15 @@ class Attainable:
     limits
         Acceleration and jerk that reach it.
     together_with
-        Names of the requirements that must give way, too (own entries); empty if it helps alone.
+        Requirements that must give way, too (own entries); empty if it helps alone.
     """
 
-    requirement: str
+    requirement: Requirement
     limit: float
     value: float
     unit: str
     limits: MotionLimits
-    together_with: tuple[str, ...] = ()
+    together_with: tuple[Requirement, ...] = ()
 
 
 def find_attainable(
@@ -112,35 +119,36 @@ def find_least_residual(
     Attainable or None
         None if no limits keep the other requirements, whatever the band.
     """
+    seen = choice.landscape
     a, t_j = (
-        axis.ravel() for axis in np.meshgrid(choice.acceleration, choice.jerk_time, indexing="ij")
+        axis.ravel() for axis in np.meshgrid(seen.acceleration, seen.jerk_time, indexing="ij")
     )
     ends = [jerk_steps(move, acceleration=a, jerk=a / t_j).duration for move in machine.moves]
     earliest = np.max(ends, axis=0) + machine.control.moving_average_time
     earliest += tuned.controller.reference_delay
-    possible = (choice.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
-    residual = np.where(possible, choice.residual_deviation.ravel(), inf)
+    possible = (seen.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
+    residual = np.where(possible, seen.residual_deviation.ravel(), inf)
     best: Attainable | None = None
     for i in np.argsort(residual, kind="stable")[: min(CANDIDATES, int(possible.sum()))]:
-        limits = MotionLimits(acceleration=_typed(a[i]), jerk=_typed(a[i] / t_j[i]))
-        trial = judge(machine, plant, tuned, "", "", limits)
-        band = EASED * trial.residual_deviation
+        limits = MotionLimits(acceleration=_rounded(a[i]), jerk=_rounded(a[i] / t_j[i]))
+        candidate = evaluate(machine, plant, tuned, limits)
+        band = EASED * candidate.residual_deviation
         if not isfinite(band) or (best is not None and band >= best.value):
             continue
-        eased = judge(_with_band(machine, band), plant, tuned, "", "", limits)
+        eased = evaluate(_with_band(machine, band), plant, tuned, limits)
         if eased.assessment.is_met:
-            best = _attained(trial, "residual deviation")
+            best = _attained(candidate, RESIDUAL_DEVIATION)
     return best
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Relaxation:
-    """A requirement by its name in the verdict, and the machine with another bound for it.
+    """A requirement, and the machine with another bound for it.
 
     The search itself finds the least settling time; of peaks and forces it takes what it may.
     """
 
-    requirement: str
+    requirement: Requirement
     bound: float
     with_bound: Callable[[Machine, float], Machine]
     is_searched: bool
@@ -150,21 +158,21 @@ def _relaxations(machine: Machine) -> Iterator[_Relaxation]:
     needs, drive = machine.requirements, machine.drive
     if isfinite(needs.max_settling_time):
         yield _Relaxation(
-            requirement="settling time",
+            requirement=SETTLING_TIME,
             bound=needs.max_settling_time,
             with_bound=_with_settling_time,
             is_searched=True,
         )
     for peak in needs.peaks:
         yield _Relaxation(
-            requirement=f"peak {peak.name}",
+            requirement=peak_of(peak.name),
             bound=peak.bound,
             with_bound=partial(_with_peak, peak.name),
             is_searched=False,
         )
     if isfinite(drive.continuous_force):
         yield _Relaxation(
-            requirement="RMS force",
+            requirement=RMS_FORCE,
             bound=drive.continuous_force,
             with_bound=_with_continuous_force,
             is_searched=False,
@@ -207,9 +215,9 @@ def _relax(
         eased = relaxation.with_bound(machine, bound)
         found = choose_limits(eased, plant, tuned, settings=settings).limits
         attained = [
-            _attained(judge(machine, plant, tuned, "", "", limits), relaxation.requirement)
+            _attained(evaluate(machine, plant, tuned, limits), relaxation.requirement)
             for limits in (found, known)
-            if judge(eased, plant, tuned, "", "", limits).assessment.is_met
+            if evaluate(eased, plant, tuned, limits).assessment.is_met
         ]
         return min(attained, key=lambda item: item.value, default=None)
 
@@ -240,43 +248,45 @@ def _find_together(
     """What could be met if several requirements give way by one factor; empty if nothing helps."""
     relaxations = (_band_relaxation(machine), *_relaxations(machine))
 
-    def search(names: Sequence[str], factor: float) -> Trial | None:
-        eased = _eased(machine, [item for item in relaxations if item.requirement in names], factor)
+    def search(wanted: Sequence[Requirement], factor: float) -> Candidate | None:
+        eased = _eased(
+            machine, [item for item in relaxations if item.requirement in wanted], factor
+        )
         limits = choose_limits(eased, plant, tuned, settings=settings).limits
-        trial = judge(eased, plant, tuned, "", "", limits)
-        return trial if trial.assessment.is_met else None
+        candidate = evaluate(eased, plant, tuned, limits)
+        return candidate if candidate.assessment.is_met else None
 
-    names = tuple(item.requirement for item in relaxations)
-    best = search(names, LARGEST_FACTOR)
+    wanted = tuple(item.requirement for item in relaxations)
+    best = search(wanted, LARGEST_FACTOR)
     if best is None:
         return ()
-    for name in names:
-        fewer = tuple(other for other in names if other != name)
-        trial = search(fewer, LARGEST_FACTOR) if fewer else None
-        if trial is not None:
-            names, best = fewer, trial
+    for each in wanted:
+        fewer = tuple(other for other in wanted if other != each)
+        candidate = search(fewer, LARGEST_FACTOR) if fewer else None
+        if candidate is not None:
+            wanted, best = fewer, candidate
     low, high = 1.0, LARGEST_FACTOR
     for _ in range(COMMON_HALVINGS):
         factor = sqrt(low * high)
-        trial = search(names, factor)
-        if trial is None:
+        candidate = search(wanted, factor)
+        if candidate is None:
             low = factor
         else:
-            high, best = factor, trial
+            high, best = factor, candidate
     return tuple(
         replace(
             _attained(best, item.requirement),
             limit=item.bound,
-            together_with=tuple(name for name in names if name != item.requirement),
+            together_with=tuple(other for other in wanted if other != item.requirement),
         )
         for item in relaxations
-        if item.requirement in names
+        if item.requirement in wanted
     )
 
 
 def _band_relaxation(machine: Machine) -> _Relaxation:
     return _Relaxation(
-        requirement="residual deviation",
+        requirement=RESIDUAL_DEVIATION,
         bound=machine.requirements.tcp_deviation,
         with_bound=_with_band,
         is_searched=False,
@@ -290,17 +300,17 @@ def _eased(machine: Machine, relaxations: Sequence[_Relaxation], factor: float) 
     return machine
 
 
-def _attained(trial: Trial, requirement: str) -> Attainable:
-    check = next(item for item in trial.assessment.checks if item.name == requirement)
+def _attained(candidate: Candidate, requirement: Requirement) -> Attainable:
+    check = candidate.assessment.check_of(requirement)
     return Attainable(
         requirement=requirement,
         limit=check.limit,
         value=check.value,
         unit=check.unit,
-        limits=trial.limits,
+        limits=candidate.limits,
     )
 
 
-def _typed(value: float) -> float:
-    """Rounded to what is typed in."""
+def _rounded(value: float) -> float:
+    """Rounded to the control's resolution."""
     return float(f"{value:.3g}")

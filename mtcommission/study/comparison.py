@@ -9,13 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.limits.optima import Optima
+from mtcommission.loop.simulate.continuous import ContinuousResponse, simulate_continuous
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.machine.variations import NOMINAL
+from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import (
     DampingOptimum,
     TimeOptimum,
@@ -24,6 +29,8 @@ from mtcommission.optimal.solution import (
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.study.evaluate import MoveResult
+from mtcommission.study.feedforward import FedForward, feed_forward, follow_setpoint
 
 Array = NDArray[np.float64]
 
@@ -54,13 +61,93 @@ class ComparedControl:
         Integral of |motor force x rigid velocity| [J].
     """
 
-    name: str
+    name: Message
     transfer_time: float
     overshoot: float
     peaks: Array
     max_force: float
     heat: float
     work: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MoveComparison:
+    """A move done in the loop and by optimal controls.
+
+    Parameters
+    ----------
+    controls
+        The paper's comparison.
+    fed_forward
+        Names of the optimal controls, and what each does when it is fed forward; then the
+        recommended limits on the same machines.
+    continuous
+        The recommended setpoint through the continuous approximation of the loop.
+    claims
+        Overshoot and transfer time of the setpoints in the loop against the least time.
+    why_not_the_optimum
+        What the fed-forward optimum does on the nominal machine and beside it.
+    """
+
+    controls: tuple[ComparedControl, ...]
+    fed_forward: tuple[tuple[Message, tuple[FedForward, ...]], ...]
+    continuous: ContinuousResponse
+    claims: tuple[Message, ...]
+    why_not_the_optimum: tuple[Message, ...]
+
+
+def compare_move(
+    machine: Machine, plant: Plant, tuned: TunedLoop, optima: Optima, result: MoveResult
+) -> MoveComparison:
+    """Return what the optimal controls of a move do, on the plant and fed forward in the loop.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    optima, result
+        Of the same move.
+
+    Returns
+    -------
+    MoveComparison
+    """
+    solutions = {
+        "control-time-optimal": optima.time,
+        "control-constrained": optima.constrained,
+        "control-damping-optimal": optima.damping,
+    }
+    found = {Message(kind): item for kind, item in solutions.items() if item is not None}
+    controls = compare_controls(
+        machine,
+        plant,
+        tuned,
+        optima.move,
+        limits=result.setpoint.limits,
+        optima=tuple(found.values()),
+    )
+    fed_forward = (
+        *((name, feed_forward(machine, plant, tuned, item)) for name, item in found.items()),
+        (
+            Message("recommended-limits"),
+            follow_setpoint(machine, plant, tuned, result.setpoint),
+        ),
+    )
+    nominal = result.responses[0]
+    return MoveComparison(
+        controls=controls,
+        fed_forward=fed_forward,
+        continuous=simulate_continuous(
+            plant,
+            tuned.controller,
+            result.setpoint,
+            model=plant,
+            band=machine.requirements.tcp_deviation,
+            until=min(float(nominal.t[-1]), nominal.t_end + 0.5),
+        ),
+        claims=state_claims(controls),
+        why_not_the_optimum=explain_why_not(machine, fed_forward),
+    )
 
 
 def compare_controls(
@@ -96,8 +183,8 @@ def compare_controls(
     rows = [
         _in_loop(machine, plant, tuned, move, name=name, limits=chosen)
         for name, chosen in (
-            ("rectangular acceleration, in the loop", rectangular),
-            ("trapezoidal acceleration, in the loop", limits),
+            (Message("rectangular-in-the-loop"), rectangular),
+            (Message("trapezoidal-in-the-loop"), limits),
         )
     ]
     return (*rows, *(_optimal(plant, solution) for solution in optima))
@@ -109,7 +196,7 @@ def _in_loop(
     tuned: TunedLoop,
     move: Move,
     *,
-    name: str,
+    name: Message,
     limits: MotionLimits,
 ) -> ComparedControl:
     setpoint = plan_setpoint(move, limits, moving_average=machine.control.moving_average_time)
@@ -133,13 +220,13 @@ def _in_loop(
 def _optimal(plant: Plant, solution: TimeOptimum | DampingOptimum) -> ComparedControl:
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / SAMPLES)
     if isinstance(solution, DampingOptimum):
-        name = "damping-optimal control, on the plant"
+        kind = "damping-optimal-on-the-plant"
     elif solution.bounds:
-        name = "constrained time-optimal control, on the plant"
+        kind = "constrained-on-the-plant"
     else:
-        name = "time-optimal control, on the plant"
+        kind = "time-optimal-on-the-plant"
     return ComparedControl(
-        name=name,
+        name=Message(kind),
         transfer_time=solution.t_f,
         overshoot=_overshoot(plant, solution.move, motion.states),
         peaks=solution.peaks,
@@ -161,3 +248,94 @@ def _overshoot(plant: Plant, move: Move, states: Array) -> float:
 def _work(plant: Plant, t: Array, states: Array) -> float:
     power = np.abs(states[:, plant.force] * states[:, plant.velocity])
     return float(np.trapezoid(power, t))
+
+
+OVERSHOOT_SEEN = 5e-4
+"""Overshoot below which it is none [-]."""
+
+
+def state_claims(controls: Sequence[ComparedControl]) -> tuple[Message, ...]:
+    """Return overshoot and transfer time of the setpoints in the loop against the least time.
+
+    Parameters
+    ----------
+    controls
+        Rectangular and trapezoidal acceleration in the loop, then the time-optimal control.
+
+    Returns
+    -------
+    tuple of Message
+        One sentence for each setpoint.
+    """
+    rectangular, trapezoidal, optimal = controls[:3]
+    least = optimal.transfer_time
+    return tuple(
+        Message(kind, overshoot=_overshoot_claim(control), transfer=_transfer_claim(control, least))
+        for kind, control in (
+            ("claim-rectangular", rectangular),
+            ("claim-trapezoidal", trapezoidal),
+        )
+    )
+
+
+def _overshoot_claim(control: ComparedControl) -> Message:
+    if control.overshoot < OVERSHOOT_SEEN:
+        return Message("claim-no-overshoot")
+    return Message("claim-overshoot", overshoot=control.overshoot)
+
+
+def _transfer_claim(control: ComparedControl, least: float) -> Message:
+    if not isfinite(control.transfer_time):
+        return Message("claim-not-settled", least=least)
+    time = control.transfer_time
+    return Message("claim-transfer", time=time, times=time / least, least=least)
+
+
+def explain_why_not(
+    machine: Machine, fed_forward: Sequence[tuple[Message, Sequence[FedForward]]]
+) -> tuple[Message, ...]:
+    """Return what the fed-forward optimum does on the nominal machine and beside it.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its band counts.
+    fed_forward
+        Names of optimal controls, and what each does, the nominal machine first; the last one
+        is the setpoint with the recommended limits.
+
+    Returns
+    -------
+    tuple of Message
+        One sentence for each way.
+    """
+    *optima, (_, ours) = fed_forward
+    return (
+        *(
+            Message("fed-forward-outcome", name=name, outcome=_outcome(rows), left=_left(rows))
+            for name, rows in optima
+        ),
+        Message("recommended-outcome", outcome=_outcome(ours), left=_left(ours)),
+        Message(
+            "why-controls-take-limits",
+            band=machine.requirements.tcp_deviation,
+            spread=max(abs(row.corner.frequency_factor - 1.0) for row in ours),
+        ),
+    )
+
+
+def _outcome(rows: Sequence[FedForward]) -> Message:
+    nominal = next(row for row in rows if row.corner == NOMINAL)
+    return Message(
+        "settles-on-both",
+        nominal=_settles(nominal.settling_time),
+        worst=_settles(max(row.settling_time for row in rows)),
+    )
+
+
+def _settles(time: float) -> Message:
+    return Message("time-value", time=time) if isfinite(time) else Message("no-time-looked-at")
+
+
+def _left(rows: Sequence[FedForward]) -> float:
+    return max(row.residual_deviation for row in rows)

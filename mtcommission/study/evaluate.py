@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
@@ -31,31 +32,33 @@ class MoveResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Trial:
-    """Named limits through the same loop, corners and judgement as the recommendation.
+class Candidate:
+    """Limits through the same loop, corners and judgement as the recommendation.
 
     Parameters
     ----------
-    name, source
-        What they are and who says so.
     limits
         Acceleration and jerk.
     settling_time, residual_deviation, peak_deviation
         Worst over moves and corners [s, m, m].
     assessment
         Verdict on every requirement.
+    name, source
+        What they are and who says so, where they are shown beside others.
     """
 
-    name: str
-    source: str
     limits: MotionLimits
     settling_time: float
     residual_deviation: float
     peak_deviation: float
     assessment: Assessment
+    name: Message | None = None
+    source: Message | None = None
 
 
-def run_moves(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple[MoveResult, ...]:
+def simulate_moves(
+    machine: Machine, tuned: TunedLoop, limits: MotionLimits
+) -> tuple[MoveResult, ...]:
     """Return every move with these limits, simulated in every corner.
 
     Parameters
@@ -73,10 +76,10 @@ def run_moves(machine: Machine, tuned: TunedLoop, limits: MotionLimits) -> tuple
     """
     time = machine.control.moving_average_time
     setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
-    return run_setpoints(machine, tuned, setpoints)
+    return simulate_setpoints(machine, tuned, setpoints)
 
 
-def run_setpoints(
+def simulate_setpoints(
     machine: Machine, tuned: TunedLoop, setpoints: Sequence[Setpoint]
 ) -> tuple[MoveResult, ...]:
     """Return given setpoints, simulated in every corner.
@@ -106,63 +109,67 @@ def run_setpoints(
     )
 
 
-def judge(
+def evaluate(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
-    name: str,
-    source: str,
     limits: MotionLimits,
-) -> Trial:
+    *,
+    name: Message | None = None,
+    source: Message | None = None,
+) -> Candidate:
     """Return what some limits do in the same loop, corners and judgement as all others.
 
     Parameters
     ----------
     machine, plant, tuned
         Nominal machine, its plant and its loop.
-    name, source
-        Of the limits.
     limits
         Acceleration and jerk.
+    name, source
+        Of the limits, where they are shown beside others.
 
     Returns
     -------
-    Trial
+    Candidate
     """
-    return judge_moves(machine, plant, tuned, name, source, run_moves(machine, tuned, limits))
+    moves = simulate_moves(machine, tuned, limits)
+    return evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
 
 
-def judge_moves(
+def evaluate_moves(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
-    name: str,
-    source: str,
     moves: Sequence[MoveResult],
-) -> Trial:
-    """Return the same where the moves have been run already.
+    *,
+    name: Message | None = None,
+    source: Message | None = None,
+) -> Candidate:
+    """Return the same where the moves have been simulated already.
 
     Parameters
     ----------
     machine, plant, tuned
         Nominal machine, its plant, and the loop that the moves went through.
-    name, source
-        Of the limits.
     moves
-        From ``run_moves`` or ``run_setpoints``; the first one's limits are the trial's.
+        From ``simulate_moves`` or ``simulate_setpoints``; the first one's limits are the
+        candidate's.
+    name, source
+        Of the limits, where they are shown beside others.
 
     Returns
     -------
-    Trial
+    Candidate
     """
     rows = [result.responses for result in moves]
     everywhere = [response for row in rows for response in row]
-    return Trial(
-        name=name,
-        source=source,
+    return Candidate(
         limits=moves[0].setpoint.limits,
         settling_time=max(response.settling_time for response in everywhere),
         residual_deviation=max(response.residual_deviation for response in everywhere),
         peak_deviation=max(response.peak_deviation for response in everywhere),
         assessment=assess(machine, plant, tuned.corners, rows),
+        name=name,
+        source=source,
     )

@@ -3,41 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import tune_loop, tune_variants
 from mtcommission.machine.machine import Machine, StateFeedback
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import Trial, judge
-from mtcommission.study.robustness import RobustnessSettings
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
-    """Numerical settings, all printed on the sheet.
-
-    Parameters
-    ----------
-    tuning, search
-        Of the loop's tuning and of the choice of limits.
-    comparison
-        The coarser search that decides whether state feedback pays.
-    robustness
-        How closely the recommendation is looked at where machine or limits differ.
-    """
-
-    tuning: TuningSettings = field(default_factory=TuningSettings)
-    search: SearchSettings = field(default_factory=SearchSettings)
-    comparison: SearchSettings = field(
-        default_factory=lambda: SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)
-    )
-    robustness: RobustnessSettings = field(default_factory=RobustnessSettings)
+from mtcommission.study.evaluate import Candidate, evaluate
+from mtcommission.study.settings import Settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,18 +25,18 @@ class LoopVariant:
     Parameters
     ----------
     name
-        ``"without state feedback"`` or ``"with state feedback"``.
+        Without or with state feedback.
     tuned
         The loop in every corner.
-    trial
+    candidate
         Its best limits by the coarser search, judged.
     is_used
         Whether everything else in the record uses this loop.
     """
 
-    name: str
+    name: Message
     tuned: TunedLoop
-    trial: Trial
+    candidate: Candidate
     is_used: bool
 
 
@@ -72,10 +50,13 @@ class LoopChoice:
         The loop that is used.
     variants
         Empty where there was nothing to choose.
+    remarks
+        Settling time and stiffness of both, and what the control must offer.
     """
 
     tuned: TunedLoop
-    variants: tuple[LoopVariant, ...]
+    variants: tuple[LoopVariant, ...] = ()
+    remarks: tuple[Message, ...] = ()
 
     @property
     def model(self) -> Any:
@@ -96,42 +77,42 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     Returns
     -------
     LoopChoice
-        The remarks of its loop state settling time and stiffness of both.
     """
     if machine.control.state_feedback is not StateFeedback.AUTO:
-        return LoopChoice(tuned=tune_loop(machine, settings=settings.tuning), variants=())
+        return LoopChoice(tuned=tune_loop(machine, settings=settings.tuning))
     found = tune_variants(machine, settings=settings.tuning)
     if found.feedback is None:
-        return LoopChoice(tuned=found.plain, variants=())
+        return LoopChoice(tuned=found.plain)
     if found.is_needed:
-        remarks = (*found.feedback.remarks, Message("verbatim", text=NEEDS_STATE_FEEDBACK))
-        return LoopChoice(tuned=replace(found.feedback, remarks=remarks), variants=())
-    without = _try_loop(machine, plant, WITHOUT, found.plain, settings, starts=())
+        return LoopChoice(tuned=found.feedback, remarks=(NEEDS_STATE_FEEDBACK,))
+    without = _try_loop(machine, plant, found.plain, settings, starts=())
     starts = (without.limits,)
-    with_it = _try_loop(machine, plant, WITH, found.feedback, settings, starts=starts)
+    with_it = _try_loop(machine, plant, found.feedback, settings, starts=starts)
     helps = _pays(without, with_it, found.plain, found.feedback, settings.tuning)
-    kept = found.feedback if helps else found.plain
-    variants = tuple(
-        LoopVariant(name=trial.name, tuned=loop, trial=trial, is_used=loop is kept)
-        for trial, loop in ((without, found.plain), (with_it, found.feedback))
+    return LoopChoice(
+        tuned=found.feedback if helps else found.plain,
+        variants=(
+            LoopVariant(name=WITHOUT, tuned=found.plain, candidate=without, is_used=not helps),
+            LoopVariant(name=WITH, tuned=found.feedback, candidate=with_it, is_used=helps),
+        ),
+        remarks=(
+            Message(
+                "state-feedback-chosen" if helps else "state-feedback-left-out",
+                with_it=_settling(with_it),
+                without=_settling(without),
+            ),
+            Message(
+                "state-feedback-stiffness",
+                ratio=found.feedback.least_stiffness / found.plain.least_stiffness,
+            ),
+            *((NEEDS_STATE_FEEDBACK,) if helps else ()),
+        ),
     )
-    verdict = (
-        f"Best settling time {_milliseconds(with_it.settling_time)} with it, "
-        f"{_milliseconds(without.settling_time)} without it: "
-        f"it is {'used' if helps else 'left out'}."
-    )
-    ratio = found.feedback.least_stiffness / found.plain.least_stiffness
-    stiffness = f"With it the tool is {ratio:.3g} times as stiff against a disturbance."
-    hint = f" {NEEDS_STATE_FEEDBACK}" if helps else ""
-    remarks = (*kept.remarks, Message("verbatim", text=f"{verdict} {stiffness}{hint}"))
-    return LoopChoice(tuned=replace(kept, remarks=remarks), variants=variants)
 
 
-WITHOUT, WITH = "without state feedback", "with state feedback"
+WITHOUT, WITH = Message("without-state-feedback"), Message("with-state-feedback")
 
-NEEDS_STATE_FEEDBACK = (
-    'The control must offer state feedback; if yours does not, set state_feedback = "off".'
-)
+NEEDS_STATE_FEEDBACK = Message("control-needs-state-feedback")
 
 SOONER = 0.98
 STIFFER = 1.2
@@ -140,8 +121,8 @@ finer), or as soon with a tool that is 20 % stiffer (design choice)."""
 
 
 def _pays(
-    without: Trial,
-    with_it: Trial,
+    without: Candidate,
+    with_it: Candidate,
     plain: TunedLoop,
     feedback: TunedLoop,
     settings: TuningSettings,
@@ -158,16 +139,16 @@ def _pays(
 def _try_loop(
     machine: Machine,
     plant: Plant,
-    name: str,
     tuned: TunedLoop,
     settings: Settings,
     *,
     starts: Sequence[MotionLimits],
-) -> Trial:
+) -> Candidate:
     """The limits that suit a loop best by the coarser search, judged."""
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.comparison)
-    return judge(machine, plant, tuned, name, "coarser search", choice.limits)
+    return evaluate(machine, plant, tuned, choice.limits)
 
 
-def _milliseconds(time: float) -> str:
-    return f"{1e3 * time:.4g} ms" if isfinite(time) else "not settled"
+def _settling(candidate: Candidate) -> Message:
+    time = candidate.settling_time
+    return Message("time-value", time=time) if isfinite(time) else Message("not-settled")

@@ -9,27 +9,28 @@ from mtcommission.loop.model.controller import Controller, feedforward_delay
 from mtcommission.loop.simulate.disturbance import DisturbanceStep, simulate_disturbance
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import run_moves
+from mtcommission.study.evaluate import simulate_moves
 from mtcommission.study.loop_choice import LoopChoice
 
 PUSH_TIME = 0.3
-"""How long the answer to a step of force is followed [s]."""
+"""How long the response to a step of force is followed [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PushedTool:
-    """The tool under a step of force, nominal machine.
+class DisturbedTool:
+    """The disturbance step response of the tool, nominal machine.
 
     Parameters
     ----------
     name
         Which loop.
     step
-        The answer.
+        The response.
     """
 
-    name: str
+    name: Message
     step: DisturbanceStep
 
 
@@ -71,12 +72,12 @@ class LoopStudy:
         Without, with, and as the profile has it.
     """
 
-    pushed: tuple[PushedTool, ...]
+    pushed: tuple[DisturbedTool, ...]
     jerk_feedforward: tuple[JerkFeedforward, ...]
 
 
 def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> LoopStudy:
-    """Return the answer to a disturbance and the effect of the jerk feed-forward.
+    """Return the response to a disturbance and the effect of the jerk feed-forward.
 
     Parameters
     ----------
@@ -92,11 +93,11 @@ def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> Loop
     LoopStudy
     """
     shown = [(variant.name, variant.tuned) for variant in loop.variants]
-    shown = shown or [("the loop that is used", loop.tuned)]
+    shown = shown or [(Message("loop-in-use"), loop.tuned)]
     used = loop.tuned.controller.jerk_feedforward
     return LoopStudy(
         pushed=tuple(
-            PushedTool(name=name, step=simulate_disturbance(tuned.loops[0], duration=PUSH_TIME))
+            DisturbedTool(name=name, step=simulate_disturbance(tuned.loops[0], duration=PUSH_TIME))
             for name, tuned in shown
         ),
         jerk_feedforward=tuple(
@@ -116,7 +117,9 @@ def _with_jerk_feedforward(
     # Without a limit the force asked for is the linear one, which is what is compared.
     strong = replace(machine, drive=replace(machine.drive, max_force=inf))
     found = [
-        response for result in run_moves(strong, tuned, limits) for response in result.responses
+        response
+        for result in simulate_moves(strong, tuned, limits)
+        for response in result.responses
     ]
     return JerkFeedforward(
         weight=weight,

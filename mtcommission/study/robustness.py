@@ -1,4 +1,4 @@
-"""How the recommended limits fare where the machine or the typed values differ a little.
+"""How the recommended limits fare where the machine or the values entered differ a little.
 
 Three views: thousands of machines drawn from the stated spread, all frequencies off by a common
 error, and small changes of each limit.
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mtcommission.loop.batch.response import BatchedResponse, simulate_limits_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import Requirement
 from mtcommission.machine.variations import (
     Variations,
     as_variations,
@@ -21,6 +22,7 @@ from mtcommission.machine.variations import (
     draw_variations,
     scale_variations,
 )
+from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
@@ -113,8 +115,8 @@ class FrequencyError:
     residual_deviation: Array
     kept_from: float
     kept_to: float
-    lost_below: tuple[str, ...]
-    lost_above: tuple[str, ...]
+    lost_below: tuple[Requirement, ...]
+    lost_above: tuple[Requirement, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,7 +126,7 @@ class Sensitivity:
     Parameters
     ----------
     change
-        What was changed, for the sheet.
+        What was changed.
     settling_time, residual_deviation
         After the change [s, m].
     settling_change, residual_change
@@ -133,7 +135,7 @@ class Sensitivity:
         Whether every requirement still holds.
     """
 
-    change: str
+    change: Message
     settling_time: float
     residual_deviation: float
     settling_change: float
@@ -143,7 +145,7 @@ class Sensitivity:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Robustness:
-    """All three views.
+    """All three views, and what they warn of.
 
     Parameters
     ----------
@@ -151,11 +153,14 @@ class Robustness:
         None where the profile states no spread and no range of payload: nothing to draw.
     frequency_error, sensitivities
         See the classes.
+    warnings
+        Empty where the requirements bear what must be reckoned with.
     """
 
     monte_carlo: MonteCarlo | None
     frequency_error: FrequencyError
     sensitivities: tuple[Sensitivity, ...]
+    warnings: tuple[Message, ...]
 
 
 def examine_robustness(
@@ -191,10 +196,66 @@ def examine_robustness(
             samples=_affordable(machine, limits, settings),
             seed=settings.seed,
         )
+    error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
     return Robustness(
         monte_carlo=monte_carlo,
-        frequency_error=find_frequency_error(machine, plant, tuned, limits, settings=settings),
+        frequency_error=error,
         sensitivities=find_sensitivities(machine, plant, tuned, limits),
+        warnings=warn_of_narrow_range(machine, error),
+    )
+
+
+KNOWN_FREQUENCY = 0.02
+"""Error of an eigenfrequency that must be reckoned with even where it was measured [-]
+(empirical: resolution of the measurement, temperature, position on the axis)."""
+
+ALIKE = 1e-9
+"""Rounding of a frequency error [-]."""
+
+
+def warn_of_narrow_range(machine: Machine, error: FrequencyError) -> tuple[Message, ...]:
+    """Return a warning where the requirements hang on frequencies nobody knows so exactly.
+
+    Limits that cancel a vibration are as exact as its frequency. Where no spread is stated they
+    may be kept at the stated frequency alone, and the verdict would not show it.
+
+    Parameters
+    ----------
+    machine
+        Nominal; its stated spread counts.
+    error
+        Between which frequency errors every requirement is kept.
+
+    Returns
+    -------
+    tuple of Message
+        Empty where a spread is stated, where at least 2 % of error to either side are borne, or
+        where not even the stated frequencies keep the requirements: the verdict says so.
+    """
+    low, high = error.kept_from - 1.0, error.kept_to - 1.0
+    is_narrow = max(low, -high) > -KNOWN_FREQUENCY + ALIKE
+    if machine.requirements.frequency_spread > 0.0 or not is_narrow:
+        return ()
+    ends = [
+        Message("frequency-end-at-least" if end == tried else "frequency-end", error=end)
+        for end, tried in zip((low, high), error.factor[[0, -1]] - 1.0, strict=True)
+    ]
+    lost = [
+        Message(kind, requirement=requirement.message)
+        for kind, requirements in (
+            ("missed-where-lower", error.lost_below),
+            ("missed-where-higher", error.lost_above),
+        )
+        for requirement in requirements
+    ]
+    return (
+        Message(
+            "frequency-spread-not-stated",
+            low=ends[0],
+            high=ends[1],
+            lost=join_by_and(lost),
+            least=KNOWN_FREQUENCY,
+        ),
     )
 
 
@@ -337,28 +398,28 @@ def find_sensitivities(
     places = as_variations(corners(machine))
     a, j = limits.acceleration, limits.jerk
     cases = [
-        ("jerk +10 %", MotionLimits(acceleration=a, jerk=1.1 * j), places),
-        ("jerk -10 %", MotionLimits(acceleration=a, jerk=0.9 * j), places),
-        ("acceleration +10 %", MotionLimits(acceleration=1.1 * a, jerk=j), places),
-        ("acceleration -10 %", MotionLimits(acceleration=0.9 * a, jerk=j), places),
-        ("frequencies +1 %", limits, scale_variations(places, frequency=1.01)),
-        ("frequencies -1 %", limits, scale_variations(places, frequency=0.99)),
-        ("damping -10 %", limits, scale_variations(places, damping=0.9)),
+        ("change-jerk", 0.1, MotionLimits(acceleration=a, jerk=1.1 * j), places),
+        ("change-jerk", -0.1, MotionLimits(acceleration=a, jerk=0.9 * j), places),
+        ("change-acceleration", 0.1, MotionLimits(acceleration=1.1 * a, jerk=j), places),
+        ("change-acceleration", -0.1, MotionLimits(acceleration=0.9 * a, jerk=j), places),
+        ("change-frequencies", 0.01, limits, scale_variations(places, frequency=1.01)),
+        ("change-frequencies", -0.01, limits, scale_variations(places, frequency=0.99)),
+        ("change-damping", -0.1, limits, scale_variations(places, damping=0.9)),
     ]
     base = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
     return tuple(
         _compare(
             machine,
-            change,
+            Message(kind, change=change),
             base,
             simulate_limits_batched(machine, plant, tuned, varied, variations=variations),
         )
-        for change, varied, variations in cases
+        for kind, change, varied, variations in cases
     )
 
 
 def _compare(
-    machine: Machine, change: str, base: BatchedResponse, found: BatchedResponse
+    machine: Machine, change: Message, base: BatchedResponse, found: BatchedResponse
 ) -> Sensitivity:
     settling = float(found.settling_time.max())
     residual = float(found.residual_deviation.max())

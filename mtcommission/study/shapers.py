@@ -19,10 +19,11 @@ from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.machine.variations import as_variations
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
-from mtcommission.study.evaluate import Trial, judge_moves, run_setpoints
+from mtcommission.study.evaluate import Candidate, evaluate_moves, simulate_setpoints
 
 Array = NDArray[np.float64]
 
@@ -53,7 +54,7 @@ class Shaper:
     """
 
     name: str
-    source: str
+    source: Message
     times: tuple[float, ...]
     amplitudes: tuple[float, ...]
 
@@ -90,14 +91,14 @@ def design_shapers(mode: PlantMode) -> tuple[Shaper, ...]:
         zero_vibration(1, frequency_hz=f, damping_ratio=zeta),
         _normed(
             "MZV",
-            "Klipper, Resonance Compensation",
+            Message("source-klipper"),
             (0.0, 0.375 * T_d, 0.75 * T_d),
             (edge, (sqrt(2.0) - 1.0) * K_m, edge * K_m**2),
         ),
         zero_vibration(2, frequency_hz=f, damping_ratio=zeta),
         _normed(
             "EI",
-            "Singhose, Seering & Singer 1994",
+            Message("source-singhose"),
             (0.0, T_d / 2, T_d),
             (0.25 * (1 + V), 0.5 * (1 - V) * K, 0.25 * (1 + V) * K**2),
         ),
@@ -128,14 +129,14 @@ def zero_vibration(order: int, *, frequency_hz: float, damping_ratio: float) -> 
     """
     root = sqrt(1.0 - damping_ratio**2)
     K, half_period = exp(-damping_ratio * pi / root), 0.5 / (frequency_hz * root)
-    source = "Singer & Seering 1990"
+    source = Message("source-singer")
     if order == 1:
         return _normed("ZV", source, (0.0, half_period), (1.0, K))
     return _normed("ZVD", source, (0.0, half_period, 2.0 * half_period), (1.0, 2.0 * K, K**2))
 
 
 def _normed(
-    name: str, source: str, times: tuple[float, ...], amplitudes: tuple[float, ...]
+    name: str, source: Message, times: tuple[float, ...], amplitudes: tuple[float, ...]
 ) -> Shaper:
     total = sum(amplitudes)
     return Shaper(
@@ -171,7 +172,7 @@ def shape_setpoint(setpoint: Setpoint, shaper: Shaper) -> Setpoint:
     return replace(setpoint, knot_times=knots, jerk_steps=shaped[0], snap_steps=shaped[1])
 
 
-def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Trial, ...]:
+def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Candidate, ...]:
     """Return shapers and the jerk filter through the same loop and judgement.
 
     All are designed for the dominant mode of the nominal plant; each gets the acceleration, of
@@ -187,36 +188,38 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[T
 
     Returns
     -------
-    tuple of Trial
+    tuple of Candidate
         The jerk in ``limits`` is a/T for the filter of length T, and stands for "no limit"
         with the shapers.
     """
     mode = dominant_mode(plant)
     period = 1.0 / mode.frequency_hz
-    trials = [
-        _best_trial(
+    candidates = [
+        _best_candidate(
             machine,
             plant,
             tuned,
-            name=f"{shaper.name} shaper ({mode.name}, {mode.frequency_hz:.3g} Hz)",
+            name=Message(
+                "shaper-for-mode", shaper=shaper.name, mode=mode.name, frequency=mode.frequency_hz
+            ),
             source=shaper.source,
             plan=_shaped_by(machine, shaper),
             jerk_time=machine.control.position_cycle,
         )
         for shaper in design_shapers(mode)
     ]
-    trials.append(
-        _best_trial(
+    candidates.append(
+        _best_candidate(
             machine,
             plant,
             tuned,
-            name=f"moving average 1/f ({mode.name}, {mode.frequency_hz:.3g} Hz)",
-            source="jerk filter of the controls, Biagiotti & Melchiorri 2008",
+            name=Message("moving-average-for-mode", mode=mode.name, frequency=mode.frequency_hz),
+            source=Message("source-jerk-filter"),
             plan=lambda move, a: _filtered(move, a, period),
             jerk_time=period,
         )
     )
-    return tuple(trials)
+    return tuple(candidates)
 
 
 def _shaped_by(machine: Machine, shaper: Shaper) -> Callable[[Move, float], Setpoint]:
@@ -230,16 +233,16 @@ def _filtered(move: Move, acceleration: float, time: float) -> Setpoint:
     return plan_setpoint(move, trapezoid, moving_average=time)
 
 
-def _best_trial(
+def _best_candidate(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
     *,
-    name: str,
-    source: str,
+    name: Message,
+    source: Message,
     plan: Callable[[Move, float], Setpoint],
     jerk_time: float,
-) -> Trial:
+) -> Candidate:
     """The acceleration that settles soonest and meets all; else soonest within force and peaks.
 
     If none keeps those, F_max/m, which saturates.
@@ -262,14 +265,15 @@ def _best_trial(
         setpoints = [plan(move, largest) for move in machine.moves]
         ranked.append((True, inf, largest, setpoints))
     ranked.sort(key=lambda item: item[:2])
-    outside: list[Trial] = []
+    outside: list[Candidate] = []
     for is_outside, _, a, setpoints in ranked:
         if is_outside and outside:
             break
         limits = MotionLimits(acceleration=a, jerk=a / jerk_time)
-        moves = run_setpoints(machine, tuned, setpoints)
-        trial = replace(judge_moves(machine, plant, tuned, name, source, moves), limits=limits)
-        if trial.assessment.is_met:
-            return trial
-        outside.append(trial)
+        moves = simulate_setpoints(machine, tuned, setpoints)
+        shaped = evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
+        candidate = replace(shaped, limits=limits)
+        if candidate.assessment.is_met:
+            return candidate
+        outside.append(candidate)
     return min(outside, key=lambda item: item.settling_time)

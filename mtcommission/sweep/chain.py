@@ -9,9 +9,12 @@ import numpy as np
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.study.evaluate import MoveResult, Trial, judge_moves, run_moves
-from mtcommission.study.loop_choice import Settings, settle_on_loop
+from mtcommission.study.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
+from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.settings import Settings
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
 
@@ -41,17 +44,17 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     tuned = settle_on_loop(machine, plant, settings).tuned
     starts = [limits for _, limits in condense_optima(machine, plant, optima)]
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
-    moves = run_moves(machine, tuned, choice.limits)
-    trial = judge_moves(machine, plant, tuned, "recommended", "this search", moves)
-    return chain_cells(plant, optima, moves, trial, choice.bound_by)
+    moves = simulate_moves(machine, tuned, choice.limits)
+    candidate = evaluate_moves(machine, plant, tuned, moves)
+    return chain_cells(plant, optima, moves, candidate, choice.bound_by)
 
 
 def chain_cells(
     plant: Plant,
     optima: Sequence[Optima],
     moves: Sequence[MoveResult],
-    trial: Trial,
-    bound_by: str,
+    candidate: Candidate,
+    bound_by: Message,
 ) -> tuple[Cell, ...]:
     """Return the result columns of ``limits`` and ``run``.
 
@@ -59,7 +62,7 @@ def chain_cells(
     ----------
     plant, optima
         Of the case.
-    moves, trial
+    moves, candidate
         What the limits do, and the verdict.
     bound_by
         What the limits end at.
@@ -68,7 +71,7 @@ def chain_cells(
     -------
     tuple
     """
-    limits = trial.limits
+    limits, limiting = candidate.limits, candidate.assessment.limiting_requirement
     slowest = max((item.time for item in optima), key=lambda time: time.t_f)
     responses = [response for move in moves for response in move.responses]
     largest = np.max([response.peaks for response in responses], axis=0)
@@ -78,12 +81,12 @@ def chain_cells(
         limits.acceleration,
         limits.jerk,
         limits.jerk_time,
-        trial.settling_time,
-        trial.residual_deviation,
-        trial.peak_deviation,
+        candidate.settling_time,
+        candidate.residual_deviation,
+        candidate.peak_deviation,
         *(peaks[name] for name in peak_signals(plant)),
         max(response.max_force for response in responses),
-        trial.assessment.is_met,
-        bound_by,
-        trial.assessment.obstacle,
+        candidate.assessment.is_met,
+        Catalogue().say(bound_by),
+        limiting.value if limiting else "",
     )

@@ -28,7 +28,8 @@ from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.study.comparison import ComparedControl, compare_controls
-from mtcommission.study.loop_choice import Settings, settle_on_loop
+from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.settings import Settings
 from mtcommission.validate.paper import (
     BOUNDED_T_F,
     FORCE_LIMIT,

@@ -25,7 +25,8 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
 
 LAG_SHARE = 0.4
-"""Servo tail of a jerk step behind a force lag, times ω_v/(j T²) (fitted, see the docs)."""
+"""Following-error transient of a jerk step behind a force lag, times ω_v/(j T²) (fitted, see the
+docs)."""
 
 HOLD_SHARE = 0.18
 """The same for the hold of the position cycle, times ω_v/(j T_p²) (fitted, see the docs)."""
@@ -35,8 +36,8 @@ DEFLECTION_SHARE = 0.8
 to one of the peak of the loop's impulse response, as for the lag)."""
 
 RAMP_SHARE = 1.5
-"""Servo tail of a whole ramp over that of one of its two jerk steps: the second one meets the
-swing that the first has left (fitted, see the docs)."""
+"""Following-error transient of a whole ramp over that of one of its two jerk steps: the second one
+meets the swing that the first has left (fitted, see the docs)."""
 
 PULL_SHARE = 1.0
 """Widening of a visible mode's spread over m c: its frequency falls by up to half of that where
@@ -64,7 +65,7 @@ class ModeEstimate:
         Relative uncertainty of the frequency that the closed loop rings with [-].
     damping
         Least damping ratio [-].
-    compliance
+    jerk_sensitivity
         m |g|/ω³, deviation per jerk step [s³].
     """
 
@@ -72,16 +73,16 @@ class ModeEstimate:
     frequency_hz: float
     spread: float
     damping: float
-    compliance: float
+    jerk_sensitivity: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServoEstimate:
-    """The servo's own tail.
+    """The following-error transient of the servo.
 
     Parameters
     ----------
-    compliance
+    jerk_sensitivity
         Deviation per jerk, after a ramp that is long for the velocity loop [s³].
     impulse
         Deviation per jerk and jerk time after a short one, whose two steps nearly cancel [s²];
@@ -93,7 +94,7 @@ class ServoEstimate:
         of both counts.
     """
 
-    compliance: float
+    jerk_sensitivity: float
     impulse: float
     missing: float
     ramp_drag: float
@@ -195,7 +196,7 @@ def _mode_numbers(machine: Machine, controller: Controller, mode: PlantMode) -> 
         frequency_hz=mode.frequency_hz,
         spread=min(spread + pull, 0.5),
         damping=mode.damping_ratio * (1.0 - machine.requirements.damping_spread),
-        compliance=m * gain / (omega * (1.0 - spread)) ** 3,
+        jerk_sensitivity=m * gain / (omega * (1.0 - spread)) ** 3,
     )
 
 
@@ -206,11 +207,13 @@ def _servo_numbers(machine: Machine, plant: Plant, controller: Controller) -> Se
     left = 1.0 - controller.jerk_feedforward
     lag = controller.force_lag + sum(filter_delay(item) for item in controller.force_filters)
     seen = sum(m * abs(mode.measured_gain) / mode.natural_frequency**2 for mode in plant.modes)
-    tail = max(LAG_SHARE * left * (2.0 - left) * lag**2, HOLD_SHARE * controller.position_cycle**2)
+    transient = max(
+        LAG_SHARE * left * (2.0 - left) * lag**2, HOLD_SHARE * controller.position_cycle**2
+    )
     pushed = controller.acceleration_feedforward * m
     return ServoEstimate(
-        compliance=RAMP_SHARE * (tail + DEFLECTION_SHARE * seen) / omega_v,
-        impulse=tail + DEFLECTION_SHARE * seen,
+        jerk_sensitivity=RAMP_SHARE * (transient + DEFLECTION_SHARE * seen) / omega_v,
+        impulse=transient + DEFLECTION_SHARE * seen,
         missing=max(abs(pushed - mass) / mass for mass in masses),
         ramp_drag=Tn / (omega_v * Kv),
         step_drag=OVERSHOOT / (omega_v * (Kv + 1.0 / Tn)),
@@ -235,11 +238,11 @@ def servo_parts(axis: AxisEstimate, jerk_time: float) -> list[float]:
     Returns
     -------
     list of float
-        Two compliances [s³].
+        Two jerk sensitivities [s³].
     """
     servo = axis.servo
     drag = servo.missing * min(servo.ramp_drag, servo.step_drag * jerk_time)
-    return [min(servo.compliance, servo.impulse * jerk_time), drag]
+    return [min(servo.jerk_sensitivity, servo.impulse * jerk_time), drag]
 
 
 def vibrations(axis: AxisEstimate, jerk_time: float, *, largest: float) -> list[float]:
@@ -260,7 +263,7 @@ def vibrations(axis: AxisEstimate, jerk_time: float, *, largest: float) -> list[
         m |g|/ω³ R(f t_j) times the echo of the earlier ramps [s³].
     """
     return [
-        mode.compliance
+        mode.jerk_sensitivity
         * ramp_vibration(mode.frequency_hz * jerk_time, damping=mode.damping, spread=mode.spread)
         * echo(axis.machine, mode, largest)
         for mode in axis.modes

@@ -1,4 +1,4 @@
-"""The search behind ``choose``: where (``region``), what (``bench``), how (``explore``, ``typed``).
+"""The search behind ``choose``: ``region``, ``bench``, ``explore``, then ``rounding``.
 
 Nothing is imported here; ``choose.choose_limits`` is the door.
 """

@@ -15,6 +15,7 @@ from mtcommission.loop.batch.settling import Settling, settle
 from mtcommission.loop.batch.tables import ResponseTables, build_tables, sketch_tables
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move
+from mtcommission.machine.requirement import RMS_FORCE, SET_FORCE, Requirement, peak_of
 from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
 
@@ -36,8 +37,8 @@ class Bench:
         The response in each corner, exactly and for a first look.
     signals
         Rows over the outputs of one velocity cycle; the first one is the set force.
-    bounds, names
-        Largest allowed magnitude of each signal, and what is used up there.
+    bounds, requirements
+        Largest allowed magnitude of each signal, and the requirement that it comes from.
     tail
         Free motion in which force and peaks are looked at [s].
     """
@@ -48,7 +49,7 @@ class Bench:
     sketches: tuple[ResponseTables, ...]
     signals: Array
     bounds: Array
-    names: tuple[str, ...]
+    requirements: tuple[Requirement, ...]
     tail: float
 
     @property
@@ -83,9 +84,9 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
     needs, n = machine.requirements, plant.order
     outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
     rows = [np.eye(n + 3)[2], *(outputs @ plant.row(peak.name) for peak in needs.peaks)]
-    names = ["force limit", *(f"peak {peak.name}" for peak in needs.peaks)]
+    bounded = [SET_FORCE, *(peak_of(peak.name) for peak in needs.peaks)]
     if isfinite(machine.drive.continuous_force):
-        names.append("RMS force")
+        bounded.append(RMS_FORCE)
     return Bench(
         machine=machine,
         tuned=tuned,
@@ -93,7 +94,7 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
         sketches=tuple(map(sketch_tables, tables, (loop.plant for loop in tuned.loops))),
         signals=np.array(rows),
         bounds=np.array([machine.drive.motion_force, *(peak.bound for peak in needs.peaks)]),
-        names=tuple(names),
+        requirements=tuple(bounded),
         tail=tables[0].reference_delay + 1.5 * min(longest_period(plant), 0.2),
     )
 
@@ -169,7 +170,7 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
     Parameters
     ----------
     bench
-        The bench; ``bench.names`` are the columns.
+        The bench; ``bench.requirements`` are the columns.
     acceleration, jerk_time
         Limits, shape (n_limits,) [m/s², s].
 
@@ -180,7 +181,7 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
     """
     drive = bench.machine.drive
     is_limited = isfinite(drive.continuous_force)
-    used = np.zeros((len(acceleration), len(bench.names)))
+    used = np.zeros((len(acceleration), len(bench.requirements)))
     for move in bench.machine.moves:
         steps = plan_steps(bench.machine, move, acceleration, jerk_time)
         for loop in bench.tuned.loops:

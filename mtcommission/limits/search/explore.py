@@ -135,7 +135,7 @@ def _nodes(low: float, high: float, density: float) -> Array:
     return np.geomspace(low, high, max(LEAST_NODES, round(density * log(high / low)) + 1))
 
 
-def look(
+def screen(
     bench: Bench,
     acceleration: Array,
     jerk_time: Array,
@@ -197,7 +197,7 @@ EVERY = 4
 """Share of a grid that is looked at fully, to know how good the best seeds are at least."""
 
 
-def look_over(bench: Bench, guess: Guess, grid: Grid, *, seeds: int, urgency: float) -> Pool:
+def screen_grid(bench: Bench, guess: Guess, grid: Grid, *, seeds: int, urgency: float) -> Pool:
     """Return the look at a whole grid, broken off where limits are no seeds anyway.
 
     Parameters
@@ -218,11 +218,11 @@ def look_over(bench: Bench, guess: Guess, grid: Grid, *, seeds: int, urgency: fl
     a, t = grid.acceleration, grid.jerk_time
     usage = guess.at(a, t)
     chosen = np.arange(len(a)) % EVERY == 0
-    first = look(bench, a[chosen], t[chosen], usage=usage[chosen], urgency=urgency)
+    first = screen(bench, a[chosen], t[chosen], usage=usage[chosen], urgency=urgency)
     ranked = np.sort(score(bench, first, urgency=urgency))
     ceiling = float(ranked[min(seeds, len(ranked)) - 1])
     left = ~chosen
-    rest = look(bench, a[left], t[left], usage=usage[left], urgency=urgency, ceiling=ceiling)
+    rest = screen(bench, a[left], t[left], usage=usage[left], urgency=urgency, ceiling=ceiling)
     return join([first, rest])
 
 
@@ -266,7 +266,7 @@ def explore(
     -------
     Pool
     """
-    first = look_over(bench, guess, grid, seeds=settings.seeds, urgency=urgency)
+    first = screen_grid(bench, guess, grid, seeds=settings.seeds, urgency=urgency)
     pools = [first]
     best = np.argsort(score(bench, first, urgency=urgency), kind="stable")[: settings.seeds]
     seeds = _Seeds(
@@ -281,7 +281,7 @@ def explore(
         cell = grid.ratio_acceleration**share, grid.ratio_jerk_time**share
         if level % EVERY_LEVEL == 0:
             seeds = _correct(bench, guess, seeds)
-        pool, seeds = _look_around(bench, guess, seeds, region, cell=cell, urgency=urgency)
+        pool, seeds = _screen_neighbours(bench, guess, seeds, region, cell=cell, urgency=urgency)
         pools.append(pool)
         seeds = _best_apart(
             seeds, cell=cell, count=settings.seeds if level < 2 else settings.seeds // 2
@@ -323,7 +323,7 @@ def _correct(bench: Bench, guess: Guess, seeds: _Seeds) -> _Seeds:
 OFFSETS = np.array(list(product((-1.0, 0.0, 1.0), repeat=2)))
 
 
-def _look_around(
+def _screen_neighbours(
     bench: Bench,
     guess: Guess,
     seeds: _Seeds,
@@ -341,7 +341,7 @@ def _look_around(
     a, t = a.ravel(), t.ravel()
     kept = motion_time(bench.machine, a, t) <= region.longest_motion
     a, t, owner = a[kept], t[kept], owner[kept]
-    pool = look(
+    pool = screen(
         bench,
         a,
         t,

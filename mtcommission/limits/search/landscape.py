@@ -25,7 +25,7 @@ class Landscape:
     settling_time, residual_deviation
         Shape (n, n) [s, m]; inf where not settled in the horizon.
     usage
-        Share of the force limit (and of bounded peaks and RMS force) that is used,
+        Share of the available force (and of bounded peaks and RMS force) that is used,
         interpolated from a coarse grid, shape (n, n) [-].
     """
 

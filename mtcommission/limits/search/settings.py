@@ -27,7 +27,7 @@ class SearchSettings:
     seeds, refinements
         Cells refined at once, and how often each is halved.
     digits
-        Significant digits of what is to be typed in.
+        Significant digits of the limits.
     landscape
         Points in each direction of the landscape to be printed.
     """

@@ -16,6 +16,7 @@ from mtcommission.loop.batch.run import bounded_signals, run_batch, shares_of_bo
 from mtcommission.loop.model.assembly import lift_on_plants
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
 from mtcommission.machine.variations import Variations
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -41,13 +42,13 @@ class BatchedResponse:
         Share of every bound that is used, worst move, shape (n_samples, n_bounds) [-]. Above 1
         the force would saturate, and the motion differs.
     bounds
-        Names of these bounds as in the verdict: set force, peaks, RMS force.
+        Requirements that these come from: set force, peaks, RMS force.
     """
 
     settling_time: Array
     residual_deviation: Array
     shares: Array
-    bounds: tuple[str, ...]
+    bounds: tuple[Requirement, ...]
 
     @property
     def usage(self) -> Array:
@@ -60,12 +61,12 @@ class BatchedResponse:
         kept = (self.residual_deviation <= needs.tcp_deviation) & (self.usage <= 1.0)
         return np.asarray(kept & (self.settling_time <= needs.max_settling_time))
 
-    def missed(self, machine: Machine, samples: slice) -> tuple[str, ...]:
-        """Return the requirements that any of some samples misses, named as in the verdict."""
+    def missed(self, machine: Machine, samples: slice) -> tuple[Requirement, ...]:
+        """Return the requirements that any of some samples misses."""
         needs = machine.requirements
         found = [
-            ("residual deviation", self.residual_deviation > needs.tcp_deviation),
-            ("settling time", self.settling_time > needs.max_settling_time),
+            (RESIDUAL_DEVIATION, self.residual_deviation > needs.tcp_deviation),
+            (SETTLING_TIME, self.settling_time > needs.max_settling_time),
             *zip(self.bounds, (self.shares > 1.0).T, strict=True),
         ]
         return tuple(name for name, is_missed in found if is_missed[samples].any())

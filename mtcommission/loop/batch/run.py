@@ -16,6 +16,7 @@ from mtcommission.loop.batch.loops import hand_down
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.simulate.response import DECAYED, HORIZON
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import RMS_FORCE, SET_FORCE, Requirement, peak_of
 from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
@@ -47,7 +48,7 @@ class Signals:
 
     rows: Array
     bounds: Array
-    names: tuple[str, ...]
+    names: tuple[Requirement, ...]
     continuous: float
     static_load: float
 
@@ -68,10 +69,10 @@ def bounded_signals(machine: Machine, plant: Plant, loop: SampledLoop) -> Signal
     outputs = loop.observation[:, :size]
     states = outputs[-plant.order :]
     rows = [outputs[loop.outputs.index("force")], *(plant.row(p.name) @ states for p in peaks)]
-    names = ["set force", *(f"peak {peak.name}" for peak in peaks)]
+    names = [SET_FORCE, *(peak_of(peak.name) for peak in peaks)]
     if isfinite(drive.continuous_force):
         rows.append(states[plant.force])
-        names.append("RMS force")
+        names.append(RMS_FORCE)
     return Signals(
         rows=np.array(rows),
         bounds=np.array([drive.motion_force, *(peak.bound for peak in peaks)]),

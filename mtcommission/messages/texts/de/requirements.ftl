@@ -9,3 +9,4 @@ requirement-rms-force = { $axis ->
    *[linear] Effektivkraft
 }
 requirement-peak = Höchstwert { SYMBOL($signal) }
+requirement-together-with = { $requirement }, zusammen mit { $others }

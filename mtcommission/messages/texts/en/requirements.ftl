@@ -12,3 +12,4 @@ requirement-rms-force = { $axis ->
 }
 # $signal: a state or output of the plant, as the profile spells it
 requirement-peak = peak { SYMBOL($signal) }
+requirement-together-with = { $requirement }, together with { $others }

@@ -1,6 +1,6 @@
-"""The servo's tail after one ramp, over the length of the ramp: the numbers behind the rule's 1.5.
+"""The following-error transient of one ramp over its length: the numbers behind the rule's 1.5.
 
-    python -m benchmarks.servo_tail --count 70
+    python -m benchmarks.following_error --count 70
 
 Random machines keep their tuned cascade but lose their modes and their payload, so what is left
 after a velocity step is the servo alone. Its deviation is printed over that of one jerk step by
@@ -24,7 +24,7 @@ from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import run_moves
+from mtcommission.study.evaluate import simulate_moves
 
 RAMPS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
 """Lengths of the ramp times ω_v."""
@@ -66,7 +66,7 @@ def measure(seed: int) -> list[float]:
         jerk = omega_v / ramp  # a = 1 m/s²
         move = VelocityStep(velocity_step=(ramp + COAST) / omega_v)
         limits = MotionLimits(acceleration=1.0, jerk=jerk)
-        (result,) = run_moves(replace(bare, moves=(move,)), tuned, limits)
+        (result,) = simulate_moves(replace(bare, moves=(move,)), tuned, limits)
         found.append(result.responses[0].residual_deviation * omega_v / (jerk * step))
     return found
 
@@ -75,9 +75,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=70)
     count = parser.parse_args().count
-    tails = np.array([measure(seed) for seed in range(count)])
+    transients = np.array([measure(seed) for seed in range(count)])
     print("| ω_v t_j | median | 95 % | largest |\n|---|---|---|---|")
-    for ramp, column in zip(RAMPS, tails.T, strict=True):
+    for ramp, column in zip(RAMPS, transients.T, strict=True):
         low, high = np.quantile(column, [0.5, 0.95])
         print(f"| {ramp:g} | {low:.2f} | {high:.2f} | {column.max():.2f} |")
 

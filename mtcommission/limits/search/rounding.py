@@ -1,4 +1,4 @@
-"""From the limits looked at to those that are typed in: few digits, judged exactly."""
+"""Limits looked at, rounded to the control's resolution: few digits, judged exactly."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ DIGIT_WORTH = 0.002
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pick:
+class RoundedLimits:
     """Limits to type in.
 
     Parameters
@@ -52,8 +52,8 @@ class Pick:
     meets_requirements: bool
 
 
-def pick(bench: Bench, pool: Pool, settings: SearchSettings) -> Pick:
-    """Return the best limits after rounding to typed digits.
+def round_best(bench: Bench, pool: Pool, settings: SearchSettings) -> RoundedLimits:
+    """Return the best limits after rounding to the control's resolution.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def pick(bench: Bench, pool: Pool, settings: SearchSettings) -> Pick:
 
     Returns
     -------
-    Pick
+    RoundedLimits
         Where nothing meets the requirements, the limits with the least settling time within
         force and peaks; where nothing is within these, the ones that use least of them.
     """
@@ -76,14 +76,14 @@ def pick(bench: Bench, pool: Pool, settings: SearchSettings) -> Pick:
     for wanted, meets in ((good, True), (possible, False)):
         found = _first_within_bounds(bench, pool, wanted, settings, meets=meets)
         if found is not None:
-            return Pick(limits=found, meets_requirements=meets)
+            return RoundedLimits(limits=found, meets_requirements=meets)
     least = int(np.argmin(pool.usage))
     a, t = float(pool.acceleration[least]), float(pool.jerk_time[least])
     limits = MotionLimits(
         acceleration=_neighbours(a, settings.digits, 0)[0],
         jerk=_neighbours(a / t, settings.digits, 0)[0],
     )
-    return Pick(limits=limits, meets_requirements=False)
+    return RoundedLimits(limits=limits, meets_requirements=False)
 
 
 def _first_within_bounds(

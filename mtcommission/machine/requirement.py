@@ -1,0 +1,75 @@
+"""What is required of a move: one name for each requirement, everywhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from mtcommission.messages.message import Message
+
+
+class Kind(Enum):
+    """Each kind of requirement, by the name that records give it."""
+
+    RESIDUAL_DEVIATION = "residual deviation"
+    SETTLING_TIME = "settling time"
+    SET_FORCE = "set force"
+    RMS_FORCE = "RMS force"
+    PEAK = "peak"
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """One requirement, to be judged, missed, relaxed or printed.
+
+    Parameters
+    ----------
+    kind
+        What is bounded.
+    signal
+        State or output of the plant, for a peak; else "".
+    """
+
+    kind: Kind
+    signal: str = ""
+
+    @property
+    def value(self) -> str:
+        """Name in records, e.g. ``"set force"`` or ``"peak v_phi"``."""
+        return f"{self.kind.value} {self.signal}".rstrip()
+
+    @property
+    def message(self) -> Message:
+        """Its text in every language."""
+        key = f"requirement-{self.kind.value.lower().replace(' ', '-')}"
+        return Message(key, signal=self.signal) if self.signal else Message(key)
+
+
+RESIDUAL_DEVIATION = Requirement(Kind.RESIDUAL_DEVIATION)
+SETTLING_TIME = Requirement(Kind.SETTLING_TIME)
+SET_FORCE = Requirement(Kind.SET_FORCE)
+RMS_FORCE = Requirement(Kind.RMS_FORCE)
+
+
+def peak_of(signal: str) -> Requirement:
+    """Return the requirement on the largest magnitude of a state or output."""
+    return Requirement(Kind.PEAK, signal)
+
+
+def read_requirement(value: str) -> Requirement:
+    """Return the requirement of a record's name for it.
+
+    Raises
+    ------
+    ValueError
+        There is no such requirement.
+
+    Examples
+    --------
+    >>> read_requirement("peak v_phi") == peak_of("v_phi")
+    True
+    >>> read_requirement("RMS force").message
+    Message('requirement-rms-force')
+    """
+    kind, _, signal = value.partition(" ")
+    return peak_of(signal) if kind == "peak" and signal else Requirement(Kind(value))

@@ -1,0 +1,68 @@
+# candidates and ways
+way-recommended = empfohlen
+recommended-limits = empfohlene Grenzwerte
+way-moving-average = gleitender Mittelwert
+shaper-for-mode = { $shaper }-Shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
+moving-average-for-mode = gleitender Mittelwert 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
+source-singer = Singer & Seering 1990
+source-singhose = Singhose, Seering & Singer 1994
+source-klipper = Klipper, Resonance Compensation
+source-jerk-filter = Ruckfilter der Steuerungen, Biagiotti & Melchiorri 2008
+
+# where a worst value was found; $parts: some of the others
+place = { $parts }
+place-move = Bewegung { $number }
+place-nominal = Nennfall
+place-payload = Zuladung { MASS($payload) }
+place-frequencies = Frequenzen × { NUMBER($factor, digits: 6) }
+place-damping = Dämpfung × { NUMBER($factor, digits: 6) }
+
+# choice of the loop
+with-state-feedback = mit Zustandsrückführung
+without-state-feedback = ohne Zustandsrückführung
+loop-in-use = der verwendete Regelkreis
+time-value = { TIME($time) }
+state-feedback-chosen = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird verwendet.
+state-feedback-left-out = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird weggelassen.
+state-feedback-stiffness = Damit ist das Werkzeug { NUMBER($ratio, digits: 3) }-mal so steif gegen eine Störung.
+control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, state_feedback = "off" setzen.
+
+# small changes
+change-jerk = Ruck { CHANGE($change) }
+change-acceleration = Beschleunigung { CHANGE($change) }
+change-frequencies = Frequenzen { CHANGE($change) }
+change-damping = Dämpfung { CHANGE($change) }
+
+# robustness; $low, $high: ends of the range kept, $lost: requirements missed outside
+frequency-spread-not-stated = Das Profil gibt keine Streuung der Frequenzen an; alle Anforderungen sind nur erfüllt, solange die Eigenfrequenzen um { $low } bis { $high } abweichen. Außerhalb davon verletzt: { $lost }. requirements.frequency_spread angeben, mindestens { SHARE($least) }, und neu rechnen.
+frequency-end = { CHANGE($error) }
+frequency-end-at-least = mindestens { CHANGE($error) }
+missed-where-lower = { $requirement } (wo sie tiefer liegen)
+missed-where-higher = { $requirement } (wo sie höher liegen)
+no-limits-with-this-band = es wurden keine Grenzwerte gefunden, die mit diesem Band alle Anforderungen erfüllen
+
+# the paper's comparison
+control-time-optimal = zeitoptimal
+control-constrained = zeitoptimal, beschränkt
+control-damping-optimal = dämpfungsoptimal
+rectangular-in-the-loop = rechteckförmige Beschleunigung, im Regelkreis
+trapezoidal-in-the-loop = trapezförmige Beschleunigung, im Regelkreis
+time-optimal-on-the-plant = zeitoptimale Steuerung, an der Strecke
+constrained-on-the-plant = beschränkt-zeitoptimale Steuerung, an der Strecke
+damping-optimal-on-the-plant = dämpfungsoptimale Steuerung, an der Strecke
+claim-rectangular = Der rechteckige Beschleunigungssollwert { $overshoot } und { $transfer }.
+claim-trapezoidal = Der trapezförmige mit den empfohlenen Grenzwerten { $overshoot } und { $transfer }.
+claim-overshoot = schwingt um { SHARE($overshoot) } über
+claim-no-overshoot = schwingt nicht über (weniger als 0,05 %)
+claim-transfer = braucht { TIME($time) }, das { NUMBER($times, digits: 3) }-Fache der kürzesten Zeit von { TIME($least) }
+claim-not-settled = schwingt nicht ein; die kürzeste Zeit ist { TIME($least) }
+
+# why the optimum is not fed forward
+fed-forward-outcome = Vorgesteuert: Die Steuerung „{ $name }“ { $outcome }; dort lässt sie { LENGTH($left, digits: 3) } übrig.
+recommended-outcome = Der Sollwert mit den empfohlenen Grenzwerten { $outcome }; dort lässt er { LENGTH($left, digits: 3) } übrig.
+settles-on-both = schwingt auf der Maschine laut Angaben nach { $nominal } ein, auf der ungünstigsten nach { $worst }
+no-time-looked-at = keiner betrachteten Zeit
+why-controls-take-limits = Das Band ist { LENGTH($band, digits: 3) }, die Maschinen unterscheiden sich um bis zu { SHARE($spread) } in der Frequenz, und Steuerungen nehmen Beschleunigung und Ruck entgegen, { $axis ->
+    [rotary] kein Drehmoment
+   *[linear] keine Kraft
+} in jedem Geschwindigkeitsreglertakt.

@@ -1,0 +1,96 @@
+# Optima, rules of thumb, the commissioning rule, and what the chosen limits end at.
+
+# lists
+joined-by-and = { $first } and { $second }
+
+# what the limits end at; $requirements: one or more, joined
+bound-by-requirements = { $requirements }
+bound-by-nothing-met = least settling time; no limits meet all requirements
+bound-by-settling-later = settling time (higher limits settle later)
+
+# optima; $error: outcome with its remedy
+optimum-composed = The move cruises at max_velocity for long; the reference shown is composed of two time-optimal velocity steps and a cruise at rest. Nothing is faster than { TIME($least, digits: 6) } (a proved bound, { SHARE($below, digits: 2) } below).
+optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
+optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.
+damping-optimum-failed = Damping-optimal control: { $error }.
+damping-optimum-exceeds-velocity = The damping-optimal control reaches { PLAIN($times, digits: 4) } times max_velocity: its functional knows no limits on states.
+static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } of max_force { SI($force, "FORCE", digits: 6) }
+final-time-below-least = t_f = { TIME($final, digits: 9) }, but t_f,min = { TIME($least, digits: 9) }
+
+# limits condensed from an optimum
+closest-to-time-optimal = closest to the time-optimal control
+closest-to-constrained = closest to the constrained control
+closest-to-damping-optimal = closest to the damping-optimal control
+with-move-number = { $name }, move { $number }
+
+# rules of thumb; $mode: the user's name, $frequency in Hz
+rule-of-thumb-no-jerk-limit = a = F_max/m, no jerk limit
+rule-of-thumb-periods = { $periods ->
+    [1] j = a f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
+   *[other] j = a f / { $periods } ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
+}
+rule-of-thumb-stiffness = a = e ω², j = a f
+rule-of-thumb-ten = j = 10 a
+rule-of-thumb-hundred = j = 100 a
+rule-of-thumb-velocity = j = a²/v_max
+source-naive = naive
+source-zero-vibration = zero residual vibration of an undamped mode (Biagiotti & Melchiorri)
+source-static-deflection = static deflection within the band (textbook)
+source-grblhal = grblHAL; lower end of LinuxCNC
+source-linuxcnc = upper end of LinuxCNC
+source-heidenhain = HEIDENHAIN, MANUALplus 620: least axPathJerk
+
+# the commissioning rule
+commissioning-rule = commissioning rule
+source-commissioning-rule = this project, by hand; derived and validated in docs/commissioning-rule.md
+rule-description = A rule to apply by hand: each jerk step leaves a vibration in every mode and a following-error transient of the servo loop, both in proportion to the jerk; ramps of whole periods cancel the vibration. Of the ramps tried, the one with the shortest motion is taken.
+rule-advice = Try t_j = 1, 2, 3 periods of each mode, and the t_j that needs no cancelling (R = 2); take the shortest motion.
+rule-validity = Rigid axis with lag and weakly damped modes (15 to 200 Hz, damping 0.5 to 10 %), cascade with full velocity feed-forward and automatic reference delay, spread up to 10 %, payload up to 30 % of the moving { $axis ->
+    [rotary] moment of inertia
+   *[linear] mass
+}, band 2 to 50 µm; no setpoint filter, no bounds on peaks or { $axis ->
+    [rotary] RMS torque
+   *[linear] RMS force
+}. The band is met in most machines, not in all: simulate before use.
+rule-no-cancelling = no cancelling
+rule-periods = { $count ->
+    [1] 1 period of { $mode }
+   *[other] { $count } periods of { $mode }
+}
+rule-force = { $axis ->
+    [rotary] torque
+   *[linear] force
+}
+rule-reach = reach
+rule-band = band
+rule-bound-by = bound by { $what }
+rule-for-velocity-step = for a velocity step
+rule-for-positioning = for positioning
+rule-within-the-spread = within the spread
+rule-speed-loop = speed loop ω_v
+rule-servo-sensitivity = jerk sensitivity C_S of the servo
+rule-unknown-mass = { $axis ->
+    [rotary] unknown share of the moment of inertia ε
+   *[linear] unknown share of the mass ε
+}
+rule-payload-sensitivity = jerk sensitivity C_P by the payload
+rule-mode-sensitivity = jerk sensitivity C of mode { $mode }
+rule-mode-spread = spread of mode { $mode } beyond the stated one
+rule-mode-vibration = vibration V of mode { $mode }
+rule-vibration-formula = R(f t_j) × echo of the ramps before
+rule-jerk-time = jerk time t_j
+rule-force-acceleration = { $axis ->
+    [rotary] acceleration within the torque
+   *[linear] acceleration within the force
+}
+rule-see-formula = see the formula
+rule-acceleration = acceleration a
+rule-jerk = jerk j
+rule-residual = predicted residual
+rule-needs-velocity-feedforward = velocity_feedforward is not 1: the following error is not in the rule
+rule-needs-automatic-delay = reference_delay is given: the rule counts on the automatic one
+rule-knows-no-setpoint-filter = a setpoint filter is on: the rule does not count its smoothing
+rule-knows-no-peaks = { $axis ->
+    [rotary] bounds on peaks or RMS torque are not in the rule
+   *[linear] bounds on peaks or RMS force are not in the rule
+}

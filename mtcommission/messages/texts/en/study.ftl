@@ -1,0 +1,70 @@
+# Limits through the loop: candidates, robustness, comparisons.
+
+# candidates and ways
+way-recommended = recommended
+recommended-limits = recommended limits
+way-moving-average = moving average
+shaper-for-mode = { $shaper } shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
+moving-average-for-mode = moving average 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
+source-singer = Singer & Seering 1990
+source-singhose = Singhose, Seering & Singer 1994
+source-klipper = Klipper, Resonance Compensation
+source-jerk-filter = jerk filter of the controls, Biagiotti & Melchiorri 2008
+
+# where a worst value was found; $parts: some of the others
+place = { $parts }
+place-move = move { $number }
+place-nominal = nominal
+place-payload = payload { MASS($payload) }
+place-frequencies = frequencies × { NUMBER($factor, digits: 6) }
+place-damping = damping × { NUMBER($factor, digits: 6) }
+
+# choice of the loop
+with-state-feedback = with state feedback
+without-state-feedback = without state feedback
+loop-in-use = the loop that is used
+time-value = { TIME($time) }
+state-feedback-chosen = Best settling time { $with_it } with it, { $without } without it: it is used.
+state-feedback-left-out = Best settling time { $with_it } with it, { $without } without it: it is left out.
+state-feedback-stiffness = With it the tool is { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
+control-needs-state-feedback = The control must offer state feedback; if yours does not, set state_feedback = "off".
+
+# small changes
+change-jerk = jerk { CHANGE($change) }
+change-acceleration = acceleration { CHANGE($change) }
+change-frequencies = frequencies { CHANGE($change) }
+change-damping = damping { CHANGE($change) }
+
+# robustness; $low, $high: ends of the range kept, $lost: requirements missed outside
+frequency-spread-not-stated = The profile states no spread of the frequencies; all requirements are kept only while the eigenfrequencies are off by { $low } to { $high }. Missed outside this range: { $lost }. State requirements.frequency_spread, at least { SHARE($least) }, and run again.
+frequency-end = { CHANGE($error) }
+frequency-end-at-least = at least { CHANGE($error) }
+missed-where-lower = { $requirement } (where they are lower)
+missed-where-higher = { $requirement } (where they are higher)
+no-limits-with-this-band = no limits were found that meet all requirements with this band
+
+# the paper's comparison
+control-time-optimal = time-optimal
+control-constrained = constrained time-optimal
+control-damping-optimal = damping-optimal
+rectangular-in-the-loop = rectangular acceleration, in the loop
+trapezoidal-in-the-loop = trapezoidal acceleration, in the loop
+time-optimal-on-the-plant = time-optimal control, on the plant
+constrained-on-the-plant = constrained time-optimal control, on the plant
+damping-optimal-on-the-plant = damping-optimal control, on the plant
+claim-rectangular = The rectangular acceleration setpoint { $overshoot } and { $transfer }.
+claim-trapezoidal = The trapezoidal one with the recommended limits { $overshoot } and { $transfer }.
+claim-overshoot = overshoots by { SHARE($overshoot) }
+claim-no-overshoot = does not overshoot (less than 0.05 %)
+claim-transfer = takes { TIME($time) }, { NUMBER($times, digits: 3) } times the least time of { TIME($least) }
+claim-not-settled = does not settle, where the least time is { TIME($least) }
+
+# why the optimum is not fed forward
+fed-forward-outcome = Fed forward, the { $name } control { $outcome }, where it leaves { LENGTH($left, digits: 3) }.
+recommended-outcome = The setpoint with the recommended limits { $outcome }, where it leaves { LENGTH($left, digits: 3) }.
+settles-on-both = settles after { $nominal } on the machine as stated and after { $worst } on the worst one
+no-time-looked-at = no time looked at
+why-controls-take-limits = The band is { LENGTH($band, digits: 3) }, the machines differ by up to { SHARE($spread) } in frequency, and controls take acceleration and jerk, not a { $axis ->
+    [rotary] torque
+   *[linear] force
+} every velocity cycle.
