@@ -17,6 +17,7 @@ import warnings
 from dataclasses import asdict, dataclass, replace
 from math import nan
 from pathlib import Path
+from typing import Any
 
 from benchmarks.tools import find_tool
 
@@ -160,10 +161,9 @@ def read(file: Path) -> Measurement:
     return read_row(json.loads(file.read_text(encoding="utf-8")))
 
 
-def read_row(values: dict[str, object]) -> Measurement:
+def read_row(values: dict[str, Any]) -> Measurement:
     """Return a measurement from its JSON object."""
-    warm = tuple(values.pop("warm"))  # type: ignore[arg-type]
-    return Measurement(warm=warm, **values)  # type: ignore[arg-type]
+    return Measurement(warm=tuple(values.pop("warm")), **values)
 
 
 def _message(error: Exception) -> str:

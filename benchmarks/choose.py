@@ -19,6 +19,7 @@ from math import inf, isfinite
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
 from mtcommission.limits.choose import choose_limits
@@ -78,7 +79,9 @@ def measure(machine: Machine, points: int) -> Row:
     )
 
 
-def candidates(machine: Machine, tuned: TunedLoop, points: int, latest: float) -> np.ndarray:
+def candidates(
+    machine: Machine, tuned: TunedLoop, points: int, latest: float
+) -> NDArray[np.float64]:
     """(a, a/j) whose setpoints end soon enough, shape (n, 2)."""
     a_max = machine.drive.motion_force / moving_mass(machine)
     plant = build_plant(machine)
@@ -87,7 +90,8 @@ def candidates(machine: Machine, tuned: TunedLoop, points: int, latest: float) -
     t = np.geomspace(0.5e-3, 3.0 * period, points)
     pairs = np.array([axis.ravel() for axis in np.meshgrid(a, t, indexing="ij")]).T
     ends = np.max([steps_of(machine, move, pairs).duration for move in machine.moves], axis=0)
-    return pairs[ends + tuned.controller.reference_delay <= latest]
+    soon: NDArray[np.float64] = pairs[ends + tuned.controller.reference_delay <= latest]
+    return soon
 
 
 def steps_of(machine: Machine, move: Move, pairs: np.ndarray) -> JerkSteps:

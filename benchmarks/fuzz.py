@@ -47,7 +47,9 @@ WARM = tuple(
     for name in (
         "commission",
         "sheet",
-        "cli.terminal",
+        "cli.machine_view",
+        "cli.optimum_view",
+        "cli.results_view",
         "study.evaluate",
         "wizard",
         "options",

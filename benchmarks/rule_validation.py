@@ -171,7 +171,12 @@ def write_rows(rows: Sequence[Row], path: Path) -> None:
 
 
 def read_rows(path: Path) -> list[Row]:
-    kinds = {"int": int, "float": float, "str": str, "bool": lambda text: text == "True"}
+    kinds: dict[str, Callable[[str], Any]] = {
+        "int": int,
+        "float": float,
+        "str": str,
+        "bool": lambda text: text == "True",
+    }
     with path.open() as file:
         return [
             Row(**{field.name: kinds[str(field.type)](line[field.name]) for field in fields(Row)})
@@ -197,10 +202,10 @@ def summarise(rows: Sequence[Row]) -> Iterator[str]:
     yield f"| rule: residual above 2 bands | {_share(residual > 2)} |"
     yield f"| rule: force above F_max | {_share([r.rule_force > 1 for r in possible])} |"
     ratios = _ratios(possible)
-    for share in (5, 25, 50, 75, 90, 95, 99):
+    for percent in (5, 25, 50, 75, 90, 95, 99):
         yield (
-            f"| time above the optimum where met, {share} % of machines below | "
-            f"{100 * (np.quantile(ratios, share / 100) - 1):+.0f} % |"
+            f"| time above the optimum where met, {percent} % of machines below | "
+            f"{100 * (np.quantile(ratios, percent / 100) - 1):+.0f} % |"
         )
     true = np.array([row.rule_residual / row.rule_estimate for row in possible])
     low, middle, high = np.quantile(true, [0.05, 0.5, 0.95])

@@ -25,6 +25,7 @@ from mtcommission.optimal.bounded.newton.exact import solve_exactly
 from mtcommission.optimal.bounded.newton.extremal import Extremal, solve_sequence
 from mtcommission.optimal.bounded.places import ArcInterior, ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem, bounded_problem
+from mtcommission.optimal.bounded.program import linear_program
 from mtcommission.optimal.bounded.program.grid import solve_grid_time
 from mtcommission.optimal.bounded.program.linear_program import Program, solve_program
 from mtcommission.optimal.bounded.proof.dual_point import Measure, stretches
@@ -182,6 +183,14 @@ def test_small_coefficients_of_a_program_count() -> None:
     assert solution.unknowns[1] == pytest.approx(-1.0)
     assert solution.unknowns[0] - 0.5 == pytest.approx(2.0 * fine, rel=1e-3)
     assert solution.bounds[1] == pytest.approx(fine, rel=1e-6)
+
+
+def test_a_simplex_method_that_goes_on_asking_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    # One that turned in circles without counting steps ended by the clock: not on every machine.
+    monkeypatch.setattr(linear_program, "WAYS", linear_program.WAYS[:1])
+    program, settings = small_program(fine=1e-3), ProgramSettings()
+    assert solve_program(program, settings, steps=50) is not None
+    assert solve_program(program, replace(settings, checks_per_step=0), steps=50) is None
 
 
 def test_program_from_a_known_basis_is_that_from_none() -> None:

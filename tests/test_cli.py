@@ -19,7 +19,8 @@ import pytest
 from rich.console import Console
 
 from mtcommission import cli
-from mtcommission.cli.terminal import describe_optimum, show
+from mtcommission.cli.optimum_view import describe_optimum
+from mtcommission.cli.terminal import show
 from mtcommission.machine.machine import Machine
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bang, Bound, Interior, TimeOptimum, TouchPoint

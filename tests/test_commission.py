@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mtcommission.cli.terminal import describe_limits, show
+from mtcommission.cli.results_view import describe_limits
+from mtcommission.cli.terminal import show
 from mtcommission.commission import Commissioning, commission
 from mtcommission.machine.machine import Motion
 from mtcommission.messages.quantities import Formatter
@@ -58,16 +59,16 @@ def test_record_simulated_again_by_an_outsider(record: Record) -> None:
 
 
 def _simulate_again(record: dict[str, Any]) -> None:
-    loop = record.loop.closed_loop
+    loop = record["loop"]["closed_loop"]
     A, B, C, D = (np.array(loop[key]) for key in ("A", "B", "C", "D"))
-    tau, dt, cycle = record.loop.reference_delay, loop.dt, record.loop.velocity_cycle
-    band = next(item for item in record.data if item.key.endswith("tcp_deviation")).value
+    tau, dt, cycle = record["loop"]["reference_delay"], loop["dt"], record["loop"]["velocity_cycle"]
+    band = next(item for item in record["data"] if item["key"].endswith("tcp_deviation"))["value"]
     assert isinstance(band, float)
-    tool = [i for i, name in enumerate(loop.outputs) if name.startswith("tcp[")]
-    force = [i for i, name in enumerate(loop.outputs) if name.startswith("force[")]
-    for entry in record.moves:
-        claimed, t_e = entry.response, entry.setpoint.duration
-        segments = entry.setpoint.segments
+    tool = [i for i, name in enumerate(loop["outputs"]) if name.startswith("tcp[")]
+    force = [i for i, name in enumerate(loop["outputs"]) if name.startswith("force[")]
+    for entry in record["moves"]:
+        claimed, t_e = entry["response"], entry["setpoint"]["duration"]
+        segments = entry["setpoint"]["segments"]
         count = ceil((t_e + tau + 1.5) / dt)
         X, tcp, set_force = np.zeros(len(A)), [], []
         for k in range(count):
@@ -89,9 +90,9 @@ def _simulate_again(record: dict[str, Any]) -> None:
         residual = float(np.max(judged))
         outside = np.flatnonzero(judged > band)
         settling = t[first - 1 + outside[-1]] if outside.size else t_e + tau
-        assert residual == pytest.approx(claimed.residual_deviation, rel=1e-2)
-        assert settling == pytest.approx(claimed.settling_time, rel=1e-2)
-        assert np.max(np.abs(set_force)) == pytest.approx(claimed.max_force, rel=1e-2)
+        assert residual == pytest.approx(claimed["residual_deviation"], rel=1e-2)
+        assert settling == pytest.approx(claimed["settling_time"], rel=1e-2)
+        assert np.max(np.abs(set_force)) == pytest.approx(claimed["max_force"], rel=1e-2)
 
 
 def _state_of(segments: list, t: float) -> np.ndarray:  # type: ignore[type-arg]

@@ -32,6 +32,7 @@ from mtcommission.machine.machine import (
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.study.loop_choice import LoopChoice
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 
@@ -165,7 +166,7 @@ def test_responses_are_those_of_the_diagram(seed: int) -> None:
 def test_model_of_a_tuned_loop_goes_on_in_python_control() -> None:
     """``found.loop.model`` is promised for bode plots; the tool must follow the setpoint."""
     tuned = tune_loop(paper_machine())
-    model = tuned.model
+    model = LoopChoice(tuned=tuned, variants=()).model
     assert isinstance(model, control.StateSpace)
     assert tuple(model.input_labels) == ("x_ref", "v_ref", "a_ref", "j_ref", "disturbance")
     assert tuple(model.output_labels) == ("tcp", "encoder", "force")

@@ -218,7 +218,7 @@ def test_machines_far_from_the_examples_end_in_limits_or_a_named_outcome(seed: i
     limits = found.recommended.limits
     assert 0.0 < limits.acceleration < np.inf
     assert 0.0 < limits.jerk < np.inf
-    m = strange.mechanics.slider_mass  # type: ignore[union-attr]
+    m = strange.mechanics.slider_mass  # type: ignore[attr-defined]
     assert limits.acceleration <= 1.01 * strange.drive.motion_force / m
     slowest = min(mode.frequency_hz for mode in strange.mechanics.modes)
     assert limits.jerk_time <= 3.1 / slowest

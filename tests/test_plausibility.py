@@ -169,8 +169,8 @@ def with_needs(**changes: object) -> Machine:
         ),
         (
             with_needs(modes=Modes(surface=20e-6, accuracy=5e-6, speed=2e-6)),
-            "requirements.modes: surface 2×10⁻⁵, accuracy 5×10⁻⁶ and speed 2×10⁻⁶ m do not widen in "
-            "this order; they may be swapped",
+            "requirements.modes: surface 2×10⁻⁵, accuracy 5×10⁻⁶ and speed 2×10⁻⁶ m do not widen "
+            "in this order; they may be swapped",
         ),
         (
             replace(PAPER, control=Control(feedforward_mass=75.0)),

@@ -8,8 +8,9 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from mtcommission.limits.rules_of_thumb import apply_rules, apply_slower_ramps, peak_velocity
+from mtcommission.limits.rules_of_thumb import apply_rules, apply_slower_ramps
 from mtcommission.machine.machine import Positioning, VelocityStep
+from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.plant.plant import build_plant, dominant_mode, longest_period
 from tests.independent_loop import Vibration, profile_of
 from tests.machines import paper_machine, random_modal_machine

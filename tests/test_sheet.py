@@ -26,7 +26,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from mtcommission.cli import app
-from mtcommission.cli.terminal import describe_simulation
+from mtcommission.cli.results_view import describe_simulation
 from mtcommission.errors import ComputationError, InputError, Outcome
 from mtcommission.limits.commissioning_rule.rule import (
     FORMULA,
@@ -57,7 +57,7 @@ from mtcommission.sheet.motion_part import MOST_POINTS, thin_out
 from mtcommission.sheet.pdf import set_pdf
 from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
 from mtcommission.sheet.terminal import further_sentences, summary_rows
-from mtcommission.units.quantities import read_unit
+from mtcommission.units.symbols import read_unit
 
 from .sheet_record import (
     HOSTILE,
@@ -456,9 +456,9 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia_on_the_terminal_too():
     )
     said = {}
     for name in ("rotary-table", "milling-manipulator"):
-        screen = Console(file=StringIO(), width=200)
-        screen.print(describe_simulation(read_shipped(name).machine, part))
-        said[name] = screen.file.getvalue()
+        page = StringIO()
+        Console(file=page, width=200).print(describe_simulation(read_shipped(name).machine, part))
+        said[name] = page.getvalue()
     assert "met: set torque 21.7" in said["rotary-table"]
     assert "payload 0.2 kg·m², frequencies × 0.97" in said["rotary-table"]
     assert "drive.max_force: 800 N m; the full torque bends" in said["rotary-table"]

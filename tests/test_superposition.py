@@ -33,7 +33,7 @@ from tests.machines import paper_machine, random_modal_machine
 
 Array = NDArray[np.float64]
 
-MOVES = [
+MOVES: list[Move] = [
     VelocityStep(velocity_step=0.1, dwell=0.02),
     VelocityStep(velocity_step=5e-4),  # a is never reached
     Positioning(distance=0.01, max_velocity=0.2, dwell=0.1),

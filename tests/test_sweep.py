@@ -159,7 +159,7 @@ def test_profile_of_a_case_differs_in_its_keys_alone() -> None:
     pairs = list(zip(TEXT.splitlines(), changed.splitlines(), strict=True))
     assert len([1 for old, new in pairs if old != new]) == 2
     machine = parse_profile(changed, where="p")
-    assert machine.mechanics.slider_mass == 800.0  # type: ignore[union-attr]
+    assert machine.mechanics.slider_mass == 800.0  # type: ignore[attr-defined]
     assert machine.moves[0].velocity_step == 0.2  # type: ignore[union-attr]
     with pytest.raises(InputError, match="there is no such key"):
         vary_profile(TEXT, (("schema.dwell", "1 s"),), where="p")

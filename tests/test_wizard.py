@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings
+from mtcommission.messages.catalogue import LANGUAGES, Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
@@ -42,11 +43,12 @@ from mtcommission.wizard.console import LineConsole, RichConsole, fold, hint, in
 from mtcommission.wizard.convert import couple, flatten, nest, to_answers, to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.insight import find_insights
-from mtcommission.wizard.question import Question, read_reply
+from mtcommission.wizard.question import Question, read_reply, title
 from mtcommission.wizard.script import list_questions
 from mtcommission.wizard.session import Ending, Session, run_wizard
 
 PROFILES = Path(__file__).parent.parent / "profiles"
+ENGLISH = Catalogue("en")
 SHIPPED = read_profile(PROFILES / "milling-manipulator.toml")
 
 PAPER = """\
@@ -233,7 +235,7 @@ def test_contradicting_values_are_pointed_at(tmp_path: Path) -> None:
         "measured.base_stiffness": "60 N/um",
     }
     (warning,) = [insight for insight in find_insights(answers) if insight.is_warning]
-    assert "58.12 Hz, measured are 50 Hz" in warning.text
+    assert "58.12 Hz, measured are 50 Hz" in ENGLISH.say(warning.text)
     answers["measured.base_stiffness"] = "44.41 N/um"
     assert not any(insight.is_warning for insight in find_insights(answers))
 
@@ -545,7 +547,9 @@ def test_what_people_type_for_a_gain(typed: str, kept: str) -> None:
 def test_units_unusual_for_the_place_are_warned_of() -> None:
     question = next(q for q in list_questions({}) if q.key == "drive.force_lag")
     assert not read_reply(question, "2.5 ms").warning
-    assert "is unusual" in read_reply(question, "2.5").warning  # seconds
+    warning = read_reply(question, "2.5").warning  # seconds
+    assert warning is not None
+    assert "is unusual" in ENGLISH.say(warning)
 
 
 @pytest.mark.parametrize(
@@ -568,7 +572,9 @@ def test_a_number_without_a_unit_is_never_read_silently(key: str, typed: str, sa
 def test_kv_in_metres_per_minute_without_the_unit_is_warned_of() -> None:
     """4 is the commonest Kv of a milling machine, in (m/min)/mm; 4 1/s is a seventeenth of it."""
     question = next(q for q in list_questions({}) if q.key == "control.position_gain")
-    assert read_reply(question, "4").warning.startswith("4 1/s is unusual; common are 6 1/s to")
+    warning = read_reply(question, "4").warning
+    assert warning is not None
+    assert ENGLISH.say(warning).startswith("4 1/s is unusual; common are 6 1/s to")
 
 
 @pytest.mark.parametrize(
@@ -593,7 +599,8 @@ def test_no_line_ends_between_a_number_and_its_unit() -> None:
             assert quantity in fold(f"{words[cut:]} {quantity} more.")
 
 
-def _all_questions() -> list[Question]:
+def _all_questions() -> list[tuple[Question, bool]]:
+    """Every question, and whether it is asked of a rotary axis."""
     found = {}
     for motion in ("linear", "rotary"):
         for way in WAYS:
@@ -601,34 +608,59 @@ def _all_questions() -> list[Question]:
                        "plant.modes.0.more": "yes", "moves.0.more": "yes",
                        "moves.0.kind": "acceleration to a velocity"}  # fmt: skip
             for question in list_questions(answers):
-                found[(motion, question.key)] = question
+                found[(motion, question.key)] = (question, motion == "rotary")
     return list(found.values())
 
 
-def test_every_question_fits_a_terminal_and_tells_where_to_look() -> None:
-    for question in _all_questions():
-        default = question.default or ""
-        assert len(f"{question.text}{hint(question, default)}: ") <= 79, question.key
-        for choice in question.choices:
-            assert len(f"? {question.text} {choice}") <= 79, question.key
-        assert question.where.endswith((".", "!")), question.key
-        assert len(introduce(question)) <= 3 * 78
+@pytest.mark.parametrize("language", sorted(LANGUAGES))
+def test_every_question_fits_a_terminal_and_tells_where_to_look(language: str) -> None:
+    for question, is_rotary in _all_questions():
+        words, default = Catalogue(language, rotary=is_rotary), question.default
+        text = words.say(question.text)
+        assert question.choices or len(f"{text}{hint(question, default, words)}: ") <= 79, text
+        titles = [words.say(title(choice)) for choice in question.choices]
+        for shown, choice in zip(titles, question.choices, strict=True):
+            assert len(f"? {text} {shown}") <= 79, question.key
+            assert read_reply(question, shown, titles=titles).text == choice
+            assert read_reply(question, choice, titles=titles).text == choice
+        assert words.say(question.where).endswith((".", "!")), question.key
+        assert len(introduce(question, words)) <= 3 * 78
         if question.dimension is not None:
             assert question.default or question.example, question.key
 
 
 def test_a_rotary_axis_is_never_sent_to_leads_and_gantries() -> None:
     """A table with a torque motor has no lead: whoever looks for one gives up, or guesses."""
+    catalogue = Catalogue("en", rotary=True)
     for way in WAYS[2:]:
         for question in list_questions({"machine.motion": "rotary", "wizard.way": way}):
-            words = question.text + question.where
+            words = catalogue.say(question.text) + catalogue.say(question.where)
             for linear in ("lead", "screw", "gantry", "belt", "mass on", "weight of"):
                 assert linear not in words.lower(), question.key
 
 
+def test_the_wizard_speaks_german_and_writes_german_comments(tmp_path: Path) -> None:
+    """German replies to choices count, and the profile is the same machine."""
+    user = Talk(PAPER)
+    console = LineConsole(read=user.read, write=user.write, is_interactive=False)
+    run_wizard(
+        tmp_path / "p.toml",
+        console=console,
+        answers_file=None,
+        take_defaults=False,
+        offers_run=True,
+        language="de",
+    )
+    assert replace(read_profile(tmp_path / "p.toml"), assumed=()) == SHIPPED
+    assert "# Steifigkeit des Gestells" in (tmp_path / "p.toml").read_text("utf-8")
+    assert "Eigenform base bei 50 Hz, Dämpfungsgrad 0,0301" in user.said
+    for english in ("Stiffness", "Mass of", "mode ", "Common", "At every"):
+        assert english not in user.said
+
+
 def test_every_default_and_example_is_accepted_without_warning() -> None:
     """An example that is refused teaches the wrong thing."""
-    for question in _all_questions():
+    for question, _ in _all_questions():
         for text in filter(None, (question.default, question.example)):
             assert not read_reply(question, text).warning, question.key
 
@@ -660,7 +692,7 @@ def test_any_name_survives_in_the_file(name: str) -> None:
         **to_answers(tomllib.loads((PROFILES / "modal-two-modes.toml").read_text("utf-8"))),
         "machine.name": name,
     }
-    text = write_document(to_profile(answers), answers)
+    text = write_document(to_profile(answers), answers, ENGLISH)
     assert parse_profile(text, where="a.toml").name == name
 
 
@@ -752,7 +784,7 @@ def test_a_load_that_takes_all_of_the_force_is_said_at_once() -> None:
     answers = {"drive.max_force": "2 kN", "drive.static_load": "5 kN"}
     (insight,) = find_insights(answers)
     assert insight.is_warning
-    assert "leave -3000 N of the drive's force: the axis cannot move" in insight.text
+    assert "leave -3000 N of the drive's force: the axis cannot move" in ENGLISH.say(insight.text)
     answers |= {"wizard.way": WAYS[0], "plant.slider_mass": "750 kg", "plant.base_mass": "1 kg"}
     assert find_insights(answers) == (insight,)
 
@@ -779,7 +811,8 @@ def test_measured_pair_shows_the_mode_as_soon_as_it_is_known() -> None:
     }
     assert not find_insights(answers)
     answers["pair.damping_ratio"] = "0.03"
-    assert find_insights(answers)[0].text.startswith("mode drive (motor and load free) at 60 Hz")
+    first = ENGLISH.say(find_insights(answers)[0].text)
+    assert first.startswith("mode drive (motor and load free) at 60 Hz")
 
 
 def test_end_of_input_leaves_a_list_of_choices() -> None:
@@ -793,4 +826,4 @@ def test_end_of_input_leaves_a_list_of_choices() -> None:
     with create_pipe_input() as keys, create_app_session(input=keys, output=DummyOutput()):
         keys.send_text("\x04\r")  # Enter would take the first choice, were the key ignored
         with pytest.raises(EOFError):
-            RichConsole(plain).ask(question, default="")
+            RichConsole(plain).ask(question, default="", words=ENGLISH)

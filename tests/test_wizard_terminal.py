@@ -21,6 +21,7 @@ import pytest
 import questionary  # noqa: F401  # so that no session imports it anew
 
 from mtcommission.cli import main
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import read_profile
 from mtcommission.wizard import run_wizard  # noqa: F401
 from mtcommission.wizard.axis_units import WAYS, YES
@@ -62,6 +63,7 @@ TYPED = {
 """What is typed for the paper's machine; Enter for all else."""
 
 QUESTIONS = list_questions(TYPED)
+ENGLISH = Catalogue("en")
 
 ENTER, DOWN, CTRL_C, CTRL_D = b"\r", b"\x1b[B", b"\x03", b"\x04"
 
@@ -176,8 +178,8 @@ def answer(shell: Terminal, question: Question) -> None:
 
 def await_prompt(shell: Terminal, question: Question) -> None:
     """Wait for a question that is asked anew: the line above it is not drawn again by typing."""
-    shell.until(question.where[:20])
-    shell.until(question.text)
+    shell.until(ENGLISH.say(question.where)[:20])
+    shell.until(ENGLISH.say(question.text))
 
 
 def command(shell: Terminal, question: Question, word: str) -> None:
@@ -213,7 +215,7 @@ def test_help_and_back_at_every_question(tmp_path: Path) -> None:
             command(shell, question, "back")
             if before is None:
                 shell.until("This is the first question.")
-                shell.until(question.text)
+                shell.until(ENGLISH.say(question.text))
             else:
                 await_prompt(shell, before)
                 shell.press(ENTER)

@@ -73,7 +73,7 @@ def run(
         found = commission(machine, progress=progress)
     record = build_record(found, profile=source, created=now(), warnings=_in_english(machine))
     with show_stage() as progress:
-        progress("sheet")
+        progress(Message("stage-sheet"))
         files = {
             "record.json": dump_json(record).encode(),
             "sheet.html": print_html(record, language=language).encode(),
@@ -139,7 +139,8 @@ def optimal(
     from time import perf_counter
 
     from mtcommission.cli.csv_texts import motion_csv
-    from mtcommission.cli.terminal import describe_optimum, show
+    from mtcommission.cli.optimum_view import describe_optimum
+    from mtcommission.cli.terminal import show
     from mtcommission.files import require_writable, write_text
     from mtcommission.options import (
         OptimalRequest,
@@ -169,7 +170,7 @@ def optimal(
         intervals=intervals,
     )
     with show_stage() as progress:
-        progress(f"{kind}-optimal control")
+        progress(Message(f"stage-{kind}-optimal"))
         begun = perf_counter()
         solution = solve(machine, plant, request)
         elapsed = perf_counter() - begun
@@ -196,7 +197,8 @@ def limits(
     require_writable(json_file)
     machine = read_machine(profile, f_max)
 
-    from mtcommission.cli.terminal import describe_limits, show
+    from mtcommission.cli.results_view import describe_limits
+    from mtcommission.cli.terminal import show
     from mtcommission.commission import commission
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_part
@@ -235,7 +237,8 @@ def simulate(
     require_short_moves(machine, chosen)
 
     from mtcommission.cli.csv_texts import response_csv
-    from mtcommission.cli.terminal import describe_simulation, show
+    from mtcommission.cli.results_view import describe_simulation
+    from mtcommission.cli.terminal import show
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
@@ -253,9 +256,9 @@ def simulate(
         )
     plant = build_plant(machine)
     with show_stage() as progress:
-        progress("feedback loop")
+        progress(Message("stage-feedback-loop"))
         tuned = settle_on_loop(machine, plant, Settings()).tuned
-        progress("response")
+        progress(Message("stage-response"))
         moves = run_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
     part = replace(part, warnings=[*notes, *part.warnings])

@@ -41,6 +41,7 @@ def wizard(
         answers_file=answers,
         take_defaults=yes,
         offers_run=not run_after,
+        language=language,
     )
     if session.ending is Ending.WRITTEN and (run_after or session.wants_run):
         run(profile=output, language=language)
@@ -63,14 +64,18 @@ def check(
         return
     if profile is None:
         raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
-    from mtcommission.cli.terminal import describe_machine, show
-    from mtcommission.loop.tuning.tuning import check_loop
+    from mtcommission.cli.machine_view import describe_machine
+    from mtcommission.cli.terminal import show
     from mtcommission.plant.plant import build_plant
     from mtcommission.profile.read import read_profile
 
     machine = read_profile(profile)
     warnings: list[Message | str]
-    warnings = [*list_warnings(machine), *list_delays(machine), *check_loop(machine)]
+    warnings = [*list_warnings(machine), *list_delays(machine)]
+    if not machine.control.leaves_all_to_rules:
+        from mtcommission.loop.tuning.tuning import check_loop  # its libraries load slowly
+
+        warnings += check_loop(machine)
     show(describe_machine(machine, build_plant(machine), warnings))
 
 

@@ -293,6 +293,18 @@ class Control:
     force_filters: tuple[ForceFilter, ...] = ()
     minimum_bandwidth_hz: float = 0.0
 
+    @property
+    def has_given_gains(self) -> bool:
+        """Whether Kv, Kp or Tn are given."""
+        gains = (self.position_gain, self.velocity_gain, self.integral_time)
+        return any(gain is not None for gain in gains)
+
+    @property
+    def leaves_all_to_rules(self) -> bool:
+        """Whether nothing of the loop is given or demanded, so nothing can be poor about it."""
+        given = self.has_given_gains or self.force_filters or self.state_gains
+        return not given and self.minimum_bandwidth_hz == 0.0
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Machine:

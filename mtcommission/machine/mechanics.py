@@ -13,7 +13,7 @@ from typing import ClassVar, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.datum import datum
+from mtcommission.machine.keys import keyed
 from mtcommission.machine.ranges import FREQUENCIES, MODE_GAINS, RATIOS
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
@@ -45,13 +45,13 @@ class FlexibleMode:
         Share of q in the tool and in the encoder position, signed [1/kg].
     """
 
-    name: str = datum(None, "Name of the mode.", "column")
-    natural_frequency: float = datum(
+    name: str = keyed(None, "Name of the mode.", "column")
+    natural_frequency: float = keyed(
         FREQUENCIES, "Eigenfrequency, undamped.", "40 Hz", key="frequency", factor=2.0 * pi
     )
-    damping_ratio: float = datum(RATIOS, "Damping ratio, 0 to below 1.", "0.03")
-    tcp_gain: float = datum(MODE_GAINS, "Share in the tool position.", "0.002 1/kg")
-    measured_gain: float = datum(
+    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.03")
+    tcp_gain: float = keyed(MODE_GAINS, "Share in the tool position.", "0.002 1/kg")
+    measured_gain: float = keyed(
         MODE_GAINS, "Share in the encoder position.", "0.001 1/kg", default=0.0
     )
 
@@ -93,7 +93,7 @@ class ModeStates:
 class Mechanics(Protocol):
     """A rigid mass with flexible modes; a kind of plant is a frozen dataclass that tells this.
 
-    Its fields are described by ``datum``, so that the profile can read it.
+    Its fields are described by ``keyed``, so that the profile can read it.
     """
 
     kind: ClassVar[str]

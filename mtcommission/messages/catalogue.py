@@ -71,7 +71,7 @@ class Catalogue:
         'Einschwingzeit'
         """
         if isinstance(message, str):
-            from mtcommission.sheet.phrases import say  # until the record holds messages
+            from mtcommission.messages.phrases import say  # until the record holds messages
 
             return say(message, self)
         return self.text(message.kind, **message.values)

@@ -10,7 +10,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.datum import datum
+from mtcommission.machine.keys import keyed
 from mtcommission.machine.mechanics import (
     FlexibleMode,
     Misfit,
@@ -65,21 +65,21 @@ class Manipulator:
     position: ClassVar = "x_s"
     velocity: ClassVar = "v_s"
 
-    base_mass: float = datum(MASSES, "Mass of the base, m_b.", "450 kg")
-    slider_mass: float = datum(MASSES, "Mass of the slider, m_s.", "750 kg")
-    rotary_inertia: float = datum(
+    base_mass: float = keyed(MASSES, "Mass of the base, m_b.", "450 kg")
+    slider_mass: float = keyed(MASSES, "Mass of the slider, m_s.", "750 kg")
+    rotary_inertia: float = keyed(
         INERTIAS, "Inertia of the tower about the fictive joint, J.", "40 kg m^2"
     )
-    lever_arm: float = datum(ARMS, "From the joint to the drive force, r.", "0.25 m")
-    tcp_height: float = datum(
+    lever_arm: float = keyed(ARMS, "From the joint to the drive force, r.", "0.25 m")
+    tcp_height: float = keyed(
         ARMS,
         "Tool centre point above the joint, h; negative if the tower tilts backwards.",
         "0.21 m",
     )
-    base_stiffness: float = datum(STIFFNESSES, "Stiffness k_b.", "44.41 N/um")
-    base_damping: float = datum(DAMPINGS, "Damping d_b.", "8500 N s/m")
-    rotary_stiffness: float = datum(ROTARY_STIFFNESSES, "Stiffness k.", "8.2e6 N m/rad")
-    rotary_damping: float = datum(ROTARY_DAMPINGS, "Damping d.", "1800 N m s/rad")
+    base_stiffness: float = keyed(STIFFNESSES, "Stiffness k_b.", "44.41 N/um")
+    base_damping: float = keyed(DAMPINGS, "Damping d_b.", "8500 N s/m")
+    rotary_stiffness: float = keyed(ROTARY_STIFFNESSES, "Stiffness k.", "8.2e6 N m/rad")
+    rotary_damping: float = keyed(ROTARY_DAMPINGS, "Damping d.", "1800 N m s/rad")
 
     @property
     def moving_mass(self) -> float:

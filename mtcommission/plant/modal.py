@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.datum import data_array, datum
+from mtcommission.machine.keys import keyed, keyed_array
 from mtcommission.machine.mechanics import (
     FlexibleMode,
     Misfit,
@@ -42,8 +42,8 @@ class Modal:
     position: ClassVar = "x"
     velocity: ClassVar = "v"
 
-    moving_mass: float = datum(MASSES, "Total rigid mass.", "800 kg")
-    modes: tuple[FlexibleMode, ...] = data_array(
+    moving_mass: float = keyed(MASSES, "Total rigid mass.", "800 kg")
+    modes: tuple[FlexibleMode, ...] = keyed_array(
         FlexibleMode, "One to eight modes.", most=MOST_MODES
     )
 

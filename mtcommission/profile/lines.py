@@ -1,7 +1,7 @@
 """Where each key of a TOML text stands, so that every fault can name its line.
 
-tomllib keeps no positions. This scanner only looks for keys; it trusts that tomllib has
-accepted the text.
+By hand, since tomllib and tomlkit keep no positions, and tomlkit reads no text with a fault in it.
+This scanner only looks for keys; it trusts that tomllib has accepted the text.
 """
 
 from __future__ import annotations

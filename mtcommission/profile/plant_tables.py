@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, GetCoreSchemaHandler, create_model, model_validator
 from pydantic_core import CoreSchema
 
-from mtcommission.machine.datum import Datum, list_data
+from mtcommission.machine.keys import Key, list_keys
 from mtcommission.machine.mechanics import Mechanics
 from mtcommission.plant.kinds import KINDS
 from mtcommission.profile.table import Table, optional, raise_all, required
@@ -40,7 +40,7 @@ class DataTable(Table):
                 else getattr(self, key) * about.factor
                 if about.allowed
                 else getattr(self, key)
-                for key, field, about in list_data(self.data_type)
+                for key, field, about in list_keys(self.data_type)
             }
         )
 
@@ -58,11 +58,11 @@ def _keys(data_type: type[Any]) -> dict[str, Any]:
     """Type and field of each key, as ``create_model`` takes them."""
     return {
         key: (_type(key, about), _field(about, field.default))
-        for key, field, about in list_data(data_type)
+        for key, field, about in list_keys(data_type)
     }
 
 
-def _type(key: str, about: Datum) -> Any:
+def _type(key: str, about: Key) -> Any:
     if about.parts:
         return list[_element(key, about.parts)]  # type: ignore[misc]
     if about.allowed:
@@ -70,7 +70,7 @@ def _type(key: str, about: Datum) -> Any:
     return Annotated[str, Name(is_identifier=True)]
 
 
-def _field(about: Datum, default: object) -> Any:
+def _field(about: Key, default: object) -> Any:
     if about.parts:
         return Field(description=about.meaning, min_length=1, max_length=about.most)
     is_bare = about.allowed is not None and not about.allowed.linear.dimension.si
@@ -92,7 +92,8 @@ def _element(key: str, data_type: type[Any]) -> type[DataTable]:
     return table
 
 
-def _plant_table(kind: str, data_type: type[Any]) -> type[PlantTable]:
+def plant_table(kind: str, data_type: type[Any]) -> type[PlantTable]:
+    """Return the table of a kind of plant."""
     tag: Any = Literal[kind]
     table: type[PlantTable] = create_model(
         f"{kind.title()}Table",
@@ -106,7 +107,7 @@ def _plant_table(kind: str, data_type: type[Any]) -> type[PlantTable]:
 
 
 PLANT_TABLES: Mapping[str, type[PlantTable]] = {
-    kind: _plant_table(kind, data_type) for kind, data_type in KINDS.items()
+    kind: plant_table(kind, data_type) for kind, data_type in KINDS.items()
 }
 """Table of each kind of plant."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from mtcommission.machine.datum import list_quantities
+from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Datum, Record, Words
 from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
@@ -118,9 +116,9 @@ def datum_name(item: Datum, words: Catalogue) -> str:
     """Return the name of a datum, with the number of its move or the name of its mode."""
     *path, last = item.key.split(".")
     name = words.name(last)
-    number = re.fullmatch(r"moves\[(\d+)\]", ".".join(path))
-    if number:
-        return f"{words.text('move', number=number[1])}: {name}"
+    number = ".".join(path).removeprefix("moves[").removesuffix("]")
+    if number.isdecimal():
+        return f"{words.text('move', number=number)}: {name}"
     if path[:2] == ["plant", "modes"]:
         return words.text("of-mode", name=name, mode=".".join(path[2:]))
     if path == ["requirements", "peaks"]:

@@ -52,15 +52,17 @@ class Dimension:
     usual: tuple[str, ...]
 
     @property
-    def expected(self) -> Message:
+    def described(self) -> Message:
         """What it is and in which units, e.g. a mass, in kg, g or t."""
         *first, last = self.usual
         kind = "unit-in-one-of" if first else "unit-none-or" if not self.si else "unit-in"
-        return Message(
-            "quantity-expected",
-            what=self.name,
-            units=Message(kind, first=", ".join(first), last=last),
-        )
+        units = Message(kind, first=", ".join(first), last=last)
+        return Message("quantity-described", what=self.name, units=units)
+
+    @property
+    def expected(self) -> Message:
+        """That it must be this, in these units."""
+        return Message("quantity-expected", **self.described.values)
 
     def per(self, other: Dimension) -> Dimension:
         """Return the quantity "this per other", e.g. a force per velocity."""

@@ -82,8 +82,6 @@ def common(answers: Answers) -> Common:
 
 def ask(
     key: str,
-    text: str,
-    where: str,
     dimension: Dimension,
     example: str,
     low: float,
@@ -95,7 +93,7 @@ def ask(
 
     Parameters
     ----------
-    key, text, where, dimension, example
+    key, dimension, example
         As in ``Question``.
     low, high
         Least and largest common value [SI]; outside it the wizard asks back.
@@ -107,25 +105,10 @@ def ask(
     Question
     """
     return Question(
-        key=key,
-        text=text,
-        where=where,
-        dimension=dimension,
-        example=example,
-        low=low,
-        high=high,
-        is_optional=is_optional,
+        key=key, dimension=dimension, example=example, low=low, high=high, is_optional=is_optional
     )
 
 
-def damping_ratio(key: str, what: str) -> Question:
+def damping_ratio(key: str) -> Question:
     """Return the question for the damping ratio of a mode."""
-    return Question(
-        key=key,
-        text=f"Damping ratio of {what}",
-        where="Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.",
-        dimension=RATIO,
-        default="0.03",
-        low=0.002,
-        high=0.3,
-    )
+    return Question(key=key, dimension=RATIO, default="0.03", low=0.002, high=0.3)

@@ -7,15 +7,15 @@ from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING, Any, Protocol
 
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.units.quantities import wrap_whole
-from mtcommission.wizard.question import Question, show_common
+from mtcommission.wizard.question import Question, show_common, title
 
 if TYPE_CHECKING:
     from prompt_toolkit.application import Application
 
 WIDTH = 78
 BACK, HELP, QUIT = ("<", "back"), ("?", "help"), ("q", "quit")
-COMMANDS = "? help, < back, q quit"
 
 
 class Console(Protocol):
@@ -25,7 +25,7 @@ class Console(Protocol):
     def is_interactive(self) -> bool:
         """Whether somebody sits in front of it."""
 
-    def ask(self, question: Question, *, default: str) -> str:
+    def ask(self, question: Question, *, default: str, words: Catalogue) -> str:
         """Return what was typed; raise EOFError or KeyboardInterrupt if the user leaves."""
 
     def tell(self, text: str) -> None:
@@ -59,11 +59,11 @@ class LineConsole:
         """Whether somebody sits in front of it."""
         return self._interactive
 
-    def ask(self, question: Question, *, default: str) -> str:
+    def ask(self, question: Question, *, default: str, words: Catalogue) -> str:
         """Return the next line of input."""
         for number, choice in enumerate(question.choices, start=1):
-            self._write(f"    {number}  {choice}\n")
-        self._write(f"{question.text}{hint(question, default)}: ")
+            self._write(f"    {number}  {words.say(title(choice))}\n")
+        self._write(f"{words.say(question.text)}{hint(question, default, words)}: ")
         line = self._read()
         if not line:
             raise EOFError
@@ -94,38 +94,42 @@ class RichConsole:
         """Whether somebody sits in front of it: always."""
         return True
 
-    def ask(self, question: Question, *, default: str) -> str:
+    def ask(self, question: Question, *, default: str, words: Catalogue) -> str:
         """Return what was typed or chosen."""
         if self._is_driven:
             try:
-                return self._ask(question, default)
+                return self._ask(question, default, words)
             except (EOFError, KeyboardInterrupt):
                 raise
             except Exception:
                 # prompt_toolkit's "no console" error is a class that exists on Windows only.
                 self._is_driven = False
-        return self._fallback.ask(question, default=default)
+        return self._fallback.ask(question, default=default, words=words)
 
     def tell(self, text: str) -> None:
         """Show a paragraph."""
         self._fallback.tell(text)
 
-    def _ask(self, question: Question, default: str) -> str:
+    def _ask(self, question: Question, default: str, words: Catalogue) -> str:
         import questionary
 
         if question.choices:
+            choices = [
+                questionary.Choice(title=words.say(title(choice)), value=choice)
+                for choice in question.choices
+            ]
             commands = [
-                questionary.Choice(title=f"({words[1]})", value=words[0])
-                for words in (BACK, HELP, QUIT)
+                questionary.Choice(title=f"({words.text(f'wizard-{name}')})", value=sign)
+                for sign, name in (BACK, HELP, QUIT)
             ]
             asked = questionary.select(
-                question.text,
-                choices=[*question.choices, *commands],
+                words.say(question.text),
+                choices=[*choices, *commands],
                 default=default if default in question.choices else None,
             )
             _end_at_control_d(asked.application)
             return str(asked.unsafe_ask())
-        prompt = f"{question.text}{hint(question, default)}:"
+        prompt = f"{words.say(question.text)}{hint(question, default, words)}:"
         return str(questionary.text(prompt).unsafe_ask())
 
 
@@ -155,34 +159,34 @@ def open_console() -> Console:
     return RichConsole(plain) if is_terminal else plain
 
 
-def hint(question: Question, default: str) -> str:
+def hint(question: Question, default: str, words: Catalogue) -> str:
     """Return the default, or an example, in brackets."""
+    if default in question.choices:
+        return f" [{words.say(title(default))}]"
     if default:
         return f" [{default}]"
-    return f" (e.g. {question.example})" if question.example else ""
+    example = words.text("wizard-example-behind", example=question.example)
+    return f" ({example})" if question.example else ""
 
 
-def introduce(question: Question) -> str:
+def introduce(question: Question, words: Catalogue) -> str:
     """Return where to find the value and what is common, for the line above the prompt."""
-    return f"{question.where}{_common(question)}"
-
-
-def explain(question: Question) -> str:
-    """Return all that is known about a question, for ``?``."""
-    lines = [introduce(question)]
-    if question.dimension is not None:
-        lines.append(f"Expected: {question.dimension.name}, {question.dimension.usual}.")
-    if question.example:
-        lines.append(f"Example: {question.example}.")
-    if question.is_optional:
-        lines.append("Enter alone leaves it out; - removes a value given before.")
-    return " ".join(lines)
-
-
-def _common(question: Question) -> str:
+    where = words.say(question.where)
     if question.dimension is None or question.high == inf:
-        return ""
-    return f" Common: {show_common(question)}."
+        return where
+    return f"{where} {words.text('wizard-common', span=show_common(question))}"
+
+
+def explain(question: Question, words: Catalogue) -> str:
+    """Return all that is known about a question, for ``?``."""
+    lines = [introduce(question, words)]
+    if question.dimension is not None:
+        lines.append(words.text("wizard-expected", what=question.dimension.described))
+    if question.example:
+        lines.append(words.text("wizard-example", example=question.example))
+    if question.is_optional:
+        lines.append(words.text("wizard-leave-out"))
+    return " ".join(lines)
 
 
 def fold(text: str) -> str:

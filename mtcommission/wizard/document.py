@@ -9,15 +9,10 @@ from typing import Any
 
 import tomlkit
 
-from mtcommission.wizard.axis_units import (
-    MODAL,
-    PAIR_BY_FREQUENCY,
-    PAIR_BY_STIFFNESS,
-    TOWER_BY_FREQUENCY,
-    TOWER_BY_STIFFNESS,
-)
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.wizard.axis_units import WAYS
 from mtcommission.wizard.convert import Data, as_text
-from mtcommission.wizard.question import Answers, list_accepted
+from mtcommission.wizard.question import Answers, list_accepted, slug
 from mtcommission.wizard.script import list_questions
 
 TABLES = ("requirements.peaks", "requirements.modes")
@@ -26,16 +21,8 @@ TABLES = ("requirements.peaks", "requirements.modes")
 COLUMN = 34
 """Where the comments begin, if the line leaves room."""
 
-DERIVED = {
-    TOWER_BY_FREQUENCY: "stiffness and damping from measured eigenfrequencies",
-    PAIR_BY_STIFFNESS: "motor and load on a spring, as a rigid mass and one mode",
-    PAIR_BY_FREQUENCY: "motor and load, measured, as a rigid mass and one mode",
-    TOWER_BY_STIFFNESS: "a tower on a base that gives way",
-    MODAL: "modes as read from a frequency response",
-}
 
-
-def write_document(data: Data, answers: Answers) -> str:
+def write_document(data: Data, answers: Answers, words: Catalogue) -> str:
     """Return a new, commented profile.
 
     Parameters
@@ -44,20 +31,18 @@ def write_document(data: Data, answers: Answers) -> str:
         The profile's tables.
     answers
         Where they come from; for the comments.
+    words
+        Language of the comments.
 
     Returns
     -------
     str
         TOML.
     """
-    comments = {
-        question.key: question.text.partition(" (empty:")[0] for question in list_questions(answers)
-    }
-    comments["machine.assumed"] = "Defaults accepted, not measured"
+    comments = {question.key: words.say(question.plain) for question in list_questions(answers)}
+    comments["machine.assumed"] = words.text("document-assumed-key")
     lines = [
-        "# Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.",
-        "# Check it with: mtcommission check FILE; compute with: mtcommission run FILE.",
-        "# Take a key out of assumed as soon as somebody knows its value.",
+        *(f"# {words.text(f'document-{line}')}" for line in ("head", "check", "assumed")),
         "",
         f"schema = {data['schema']}",
     ]
@@ -65,9 +50,9 @@ def write_document(data: Data, answers: Answers) -> str:
         if name != "schema":
             lines += _table(name, table, comments)
     way = answers.get("wizard.way", "")
-    if way in DERIVED and "[plant]" in lines:
-        lines.insert(lines.index("[plant]"), f"# {DERIVED[way]}:")
-        for key, text in _origins(answers):
+    if way in WAYS and "[plant]" in lines:
+        lines.insert(lines.index("[plant]"), f"# {words.text(f'document-{slug(way)}')}:")
+        for key, text in _origins(answers, words.text("document-default-accepted")):
             lines.insert(lines.index("[plant]"), f"#   {key} = {text}")
     return "\n".join(lines) + "\n"
 
@@ -134,11 +119,11 @@ def _is_tables(value: object) -> bool:
     return isinstance(value, list) and bool(value) and all(isinstance(v, Mapping) for v in value)
 
 
-def _origins(answers: Answers) -> Iterator[tuple[str, str]]:
+def _origins(answers: Answers, accepted: str) -> Iterator[tuple[str, str]]:
     """What was typed where the profile holds derived values."""
     for key, text in answers.items():
         if key.startswith(("measured.", "pair.")) and text:
-            mark = " (default accepted, not measured)" if key in list_accepted(answers) else ""
+            mark = f" ({accepted})" if key in list_accepted(answers) else ""
             yield key.partition(".")[2], f"{text}{mark}"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi, sqrt
 
+from mtcommission.messages.message import Message
 from mtcommission.plant.modal import MOST_MODES
 from mtcommission.units.quantities import (
     DAMPING,
@@ -24,7 +25,6 @@ from mtcommission.wizard.axis_units import (
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     axis_units,
-    is_rotary,
 )
 from mtcommission.wizard.convert import pair_of
 from mtcommission.wizard.question import Answers, si_value
@@ -46,7 +46,7 @@ class Insight:
         Whether something contradicts itself.
     """
 
-    text: str
+    text: Message
     is_warning: bool = False
 
 
@@ -54,7 +54,7 @@ class Insight:
 class _Mode:
     """What is known of a mode; the gain is None while it is not."""
 
-    name: str
+    name: str | Message
     omega: float
     damping_ratio: float | None
     tcp_gain: float | None
@@ -75,31 +75,38 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
     Examples
     --------
     >>> find_insights({"wizard.way": TOWER_BY_STIFFNESS, "plant.base_mass": "450 kg",
-    ...     "plant.base_stiffness": "44.41 N/um"})[0].text
-    'mode base at 50 Hz'
+    ...     "plant.base_stiffness": "50 N/m"})[0].text.kind
+    'insight-mode'
     """
     force = _motion_force(answers)
     found = []
     for mode in _modes(answers):
-        damped = f", damping ratio {mode.damping_ratio:.3g}" if mode.damping_ratio else ""
-        found.append(Insight(text=f"mode {mode.name} at {mode.omega / (2 * pi):.4g} Hz{damped}"))
+        kind = "insight-mode-damped" if mode.damping_ratio else "insight-mode"
+        text = Message(
+            kind,
+            mode=mode.name,
+            frequency=mode.omega / (2 * pi),
+            damping_ratio=mode.damping_ratio,
+        )
+        found.append(Insight(text=text))
         if mode.tcp_gain is not None and force is not None and force > 0.0:
-            found.append(_deflection(answers, mode, force))
+            found.append(_deflection(mode, force))
     mass = _moving_mass(answers)
     unit = axis_units(answers)
     if force is not None and force <= 0.0:
-        text = (
-            f"weight or process force leave {force:.4g} {unit.force.si} of the drive's force: "
-            "the axis cannot move; go back with < and correct one of the two"
-        )
+        text = Message("insight-no-force", force=force, unit=unit.force.si)
         found.append(Insight(text=text, is_warning=True))
     elif mass and force is not None:
-        found.append(
-            Insight(
-                text=f"rigid-body acceleration at most {force / mass:.4g} {unit.length.si}/s^2 "
-                f"({force:.4g} {unit.force.si} on {mass:.4g} {unit.mass.si})"
-            )
+        text = Message(
+            "insight-acceleration",
+            acceleration=force / mass,
+            rate=unit.acceleration.si,
+            force=force,
+            unit=unit.force.si,
+            mass=mass,
+            mass_unit=unit.mass.si,
         )
+        found.append(Insight(text=text))
     return (*found, *_contradictions(answers))
 
 
@@ -122,13 +129,9 @@ def _moving_mass(answers: Answers) -> float | None:
     return None if motor is None or load is None else motor + load
 
 
-def _deflection(answers: Answers, mode: _Mode, force: float) -> Insight:
+def _deflection(mode: _Mode, force: float) -> Insight:
     deflection = abs(mode.tcp_gain or 0.0) * force / mode.omega**2
-    unit = "urad" if is_rotary(answers) else "um"
-    return Insight(
-        text=f"mode {mode.name} bends the tool by {1e6 * deflection:.4g} {unit} "
-        "at full force, statically"
-    )
+    return Insight(text=Message("insight-deflection", mode=mode.name, deflection=deflection))
 
 
 def _modes(answers: Answers) -> list[_Mode]:
@@ -142,7 +145,7 @@ def _modes(answers: Answers) -> list[_Mode]:
         return []
     return [
         _Mode(
-            name="drive (motor and load free)",
+            name=Message("mode-of-pair"),
             omega=2.0 * pi * pair.frequency_hz,
             damping_ratio=pair.damping_ratio,
             tcp_gain=pair.tcp_gain,
@@ -209,14 +212,14 @@ def _contradictions(answers: Answers) -> list[Insight]:
     cases = []
     if way == TOWER_BY_FREQUENCY:
         cases = [
-            ("base", "measured.base_frequency", "plant.base_mass", MASS,
+            (Message("part-base"), "measured.base_frequency", "plant.base_mass", MASS,
              "measured.base_stiffness", STIFFNESS),
-            ("tower", "measured.rotary_frequency", "plant.rotary_inertia", INERTIA,
+            (Message("part-tower"), "measured.rotary_frequency", "plant.rotary_inertia", INERTIA,
              "measured.rotary_stiffness", ROTARY_STIFFNESS),
         ]  # fmt: skip
     elif way == PAIR_BY_FREQUENCY:
         cases = [
-            ("load", "pair.frequency", "pair.load_mass", unit.mass,
+            (Message("part-load"), "pair.frequency", "pair.load_mass", unit.mass,
              "pair.stiffness", unit.stiffness),
         ]  # fmt: skip
     found = []
@@ -227,9 +230,6 @@ def _contradictions(answers: Answers) -> list[Insight]:
             continue
         expected = sqrt(k / m) / (2.0 * pi)
         if abs(expected - f) > CONTRADICTION * f:
-            text = (
-                f"{name}: mass and stiffness give {expected:.4g} Hz, measured are {f:.4g} Hz; "
-                "the profile takes the measured value, but one of the three is wrong"
-            )
+            text = Message("insight-contradiction", part=name, expected=expected, measured=f)
             found.append(Insight(text=text, is_warning=True))
     return found

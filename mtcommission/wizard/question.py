@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 
+from mtcommission.errors import Refused
+from mtcommission.messages.message import Message
 from mtcommission.units.quantities import (
     DIGITS,
     GAIN,
@@ -34,10 +37,6 @@ class Question:
     ----------
     key
         Dotted key under which the answer is kept.
-    text
-        The question, one line.
-    where
-        Where to find the value, one line; shown with ``?`` and in the profile.
     dimension
         What a number must measure; None for texts and choices.
     choices
@@ -54,8 +53,6 @@ class Question:
     """
 
     key: str
-    text: str
-    where: str
     dimension: Dimension | None = None
     choices: tuple[str, ...] = ()
     default: str = ""
@@ -63,6 +60,44 @@ class Question:
     low: float = -inf
     high: float = inf
     is_optional: bool = False
+
+    @property
+    def plain(self) -> Message:
+        """The question, one line."""
+        return self._message("")
+
+    @property
+    def text(self) -> Message:
+        """The question, with what an empty reply means where it may be left out."""
+        if not self.is_optional:
+            return self.plain
+        return Message("ask-or-leave-empty", text=self.plain, meaning=self._message("-empty"))
+
+    @property
+    def where(self) -> Message:
+        """Where to find the value."""
+        return self._message("-where")
+
+    def _message(self, ending: str) -> Message:
+        """A text of the catalogue, by the key without the numbers of elements."""
+        parts = self.key.split(".")
+        number = next((int(part) + 1 for part in parts if part.isdigit()), 0)
+        words = [part for part in parts if not part.isdigit()]
+        if len(words) > 2:  # below a table of signals the last part is one of them
+            words = words if words[1] == "modes" else words[:2]
+        kind = "-".join(words).replace("_", "-")
+        check = "-check" if self.key == "pair.stiffness" and self.is_optional else ""
+        return Message(f"ask-{kind}{check}{ending}", number=number, name=parts[-1])
+
+
+def title(choice: str) -> Message:
+    """Return how a choice is shown; what is kept is the choice itself."""
+    return Message(f"choice-{slug(choice)}")
+
+
+def slug(choice: str) -> str:
+    """Return a choice as part of a key of the catalogue."""
+    return re.sub(r"[^a-z]+", "-", choice.lower()).strip("-")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,17 +109,17 @@ class Reply:
     text
         As the profile will hold it: decimal point, unit added where it was left out.
     warning
-        What is unusual about it; "" if nothing is.
+        What is unusual about it; None if nothing is.
     taken_as
         How a number is read that was typed without a unit, or with a comma; "" for any other.
     """
 
     text: str
-    warning: str = ""
+    warning: Message | None = None
     taken_as: str = ""
 
 
-def read_reply(question: Question, typed: str) -> Reply:
+def read_reply(question: Question, typed: str, *, titles: Sequence[str] = ()) -> Reply:
     """Return the meaning of a reply.
 
     Parameters
@@ -93,6 +128,8 @@ def read_reply(question: Question, typed: str) -> Reply:
         What was asked.
     typed
         What was typed, not a command.
+    titles
+        The choices as they were shown, if that was in another language.
 
     Returns
     -------
@@ -100,13 +137,13 @@ def read_reply(question: Question, typed: str) -> Reply:
 
     Raises
     ------
-    ValueError
+    Refused
         With what was got and what to type instead.
 
     Examples
     --------
     >>> from mtcommission.units.quantities import STIFFNESS
-    >>> reply = read_reply(Question(key="k", text="?", where="", dimension=STIFFNESS), "44,41")
+    >>> reply = read_reply(Question(key="k", dimension=STIFFNESS), "44,41")
     >>> reply.text, reply.taken_as
     ('44.41 N/m', '44.41 N/m')
     """
@@ -114,33 +151,35 @@ def read_reply(question: Question, typed: str) -> Reply:
     if not text:
         if question.is_optional:
             return Reply(text="")
-        example = f", e.g. {question.example}" if question.example else ""
-        raise ValueError(f"an answer is needed here{example}")
+        kind = "reply-missing-example" if question.example else "reply-missing"
+        raise Refused(Message(kind, example=question.example))
     if question.choices:
-        return Reply(text=_choose(question, text))
+        return Reply(text=_choose(text, question.choices, titles or question.choices))
     if question.dimension is None:
         return Reply(text=_free_text(text))
     return _quantity(question, question.dimension, text)
 
 
-def _choose(question: Question, text: str) -> str:
-    numbers = {str(number): word for number, word in enumerate(question.choices, start=1)}
+def _choose(text: str, choices: Sequence[str], titles: Sequence[str]) -> str:
+    numbers = {str(number): word for number, word in enumerate(choices, start=1)}
     if text in numbers:
         return numbers[text]
     wanted = text.lower()
-    starts = [word for word in question.choices if word.lower().startswith(wanted)]
-    exact = [word for word in starts if word.lower() == wanted]
-    if len(starts) == 1 or exact:
-        return (exact or starts)[0]
-    listed = ", ".join(f"{number} {word}" for number, word in numbers.items())
-    raise ValueError(f'got "{text}"; choose one of: {listed}')
+    for shown in (titles, choices):
+        pairs = list(zip(shown, choices, strict=True))
+        starts = [word for title, word in pairs if title.lower().startswith(wanted)]
+        exact = [word for title, word in pairs if title.lower() == wanted]
+        if len(starts) == 1 or exact:
+            return (exact or starts)[0]
+    listed = ", ".join(f"{number} {word}" for number, word in enumerate(titles, start=1))
+    raise Refused(Message("reply-no-choice", got=text, choices=listed))
 
 
 def _free_text(text: str) -> str:
     if not text.isprintable():
-        raise ValueError("got control characters or bytes of another encoding; type plain text")
+        raise Refused(Message("reply-unprintable"))
     if len(text) > LONGEST_TEXT:
-        raise ValueError(f"got {len(text)} characters, at most {LONGEST_TEXT} are allowed")
+        raise Refused(Message("reply-too-long", length=len(text), most=LONGEST_TEXT))
     return text
 
 
@@ -155,18 +194,22 @@ def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
         plain = f"{plain} {dimension.si}"
     unit = f" {dimension.si}" if dimension.si else ""
     if question.low >= 0.0 and (value < 0.0 or (value == 0.0 and question.low > 0.0)):
-        sign = ">" if question.low > 0.0 else ">="
-        raise ValueError(f"got {plain}, must be {sign} 0{unit}")
+        kind = "reply-not-positive" if question.low > 0.0 else "reply-negative"
+        raise Refused(Message(kind, got=plain, unit=unit))
     if dimension is RATIO and abs(value) >= 1.0:
-        percent = f", which is {100.0 * value:g} %" if is_bare else ""
-        meant = f'; did you mean "{plain} %"?' if is_bare and abs(value) < 100.0 else ""
-        raise ValueError(f"got {plain}{percent}; must be below 100 %{meant}")
-    warning = ""
-    if not question.low <= value <= question.high:
-        warning = (
-            f"{plain} is unusual; common are {show_common(question)}. "
-            "Check number and unit, type < to change it."
+        percent = Message("reply-percent-is", percent=f"{100.0 * value:g}")
+        meant = Message("reply-percent-meant", meant=plain)
+        raise Refused(
+            Message(
+                "reply-beyond-one",
+                got=plain,
+                percent=percent if is_bare else None,
+                meant=meant if is_bare and abs(value) < 100.0 else None,
+            )
         )
+    warning = None
+    if not question.low <= value <= question.high:
+        warning = Message("reply-unusual", got=plain, common=show_common(question))
     taken_as = _in_other_words(plain, value, dimension) if is_bare or "," in text else ""
     return Reply(text=plain, warning=warning, taken_as=taken_as)
 
@@ -215,17 +258,17 @@ def note_stated(answers: Answers, key: str) -> dict[str, str]:
     return note_accepted(rest, *left) if left else rest
 
 
-def show_common(question: Question) -> str:
+def show_common(question: Question) -> Message:
     """Return the common range of a quantity as people write it.
 
     Examples
     --------
     >>> from mtcommission.units.quantities import STIFFNESS
-    >>> show_common(Question(key="", text="", where="", dimension=STIFFNESS, low=1e4, high=1e10))
-    '10 kN/m to 10 GN/m'
+    >>> show_common(Question(key="", dimension=STIFFNESS, low=1e4, high=1e10))
+    Message('wizard-span', low='10 kN/m', high='10 GN/m')
     """
     unit = question.dimension.si if question.dimension else ""
-    return " to ".join(_shown(value, unit) for value in (question.low, question.high))
+    return Message("wizard-span", low=_shown(question.low, unit), high=_shown(question.high, unit))
 
 
 SMALL = ((1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
@@ -251,5 +294,5 @@ def si_value(answers: Answers, key: str, dimension: Dimension) -> float | None:
     """Return an answer as SI number; None while it is not known, or wrong in a file."""
     try:
         return parse_quantity(answers.get(key, ""), dimension, decimal_comma=True)
-    except ValueError:
+    except Refused:
         return None  # asked, or named by the profile's reader, in its turn

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
+from functools import cache
 from pathlib import Path
 
-from mtcommission.errors import Fault, InputError
+from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.files import write_text
-from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.faults import may_be_left_out
 from mtcommission.profile.lines import read_key, read_path, show_key
 from mtcommission.profile.read import parse_profile
-from mtcommission.wizard.axis_units import NO, YES
+from mtcommission.wizard.axis_units import NO, YES, is_rotary
 from mtcommission.wizard.console import (
     BACK,
-    COMMANDS,
     HELP,
     QUIT,
     Console,
@@ -28,13 +28,14 @@ from mtcommission.wizard.console import (
 from mtcommission.wizard.convert import list_unmeasured, to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.gather import KEPT, Source, gather, keep
-from mtcommission.wizard.insight import find_insights
+from mtcommission.wizard.insight import Insight, find_insights
 from mtcommission.wizard.question import (
     Answers,
     Question,
     note_accepted,
     note_stated,
     read_reply,
+    title,
 )
 from mtcommission.wizard.script import list_questions
 
@@ -65,9 +66,31 @@ class Session:
 class _Left(Exception):
     """The user left; carries the answers and how."""
 
-    def __init__(self, answers: Answers, how: str, where: str) -> None:
+    def __init__(self, answers: Answers, how: Message, where: str) -> None:
         super().__init__(how)
         self.answers, self.how, self.where = answers, how, where
+
+
+USER_LEFT = Message("wizard-left-by-user")
+
+
+@dataclass(frozen=True, slots=True)
+class _Speaker:
+    """A console that speaks a language, for the axis that the answers describe."""
+
+    console: Console
+    language: str
+
+    def words(self, answers: Answers) -> Catalogue:
+        return _catalogue(self.language, is_rotary(answers))
+
+    def tell(self, answers: Answers, message: Message, *, indent: str = "  ") -> None:
+        self.console.tell(f"{indent}{self.words(answers).say(message)}")
+
+
+@cache
+def _catalogue(language: str, is_rotary: bool) -> Catalogue:
+    return Catalogue(language, rotary=is_rotary)
 
 
 def run_wizard(
@@ -77,6 +100,7 @@ def run_wizard(
     answers_file: Path | None,
     take_defaults: bool,
     offers_run: bool,
+    language: str = "en",
 ) -> Session:
     """Ask for a machine and write its profile.
 
@@ -92,6 +116,8 @@ def run_wizard(
         Whether to take defaults instead of asking.
     offers_run
         Whether to ask at the end if the limits shall be computed.
+    language
+        Of questions, messages and the comments of the profile.
 
     Returns
     -------
@@ -103,36 +129,31 @@ def run_wizard(
         If answers are missing or wrong where nobody can be asked, or input ends; the answers
         so far are kept beside the output.
     """
-    source = gather(output, answers_file)
+    source, speaker = gather(output, answers_file), _Speaker(console, language)
     if take_defaults:
         answers = _fill(source)
-        text = _compose(source, answers)
+        text = _compose(source, answers, speaker)
         try:
             machine = parse_profile(text, where=str(output))
         except InputError as error:
             raise InputError([source.locate(fault) for fault in error.faults]) from error
     else:
         try:
-            answers, text, machine = _interview(source, console, output)
+            answers, text, machine = _interview(source, speaker, output)
         except _Left as left:
             keep(output, left.answers, place=left.where)
-            message = (
-                f"{left.how} at {left.where}; answers kept in {output}{KEPT}, the same command "
-                "goes on from there"
-            )
-            if left.how == Ending.QUIT.name.lower():
-                console.tell(message)
+            message = Message("wizard-kept", how=left.how, where=left.where, file=f"{output}{KEPT}")
+            if left.how == USER_LEFT:
+                speaker.tell(left.answers, message, indent="")
                 return Session(ending=Ending.QUIT, wants_run=False)
-            raise InputError(
-                [Fault(where="wizard", message=Message("verbatim", text=message))]
-            ) from left
+            raise InputError([Fault(where="wizard", message=message)]) from left
     write_text(str(output), text)
     Path(f"{output}{KEPT}").unlink(missing_ok=True)
-    _summarise(console, answers, machine, output)
+    _summarise(speaker, answers, machine, output)
     may_ask = offers_run and not take_defaults and console.is_interactive
-    wants_run = may_ask and _offer_run(console)
+    wants_run = may_ask and _offer_run(speaker, answers)
     if offers_run and not wants_run:
-        console.tell(f"Compute the limits with: mtcommission run {output}")
+        speaker.tell(answers, Message("wizard-compute-with", file=str(output)), indent="")
     return Session(ending=Ending.WRITTEN, wants_run=wants_run)
 
 
@@ -145,10 +166,8 @@ def _fill(source: Source) -> dict[str, str]:
         typed, text = filled.get(question.key, ""), ""
         try:
             text = read_reply(question, typed).text
-        except ValueError as error:
-            fault = Fault(
-                where="", key=_shown(question.key), message=Message("verbatim", text=str(error))
-            )
+        except Refused as error:
+            fault = Fault(where="", key=_shown(question.key), message=error.message)
             faults.append(source.locate(fault))
         filled[question.key] = text
         if text and not typed and question.dimension is not None:
@@ -165,79 +184,83 @@ def _shown(key: str) -> str:
 
 
 def _interview(
-    source: Source, console: Console, output: Path
+    source: Source, speaker: _Speaker, output: Path
 ) -> tuple[dict[str, str], str, Machine]:
     """Ask until the profile is valid."""
-    answers = dict(source.answers)
-    console.tell(
-        f"Profile {output}. Enter takes the value in [brackets].\nAt every question: {COMMANDS}."
-    )
+    answers, console = dict(source.answers), speaker.console
+    words = speaker.words(answers)
+    begin, commands = words.text("wizard-begin", file=str(output)), words.text("wizard-commands")
+    console.tell(f"{begin}\n{commands}")
     place = _first_place(source)
     if source.is_resumed and place:
-        console.tell("Going on with the answers that are known; < goes back to them.")
+        speaker.tell(answers, Message("wizard-going-on"), indent="")
     while True:
-        answers = _ask_from(place, answers, console)
-        text = _compose(source, answers)
+        answers = _ask_from(place, answers, speaker)
+        text = _compose(source, answers, speaker)
         try:
             return answers, text, parse_profile(text, where=str(output))
         except InputError as error:
             if not console.is_interactive:
                 keep(output, answers, place="")
                 raise
-            console.tell("\n".join(fault_line(fault) for fault in error.faults))
+            faults = [not_possible(fault) for fault in error.faults]
+            console.tell("\n".join(map(speaker.words(answers).say, faults)))
             place = _place_of(read_key(error.faults[0].key), answers)
 
 
-def fault_line(fault: Fault) -> str:
+def not_possible(fault: Fault) -> Message:
     """Return a fault without file and line: the profile is not written yet."""
-    return f"Not possible: {replace(fault, where='', line=0)}"
+    return Message("wizard-not-possible", key=fault.key, message=fault.message)
 
 
-def _ask_from(place: int, answers: dict[str, str], console: Console) -> dict[str, str]:
+def _ask_from(place: int, answers: dict[str, str], speaker: _Speaker) -> dict[str, str]:
     """Ask every question from a place on; back, help and quit move about."""
     known, shown = dict(answers), -1
     while place < len(questions := list_questions(known)):
         question = questions[place]
         try:
-            typed = _ask(question, known, console, is_new=place != shown)
+            typed = _ask(question, known, speaker, is_new=place != shown)
             shown = place
             if typed.lower() in QUIT:
-                raise _Left(known, Ending.QUIT.name.lower(), question.key)
+                raise _Left(known, USER_LEFT, question.key)
             if typed.lower() in BACK and place:
                 place -= 1
             elif typed.lower() in BACK:
-                console.tell("  This is the first question.")
+                speaker.tell(known, Message("wizard-first-question"))
             elif typed.lower() in HELP:
-                console.tell(explain(question))
+                speaker.console.tell(explain(question, speaker.words(known)))
             else:
-                known, is_taken = _take(question, typed, known, console)
+                known, is_taken = _take(question, typed, known, speaker)
                 place += is_taken
         except EOFError as error:
-            raise _Left(known, "input ended", question.key) from error
+            raise _Left(known, Message("wizard-input-ended"), question.key) from error
         except KeyboardInterrupt as error:
-            raise _Left(known, "interrupted", question.key) from error
+            raise _Left(known, Message("wizard-interrupted"), question.key) from error
     return known
 
 
-def _ask(question: Question, known: Answers, console: Console, *, is_new: bool) -> str:
+def _ask(question: Question, known: Answers, speaker: _Speaker, *, is_new: bool) -> str:
     """Show a question, with where to look above it the first time, and return what was typed."""
+    words, console = speaker.words(known), speaker.console
     if is_new:
         console.tell("")
-        console.tell(introduce(question))
-    return console.ask(question, default=known.get(question.key, "") or question.default).strip()
+        console.tell(introduce(question, words))
+    default = known.get(question.key, "") or question.default
+    return console.ask(question, default=default, words=words).strip()
 
 
 def _take(
-    question: Question, typed: str, known: dict[str, str], console: Console
+    question: Question, typed: str, known: dict[str, str], speaker: _Speaker
 ) -> tuple[dict[str, str], bool]:
     """Read a reply, keep it, and say what follows from it."""
     before = known.get(question.key, "")
     if typed == "-" and question.is_optional:
         return note_stated({**known, question.key: ""}, question.key), True
+    titles = [speaker.words(known).say(title(choice)) for choice in question.choices]
     try:
-        reply = read_reply(question, typed or before)
-    except ValueError as error:
-        console.tell(f"  {error}")
+        reply = read_reply(question, typed or before, titles=titles)
+    except Refused as error:
+        speaker.tell(known, error.message)
         return known, False
     # A value that was only confirmed stays as it is written in the file.
     text = before if before and typed in ("", before) else reply.text
@@ -247,14 +270,19 @@ def _take(
     elif not before and text and question.dimension is not None:
         found = note_accepted(found, question.key)
     if reply.warning:
-        console.tell(f"  Warning: {reply.warning}")
+        speaker.tell(found, Message("wizard-warning", what=reply.warning))
     elif typed and reply.taken_as:
-        console.tell(f"  taken as {reply.taken_as}")
+        speaker.tell(found, Message("wizard-taken-as", what=reply.taken_as))
     said = set(find_insights(known))
     for insight in find_insights(found):
         if insight not in said:
-            console.tell(f"  {'Warning: ' if insight.is_warning else '= '}{insight.text}")
+            _tell_insight(speaker, found, insight)
     return found, True
+
+
+def _tell_insight(speaker: _Speaker, answers: Answers, insight: Insight) -> None:
+    kind = "wizard-warning" if insight.is_warning else "wizard-follows"
+    speaker.tell(answers, Message(kind, what=insight.text))
 
 
 def _first_place(source: Source) -> int:
@@ -279,9 +307,9 @@ def _place_of(key: str, answers: Answers) -> int:
     return 0
 
 
-def _compose(source: Source, answers: Answers) -> str:
+def _compose(source: Source, answers: Answers, speaker: _Speaker) -> str:
     if not source.text:
-        return write_document(to_profile(answers), answers)
+        return write_document(to_profile(answers), answers, speaker.words(answers))
     # What the user never wrote and only confirmed need not appear in his file.
     defaults = {question.key: question.default for question in list_questions(answers)}
     kept = {
@@ -294,37 +322,33 @@ def _compose(source: Source, answers: Answers) -> str:
     return update_document(source.text, to_profile(kept))
 
 
-def _summarise(console: Console, answers: Answers, machine: Machine, output: Path) -> None:
-    console.tell(f"Written: {output}: {machine.name}, axis {machine.axis}")
+def _summarise(speaker: _Speaker, answers: Answers, machine: Machine, output: Path) -> None:
+    written = Message("wizard-written", file=str(output), name=machine.name, letter=machine.axis)
+    speaker.tell(answers, written, indent="")
     for insight in find_insights(answers):
-        console.tell(f"  {'Warning: ' if insight.is_warning else '= '}{insight.text}")
+        _tell_insight(speaker, answers, insight)
     unmeasured = list_unmeasured(answers)
     if unmeasured:
-        console.tell(f"  Default accepted, not measured: {', '.join(unmeasured)}")
-    catalogue = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
+        speaker.tell(answers, Message("wizard-assumed", keys=", ".join(unmeasured)))
     for remark in check_plausibility(machine):
-        console.tell(f"  Warning: {catalogue.say(remark.with_key())}")
+        speaker.tell(answers, Message("wizard-warning", what=remark.with_key()))
 
 
-def _offer_run(console: Console) -> bool:
-    question = Question(
-        key="wizard.run",
-        text="Compute the limits now",
-        where="The same as mtcommission run with this profile; some seconds to a minute.",
-        choices=(YES, NO),
-        default=YES,
-    )
+def _offer_run(speaker: _Speaker, answers: Answers) -> bool:
+    question = Question(key="wizard.run", choices=(YES, NO), default=YES)
+    words = speaker.words(answers)
+    titles = [words.say(title(choice)) for choice in question.choices]
     while True:
         try:
-            typed = console.ask(question, default=YES).strip().lower()
+            typed = speaker.console.ask(question, default=YES, words=words).strip().lower()
         except (EOFError, KeyboardInterrupt):
             return False  # the profile is written, nothing is lost
         if typed in (*QUIT, *BACK):
             return False
         if typed in HELP:
-            console.tell(explain(question))
+            speaker.console.tell(explain(question, words))
             continue
         try:
-            return read_reply(question, typed).text == YES
-        except ValueError as error:
-            console.tell(f"  {error}")
+            return read_reply(question, typed, titles=titles).text == YES
+        except Refused as error:
+            speaker.tell(answers, error.message)

@@ -96,4 +96,4 @@ def _balance(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
     then loses all digits: a stable loop was seen to grow. Powers of two scale without rounding.
     """
     balanced, (scale, _) = matrix_balance(A, permute=False, separate=True)
-    return balanced, B / scale[:, None], C * scale
+    return np.asarray(balanced), B / scale[:, None], C * scale

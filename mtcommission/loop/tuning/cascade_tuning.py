@@ -9,7 +9,6 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.cascade import build_cascade, explain_cascade
 from mtcommission.loop.tuning.judgement import (
-    has_given_gains,
     judge_given,
     warn_of_filters,
     warn_of_modes,
@@ -100,7 +99,7 @@ def close_cascade(machine: Machine, settings: TuningSettings) -> TunedLoop:
         return build_cascade(changed, bench.model, fraction=1.0)
 
     warnings = list(warn_of_modes(bench, tuned))
-    if has_given_gains(machine):
+    if machine.control.has_given_gains:
         warnings += judge_given(machine, bench, tuned, settings=settings, build=build)
     return replace(tuned, warnings=(*warnings, *filter_warnings(machine, tuned, settings)))
 
@@ -136,7 +135,7 @@ def design_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettin
 
 
 def _close_cascade(machine: Machine, bench: CornerPlants, settings: TuningSettings) -> TunedLoop:
-    if has_given_gains(machine):
+    if machine.control.has_given_gains:
         return close_loop(bench, design_cascade(machine, bench, settings))
     return _close_by_rule(machine, bench, settings)
 

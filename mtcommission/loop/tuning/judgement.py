@@ -37,13 +37,6 @@ UNDAMPED = 0.5
 Build = Callable[[Machine], Controller]
 
 
-def has_given_gains(machine: Machine) -> bool:
-    """Return whether the profile gives Kv, Kp or Tn."""
-    given = machine.control
-    gains = (given.position_gain, given.velocity_gain, given.integral_time)
-    return any(gain is not None for gain in gains)
-
-
 def judge_given(
     machine: Machine,
     bench: CornerPlants,

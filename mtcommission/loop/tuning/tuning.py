@@ -26,7 +26,6 @@ from mtcommission.loop.tuning.cascade_tuning import (
     tune_cascade,
 )
 from mtcommission.loop.tuning.judgement import (
-    has_given_gains,
     judge_given,
     warn_of_modes,
 )
@@ -126,8 +125,7 @@ def check_loop(machine: Machine) -> tuple[Message, ...]:
         Empty where nothing is, and at once where the profile leaves all to the rules.
     """
     given = machine.control
-    leaves_all = not (has_given_gains(machine) or given.force_filters or given.state_gains)
-    if leaves_all and given.minimum_bandwidth_hz == 0.0:
+    if given.leaves_all_to_rules:
         return ()
     if given.state_feedback is StateFeedback.AUTO and given.minimum_bandwidth_hz == 0.0:
         machine = replace(machine, control=replace(given, state_feedback=StateFeedback.OFF))

@@ -86,6 +86,9 @@ class ProgramSettings:
     """Relative change of the smallest bound, over time and over the grid, that counts as none."""
     forgiving: float = 1e-8
     """Tolerance of the last attempt, if the first one had a smaller one."""
+    checks_per_step: int = 3
+    """Times that the simplex method may ask whether it shall go on, against the steps allowed: 1.1
+    to 1.3 where it ends (measured); one that turns in circles does so without counting steps."""
     interior_steps: int = 500
     """Steps of the interior-point method at most; some dozens are usual."""
     smallest_coefficient: float = 1e-12

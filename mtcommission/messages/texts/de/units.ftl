@@ -38,6 +38,7 @@ dimension-per = { $what } je { $other }
 dimension-squared = { $what } zum Quadrat
 dimension-in = eine Größe in { $units }
 
+quantity-described = { $what }, { $units }
 quantity-expected = muss { $what } sein, { $units }
 unit-in = in { $last }
 unit-in-one-of = in { $first } oder { $last }

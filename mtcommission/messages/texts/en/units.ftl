@@ -44,6 +44,7 @@ dimension-squared = { $what } squared
 dimension-in = a quantity in { $units }
 
 # $what: a kind of quantity; $units: one of the next three
+quantity-described = { $what }, { $units }
 quantity-expected = must be { $what }, { $units }
 unit-in = in { $last }
 unit-in-one-of = in { $first } or { $last }

@@ -8,10 +8,8 @@ again, so what is hidden falls by a factor of three to ten each time, as in Reme
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import repeat
 
 import numpy as np
-from highspy import HighsBasisStatus
 from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded.mesh.forms import MeshOptimum, solve_mesh
@@ -93,17 +91,11 @@ def _split(
 
 
 def _inherited(found: MeshOptimum, places: Array) -> Basis:
-    """Return the basis in which the parts of a cell are what the cell was.
-
-    One part only of a cell in the basis is in it, so that the basis keeps its size.
-    """
+    """Return the basis in which the parts of a cell are what the cell was."""
     cells = [segment for segment in found.segments if segment.limit < 0]
-    unknowns: list[HighsBasisStatus] = []
-    for cell, was in zip(cells, found.basis.unknowns, strict=False):
-        more = int(((cell.end < places) & (places < cell.start)).sum())
-        other = HighsBasisStatus.kUpper if was == HighsBasisStatus.kBasic else was
-        unknowns += [was, *repeat(other, more)]
-    return replace(found.basis, unknowns=(*unknowns, *found.basis.unknowns[len(cells) :]))
+    return found.basis.split(
+        [1 + int(((cell.end < places) & (places < cell.start)).sum()) for cell in cells]
+    )
 
 
 def _ends(found: MeshOptimum) -> Array:

@@ -1,13 +1,13 @@
-"""Linear programs by the simplex method of HiGHS, from a known basis where there is one."""
+"""Linear programs by the simplex method of HiGHS, from a known basis: only door to HiGHS."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import highspy
 import numpy as np
-from highspy import HighsBasisStatus, HighsModelStatus
+from highspy import HighsBasisStatus, HighsModelStatus, cb
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
@@ -61,6 +61,17 @@ class Basis:
 
     unknowns: tuple[HighsBasisStatus, ...]
     constraints: tuple[HighsBasisStatus, ...]
+
+    def split(self, parts: list[int]) -> Basis:
+        """Return the basis in which the parts of the first unknowns are what each of them was.
+
+        One part only of an unknown in the basis is in it, so that the basis keeps its size.
+        """
+        unknowns: list[HighsBasisStatus] = []
+        for was, count in zip(self.unknowns, parts, strict=False):
+            other = HighsBasisStatus.kUpper if was == HighsBasisStatus.kBasic else was
+            unknowns += [was, *[other] * (count - 1)]
+        return replace(self, unknowns=(*unknowns, *self.unknowns[len(parts) :]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -175,7 +186,29 @@ def _solver(
     }
     for name, value in options.items():
         solver.setOptionValue(name, value)
+    _stop_circles(solver, most=settings.checks_per_step * steps)
     return solver
+
+
+def _stop_circles(solver: highspy.Highs, *, most: int) -> None:
+    """Stop a simplex method that has asked too often whether it shall go on.
+
+    It asks at each step, and again at each new factorisation: one that turns in circles without
+    counting its steps goes on asking.
+    """
+    left = iter(range(most))
+
+    def answer(
+        kind: cb.HighsCallbackType,
+        message: str,
+        said: cb.HighsCallbackOutput,
+        told: cb.HighsCallbackInput,
+        data: object,
+    ) -> None:
+        told.user_interrupt = next(left, None) is None
+
+    solver.setCallback(answer, None)
+    solver.startCallback(cb.HighsCallbackType.kCallbackSimplexInterrupt)
 
 
 def _solution(solver: highspy.Highs, *, equations: int) -> Solution:

@@ -83,7 +83,7 @@ def translate(text: str, phrases: Phrases, *, decimal_mark: str) -> str | None:
 
 def say(text: str, words: Any) -> str:
     """Interim: a sentence of the record in the language of a catalogue."""
-    from mtcommission.sheet.phrases_de import PHRASES, ROTARY_DE, ROTARY_EN
+    from mtcommission.messages.phrases_de import PHRASES, ROTARY_DE, ROTARY_EN
 
     german = words.language == "de"
     found = translate(text, PHRASES, decimal_mark=",") if german else None

@@ -14,7 +14,7 @@ from mtcommission.units.axis_units import AxisUnits
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Datum:
+class Key:
     """One key of a profile.
 
     Parameters
@@ -23,8 +23,8 @@ class Datum:
         For the profile's schema and for remedies.
     allowed
         What a quantity may be; None for an identifier, and for an array of tables.
-    key
-        As the profile spells it.
+    name
+        As the profile spells it; "" if as the field.
     factor
         Value of the field per value of the key, SI.
     parts
@@ -36,13 +36,13 @@ class Datum:
     meaning: str
     example: str = ""
     allowed: AxisRange | None = None
-    key: str = ""
+    name: str = ""
     factor: float = 1.0
     parts: type[Any] | None = None
     most: int = 0
 
 
-def datum(
+def keyed(
     allowed: AxisRange | None,
     meaning: str,
     example: str,
@@ -52,20 +52,20 @@ def datum(
     default: Any = MISSING,
 ) -> Any:
     """Return a field that stands in the profile as a quantity, or as an identifier."""
-    about = Datum(meaning=meaning, example=example, allowed=allowed, key=key, factor=factor)
-    return field(default=default, metadata={"datum": about})
+    about = Key(meaning=meaning, example=example, allowed=allowed, name=key, factor=factor)
+    return field(default=default, metadata={"key": about})
 
 
-def data_array(parts: type[Any], meaning: str, *, most: int) -> Any:
+def keyed_array(parts: type[Any], meaning: str, *, most: int) -> Any:
     """Return a field that stands in the profile as an array of one to ``most`` tables."""
-    return field(metadata={"datum": Datum(meaning=meaning, parts=parts, most=most)})
+    return field(metadata={"key": Key(meaning=meaning, parts=parts, most=most)})
 
 
-def list_data(kind: type[Any]) -> Iterator[tuple[str, Field[Any], Datum]]:
+def list_keys(kind: type[Any]) -> Iterator[tuple[str, Field[Any], Key]]:
     """Yield key, field and description of a dataclass, in the profile's order."""
     for one in fields(kind):
-        about: Datum = one.metadata["datum"]
-        yield about.key or one.name, one, about
+        about: Key = one.metadata["key"]
+        yield about.name or one.name, one, about
 
 
 def list_quantities(data: Any, place: str, axis: AxisUnits) -> Iterator[tuple[str, float, str]]:
@@ -80,7 +80,7 @@ def list_quantities(data: Any, place: str, axis: AxisUnits) -> Iterator[tuple[st
     axis
         What masses, forces and lengths are.
     """
-    for key, one, about in list_data(type(data)):
+    for key, one, about in list_keys(type(data)):
         value, here = getattr(data, one.name), f"{place}.{key}"
         if about.parts:
             for part in value:

@@ -1,0 +1,73 @@
+"""A machine as the terminal shows it: modes, rigid-body limits, warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from mtcommission.cli.terminal import empty_table, heading, warn, words_for
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.messages.message import Message
+from mtcommission.plant.plant import Plant, kalman_rank
+
+
+def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message | str]) -> Group:
+    """Return modes, rigid-body limits and warnings of a profile.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    warnings
+        From the plausibility check.
+
+    Returns
+    -------
+    Group
+    """
+    spoken, axis = words_for(machine), machine.axis_units
+    printed, length, force = spoken.format, axis.length.si, axis.force.si
+    modes = empty_table(spoken, "mode", "frequency", "damping-ratio", "tool-per-force", "seen")
+    for mode in plant.modes:
+        compliance = mode.tcp_gain / mode.natural_frequency**2
+        at_full = printed.quantity(abs(compliance) * machine.drive.motion_force, length)
+        modes.add_row(
+            mode.name,
+            printed.quantity(mode.frequency_hz, "Hz"),
+            printed.number(mode.damping_ratio, digits=3),
+            spoken.text("terminal-at-full-force", value=at_full),
+            spoken.text("terminal-yes" if mode.measured_gain else "terminal-no"),
+        )
+    limits = empty_table(spoken, "rigid-body-limit", "value", "reason")
+    a = machine.drive.motion_force / plant.moving_mass
+    mass = printed.quantity(plant.moving_mass, axis.mass.si)
+    limits.add_row(
+        spoken.text("terminal-acceleration"),
+        printed.quantity(a, f"{length}/s^2"),
+        spoken.text(
+            "terminal-force-on-mass",
+            force=printed.quantity(machine.drive.motion_force, force),
+            mass=mass,
+        ),
+    )
+    for number, move in enumerate(machine.moves, start=1):
+        limits.add_row(
+            spoken.text("terminal-time-of-move", number=number),
+            printed.quantity(least_motion_time(move, a), "s"),
+            spoken.text("terminal-rigid-time"),
+        )
+    rank = kalman_rank(plant)
+    parts: list[RenderableType] = [
+        heading(spoken.text("terminal-machine", name=machine.name, axis_name=machine.axis)),
+        Text(spoken.text("terminal-source", source=machine.source)),
+        modes,
+        limits,
+        Text(spoken.text("terminal-controllable", rank=rank, order=plant.order)),
+    ]
+    parts += warn(spoken, warnings)
+    if not warnings:
+        parts.append(Text(spoken.text("terminal-no-warnings")))
+    return Group(*parts)

@@ -1,0 +1,172 @@
+"""An optimal control as the terminal shows it: arcs, peaks, proof."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from math import isnan
+
+from rich.console import Group
+from rich.text import Text
+
+from mtcommission.cli.terminal import empty_table, heading, words_for
+from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.optimal.solution import (
+    TIGHT_GAP,
+    Boundary,
+    DampingOptimum,
+    Interior,
+    TimeOptimum,
+    control_text,
+    excess_velocity,
+    side_text,
+)
+from mtcommission.plant.plant import Plant
+
+SHOWN_ARCS = 24
+"""Arcs printed; a transcription has hundreds."""
+SHOWN_TOUCHES = 8
+"""Touch points printed; a control on a mesh has hundreds."""
+REACHED = 1e-6
+"""Relative distance of a peak from its limit within which the limit acts."""
+EXCEEDED = 1e-6
+"""Relative excess over a limit that is told: a grid keeps it at its points only."""
+
+
+def describe_optimum(
+    machine: Machine,
+    plant: Plant,
+    solution: TimeOptimum | DampingOptimum,
+    *,
+    origin: Message | None = None,
+) -> Group:
+    """Return arcs, peaks and proof of an optimal control; ``origin`` tells what chose its t_f."""
+    spoken = words_for(machine)
+    arcs = empty_table(spoken, "arc", "from", "to", "set-force")
+    # Interior control is kept in many short pieces; to the reader they are one arc.
+    joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
+    for number, run in enumerate(joined[:SHOWN_ARCS], start=1):
+        start, end = _ms(spoken, run[0].t_start), _ms(spoken, run[-1].t_end)
+        arcs.add_row(str(number), start, end, control_text(run[0].control))
+    if len(joined) > SHOWN_ARCS:
+        more = spoken.text("terminal-more-arcs", count=len(joined) - SHOWN_ARCS)
+        arcs.add_row("...", more, spoken.text("terminal-see-json"), "")
+    peaks = empty_table(spoken, "signal", "peak", "terminal-error")
+    errors = dict(zip(plant.states, solution.terminal_error.tolist(), strict=True))
+    for name, unit, peak in zip(
+        plant.signals, plant.signal_units, solution.peaks.tolist(), strict=True
+    ):
+        error = f"{spoken.format.plain(errors[name], 1, 'e')} {unit}" if name in errors else ""
+        peaks.add_row(name, spoken.format.quantity(peak, unit), error)
+    first = Message(
+        "terminal-final-time",
+        t_f=_ms(spoken, solution.t_f),
+        force=solution.force_limit,
+        unit=machine.axis_units.force.si,
+        method=solution.method,
+    )
+    lines = [first, *_limit_lines(plant, solution, spoken)]
+    if isinstance(solution, TimeOptimum):
+        proof = solution.certificate
+        bound = _ms(spoken, proof.t_f_lower_bound)
+        lines += [
+            Message("terminal-grid-proves-nothing")
+            if isnan(proof.relative_gap)
+            else Message("terminal-lower-bound", bound=bound, gap=proof.relative_gap),
+            _law_line(solution),
+        ]
+        if proof.relative_gap > TIGHT_GAP:
+            lines.append(Message("terminal-loose-proof", percent=100.0 * proof.relative_gap))
+        lines += _touch_lines(solution)
+    else:
+        lines += _damping_lines(machine, plant, solution, origin)
+    kind = "time" if isinstance(solution, TimeOptimum) else "damping"
+    title = heading(spoken.text(f"terminal-{kind}-optimal"))
+    return Group(title, *(Text(spoken.say(line)) for line in lines), arcs, peaks)
+
+
+def _ms(spoken: Catalogue, seconds: float) -> str:
+    return f"{spoken.format.plain(1e3 * seconds, 6, 'f')} ms"
+
+
+def _law_line(solution: TimeOptimum) -> Message:
+    """Return whether the force switches with the adjoint, or why that is not to be seen."""
+    if solution.certificate.switching_law_holds:
+        held = any(isinstance(arc.control, Boundary) for arc in solution.arcs)
+        return Message(
+            "terminal-law-holds",
+            grid="yes" if solution.method == "transcription" else "no",
+            boundary="yes" if held else "no",
+        )
+    loose = sum(
+        arc.t_end - arc.t_start for arc in solution.arcs if isinstance(arc.control, Interior)
+    )
+    if solution.method != "exact" or not loose:
+        return Message("terminal-law-fails")
+    return Message("terminal-law-in-cells", percent=100.0 * loose / solution.t_f)
+
+
+def _damping_lines(
+    machine: Machine, plant: Plant, solution: DampingOptimum, origin: Message | None
+) -> list[Message]:
+    """Return cost and weights with their units and where they come from."""
+    force = _squared(machine.axis_units.force.si)
+    weights = tuple(
+        Message(
+            "terminal-weight",
+            state=item.state,
+            value=item.value,
+            unit=f"{force}/{_squared(plant.unit(item.state))}",
+        )
+        for item in solution.weights
+    )
+    chosen = "stated" if machine.damping_optimal.weights else "balanced"
+    cost, residual = solution.cost, solution.law_residual
+    return [
+        *([Message("terminal-origin-of-final-time", origin=origin)] if origin else []),
+        *_velocity_lines(plant, solution),
+        Message("terminal-cost", cost=cost, unit=f"{force} s", residual=residual),
+        Message("terminal-weights", chosen=chosen, weights=weights),
+    ]
+
+
+def _velocity_lines(plant: Plant, solution: DampingOptimum) -> list[Message]:
+    """Return by how much the move's max_velocity, which the functional knows not, is exceeded."""
+    excess = excess_velocity(plant, solution)
+    if not excess:
+        return []
+    name = plant.states[plant.velocity]
+    return [Message("terminal-velocity-exceeded", name=name, percent=100.0 * excess)]
+
+
+def _squared(unit: str) -> str:
+    return f"({unit})^2" if set(unit) & set(" /^") else f"{unit}^2"
+
+
+def _limit_lines(
+    plant: Plant, solution: TimeOptimum | DampingOptimum, spoken: Catalogue
+) -> list[Message]:
+    """Return the limits and whether they act."""
+    peaks = dict(zip(plant.signals, solution.peaks.tolist(), strict=True))
+    lines = []
+    for bound in solution.bounds:
+        share = peaks[bound.name] / bound.value - 1.0
+        acts = Message("terminal-reached" if share > -REACHED else "terminal-not-reached")
+        if share > EXCEEDED:
+            acts = Message("terminal-exceeded", percent=100.0 * share)
+        value = spoken.format.quantity(bound.value, plant.unit(bound.name))
+        lines.append(Message("terminal-limit", name=bound.name, value=value, acts=acts))
+    return lines
+
+
+def _touch_lines(solution: TimeOptimum) -> list[Message]:
+    """Return the first touch points, and how many there are more."""
+    touches = solution.touch_points
+    lines = [
+        Message("terminal-touched", limit=side_text(p.signal, p.side), ms=1e3 * p.t)
+        for p in touches[:SHOWN_TOUCHES]
+    ]
+    if len(touches) > SHOWN_TOUCHES:
+        lines.append(Message("terminal-more-touches", count=len(touches) - SHOWN_TOUCHES))
+    return lines

@@ -1,0 +1,146 @@
+"""Limits and responses as the terminal shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Group, RenderableType
+from rich.markup import escape
+from rich.text import Text
+
+from mtcommission.cli.terminal import empty_table, heading, warn, words_for
+from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.record.schema import (
+    Alternative,
+    AssessmentPart,
+    LimitsEntry,
+    LimitsPart,
+    ModeLimitsEntry,
+    MoveSizesEntry,
+    RuleResult,
+    SimulationPart,
+)
+from mtcommission.sheet.limits_part import name_obstacle
+
+
+def describe_limits(
+    machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[Message | str]
+) -> Group:
+    """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
+    spoken, length = words_for(machine), machine.axis_units.length.si
+    printed, said, best = spoken.format, spoken.say, part.recommended
+    unsettled = spoken.text("terminal-not-settled")
+    table = empty_table(spoken, "limits", "a", "j", "settling", "residual", "peak", "met")
+    entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
+    entries = [(spoken.text("terminal-recommended"), best, met)]
+    for mode in part.modes:
+        name = f"{mode.name} ({printed.quantity(mode.band, length)})"
+        entries.append((name, mode, mode.meets_requirements))
+    for other in (*part.alternatives, *part.rules):
+        entries.append((other.name, other, other.meets_requirements))
+    for name, entry, keeps in entries:
+        table.add_row(
+            escape(name),
+            printed.quantity(entry.acceleration, f"{length}/s^2"),
+            printed.quantity(entry.jerk, f"{length}/s^3"),
+            printed.quantity(entry.settling_time, "s", missing=unsettled),
+            printed.quantity(entry.residual_deviation, length, missing=unsettled),
+            printed.quantity(entry.peak_deviation, length),
+            spoken.text("terminal-yes" if keeps else "terminal-no"),
+        )
+    rule = part.rule
+    return Group(
+        heading(spoken.text("terminal-limits")),
+        Text(spoken.text("terminal-bound-by", what=said(best.bound_by))),
+        table,
+        Text(
+            spoken.text(
+                "terminal-by-hand",
+                chosen=rule.chosen,
+                acceleration=rule.acceleration,
+                jerk=rule.jerk,
+            )
+        ),
+        *(
+            Text(spoken.say(_hold_sentence(item, spoken, length)))
+            for item in part.move_sizes
+            if item.way == "recommended"
+        ),
+        *(
+            Text(
+                spoken.text(
+                    "terminal-in-the-way",
+                    obstacle=said(name_obstacle(item)),
+                    limit=printed.quantity(item.limit, item.unit),
+                    value=printed.quantity(item.value, item.unit),
+                )
+            )
+            for item in part.attainable
+        ),
+        *warn(spoken, warnings),
+    )
+
+
+def _hold_sentence(item: MoveSizesEntry, spoken: Catalogue, length: str) -> Message:
+    """Between which sizes of a move the recommendation keeps the band."""
+    is_step = "velocity_step" in item.move
+    unit, kind = (f"{length}/s", "steps") if is_step else (length, "distances")
+    printed = spoken.format
+    if item.kept_from is None:
+        return Message("terminal-size-missed", sizes=kind, own=printed.quantity(item.own, unit))
+    return Message(
+        "terminal-sizes-kept",
+        sizes=kind,
+        least=printed.quantity(item.kept_from, unit),
+        largest=printed.quantity(item.kept_to, unit),
+        reached=printed.quantity(item.full_from, unit, missing=spoken.text("terminal-no-size")),
+    )
+
+
+def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
+    """Return the worst response of each move and the verdict."""
+    spoken, axis = words_for(machine), machine.axis_units
+    printed, unsettled = spoken.format, spoken.text("terminal-not-settled")
+    mass, length, force = axis.mass.si, axis.length.si, axis.force.si
+    table = empty_table(spoken, "move", "corner", "settling", "residual", "peak", "set-force")
+    for number, move in enumerate(part.moves, start=1):
+        for index, response in enumerate(move.corners):
+            corner = (
+                spoken.text("terminal-nominal")
+                if index == 0
+                else spoken.text(
+                    "terminal-corner",
+                    payload=printed.quantity(response.payload, mass),
+                    frequency=response.frequency_factor,
+                    damping=response.damping_factor,
+                )
+            )
+            wanted = printed.quantity(response.max_force, force)
+            table.add_row(
+                str(number),
+                corner,
+                printed.quantity(response.settling_time, "s", missing=unsettled),
+                printed.quantity(response.residual_deviation, length, missing=unsettled),
+                printed.quantity(response.peak_deviation, length),
+                spoken.text("terminal-saturated", force=wanted) if response.saturated else wanted,
+            )
+    verdict = _verdict(spoken, part.assessment)
+    warnings = warn(spoken, part.warnings)
+    return Group(heading(spoken.text("terminal-response")), table, *verdict, *warnings)
+
+
+def _verdict(spoken: Catalogue, assessment: AssessmentPart) -> list[RenderableType]:
+    printed, lines = spoken.format, list[RenderableType]()
+    unsettled = spoken.text("terminal-not-settled")
+    for check in assessment.checks:
+        line = spoken.text(
+            "terminal-check-met" if check.met else "terminal-check-not-met",
+            name=spoken.say(check.name),
+            value=printed.quantity(check.value, check.unit, missing=unsettled),
+            limit=printed.quantity(check.limit, check.unit),
+            where=spoken.say(check.where),
+        )
+        lines.append(Text(line, style="green" if check.met else "red"))
+    return lines

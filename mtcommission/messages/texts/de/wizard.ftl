@@ -1,0 +1,247 @@
+ask-machine-name = Name der Maschine
+ask-machine-name-where = Das Typenschild; steht über dem Blatt.
+ask-machine-axis = Name der Achse
+ask-machine-axis-where = Der Achsbuchstabe in NC-Programmen, z. B. X, Y, Z, B, C.
+ask-machine-motion = Linear- oder Drehachse
+ask-machine-motion-where = Eine Drehachse nimmt Trägheitsmoment für Masse, Drehmoment für Kraft und Winkel für Längen.
+ask-machine-source = Woher die Zahlen stammen
+ask-machine-source-where = Z. B. Datenblatt und Datum, oder an der Maschine gemessen; steht auf dem Blatt.
+ask-drive-max-force = { $axis ->
+    [rotary] Größtes Drehmoment des Antriebs an der Achse
+   *[linear] Größte Kraft des Antriebs an der Achse
+}
+ask-drive-max-force-where = { $axis ->
+    [rotary] Datenblatt des Motors: Spitzenmoment x Übersetzung.
+   *[linear] Datenblatt des Motors: Spitzenkraft, oder Spitzenmoment x 2 pi / Steigung x Übersetzung.
+}
+ask-drive-force-lag = { $axis ->
+    [rotary] Zeitkonstante des Drehmomentregelkreises
+   *[linear] Zeitkonstante des Kraftregelkreises
+}
+ask-drive-force-lag-where = Stromregler des Antriebs: Anstiegszeit auf 63 %; Servoantriebe haben 0,5 bis 5 ms.
+ask-drive-continuous-force = { $axis ->
+    [rotary] Dauerdrehmoment
+   *[linear] Dauerkraft
+}
+ask-drive-continuous-force-where = Datenblatt des Motors: Nenn- oder Stillstandswert, die thermische (Effektiv-)Grenze.
+ask-drive-continuous-force-empty = keine thermische Grenze
+ask-drive-static-load = { $axis ->
+    [rotary] Gewichts- oder Prozessmoment, das der Antrieb hält
+   *[linear] Gewicht oder Prozesskraft, die der Antrieb hält
+}
+ask-drive-static-load-where = { $axis ->
+    [rotary] Schwenkachse außer Gleichgewicht: Masse x 9.81 m/s^2 x Abstand des Schwerpunkts; sonst 0.
+   *[linear] Senkrechte Achse ohne vollen Gewichtsausgleich: Masse x 9.81 m/s^2; sonst 0.
+}
+ask-wizard-way = Von der Mechanik bekannt
+ask-wizard-way-where = Turm: Schlitten mit Werkzeugsäule auf nachgiebigem Gestell (die Maschine der Veröffentlichung). Motor und Last: zwei Massen mit einer Feder. Bode-Diagramm: Eigenform für Eigenform.
+ask-plant-base-mass = Masse des Gestells
+ask-plant-base-mass-where = Gewichte der Stückliste oder CAD.
+ask-plant-slider-mass = Masse des Schlittens
+ask-plant-slider-mass-where = Gewichte der Stückliste oder CAD.
+ask-plant-rotary-inertia = Trägheitsmoment des Turms um sein Gelenk
+ask-plant-rotary-inertia-where = CAD; oder aus gemessener Kippfrequenz und Drehsteifigkeit.
+ask-plant-lever-arm = Höhe vom Gelenk zur Antriebskraft
+ask-plant-lever-arm-where = Zeichnung: Linie des Motors oder der Spindel gegen die Führungen.
+ask-plant-tcp-height = Höhe des Werkzeugs über dem Gelenk, mit Vorzeichen
+ask-plant-tcp-height-where = Zeichnung; negativ, wenn der Turm rückwärts kippt, wenn er vorwärts geschoben wird.
+ask-plant-base-stiffness = Steifigkeit des Gestells
+ask-plant-base-stiffness-where = Datenblatt der Aufstellelemente und Führungen, oder aus einer Messung: k = m (2 pi f)^2.
+ask-plant-base-damping = Dämpfung des Gestells
+ask-plant-base-damping-where = d = 2 x Dämpfungsgrad x sqrt(k m); üblich sind 0,02 bis 0,05.
+ask-plant-rotary-stiffness = Drehsteifigkeit des Turms
+ask-plant-rotary-stiffness-where = Datenblatt der Aufstellelemente und Führungen, oder aus einer Messung: k = J (2 pi f)^2.
+ask-plant-rotary-damping = Drehdämpfung des Turms
+ask-plant-rotary-damping-where = d = 2 x Dämpfungsgrad x sqrt(k J); üblich sind 0,02 bis 0,05.
+ask-moves-kind = Art der Bewegung { $number }
+ask-moves-kind-where = Die Grenzwerte gelten für alle Bewegungen der Liste: die typische und die schwerste nehmen.
+ask-moves-distance = Weg
+ask-moves-distance-where = Ein typischer Schritt zwischen zwei Arbeitsgängen.
+ask-moves-max-velocity = Geschwindigkeitsgrenze
+ask-moves-max-velocity-where = Eilgang der Achse, aus der Steuerung oder ihrem Datenblatt.
+ask-moves-max-velocity-empty = keine
+ask-moves-dwell = Pause danach
+ask-moves-dwell-where = Zählt nur für die thermische Last.
+ask-moves-more = Noch eine Bewegung
+ask-moves-more-where = Z. B. eine kurze und eine lange.
+ask-moves-velocity-step = Geschwindigkeit am Ende
+ask-moves-velocity-step-where = Vorschub oder Eilgang, der erreicht wird; die Endlage ist frei.
+ask-requirements-tcp-deviation = Erlaubte Abweichung des Werkzeugs danach
+ask-requirements-tcp-deviation-where = Die halbe Toleranz, die der Schwingung bleibt, nicht die ganze Toleranz des Teils.
+ask-requirements-max-settling-time = Längste Einschwingzeit
+ask-requirements-max-settling-time-where = Taktzeitrechnung: vom Beginn der Bewegung, bis das Werkzeug ruht.
+ask-requirements-max-settling-time-empty = keine
+ask-requirements-frequency-spread = Unsicherheit der Eigenfrequenzen
+ask-requirements-frequency-spread-where = 5 % für gemessene Werte, 10 bis 20 % für gerechnete; kostet etwas Tempo. Mit 0 % passen die Grenzwerte genau zu diesen Frequenzen.
+ask-requirements-damping-spread = Unsicherheit der Dämpfungsgrade
+ask-requirements-damping-spread-where = Dämpfung ist selten besser als auf 30 % bekannt, aber es macht wenig aus.
+ask-requirements-payload = Größte Zuladung
+ask-requirements-payload-where = Werkstück, Palette oder Werkzeug; die Grenzwerte gelten dann von leer bis zu dieser.
+ask-control-position-cycle = Takt des Lagereglers
+ask-control-position-cycle-where = Steuerung: Interpolations- oder Lagereglertakt, 0,5 bis 4 ms.
+ask-control-velocity-cycle = Takt des Geschwindigkeitsreglers
+ask-control-velocity-cycle-where = Antrieb: Takt des Drehzahlreglers; der Lagereglertakt ist ein ganzes Vielfaches.
+ask-control-position-gain = Lageverstärkung Kv
+ask-control-position-gain-where = Steuerung: Kv-Faktor; (m/min)/mm oder 1/s.
+ask-control-position-gain-empty = wird eingestellt
+ask-control-velocity-gain = Verstärkung Kp an der Achse
+ask-control-velocity-gain-where = { $axis ->
+    [rotary] Antrieb: Verstärkung des Drehzahlreglers, auf die Achse umgerechnet: x Übersetzung^2.
+   *[linear] Antrieb: Verstärkung des Drehzahlreglers, auf die Achse umgerechnet: x (2 pi / Steigung)^2.
+}
+ask-control-velocity-gain-empty = wird eingestellt
+ask-control-integral-time = Nachstellzeit Tn
+ask-control-integral-time-where = Antrieb: Nachstellzeit des Drehzahlreglers.
+ask-control-integral-time-empty = wird eingestellt
+ask-control-tcp-sensor = Zweiter Lagegeber nahe am Werkzeug
+ask-control-tcp-sensor-where = Ein direktes Messsystem am Werkzeug, das der Regler nutzen könnte.
+ask-wizard-experts = Einzelheiten der dämpfungsoptimalen Steuerung
+ask-wizard-experts-where = Endzeit und Gewichte, wie in Abschnitt 6 der Veröffentlichung; die Vorgaben genügen.
+ask-damping-optimal-t-f = Ihre Endzeit
+ask-damping-optimal-t-f-where = Mindestens die zeitoptimale.
+ask-damping-optimal-t-f-empty = nach Regel
+ask-damping-optimal-weights = Gewicht von { $name } zum Quadrat
+ask-damping-optimal-weights-where = Der Gl. (17) der Veröffentlichung, in N^2 je SI-Einheit des Zustands zum Quadrat.
+ask-damping-optimal-weights-empty = ausgewogen
+ask-measured-base-frequency = Eigenfrequenz des Gestells
+ask-measured-base-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
+ask-measured-base-damping-ratio = Dämpfungsgrad des Gestells
+ask-measured-base-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
+ask-measured-base-stiffness = Steifigkeit des Gestells
+ask-measured-base-stiffness-where = Nur zur Probe gegen die Frequenz; leer lassen, wenn unbekannt.
+ask-measured-base-stiffness-empty = unbekannt
+ask-measured-rotary-frequency = Eigenfrequenz des Turms
+ask-measured-rotary-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
+ask-measured-rotary-damping-ratio = Dämpfungsgrad des Turms
+ask-measured-rotary-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
+ask-measured-rotary-stiffness = Drehsteifigkeit des Turms
+ask-measured-rotary-stiffness-where = Nur zur Probe gegen die Frequenz; leer lassen, wenn unbekannt.
+ask-measured-rotary-stiffness-empty = unbekannt
+ask-pair-motor-mass = { $axis ->
+    [rotary] Trägheitsmoment auf der Motorseite, an der Achse
+   *[linear] Masse auf der Motorseite, an der Achse gesehen
+}
+ask-pair-motor-mass-where = { $axis ->
+    [rotary] Rotor und Getriebe: Trägheitsmoment x Übersetzung^2.
+   *[linear] Rotor, Spindel, Getriebe: Trägheitsmoment x (2 pi / Steigung)^2; bewegter Teil eines Linearmotors.
+}
+ask-pair-load-mass = { $axis ->
+    [rotary] Trägheitsmoment auf der Werkzeugseite der Feder
+   *[linear] Masse auf der Werkzeugseite der Feder
+}
+ask-pair-load-mass-where = { $axis ->
+    [rotary] Tisch oder Kopf mit allem, was er trägt.
+   *[linear] Tisch, Portal oder Kopf mit allem, was er trägt.
+}
+ask-pair-stiffness = Steifigkeit zwischen beiden
+ask-pair-stiffness-where = { $axis ->
+    [rotary] Getriebe oder Schnecke, Welle auf Torsion, Kupplung in Reihe, an der Achse: Datenblätter.
+   *[linear] Spindel, Mutter und Lager in Reihe, Riemen, Zahnstange, Kupplung: Datenblätter.
+}
+ask-pair-damping-ratio = Dämpfungsgrad der Last gegen den gehaltenen Motor
+ask-pair-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
+ask-pair-frequency = Eigenfrequenz der Last, während der Motor hält
+ask-pair-frequency-where = Bremse oder Lageregler ein, die Last anklopfen; im Bode-Diagramm des Motors die Antiresonanz.
+ask-pair-stiffness-check = Steifigkeit zwischen beiden
+ask-pair-stiffness-check-where = Nur zur Probe gegen die Frequenz; leer lassen, wenn unbekannt.
+ask-pair-stiffness-check-empty = unbekannt
+ask-plant-moving-mass = { $axis ->
+    [rotary] Ganzes starres Trägheitsmoment
+   *[linear] Ganze starre Masse
+}
+ask-plant-moving-mass-where = { $axis ->
+    [rotary] Drehmoment durch Winkelbeschleunigung bei tiefen Frequenzen.
+   *[linear] Kraft durch Beschleunigung bei tiefen Frequenzen.
+}
+ask-plant-modes-name = Name der Eigenform { $number }
+ask-plant-modes-name-where = Was sich bewegt: column, ram, table, ...; Buchstaben, Ziffern und _.
+ask-plant-modes-frequency = Ihre Eigenfrequenz
+ask-plant-modes-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
+ask-plant-modes-damping-ratio = Dämpfungsgrad dieser Eigenform
+ask-plant-modes-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
+ask-plant-modes-tcp-gain = Ihr Anteil an der Werkzeuglage, mit Vorzeichen
+ask-plant-modes-tcp-gain-where = Residuum des Frequenzgangs von Kraft zu Werkzeug; 1/modale Masse, wenn die Eigenform an Kraft und Werkzeug 1 ist.
+ask-plant-modes-measured-gain = Ihr Anteil an der Geberlage, mit Vorzeichen
+ask-plant-modes-measured-gain-where = Dasselbe von Kraft zu Lagegeber; 0, wenn der Geber die Eigenform nicht sieht.
+ask-plant-modes-more = Noch eine Eigenform
+ask-plant-modes-more-where = Bis zu acht; die über der Bandbreite des Regelkreises machen kaum etwas aus.
+
+ask-or-leave-empty = { $text } (leer: { $meaning })
+ask-wizard-run = Die Grenzwerte jetzt berechnen
+ask-wizard-run-where = Dasselbe wie mtcommission run mit diesem Profil; einige Sekunden bis eine Minute.
+
+choice-linear = linear
+choice-rotary = drehend
+choice-yes = ja
+choice-no = nein
+choice-none = keiner
+choice-position = Lage
+choice-positioning-from-rest-to-rest = Positionieren von Ruhe zu Ruhe
+choice-acceleration-to-a-velocity = Beschleunigen auf eine Geschwindigkeit
+choice-tower-masses-and-stiffness = Turm: Massen und Steifigkeit
+choice-tower-masses-and-measured-eigenfrequencies = Turm: Massen und gemessene Eigenfrequenzen
+choice-motor-and-load-masses-and-stiffness = Motor und Last: Massen und Steifigkeit
+choice-motor-and-load-masses-and-measured-eigenfrequency = Motor und Last: Massen und gemessene Eigenfrequenz
+choice-modes-from-a-bode-plot = Eigenformen aus einem Bode-Diagramm
+
+wizard-begin = Profil { $file }. Die Eingabetaste übernimmt den Wert in [Klammern].
+wizard-commands = Bei jeder Frage: ? Hilfe, < zurück, q Ende.
+wizard-back = zurück
+wizard-help = Hilfe
+wizard-quit = Ende
+wizard-going-on = Weiter mit den bekannten Antworten; < geht zu ihnen zurück.
+wizard-first-question = Das ist die erste Frage.
+wizard-not-possible = Nicht möglich: { $key }: { $message }
+wizard-kept = { $how } bei { $where }; Antworten stehen in { $file }, derselbe Befehl macht dort weiter
+wizard-left-by-user = beendet
+wizard-input-ended = Eingabe zu Ende
+wizard-interrupted = unterbrochen
+wizard-warning = Warnung: { $what }
+wizard-taken-as = gelesen als { $what }
+wizard-follows = = { $what }
+wizard-written = Geschrieben: { $file }: { $name }, Achse { $letter }
+wizard-compute-with = Die Grenzwerte berechnet: mtcommission run { $file }
+wizard-assumed = Vorgabe übernommen, nicht gemessen: { $keys }
+wizard-example = Beispiel: { $example }.
+wizard-example-behind = z. B. { $example }
+wizard-expected = Erwartet: { $what }.
+wizard-common = Üblich: { $span }.
+wizard-leave-out = Die Eingabetaste allein lässt es weg; - entfernt einen früheren Wert.
+wizard-span = { $low } bis { $high }
+
+reply-missing = hier ist eine Antwort nötig
+reply-missing-example = hier ist eine Antwort nötig, z. B. { $example }
+reply-no-choice = „{ $got }“ angegeben; eines wählen: { $choices }
+reply-unprintable = Steuerzeichen oder Bytes einer anderen Kodierung angegeben; einfachen Text eingeben
+reply-too-long = { $length } Zeichen angegeben, höchstens { $most } sind erlaubt
+reply-not-positive = { $got } angegeben, muss > 0{ $unit } sein
+reply-negative = { $got } angegeben, muss >= 0{ $unit } sein
+reply-beyond-one = { $got } angegeben{ $percent }; muss unter 100 % liegen{ $meant }
+reply-percent-is = , das sind { $percent } %
+reply-percent-meant = ; sind „{ $meant } %“ gemeint?
+reply-unusual = { $got } ist ungewöhnlich; üblich sind { $common }. Zahl und Einheit prüfen, < zum Ändern.
+
+insight-mode = Eigenform { $mode } bei { PLAIN($frequency) } Hz
+insight-mode-damped = Eigenform { $mode } bei { PLAIN($frequency) } Hz, Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) }
+insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($deflection, unit: "us") } { $axis ->
+    [rotary] urad bei vollem Drehmoment
+   *[linear] um bei voller Kraft
+}, statisch
+insight-no-force = Gewicht oder Prozesskraft lassen { PLAIN($force) } { $unit } von der Kraft des Antriebs: die Achse kann sich nicht bewegen; mit < zurückgehen und eines von beiden berichtigen
+insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } an { PLAIN($mass) } { $mass_unit })
+insight-contradiction = { $part }: Masse und Steifigkeit ergeben { PLAIN($expected) } Hz, gemessen sind { PLAIN($measured) } Hz; das Profil nimmt den gemessenen Wert, aber eines der drei ist falsch
+part-base = Gestell
+part-tower = Turm
+part-load = Last
+mode-of-pair = drive (Motor und Last frei)
+
+document-head = Maschinenprofil für mtcommission; eine Größe ist ein Text mit Einheit oder eine Zahl in SI.
+document-check = Prüfen: mtcommission check DATEI; berechnen: mtcommission run DATEI.
+document-assumed = Einen Schlüssel aus assumed nehmen, sobald jemand den Wert kennt.
+document-assumed-key = Vorgaben übernommen, nicht gemessen
+document-default-accepted = Vorgabe übernommen, nicht gemessen
+document-tower-masses-and-stiffness = ein Turm auf nachgiebigem Gestell
+document-tower-masses-and-measured-eigenfrequencies = Steifigkeit und Dämpfung aus gemessenen Eigenfrequenzen
+document-motor-and-load-masses-and-stiffness = Motor und Last an einer Feder, als starre Masse mit einer Eigenform
+document-motor-and-load-masses-and-measured-eigenfrequency = Motor und Last, gemessen, als starre Masse mit einer Eigenform
+document-modes-from-a-bode-plot = Eigenformen, wie aus einem Frequenzgang gelesen

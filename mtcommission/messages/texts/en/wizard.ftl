@@ -1,0 +1,260 @@
+# Questions of the wizard: ask-KEY is what is asked, -where where to find it, -empty what an empty answer means.
+# $number: which element of an array, $name: the last part of the key
+
+ask-machine-name = Name of the machine
+ask-machine-name-where = The type plate; it heads the sheet.
+ask-machine-axis = Name of the axis
+ask-machine-axis-where = The axis letter in NC programs, e.g. X, Y, Z, B, C.
+ask-machine-motion = Linear or rotary axis
+ask-machine-motion-where = A rotary axis takes inertia for mass, torque for force and angles for lengths.
+ask-machine-source = Where the numbers come from
+ask-machine-source-where = E.g. data sheet and date, or measured on the machine; printed on the sheet.
+ask-drive-max-force = { $axis ->
+    [rotary] Largest torque of the drive at the axis
+   *[linear] Largest force of the drive at the axis
+}
+ask-drive-max-force-where = { $axis ->
+    [rotary] Motor data sheet: peak torque x gear ratio.
+   *[linear] Motor data sheet: peak force, or peak torque x 2 pi / lead x gear ratio.
+}
+ask-drive-force-lag = { $axis ->
+    [rotary] Time constant of the torque loop
+   *[linear] Time constant of the force loop
+}
+ask-drive-force-lag-where = Drive's current loop: rise time to 63 %; servo drives have 0.5 to 5 ms.
+ask-drive-continuous-force = { $axis ->
+    [rotary] Continuous torque
+   *[linear] Continuous force
+}
+ask-drive-continuous-force-where = Motor data sheet: rated or stall value, the thermal (RMS) limit.
+ask-drive-continuous-force-empty = no thermal limit
+ask-drive-static-load = { $axis ->
+    [rotary] Weight or process torque that the drive holds
+   *[linear] Weight or process force that the drive holds
+}
+ask-drive-static-load-where = { $axis ->
+    [rotary] Swivel axis off its balance: mass x 9.81 m/s^2 x distance of the centre; else 0.
+   *[linear] Vertical axis without full counterbalance: mass x 9.81 m/s^2; else 0.
+}
+ask-wizard-way = Known of the mechanics
+ask-wizard-way-where = Tower: slider with a tool column on a base that gives way (the paper's machine). Motor and load: two masses with a spring. Bode plot: mode by mode.
+ask-plant-base-mass = Mass of the base
+ask-plant-base-mass-where = Weights of the parts list or CAD.
+ask-plant-slider-mass = Mass of the slider
+ask-plant-slider-mass-where = Weights of the parts list or CAD.
+ask-plant-rotary-inertia = Inertia of the tower about its joint
+ask-plant-rotary-inertia-where = CAD; or from the measured tilting frequency and the rotary stiffness.
+ask-plant-lever-arm = Height from the joint to the drive force
+ask-plant-lever-arm-where = Drawing: line of motor or ball screw against the guideways.
+ask-plant-tcp-height = Height of the tool above the joint, signed
+ask-plant-tcp-height-where = Drawing; negative if the tower tilts backwards when it is pushed forwards.
+ask-plant-base-stiffness = Stiffness of the base
+ask-plant-base-stiffness-where = Data sheet of mounts and guideways, or from a measurement: k = m (2 pi f)^2.
+ask-plant-base-damping = Damping of the base
+ask-plant-base-damping-where = d = 2 x damping ratio x sqrt(k m); ratios of 0.02 to 0.05 are common.
+ask-plant-rotary-stiffness = Rotary stiffness of the tower
+ask-plant-rotary-stiffness-where = Data sheet of mounts and guideways, or from a measurement: k = J (2 pi f)^2.
+ask-plant-rotary-damping = Rotary damping of the tower
+ask-plant-rotary-damping-where = d = 2 x damping ratio x sqrt(k J); ratios of 0.02 to 0.05 are common.
+ask-moves-kind = Kind of move { $number }
+ask-moves-kind-where = The limits serve all moves that you list: take the typical and the hardest.
+ask-moves-distance = Distance
+ask-moves-distance-where = A typical step between two operations.
+ask-moves-max-velocity = Velocity limit
+ask-moves-max-velocity-where = Rapid traverse of the axis, from the control or its data sheet.
+ask-moves-max-velocity-empty = none
+ask-moves-dwell = Rest after it
+ask-moves-dwell-where = Counts for the thermal load only.
+ask-moves-more = Another move
+ask-moves-more-where = E.g. a short and a long one.
+ask-moves-velocity-step = Velocity at the end
+ask-moves-velocity-step-where = Feed or rapid traverse that is reached; the end position is free.
+ask-requirements-tcp-deviation = Allowed deviation of the tool after a move
+ask-requirements-tcp-deviation-where = Half the tolerance that you leave to vibration, not the whole tolerance of the part.
+ask-requirements-max-settling-time = Longest time to settle
+ask-requirements-max-settling-time-where = Cycle time calculation: from the start of the move until the tool is quiet.
+ask-requirements-max-settling-time-empty = none
+ask-requirements-frequency-spread = Uncertainty of the eigenfrequencies
+ask-requirements-frequency-spread-where = 5 % for measured values, 10 to 20 % for calculated ones; costs some speed. With 0 % the limits fit exactly these frequencies.
+ask-requirements-damping-spread = Uncertainty of the damping ratios
+ask-requirements-damping-spread-where = Damping is rarely known to better than 30 %, but it matters little.
+ask-requirements-payload = Largest payload
+ask-requirements-payload-where = Workpiece, pallet or tool; the limits then hold from empty to this.
+ask-control-position-cycle = Cycle of the position controller
+ask-control-position-cycle-where = Control: interpolation or position cycle, 0.5 to 4 ms.
+ask-control-velocity-cycle = Cycle of the velocity controller
+ask-control-velocity-cycle-where = Drive: speed controller cycle; the position cycle is a whole multiple.
+ask-control-position-gain = Position gain Kv
+ask-control-position-gain-where = Control: Kv factor, servo gain; (m/min)/mm or 1/s.
+ask-control-position-gain-empty = tune it
+ask-control-velocity-gain = Velocity gain Kp at the axis
+ask-control-velocity-gain-where = { $axis ->
+    [rotary] Drive: speed controller gain, turned to the axis: x (gear ratio)^2.
+   *[linear] Drive: speed controller gain, turned to the axis: x (2 pi / lead)^2.
+}
+ask-control-velocity-gain-empty = tune it
+ask-control-integral-time = Integral time Tn
+ask-control-integral-time-where = Drive: reset time of the speed controller.
+ask-control-integral-time-empty = tune it
+ask-control-tcp-sensor = Second encoder near the tool
+ask-control-tcp-sensor-where = A direct measuring system at the tool that the controller could use.
+ask-wizard-experts = Details of the damping-optimal control
+ask-wizard-experts-where = Final time and weights, as in the paper's section 6; the defaults serve well.
+ask-damping-optimal-t-f = Its final time
+ask-damping-optimal-t-f-where = At least the time-optimal one.
+ask-damping-optimal-t-f-empty = by rule
+ask-damping-optimal-weights = Weight of { $name } squared
+ask-damping-optimal-weights-where = Of the paper's eq. (17), in N^2 per squared SI unit of the state.
+ask-damping-optimal-weights-empty = balanced
+ask-measured-base-frequency = Eigenfrequency of the base
+ask-measured-base-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
+ask-measured-base-damping-ratio = Damping ratio of the base
+ask-measured-base-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
+ask-measured-base-stiffness = Stiffness of the base
+ask-measured-base-stiffness-where = Only to check it against the frequency; leave empty if unknown.
+ask-measured-base-stiffness-empty = unknown
+ask-measured-rotary-frequency = Eigenfrequency of the tower
+ask-measured-rotary-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
+ask-measured-rotary-damping-ratio = Damping ratio of the tower
+ask-measured-rotary-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
+ask-measured-rotary-stiffness = Rotary stiffness of the tower
+ask-measured-rotary-stiffness-where = Only to check it against the frequency; leave empty if unknown.
+ask-measured-rotary-stiffness-empty = unknown
+ask-pair-motor-mass = { $axis ->
+    [rotary] Inertia on the motor's side, seen at the axis
+   *[linear] Mass on the motor's side, seen at the axis
+}
+ask-pair-motor-mass-where = { $axis ->
+    [rotary] Rotor and gearbox: inertia x (gear ratio)^2.
+   *[linear] Rotor, screw, gearbox: inertia x (2 pi / lead)^2; moving part of a linear motor.
+}
+ask-pair-load-mass = { $axis ->
+    [rotary] Inertia on the tool's side of the spring
+   *[linear] Mass on the tool's side of the spring
+}
+ask-pair-load-mass-where = { $axis ->
+    [rotary] Table or head with everything that it carries.
+   *[linear] Table, gantry or head with everything that it carries.
+}
+ask-pair-stiffness = Stiffness between the two
+ask-pair-stiffness-where = { $axis ->
+    [rotary] Gear or worm, shaft in torsion, coupling in series, at the axis: data sheets.
+   *[linear] Screw, nut and bearings in series, belt, rack, coupling: data sheets.
+}
+ask-pair-damping-ratio = Damping ratio of the load against the held motor
+ask-pair-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
+ask-pair-frequency = Eigenfrequency of the load while the motor holds
+ask-pair-frequency-where = Brake or position loop on, tap the load; in a Bode plot of the motor the antiresonance.
+ask-pair-stiffness-check = Stiffness between the two
+ask-pair-stiffness-check-where = Only to check it against the frequency; leave empty if unknown.
+ask-pair-stiffness-check-empty = unknown
+ask-plant-moving-mass = { $axis ->
+    [rotary] Whole rigid inertia
+   *[linear] Whole rigid mass
+}
+ask-plant-moving-mass-where = { $axis ->
+    [rotary] Torque over angular acceleration at low frequencies.
+   *[linear] Force over acceleration at low frequencies.
+}
+ask-plant-modes-name = Name of mode { $number }
+ask-plant-modes-name-where = What moves: column, ram, table, ...; letters, digits and _.
+ask-plant-modes-frequency = Its eigenfrequency
+ask-plant-modes-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
+ask-plant-modes-damping-ratio = Damping ratio of this mode
+ask-plant-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
+ask-plant-modes-tcp-gain = Its share in the tool position, signed
+ask-plant-modes-tcp-gain-where = Residue of the frequency response force to tool; 1/modal mass for the mode shape 1 at force and tool.
+ask-plant-modes-measured-gain = Its share in the encoder position, signed
+ask-plant-modes-measured-gain-where = The same from force to encoder; 0 if the encoder does not see the mode.
+ask-plant-modes-more = Another mode
+ask-plant-modes-more-where = Up to eight; those above the bandwidth of the loop hardly matter.
+
+# $text: a question; $meaning: its -empty
+ask-or-leave-empty = { $text } (empty: { $meaning })
+ask-wizard-run = Compute the limits now
+ask-wizard-run-where = The same as mtcommission run with this profile; some seconds to a minute.
+
+# Choices, as shown; what is kept is the English one.
+choice-linear = linear
+choice-rotary = rotary
+choice-yes = yes
+choice-no = no
+choice-none = none
+choice-position = position
+choice-positioning-from-rest-to-rest = positioning from rest to rest
+choice-acceleration-to-a-velocity = acceleration to a velocity
+choice-tower-masses-and-stiffness = tower: masses and stiffness
+choice-tower-masses-and-measured-eigenfrequencies = tower: masses and measured eigenfrequencies
+choice-motor-and-load-masses-and-stiffness = motor and load: masses and stiffness
+choice-motor-and-load-masses-and-measured-eigenfrequency = motor and load: masses and measured eigenfrequency
+choice-modes-from-a-bode-plot = modes from a Bode plot
+
+# At every question.
+wizard-begin = Profile { $file }. Enter takes the value in [brackets].
+wizard-commands = At every question: ? help, < back, q quit.
+wizard-back = back
+wizard-help = help
+wizard-quit = quit
+wizard-going-on = Going on with the answers that are known; < goes back to them.
+wizard-first-question = This is the first question.
+# $key, $message: of a fault
+wizard-not-possible = Not possible: { $key }: { $message }
+# $how: wizard-left-by-user, wizard-input-ended or wizard-interrupted; $where: key of a question
+wizard-kept = { $how } at { $where }; answers kept in { $file }, the same command goes on from there
+wizard-left-by-user = quit
+wizard-input-ended = input ended
+wizard-interrupted = interrupted
+wizard-warning = Warning: { $what }
+wizard-taken-as = taken as { $what }
+wizard-follows = = { $what }
+wizard-written = Written: { $file }: { $name }, axis { $letter }
+wizard-compute-with = Compute the limits with: mtcommission run { $file }
+wizard-assumed = Default accepted, not measured: { $keys }
+wizard-example = Example: { $example }.
+wizard-example-behind = e.g. { $example }
+wizard-expected = Expected: { $what }.
+wizard-common = Common: { $span }.
+wizard-leave-out = Enter alone leaves it out; - removes a value given before.
+wizard-span = { $low } to { $high }
+
+# What is wrong or unusual about a reply.
+reply-missing = an answer is needed here
+reply-missing-example = an answer is needed here, e.g. { $example }
+reply-no-choice = got "{ $got }"; choose one of: { $choices }
+reply-unprintable = got control characters or bytes of another encoding; type plain text
+reply-too-long = got { $length } characters, at most { $most } are allowed
+# $unit: with a blank before it, or empty
+reply-not-positive = got { $got }, must be > 0{ $unit }
+reply-negative = got { $got }, must be >= 0{ $unit }
+reply-beyond-one = got { $got }{ $percent }; must be below 100 %{ $meant }
+reply-percent-is = , which is { $percent } %
+reply-percent-meant = ; did you mean "{ $meant } %"?
+# $common: span
+reply-unusual = { $got } is unusual; common are { $common }. Check number and unit, type < to change it.
+
+# What follows from the answers; $frequency [Hz].
+insight-mode = mode { $mode } at { PLAIN($frequency) } Hz
+insight-mode-damped = mode { $mode } at { PLAIN($frequency) } Hz, damping ratio { PLAIN($damping_ratio, digits: 3) }
+insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit: "us") } { $axis ->
+    [rotary] urad
+   *[linear] um
+} at full force, statically
+insight-no-force = weight or process force leave { PLAIN($force) } { $unit } of the drive's force: the axis cannot move; go back with < and correct one of the two
+insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } on { PLAIN($mass) } { $mass_unit })
+insight-contradiction = { $part }: mass and stiffness give { PLAIN($expected) } Hz, measured are { PLAIN($measured) } Hz; the profile takes the measured value, but one of the three is wrong
+part-base = base
+part-tower = tower
+part-load = load
+mode-of-pair = drive (motor and load free)
+
+# Comments of a profile that the wizard writes.
+document-head = Machine profile for mtcommission; a quantity is a text with a unit, or a number in SI.
+document-check = Check it with: mtcommission check FILE; compute with: mtcommission run FILE.
+document-assumed = Take a key out of assumed as soon as somebody knows its value.
+document-assumed-key = Defaults accepted, not measured
+document-default-accepted = default accepted, not measured
+document-tower-masses-and-stiffness = a tower on a base that gives way
+document-tower-masses-and-measured-eigenfrequencies = stiffness and damping from measured eigenfrequencies
+document-motor-and-load-masses-and-stiffness = motor and load on a spring, as a rigid mass and one mode
+document-motor-and-load-masses-and-measured-eigenfrequency = motor and load, measured, as a rigid mass and one mode
+document-modes-from-a-bode-plot = modes as read from a frequency response
