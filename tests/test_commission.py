@@ -101,13 +101,13 @@ def _state_of(segments: list, t: float) -> np.ndarray:  # type: ignore[type-arg]
     if t < 0.0:
         return np.zeros(4)
     for segment in segments:
-        j = segment.jerk
-        h = min(segment.duration, t)
+        j = segment["jerk"]
+        h = min(segment["duration"], t)
         x += v * h + a * h**2 / 2 + j * h**3 / 6
         v += a * h + j * h**2 / 2
         a += j * h
         t -= h
-        if t <= 1e-9 and h < segment.duration - 1e-9:
+        if t <= 1e-9 and h < segment["duration"] - 1e-9:
             return np.array([x, v, a, j])
     return np.array([x + v * t, v, 0.0, 0.0])
 

@@ -39,7 +39,7 @@ def describe_limits(
         name = f"{mode.name} ({printed.quantity(mode.band, length)})"
         entries.append((name, mode, mode.meets_requirements))
     for other in (*part.alternatives, *part.rules):
-        entries.append((other.name, other, other.meets_requirements))
+        entries.append((said(other.name), other, other.meets_requirements))
     for name, entry, keeps in entries:
         table.add_row(
             escape(name),
@@ -58,7 +58,7 @@ def describe_limits(
         Text(
             spoken.text(
                 "terminal-by-hand",
-                chosen=rule.chosen,
+                chosen=said(rule.chosen),
                 acceleration=rule.acceleration,
                 jerk=rule.jerk,
             )
