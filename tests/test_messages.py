@@ -157,3 +157,31 @@ def test_no_prose_is_handed_through_as_a_message() -> None:
         if 'Message("verbatim"' in path.read_text(encoding="utf-8")
     }
     assert held <= UNFINISHED
+
+
+def test_a_text_of_the_user_is_never_taken_for_one_of_ours() -> None:
+    """A machine called "settling time" is not translated; no sentence is found by its words."""
+    for kind in entries_of("en"):
+        if not _values("en", kind) and not kind.startswith("-"):
+            words = Catalogue("en").text(kind)
+            assert Catalogue("de", rotary=True).say(words) == words, kind
+
+
+NO_PROSE = {
+    "sweep/case_table.py": "columns of a table of cases",
+    "sweep/cases.py": "ranges as one types them",
+    "validate/page.py": "rows of the comparison with the paper, which are written in place",
+}
+"""Modules behind the results that search in texts, and what they search."""
+
+
+def test_nothing_behind_the_results_searches_in_texts() -> None:
+    """What a record says is data: a pattern that finds a sentence again breaks with its words."""
+    found = {
+        str(path.relative_to(SOURCE))
+        for package in ("record", "sheet", "export", "sweep", "validate", "cli")
+        for path in (SOURCE / package).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Import) and any(item.name == "re" for item in node.names)
+    }
+    assert found == set(NO_PROSE)

@@ -9,7 +9,7 @@ import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -30,18 +30,7 @@ from mtcommission.cli.inputs import (
 )
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
-
-if TYPE_CHECKING:
-    from mtcommission.machine.machine import Machine
-
-
-def _in_english(machine: Machine) -> list[str]:
-    """The warnings as the record holds them."""
-    from mtcommission.machine.machine import Motion
-    from mtcommission.messages.catalogue import Catalogue
-
-    english = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
-    return [english.say(message) for message in list_warnings(machine)]
+from mtcommission.messages.message import Message
 
 
 def run(
@@ -70,7 +59,7 @@ def run(
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
-    record = build_record(found, profile=source, created=now(), warnings=_in_english(machine))
+    record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
     with show_stage() as progress:
         progress(Message("stage-sheet"))
         files = {

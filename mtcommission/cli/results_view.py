@@ -29,8 +29,6 @@ def describe_limits(
     machine: Machine, part: LimitsPart, *, met: bool, warnings: Sequence[Message | str]
 ) -> Group:
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
-    from mtcommission.sheet.limits_part import name_obstacle  # with it comes the whole sheet
-
     spoken, length = words_for(machine), machine.axis_units.length.si
     printed, said, best = spoken.format, spoken.say, part.recommended
     unsettled = spoken.text("terminal-not-settled")

@@ -71,9 +71,7 @@ class Catalogue:
         'Einschwingzeit'
         """
         if isinstance(message, str):
-            from mtcommission.messages.phrases import say  # until the record holds messages
-
-            return say(message, self)
+            return message
         return self.text(message.kind, **message.values)
 
     def text(self, kind: str, /, **values: Value) -> str:

@@ -8,9 +8,8 @@ lists of a name and its arguments; ``write_formula`` says it in one line of plai
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from types import MappingProxyType
-from typing import Any
 
 GREEK: Mapping[str, str] = MappingProxyType(
     {
@@ -211,25 +210,22 @@ def _parts(tree: Expression) -> tuple[Expression, ...]:
 
 
 def with_decimal_mark(tree: Expression, mark: str) -> Expression:
-    """Return a formula whose numbers have the decimal mark of a language.
+    """Return a formula whose numbers have a language's decimal mark.
 
     Examples
     --------
-    >>> write_formula(with_decimal_mark(1.25 * symbol("a"), ","))
-    '1,25 a'
+    >>> write_formula(with_decimal_mark(0.4 * symbol("T"), ","))
+    '0,4 T'
     """
+
+    def marked(part: object) -> object:
+        if isinstance(part, tuple):
+            return tuple(map(marked, part))
+        return with_decimal_mark(part, mark) if isinstance(part, Expression) else part
+
     if isinstance(tree, Number):
         return Number(tree.digits.replace(".", mark))
-    if isinstance(tree, Symbol):
-        return tree
-    changed: dict[str, Any] = {}
-    for field in fields(tree):  # type: ignore[arg-type]
-        value = getattr(tree, field.name)
-        if isinstance(value, Expression):
-            changed[field.name] = with_decimal_mark(value, mark)
-        elif isinstance(value, tuple) and isinstance(value[0], Expression):
-            changed[field.name] = tuple(with_decimal_mark(part, mark) for part in value)
-    return replace(tree, **changed)  # type: ignore[type-var]
+    return type(tree)(*(marked(getattr(tree, item.name)) for item in fields(tree)))  # type: ignore[arg-type]
 
 
 def write_formula(tree: Expression) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.formula import Expression, symbol, with_decimal_mark
 from mtcommission.messages.message import Message
-from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import ModeEntry, Record, RuleText
 from mtcommission.sheet.model import Cell, Column, Formula, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import residual
@@ -45,9 +44,10 @@ def _result(record: Record, words: Catalogue) -> str:
 
 def _formulas(part: RuleText, words: Catalogue) -> tuple[Formula, ...]:
     """Return each formula of the rule in a line of its own."""
+    mark = words.format.decimal_mark
     return tuple(
         Formula(
-            tree=with_decimal_mark(item.tree, words.format.decimal_mark),
+            tree=with_decimal_mark(item.tree, mark),
             aside=words.say(item.aside) if item.aside else "",
         )
         for item in part.formula
@@ -147,6 +147,4 @@ def _how(formula: Expression | Message, words: Catalogue) -> Cell:
 
 
 def _value(value: float | None, unit: str, words: Catalogue) -> str:
-    return words.format.quantity(
-        value, "" if unit == "1" else motion_unit(unit, rotary=words.rotary)
-    )
+    return words.format.axis(value, "" if unit == "1" else unit)
