@@ -145,20 +145,6 @@ def test_every_outcome_tells_what_was_computed_and_survives_a_process() -> None:
         assert ": Höchstwert v_b: " in again.text(Catalogue("de"))
 
 
-UNFINISHED = {"export", "limits", "setpoint", "sheet", "study"}
-"""Packages that still hand prose through; shall become empty."""
-
-
-def test_no_prose_is_handed_through_as_a_message() -> None:
-    """A text of kind "verbatim" would stand in English on a German sheet."""
-    held = {
-        path.relative_to(SOURCE).parts[0]
-        for path in SOURCE.rglob("*.py")
-        if 'Message("verbatim"' in path.read_text(encoding="utf-8")
-    }
-    assert held <= UNFINISHED
-
-
 def test_a_text_of_the_user_is_never_taken_for_one_of_ours() -> None:
     """A machine called "settling time" is not translated; no sentence is found by its words."""
     for kind in entries_of("en"):
