@@ -125,8 +125,8 @@ def stages(repeats: int) -> list[Job]:
         source = describe_profile(PROFILE)
         marks: list[tuple[str, float]] = [("profile", process_time())]
 
-        def mark(name: str, into: list[tuple[str, float]] = marks) -> None:
-            into.append((name, process_time()))
+        def mark(stage: Message | str, into: list[tuple[str, float]] = marks) -> None:
+            into.append((Catalogue().say(stage), process_time()))
 
         machine = parse_machine(source, "", where=PROFILE)
         found = commission(machine, progress=mark)

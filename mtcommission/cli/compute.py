@@ -30,6 +30,7 @@ from mtcommission.cli.inputs import (
 )
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
@@ -72,7 +73,7 @@ def run(
         found = commission(machine, progress=progress)
     record = build_record(found, profile=source, created=now(), warnings=_in_english(machine))
     with show_stage() as progress:
-        progress("sheet")
+        progress(Message("stage-sheet"))
         files = {
             "record.json": dump_json(record).encode(),
             "sheet.html": print_html(record, language=language).encode(),
@@ -169,7 +170,7 @@ def optimal(
         intervals=intervals,
     )
     with show_stage() as progress:
-        progress(f"{kind}-optimal control")
+        progress(Message(f"stage-{kind}-optimal"))
         begun = perf_counter()
         solution = solve(machine, plant, request)
         elapsed = perf_counter() - begun
@@ -255,9 +256,9 @@ def simulate(
         )
     plant = build_plant(machine)
     with show_stage() as progress:
-        progress("feedback loop")
+        progress(Message("stage-feedback-loop"))
         tuned = settle_on_loop(machine, plant, Settings()).tuned
-        progress("response")
+        progress(Message("stage-response"))
         moves = simulate_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
     part = replace(part, warnings=[*notes, *part.warnings])

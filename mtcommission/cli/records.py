@@ -35,7 +35,7 @@ def sheet(
     before = load_record(compare) if compare else None
     try:
         with show_stage() as progress:
-            progress("sheet")
+            progress(Message("stage-sheet"))
             files = {"sheet.html": print_html(loaded, language=language, before=before).encode()}
             if not no_pdf:
                 files["sheet.pdf"] = print_pdf(loaded, language=language, before=before)
