@@ -117,6 +117,8 @@ def stages(repeats: int) -> list[Job]:
     """Where the time of the whole job goes, imports not counted, by the names of its stages."""
     from mtcommission.cli.inputs import describe_profile, list_warnings, parse_machine
     from mtcommission.commission import commission
+    from mtcommission.messages.catalogue import Catalogue
+    from mtcommission.messages.message import Message
     from mtcommission.record.build import build_record
     from mtcommission.sheet import print_html, print_pdf
 
@@ -126,7 +128,8 @@ def stages(repeats: int) -> list[Job]:
         marks: list[tuple[str, float]] = [("profile", process_time())]
 
         def mark(stage: Message | str, into: list[tuple[str, float]] = marks) -> None:
-            into.append((Catalogue().say(stage), process_time()))
+            name = Catalogue().say(stage) if isinstance(stage, Message) else stage
+            into.append((name, process_time()))
 
         machine = parse_machine(source, "", where=PROFILE)
         found = commission(machine, progress=mark)
