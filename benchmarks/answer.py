@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from benchmarks.problems import Problem
-from mtcommission.optimal.solution import Arc
+from mtcommission.optimal.solution import Arc, Interior
 
 Array = NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def grid_answer(problem: Problem, coefficients: Array, *, time: float, cost: flo
         Arc(
             t_start=i * length,
             t_end=(i + 1) * length,
-            control="interior",
+            control=Interior(),
             generator=shift,
             initial=row * factorials,
             output=output,

@@ -15,6 +15,10 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 from time import process_time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mtcommission.messages.message import Message
 
 PROFILE = Path(__file__).parent.parent / "profiles" / "milling-manipulator.toml"
 
@@ -115,23 +119,24 @@ def _job(name: str, group: str, times: list[float], *, megabytes: float = nan) -
 
 def stages(repeats: int) -> list[Job]:
     """Where the time of the whole job goes, imports not counted, by the names of its stages."""
-    from mtcommission.cli.inputs import describe_profile, list_warnings, parse_machine
+    from mtcommission.cli.inputs import describe_profile, parse_machine
     from mtcommission.commission import commission
+    from mtcommission.messages.catalogue import Catalogue
     from mtcommission.record.build import build_record
     from mtcommission.sheet import print_html, print_pdf
 
-    times: dict[str, list[float]] = {}
+    english, times = Catalogue(), dict[str, list[float]]()
     for _ in range(repeats + 1):
         source = describe_profile(PROFILE)
         marks: list[tuple[str, float]] = [("profile", process_time())]
 
-        def mark(name: str, into: list[tuple[str, float]] = marks) -> None:
-            into.append((name, process_time()))
+        def mark(stage: Message | str, into: list[tuple[str, float]] = marks) -> None:
+            into.append((english.say(stage), process_time()))
 
         machine = parse_machine(source, "", where=PROFILE)
         found = commission(machine, progress=mark)
         mark("record")
-        record = build_record(found, profile=source, created="", warnings=list_warnings(machine))
+        record = build_record(found, profile=source, created="", warnings=[])
         mark("sheet, HTML")
         print_html(record)
         mark("sheet, PDF")

@@ -111,7 +111,7 @@ def score_machine(seed: int) -> list[Score]:
     shaped = compare_shapers(machine, plant, tuned)
     taken = (process_time() - start) / len(shaped)
     for candidate in shaped:
-        note(Catalogue().say(candidate.name).split(" (")[0], candidate, taken)
+        note(Catalogue().say(candidate.name or "").split(" (")[0], candidate, taken)
     start = process_time()
     best = search_by_grid(machine, plant, tuned)
     note(BRUTE, best, process_time() - start)

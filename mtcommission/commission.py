@@ -15,6 +15,7 @@ from mtcommission.limits.optima import Optima, condense_optima, find_optima, req
 from mtcommission.loop.simulation_budget import require_affordable
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.study.assess import Assessment
 from mtcommission.study.attainable import Attainable, find_attainable
@@ -34,7 +35,7 @@ from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
 from mtcommission.study.robustness import Robustness, examine_robustness
 from mtcommission.study.settings import Settings
 
-Progress = Callable[[str], None]
+Progress = Callable[[Message], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,16 +135,16 @@ def commission(
     require_force(machine)
     require_affordable(machine)
     plant = build_plant(machine)
-    progress("optimal controls")
+    progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     condensed = condense_optima(machine, plant, optima)
     starts = [limits for _, limits in condensed]
-    progress("feedback loop")
+    progress(Message("stage-feedback-loop"))
     loop = settle_on_loop(machine, plant, settings)
     tuned = loop.tuned
-    progress("limits")
+    progress(Message("stage-limits"))
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
-    progress("responses and rules of thumb")
+    progress(Message("stage-responses"))
     moves = simulate_moves(machine, tuned, choice.limits)
     recommended = evaluate_moves(machine, plant, tuned, moves)
     alternatives = tuple(
@@ -153,17 +154,17 @@ def commission(
     rules = evaluate_rules(machine, plant, tuned, rule)
     attainable: tuple[Attainable, ...] = ()
     if not recommended.assessment.is_met:
-        progress("what could be met")
+        progress(Message("stage-attainable"))
         attainable = find_attainable(machine, plant, tuned, choice, settings=settings.comparison)
-    progress("machining modes")
+    progress(Message("stage-machining-modes"))
     modes = find_limits_by_mode(
         machine, plant, tuned, choice, starts=starts, settings=settings.search
     )
-    progress("comparison with the optima")
+    progress(Message("stage-comparison"))
     comparisons = tuple(
         compare_move(machine, plant, tuned, *pair) for pair in zip(optima, moves, strict=True)
     )
-    progress("robustness")
+    progress(Message("stage-robustness"))
     robustness = examine_robustness(
         machine, plant, tuned, choice.limits, settings=settings.robustness
     )

@@ -1,4 +1,7 @@
-"""Options of the command line -> quantities and requests; every fault at once."""
+"""Options of the command line -> quantities and requests; every fault at once.
+
+What solves a request is loaded when it is asked: a sweep reads its options here, too.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +12,6 @@ from difflib import get_close_matches
 from math import isfinite
 
 from mtcommission.errors import Fault, InputError, Refused
-from mtcommission.limits.optima import (
-    DAMPING_TIME_FACTOR,
-    find_damping_optimum,
-    find_time_optimum,
-    require_force,
-)
-from mtcommission.loop.simulation_budget import require_few_cycles
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
@@ -151,6 +147,8 @@ def require_short_moves(machine: Machine, limits: MotionLimits) -> None:
     ComputationError
         With the count, before anything is computed.
     """
+    from mtcommission.loop.simulation_budget import require_few_cycles
+
     require_few_cycles(
         machine,
         limits,
@@ -243,6 +241,13 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     ComputationError
         With a named outcome.
     """
+    from mtcommission.limits.optima import (
+        DAMPING_TIME_FACTOR,
+        find_damping_optimum,
+        find_time_optimum,
+        require_force,
+    )
+
     require_force(machine)
     force, move = machine.drive.motion_force, request.move
     exact = request.method == "exact"
@@ -295,6 +300,8 @@ def final_time_origin(machine: Machine, request: OptimalRequest) -> Message | No
         return Message("terminal-final-time-of-option")
     if machine.damping_optimal.t_f:
         return Message("terminal-final-time-of-profile")
+    from mtcommission.limits.optima import DAMPING_TIME_FACTOR
+
     return Message("terminal-final-time-by-default", factor=DAMPING_TIME_FACTOR)
 
 

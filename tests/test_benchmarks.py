@@ -15,7 +15,7 @@ from benchmarks import tools
 from benchmarks.__main__ import with_row
 from benchmarks.answer import Answer, grid_answer, judge
 from benchmarks.child import Measurement, measure, read
-from benchmarks.limits_quality import BRUTE, SEARCH, Score, rank, search_by_grid
+from benchmarks.limits_quality import SEARCH, Score, rank, search_by_grid
 from benchmarks.population import random_machine
 from benchmarks.problems import MAIN, NAMES, find_problem
 from benchmarks.race import Entry, entries, is_late, race, run
@@ -25,7 +25,7 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.optimal.solution import Bang, constant_arc
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.evaluate import judge as judge_limits
+from mtcommission.study.evaluate import evaluate
 
 DOCS = Path(__file__).parent.parent / "docs"
 
@@ -217,8 +217,7 @@ def test_a_plain_grid_never_finds_sooner_limits_than_the_search() -> None:
     plant, tuned = build_plant(machine), tune_loop(machine)
     brute = search_by_grid(machine, plant, tuned)
     found = choose_limits(machine, plant, tuned).limits
-    ours = judge_limits(machine, plant, tuned, SEARCH, "", found)
-    assert brute.name == BRUTE
+    ours = evaluate(machine, plant, tuned, found)
     assert brute.assessment.is_met
     assert ours.settling_time < 1.005 * brute.settling_time
 

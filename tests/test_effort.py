@@ -15,6 +15,7 @@ from mtcommission.loop.simulation_budget import MOST_CYCLES, count_cycles, requi
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.messages.quantities import Formatter
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -57,7 +58,7 @@ def test_too_small_a_force_is_refused_at_once_with_reason_and_remedy(force: floa
         commission(machine)
     assert caught.value.outcome is Outcome.MOVE_TOO_LONG
     text = str(caught.value)
-    assert f"with {force:.4g} N on 750 kg" in text
+    assert f"with {Formatter().number(force)} N on 750 kg" in text
     assert "velocity cycles of 125 µs, followed are 100000 at most" in text
     assert "check the unit of max_force, or state a shorter move" in text
 
@@ -84,5 +85,5 @@ def test_a_band_that_no_move_can_keep_is_refused_with_its_own_remedy() -> None:
     with pytest.raises(ComputationError) as caught:
         choose_limits(tight, build_plant(tight), tune_loop(tight))
     assert caught.value.outcome is Outcome.MOVE_TOO_LONG
-    assert "to keep a band of 1e-12 m" in str(caught.value)
+    assert "to keep a band of 1×10⁻¹² m" in str(caught.value)
     assert "check the unit of tcp_deviation" in str(caught.value)

@@ -33,6 +33,7 @@ from mtcommission.export.write import CONTROLS, export_record, parameter_list
 from mtcommission.limits.choose import SearchSettings
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Motion, Positioning, VelocityStep
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import dominant_mode
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.build import build_record
@@ -404,7 +405,11 @@ def test_machining_mode_without_limits_is_left_out_and_said(control: str, paper:
         assert "MAX_AX_ACCEL[3]" in export.text
         assert "[4]" not in export.text
     else:
-        (block,) = [block for block in export.blocks if block.title == "Machining mode surface"]
+        (block,) = [
+            block
+            for block in export.blocks
+            if block.title == Message("heidenhain-mode", mode="surface")
+        ]
         assert not block.entries
         assert "LEFT OUT: no limits keep the tool within the band" in flat
     assert "machining mode surface, 2 um (3.21 um could be met)" in flat
@@ -471,7 +476,9 @@ def test_jerk_filter_of_the_control_is_offered_instead_of_the_jerk_limit(rotary:
     recommended["jerk"] = recommended["acceleration"] / 9.4e-3
     record["assessment"]["met"] = False  # so the pair is taken as it stands
     export = export_record(record, control="sinumerik")
-    block = next(block for block in export.blocks if "jerk filter" in block.title.lower())
+    block = next(
+        block for block in export.blocks if block.title == Message("sinumerik-jerk-filter")
+    )
     values = {entry.name: float(entry.value) for entry in block.entries}
     time = values["N32410 $MA_AX_JERK_TIME"]
     assert values["N32402 $MA_AX_JERK_MODE"] == 2.0
@@ -544,6 +551,8 @@ def test_edited_record_is_refused(
         ),
         (lambda record: record["assessment"].update(met=[]), "got an array, expected true or"),
         (lambda record: record["plant"].pop("A"), "plant.A: missing"),
+        (lambda record: record["loop"].update(Kv=float("nan")), "NaN is no number of JSON"),
+        (lambda record: record.update(schema=1), "earlier version, this one reads 2; run the"),
         (lambda record: record["tool"].update(name="other"), "or damaged; change the profile"),
     ],
 )
@@ -736,3 +745,18 @@ def test_the_list_of_controls_comes_without_the_libraries_of_the_loop() -> None:
 def test_every_listed_control_can_be_exported() -> None:
     """If not, a listed name would end in an internal error, or a control would stay hidden."""
     assert set(CONTROL_TITLES) == set(CONTROLS)
+
+
+@pytest.mark.parametrize("control", control_keys())
+def test_a_file_in_german_has_letters_that_every_control_reads(control: str, paper: Case) -> None:
+    """An umlaut or a µ in a comment stops some controls from reading the file."""
+    record = deepcopy(paper.record)
+    record["warnings"] = [Message("assumption-linear"), Message("assumption-static-load")]
+    english, german = (
+        export_record(record, control=control, language=code) for code in ("en", "de")
+    )
+    assert german.text.isascii()
+    assert "WARNUNG: Die Achse ist linear: eine starre Masse" in " ".join(german.header)
+    assert [entry.value for block in german.blocks for entry in block.entries] == [
+        entry.value for block in english.blocks for entry in block.entries
+    ]

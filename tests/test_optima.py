@@ -93,7 +93,7 @@ def test_reference_that_had_to_be_composed_says_so(monkeypatch: pytest.MonkeyPat
     """A reader must see that the reference is not the optimum itself, and how far it can be."""
 
     def gives_up(*_: object, **__: object) -> None:
-        raise ComputationError(Outcome.NO_CONVERGENCE, Message("verbatim", text="exact search"))
+        raise ComputationError(Outcome.NO_CONVERGENCE, Message("foreign", text="exact search"))
 
     monkeypatch.setattr("mtcommission.limits.optima.solve_bounded_time_optimal", gives_up)
     machine = paper_machine()

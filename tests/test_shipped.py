@@ -20,7 +20,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile import shipped
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
-from mtcommission.study.evaluate import judge
+from mtcommission.study.evaluate import evaluate
 
 NAMES = shipped_names()
 QUICK = SearchSettings(grid=24, coarse_grid=6, seeds=8, refinements=4)
@@ -69,7 +69,7 @@ def test_limits_exist_that_meet_all_requirements(name: str) -> None:
     assert plain.control.state_feedback is StateFeedback.OFF
     plant, tuned = build_plant(machine), tune_loop(plain)
     choice = choose_limits(plain, plant, tuned, settings=QUICK)
-    assert judge(plain, plant, tuned, "", "", choice.limits).assessment.is_met
+    assert evaluate(plain, plant, tuned, choice.limits).assessment.is_met
 
 
 def _without_feedback(text: str) -> str:

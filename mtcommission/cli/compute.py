@@ -9,7 +9,7 @@ import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -30,18 +30,7 @@ from mtcommission.cli.inputs import (
 )
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
-
-if TYPE_CHECKING:
-    from mtcommission.machine.machine import Machine
-
-
-def _in_english(machine: Machine) -> list[str]:
-    """The warnings as the record holds them."""
-    from mtcommission.machine.machine import Motion
-    from mtcommission.messages.catalogue import Catalogue
-
-    english = Catalogue("en", rotary=machine.motion is Motion.ROTARY)
-    return [english.say(message) for message in list_warnings(machine)]
+from mtcommission.messages.message import Message
 
 
 def run(
@@ -70,9 +59,9 @@ def run(
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
-    record = build_record(found, profile=source, created=now(), warnings=_in_english(machine))
+    record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
     with show_stage() as progress:
-        progress("sheet")
+        progress(Message("stage-sheet"))
         files = {
             "record.json": dump_json(record).encode(),
             "sheet.html": print_html(record, language=language).encode(),
@@ -169,7 +158,7 @@ def optimal(
         intervals=intervals,
     )
     with show_stage() as progress:
-        progress(f"{kind}-optimal control")
+        progress(Message(f"stage-{kind}-optimal"))
         begun = perf_counter()
         solution = solve(machine, plant, request)
         elapsed = perf_counter() - begun
@@ -255,9 +244,9 @@ def simulate(
         )
     plant = build_plant(machine)
     with show_stage() as progress:
-        progress("feedback loop")
+        progress(Message("stage-feedback-loop"))
         tuned = settle_on_loop(machine, plant, Settings()).tuned
-        progress("response")
+        progress(Message("stage-response"))
         moves = simulate_moves(machine, tuned, chosen)
     part = simulation_part(machine, plant, tuned, moves)
     part = replace(part, warnings=[*notes, *part.warnings])

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from mtcommission.cli.language import say
+from mtcommission.cli.language import say, words
+from mtcommission.messages.message import Message
 
 
 @contextmanager
-def show_stage() -> Iterator[Callable[[str], None]]:
+def show_stage() -> Iterator[Callable[[Message | str], None]]:
     """Show the running stage on the error stream; silent where that is no terminal."""
     if not sys.stderr.isatty():
         yield lambda _: None
@@ -19,7 +20,7 @@ def show_stage() -> Iterator[Callable[[str], None]]:
     from rich.console import Console
 
     with Console(stderr=True, emoji=False).status("") as status:
-        yield lambda stage: status.update(f"{stage} …")
+        yield lambda stage: status.update(f"{words().say(stage)} …")
 
 
 @contextmanager

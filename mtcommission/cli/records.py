@@ -35,7 +35,7 @@ def sheet(
     before = load_record(compare) if compare else None
     try:
         with show_stage() as progress:
-            progress("sheet")
+            progress(Message("stage-sheet"))
             files = {"sheet.html": print_html(loaded, language=language, before=before).encode()}
             if not no_pdf:
                 files["sheet.pdf"] = print_pdf(loaded, language=language, before=before)
@@ -60,6 +60,7 @@ def export(
     as_csv: Annotated[
         bool, typer.Option("--csv", help="Parameter list to tick off instead.")
     ] = False,
+    language: LanguageOption = ENGLISH,
 ) -> None:
     """Write the limits in a control's own words and units.
 
@@ -79,6 +80,6 @@ def export(
     from mtcommission.export.write import export_record, parameter_list
     from mtcommission.record.files import load_record
 
-    found = export_record(load_record(record), control=key)
+    found = export_record(load_record(record), control=key, language=language)
     write_text(output, parameter_list(found) if as_csv else found.text)
     raise typer.Exit(0 if found.meets_requirements else 1)

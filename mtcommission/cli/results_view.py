@@ -58,7 +58,7 @@ def describe_limits(
         Text(
             spoken.text(
                 "terminal-by-hand",
-                chosen=rule.chosen,
+                chosen=said(rule.chosen),
                 acceleration=rule.acceleration,
                 jerk=rule.jerk,
             )

@@ -75,6 +75,8 @@ def find_control_key(name: str) -> str:
     if key in CONTROL_TITLES:
         return key
     close = get_close_matches(key, CONTROL_TITLES, n=1)
-    hint = f"; did you mean {close[0]}?" if close else "."
-    message = f"no control {name!r}{hint} There are: {', '.join(CONTROL_TITLES)}"
-    raise InputError([Fault(where="--control", message=Message("verbatim", text=message))])
+    given, there_are = repr(name), tuple(CONTROL_TITLES)
+    message = Message("export-no-control", given=given, there_are=there_are)
+    if close:
+        message = Message("export-no-control-but", given=given, meant=close[0], there_are=there_are)
+    raise InputError([Fault(where="--control", message=message)])

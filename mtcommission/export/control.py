@@ -9,6 +9,8 @@ from mtcommission.export.gains import NO_GAINS, GainUnits
 from mtcommission.export.modes import Values
 from mtcommission.export.rounding import Coding
 from mtcommission.export.subject import Subject
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,7 +24,7 @@ class Entry:
     value, unit
         Number and the control's unit.
     meaning
-        What it limits, in a few words.
+        What it limits, in a few words; None where the name says it.
     section
         Where it stands in a structured file, parts separated by "/".
     is_verified
@@ -32,7 +34,7 @@ class Entry:
     name: str
     value: str
     unit: str
-    meaning: str
+    meaning: Message | None
     section: str = ""
     is_verified: bool = True
 
@@ -44,16 +46,16 @@ class Block:
     Parameters
     ----------
     title
-        "" for the recommendation itself, else what the alternative is.
+        None for the recommendation itself, else what the alternative is.
     entries
         In the order of entry.
     notes
         Sentences about them.
     """
 
-    title: str
+    title: Message | None
     entries: tuple[Entry, ...]
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +71,7 @@ class Control:
     describe
         The parameters for typed limits.
     layout
-        The parameters in the control's syntax, as lines.
+        The parameters in the control's syntax, as lines, with remarks in a language.
     comment
         A line of text as a comment of that syntax.
     gains
@@ -87,13 +89,13 @@ class Control:
     key: str
     coding: Callable[[Subject], Coding]
     describe: Callable[[Subject, Values], tuple[Entry, ...]]
-    layout: Callable[[Sequence[Entry]], list[str]]
+    layout: Callable[[Sequence[Entry], Catalogue], list[str]]
     comment: Callable[[str], str]
     gains: GainUnits = NO_GAINS
     has_modes: bool = False
     in_degrees: bool = True
     alternatives: Callable[[Subject, Values], tuple[Block, ...]] = lambda _subject, _values: ()
-    notes: Callable[[Subject, Values], tuple[str, ...]] = lambda _subject, _values: ()
+    notes: Callable[[Subject, Values], tuple[Message, ...]] = lambda _subject, _values: ()
 
 
 BLANK = "__________"
@@ -102,17 +104,22 @@ BLANK = "__________"
 DOUBT = "(?)"
 """Mark of what was not read in a maker's text; the header says what it means."""
 
-UNVERIFIED = "check against the list manual of your software version"
+
+def say_meaning(entry: Entry, words: Catalogue) -> str:
+    """Return what a parameter limits, or nothing."""
+    return words.say(entry.meaning) if entry.meaning else ""
 
 
-def remark(entry: Entry) -> str:
+def remark(entry: Entry, words: Catalogue) -> str:
     """Return unit, room for the old value and meaning of a parameter, for a comment."""
     doubt = "" if entry.is_verified else f" {DOUBT}"
     unit = f"[{entry.unit}] " if entry.unit else ""
-    return f"{unit}old: {BLANK}  {entry.meaning}{doubt}"
+    return f"{unit}{words.text('export-old')}: {BLANK}  {say_meaning(entry, words)}{doubt}"
 
 
-def line_layout(pattern: str, comment: Callable[[str], str], entries: Sequence[Entry]) -> list[str]:
+def line_layout(
+    pattern: str, comment: Callable[[str], str], entries: Sequence[Entry], words: Catalogue
+) -> list[str]:
     """Return one line for each parameter, with its remark behind it.
 
     Parameters
@@ -123,6 +130,8 @@ def line_layout(pattern: str, comment: Callable[[str], str], entries: Sequence[E
         A text as a comment.
     entries
         The parameters.
+    words
+        Of the remarks.
 
     Returns
     -------
@@ -131,31 +140,36 @@ def line_layout(pattern: str, comment: Callable[[str], str], entries: Sequence[E
     heads = [pattern.format(name=entry.name, value=entry.value) for entry in entries]
     width = max(map(len, heads))
     return [
-        f"{head:<{width}}  {comment(remark(entry))}"
+        f"{head:<{width}}  {comment(remark(entry, words))}"
         for head, entry in zip(heads, entries, strict=True)
     ]
 
 
-def table_layout(entries: Sequence[Entry]) -> list[str]:
+def table_layout(entries: Sequence[Entry], words: Catalogue) -> list[str]:
     """Return a table for entry by hand: parameter, new value, unit, old value, meaning."""
-    head = Entry(name="Parameter", value="new value", unit="unit", meaning="meaning")
+    head = Entry(
+        name=words.text("export-head-parameter"),
+        value=words.text("export-head-new-value"),
+        unit=words.text("export-head-unit"),
+        meaning=Message("export-head-meaning"),
+    )
     names, values, units = (
         max(len(getattr(entry, field)) for entry in (head, *entries))
         for field in ("name", "value", "unit")
     )
     lines = []
     for entry in (head, *entries):
-        old = "old value" if entry is head else BLANK
+        old = words.text("export-head-old-value") if entry is head else BLANK
         doubt = "" if entry.is_verified else f" {DOUBT}"
         lines.append(
             f"{entry.name:<{names}} | {entry.value:>{values}} | {entry.unit:<{units}} | "
-            f"{old:<{len(BLANK)}} | {entry.meaning}{doubt}"
+            f"{old:<{len(BLANK)}} | {say_meaning(entry, words)}{doubt}"
         )
     lines.insert(1, "-" * max(map(len, lines)))
     return lines
 
 
-def ini_layout(mark: str, entries: Sequence[Entry]) -> list[str]:
+def ini_layout(mark: str, entries: Sequence[Entry], words: Catalogue) -> list[str]:
     """Return sections with one parameter per line; remarks stand on lines of their own.
 
     Parameters
@@ -164,6 +178,8 @@ def ini_layout(mark: str, entries: Sequence[Entry]) -> list[str]:
         Between name and value, with its blanks.
     entries
         The parameters; their section is the header in brackets.
+    words
+        Of the remarks.
 
     Returns
     -------
@@ -174,12 +190,12 @@ def ini_layout(mark: str, entries: Sequence[Entry]) -> list[str]:
         lines.append(f"[{section}]")
         for entry in entries:
             if entry.section == section:
-                lines += [hash_comment(remark(entry)), f"{entry.name}{mark}{entry.value}"]
+                lines += [hash_comment(remark(entry, words)), f"{entry.name}{mark}{entry.value}"]
         lines.append("")
     return lines[:-1]
 
 
-def yaml_layout(entries: Sequence[Entry]) -> list[str]:
+def yaml_layout(entries: Sequence[Entry], words: Catalogue) -> list[str]:
     """Return nested mappings, one level for each part of the section."""
     lines: list[str] = []
     open_parts: list[str] = []
@@ -191,7 +207,7 @@ def yaml_layout(entries: Sequence[Entry]) -> list[str]:
         lines += [f"{'  ' * i}{part}:" for i, part in enumerate(parts) if i >= shared]
         open_parts = parts
         indent = "  " * len(parts)
-        lines.append(f"{indent}{entry.name}: {entry.value}  {hash_comment(remark(entry))}")
+        lines.append(f"{indent}{entry.name}: {entry.value}  {hash_comment(remark(entry, words))}")
     return lines
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from mtcommission.export.rounding import Coding, Typed, type_limits
 from mtcommission.export.subject import Subject, for_mode
 from mtcommission.export.wording import show_value
+from mtcommission.messages.message import Message
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,14 +58,15 @@ class Values:
         return self.recommended.verdict.assessment.is_met and not self.left_out
 
 
-def explain_left_out(subject: Subject, mode: TypedMode) -> str:
+def explain_left_out(subject: Subject, mode: TypedMode) -> Message:
     """Return why a mode is left out, with its band and the one that could be met."""
     band, attainable = (
         None if value is None else show_value(value, subject.length, in_degrees=True)
         for value in (mode.band, mode.attainable)
     )
-    instead = f" ({attainable} could be met)" if attainable else ""
-    return f"no limits keep the tool within the band of machining mode {mode.name}, {band}{instead}"
+    if attainable:
+        return Message("export-no-limits-but", mode=mode.name, band=band, attainable=attainable)
+    return Message("export-no-limits-within", mode=mode.name, band=band)
 
 
 def type_modes(subject: Subject, coding: Coding) -> tuple[TypedMode, ...]:

@@ -5,8 +5,7 @@ Names and units as the makers' manuals give them; what was not read there is mar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from functools import partial
 from math import ceil
 
 from mtcommission.export.control import (
@@ -32,6 +31,7 @@ from mtcommission.export.rounding import (
 from mtcommission.export.sinumerik import SINUMERIK
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import DEGREE, MICRO, MILLI, show_value
+from mtcommission.messages.message import Message
 
 HUNDREDTH = 0.01
 """Unit of the position gain in FANUC's and ISG's parameters [1/s]."""
@@ -59,14 +59,19 @@ def _heidenhain_limits(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
             name="maxAcceleration",
             value=typed.acceleration,
             unit=f"{unit}/s^2",
-            meaning="acceleration",
+            meaning=Message("limit-acceleration"),
         ),
-        Entry(name="axPathJerk", value=typed.jerk, unit=f"{unit}/s^3", meaning="axis jerk"),
+        Entry(
+            name="axPathJerk",
+            value=typed.jerk,
+            unit=f"{unit}/s^3",
+            meaning=Message("limit-axis-jerk"),
+        ),
         Entry(
             name="axPathJerkHi",
             value=typed.jerk,
             unit=f"{unit}/s^3",
-            meaning="axis jerk at rapid; the maker's rule of 5 x axPathJerk was not judged",
+            meaning=Message("limit-axis-jerk-at-rapid"),
         ),
     )
     # The manual states m/s^2 for linear axes; degrees for rotary ones are inferred.
@@ -75,7 +80,7 @@ def _heidenhain_limits(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
 
 def _heidenhain_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     gain = Entry(
-        name="kvFactor", value=_position_gain(subject, 1.0), unit="1/s", meaning="Kv of this loop"
+        name="kvFactor", value=_position_gain(subject, 1.0), unit="1/s", meaning=Message("gain-kv")
     )
     return (*_heidenhain_limits(subject, values.recommended), gain)
 
@@ -85,21 +90,21 @@ def _heidenhain_modes(subject: Subject, values: Values) -> tuple[Block, ...]:
     blocks = []
     for mode in values.modes:
         band = show_value(mode.band, subject.length, in_degrees=True)
-        note = f"Judged with a band of its own, {band}: met."
+        note = Message("heidenhain-judged", band=band)
         if mode.typed is None:
-            note = f"LEFT OUT: {explain_left_out(subject, mode)}."
+            note = Message("heidenhain-left-out", why=explain_left_out(subject, mode))
         entries = _heidenhain_limits(subject, mode.typed) if mode.typed else ()
-        blocks.append(Block(title=f"Machining mode {mode.name}", entries=entries, notes=(note,)))
+        blocks.append(
+            Block(title=Message("heidenhain-mode", mode=mode.name), entries=entries, notes=(note,))
+        )
     return tuple(blocks)
 
 
-def _heidenhain_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
+def _heidenhain_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
     return (
-        "maxPathJerk and maxPathJerkHi (default 40 m/s^3) and maxPathYank limit the path: keep "
-        "them above the axis values, at least 1.75 x the largest axis value by the maker's rule.",
-        "The position filters of the control add jerk time of their own: what they add must not "
-        "be counted twice.",
-        "On an iTNC 530 the Kv factor is in (m/min)/mm.",
+        Message("heidenhain-path"),
+        Message("heidenhain-filters"),
+        Message("heidenhain-itnc"),
     )
 
 
@@ -129,35 +134,30 @@ def _fanuc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
             name="1620",
             value=typed.acceleration,
             unit="ms",
-            meaning="time from standstill to rapid traverse, "
-            f"if 1420 = {_fanuc_rapid(subject)[0]} {unit}",
+            meaning=Message("fanuc-rise-time", rapid=_fanuc_rapid(subject)[0], unit=unit),
         ),
-        Entry(name="1774", value=typed.jerk, unit="ms", meaning="bell time, acceleration / jerk"),
+        Entry(name="1774", value=typed.jerk, unit="ms", meaning=Message("fanuc-bell-time")),
         unverified(
             Entry(
                 name="1825",
                 value=_position_gain(subject, HUNDREDTH, is_whole=True),
                 unit="0.01/s",
-                meaning="Kv of this loop; name and unit",
+                meaning=Message("gain-kv-name-and-unit"),
             )
         ),
     )
 
 
-def _fanuc_notes(subject: Subject, values: Values) -> tuple[str, ...]:
+def _fanuc_notes(subject: Subject, values: Values) -> tuple[Message, ...]:
     length, size = subject.small_unit
     rapid = _fanuc_rapid(subject)[0]
     rise = values.recommended.acceleration
     a = values.recommended.limits.acceleration / size
     return (
-        f"There is no jerk in {length}/s^3 here: the bell time sets it.",
-        f"The largest velocity of the profile is {rapid} {length}/min. Leave 1420 as it is; where "
-        f"it is another one, enter 1620 = {rise} ms x 1420 / {rapid}, rounded up, so that the "
-        f"acceleration stays {a:.4g} {length}/s^2. The bell time 1774 does not change.",
-        "AI nano contour control takes the time from 1773 instead of 1620, and the bell form "
-        "needs 1603#6 (RBL) = 1.",
-        "1788/1789 (acceleration change) and, not verified (?), 1660, 1671 and 1772 limit "
-        "look-ahead modes and must not be faster than these values.",
+        Message("fanuc-no-jerk", length=length),
+        Message("fanuc-rapid", rapid=rapid, length=length, rise=rise, acceleration=a),
+        Message("fanuc-nano"),
+        Message("fanuc-look-ahead"),
     )
 
 
@@ -172,11 +172,11 @@ def _isg_coding(subject: Subject) -> Coding:
 
 
 RAMPS = (
-    ("tr_beschl_zu", "ramp time, acceleration rises"),
-    ("tr_beschl_ab", "ramp time, acceleration falls"),
-    ("tr_brems_zu", "ramp time, deceleration rises"),
-    ("tr_brems_ab", "ramp time, deceleration falls"),
-    ("tr_grenz", "ramp time at G0"),
+    ("tr_beschl_zu", Message("isg-acceleration-rises")),
+    ("tr_beschl_ab", Message("isg-acceleration-falls")),
+    ("tr_brems_zu", Message("isg-deceleration-rises")),
+    ("tr_brems_ab", Message("isg-deceleration-falls")),
+    ("tr_grenz", Message("isg-ramp-at-rapid")),
 )
 """P-AXIS-00196, 195, 198, 197 and 200 of the kernel."""
 
@@ -184,32 +184,34 @@ RAMPS = (
 def _isg_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     unit = f"{subject.small_unit[0]}/s^2"
     place, typed = "getriebe[0].slope_profil", values.recommended
-    a = Entry(name="", value=typed.acceleration, unit=unit, meaning="")
-    ramp = Entry(name="", value=typed.jerk, unit="us", meaning="")
+    accelerations = (
+        ("a_beschl", Message("limit-acceleration")),
+        ("a_brems", Message("limit-deceleration")),
+        ("a_grenz", Message("isg-acceleration-at-rapid")),
+    )
     gain = Entry(
         name="getriebe[0].kv",
         value=_position_gain(subject, HUNDREDTH, is_whole=True),
         unit="0.01/s",
-        meaning="Kv of this loop",
+        meaning=Message("gain-kv"),
     )
     return (
-        replace(a, name=f"{place}.a_beschl", meaning="acceleration"),
-        replace(a, name=f"{place}.a_brems", meaning="deceleration"),
-        replace(a, name=f"{place}.a_grenz", meaning="acceleration at G0"),
-        *(replace(ramp, name=f"{place}.{name}", meaning=meaning) for name, meaning in RAMPS),
+        *(
+            Entry(name=f"{place}.{name}", value=typed.acceleration, unit=unit, meaning=meaning)
+            for name, meaning in accelerations
+        ),
+        *(
+            Entry(name=f"{place}.{name}", value=typed.jerk, unit="us", meaning=meaning)
+            for name, meaning in RAMPS
+        ),
         gain,
     )
 
 
-def _isg_lines(entries: Sequence[Entry]) -> list[str]:
-    return line_layout("{name}  {value}", bracket_comment, entries)
-
-
-def _isg_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
+def _isg_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
     return (
-        "getriebe[0] is the first gear set; repeat the lines for others.",
-        "dynamik.a_max must not be below these accelerations nor dynamik.tr_min above these ramp "
-        "times: the kernel would use its own limits instead.",
+        Message("isg-gear-sets"),
+        Message("isg-own-limits"),
     )
 
 
@@ -239,7 +241,7 @@ NUMERIC_CONTROLS = (
         key="isg",
         coding=_isg_coding,
         describe=_isg_entries,
-        layout=_isg_lines,
+        layout=partial(line_layout, "{name}  {value}", bracket_comment),
         comment=hash_comment,
         gains=GainUnits(position=HUNDREDTH, is_whole=True),
         notes=_isg_notes,

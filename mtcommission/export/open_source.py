@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 
 from mtcommission.errors import Fault, InputError
@@ -38,19 +37,17 @@ def _letter(subject: Subject, allowed: str, control: str) -> str:
     """The axis letter, or an error that says which letters the control has."""
     letter = subject.axis[:1].upper()
     if letter not in tuple(allowed):
-        message = (
-            f"{control} names its axes {', '.join(allowed)}; this record is of axis "
-            f'"{subject.axis}": begin machine.axis with one of these letters, or use '
-            "--control generic"
+        message = Message(
+            "export-other-letter", control=control, letters=tuple(allowed), axis_name=subject.axis
         )
-        raise InputError([Fault(where="--control", message=Message("verbatim", text=message))])
+        raise InputError([Fault(where="--control", message=message)])
     return letter
 
 
 def _require_linear(subject: Subject, control: str) -> None:
     if subject.is_rotary:
-        message = f"{control} limits linear axes only, this one is rotary; use --control generic"
-        raise InputError([Fault(where="--control", message=Message("verbatim", text=message))])
+        message = Message("export-linear-only", control=control)
+        raise InputError([Fault(where="--control", message=message)])
 
 
 def _jerk_coding(subject: Subject) -> Coding:
@@ -85,12 +82,12 @@ def _linuxcnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
         Entry(name=name, value=value, unit=power, meaning=meaning, section=section)
         for section in (joint, f"AXIS_{letter}")
         for name, value, power, meaning in (
-            ("MAX_ACCELERATION", typed.acceleration, f"{unit}/s^2", "acceleration"),
-            ("MAX_JERK", typed.jerk, f"{unit}/s^3", "jerk; 0 would switch the limit off"),
+            ("MAX_ACCELERATION", typed.acceleration, f"{unit}/s^2", Message("limit-acceleration")),
+            ("MAX_JERK", typed.jerk, f"{unit}/s^3", Message("linuxcnc-jerk")),
         )
     )
     planner = Entry(
-        name="PLANNER_TYPE", value="1", unit="", meaning="jerk-limited planner", section="TRAJ"
+        name="PLANNER_TYPE", value="1", unit="", meaning=Message("linuxcnc-planner"), section="TRAJ"
     )
     if subject.is_rotary:
         return (planner, *limits)
@@ -98,17 +95,17 @@ def _linuxcnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
         name="MAX_LINEAR_JERK",
         value=typed.jerk,
         unit="mm/s^3",
-        meaning="path jerk: the least of all linear axes",
+        meaning=Message("linuxcnc-path-jerk"),
         section="TRAJ",
     )
     return (planner, path, *limits)
 
 
-def _linuxcnc_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
+def _linuxcnc_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
     return (
-        "For LinuxCNC 2.10 and newer; machine units are taken to be mm and degrees.",
-        "Joint numbers assume trivial kinematics: X Y Z A B C U V W are joints 0 to 8.",
-        "MAX_LINEAR_JERK below 1 silently falls back to trapezoids. Home with PLANNER_TYPE = 0.",
+        Message("linuxcnc-units"),
+        Message("linuxcnc-joints"),
+        Message("linuxcnc-least-jerk"),
     )
 
 
@@ -121,21 +118,22 @@ def _grblhal_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
             name=f"${120 + index}",
             value=typed.acceleration,
             unit=f"{unit}/s^2",
-            meaning="acceleration",
+            meaning=Message("limit-acceleration"),
         ),
-        Entry(name=f"${800 + index}", value=typed.jerk, unit=f"{unit}/s^3", meaning="jerk"),
+        Entry(
+            name=f"${800 + index}",
+            value=typed.jerk,
+            unit=f"{unit}/s^3",
+            meaning=Message("limit-jerk"),
+        ),
     )
 
 
-def _grblhal_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
+def _grblhal_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
     return (
-        "The jerk settings exist only in builds with ENABLE_JERK_ACCELERATION.",
-        "$11 (junction deviation) sets how fast corners are taken and is not part of this.",
+        Message("grblhal-builds"),
+        Message("grblhal-corners"),
     )
-
-
-def _settings_layout(entries: Sequence[Entry]) -> list[str]:
-    return line_layout("{name}={value}", semicolon_comment, entries)
 
 
 def _fluidnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
@@ -145,34 +143,27 @@ def _fluidnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
         name="acceleration_mm_per_sec2",
         value=typed.acceleration,
         unit=f"{subject.small_unit[0]}/s^2",
-        meaning="acceleration",
+        meaning=Message("limit-acceleration"),
         section=f"axes/{letter}",
     )
     return (entry,)
 
 
-def _fluidnc_notes(subject: Subject, values: Values) -> tuple[str, ...]:
-    degrees = "The name says mm, but a rotary axis counts in degrees: the value is in deg/s^2."
+def _fluidnc_notes(subject: Subject, values: Values) -> tuple[Message, ...]:
     return (
-        "FluidNC has released no jerk limit.",
+        Message("fluidnc-no-jerk"),
         _make_up(subject, values.recommended),
-        *((degrees,) if subject.is_rotary else ()),
+        *((Message("fluidnc-degrees"),) if subject.is_rotary else ()),
     )
 
 
-def _make_up(subject: Subject, typed: Typed) -> str:
+def _make_up(subject: Subject, typed: Typed) -> Message:
     """What the acceleration had to give for the missing jerk limit."""
     share = typed.limits.acceleration / subject.limits.acceleration
-    helper = "with the shaper" if typed.shaper else "without one"
+    shaper = "yes" if typed.shaper else "no"
     if not typed.verdict.assessment.is_met:
-        return (
-            "NO ACCELERATION MEETS THE REQUIREMENTS HERE: the value is the one of those tried, "
-            f"{100.0 * share:.3g} % of the recommendation, that leaves least vibration {helper}."
-        )
-    return (
-        f"To meet the requirements {helper}, the acceleration is {100.0 * share:.3g} % of the "
-        "recommendation."
-    )
+        return Message("export-least-vibration", share=share, shaper=shaper)
+    return Message("export-share-of-acceleration", share=share, shaper=shaper)
 
 
 def _klipper_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
@@ -183,24 +174,24 @@ def _klipper_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
             name="max_accel",
             value=typed.acceleration,
             unit="mm/s^2",
-            meaning="of the tool head, so of its slowest axis",
+            meaning=Message("klipper-tool-head"),
             section="printer",
         )
     ]
     if typed.shaper:
         rows = (
-            (f"shaper_type_{letter}", typed.shaper.name, "", "input shaper"),
+            (f"shaper_type_{letter}", typed.shaper.name, "", Message("klipper-input-shaper")),
             (
                 f"shaper_freq_{letter}",
                 f"{typed.shaper.frequency_hz:.{FREQUENCY_DIGITS}f}",
                 "Hz",
-                f"mode {subject.mode.name}",
+                Message("klipper-mode", mode=subject.mode.name),
             ),
             (
                 f"damping_ratio_{letter}",
                 f"{typed.shaper.damping_ratio:.{DAMPING_DIGITS}f}",
                 "-",
-                f"of mode {subject.mode.name}",
+                Message("klipper-of-mode", mode=subject.mode.name),
             ),
         )
         shaped = tuple(
@@ -211,11 +202,11 @@ def _klipper_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     return tuple(entries)
 
 
-def _klipper_notes(subject: Subject, values: Values) -> tuple[str, ...]:
+def _klipper_notes(subject: Subject, values: Values) -> tuple[Message, ...]:
     return (
-        "Klipper has no jerk limit; its square_corner_velocity is a velocity step, no jerk.",
+        Message("klipper-no-jerk"),
         _make_up(subject, values.recommended),
-        f"The shaper quiets mode {subject.mode.name}; it makes each move longer by its own length.",
+        Message("klipper-shaper", mode=subject.mode.name),
     )
 
 
@@ -224,38 +215,40 @@ def _marlin_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     letter = _letter(subject, "XYZ", "Marlin")
     entries = [
         Entry(
-            name=f"M201 {letter}", value=typed.acceleration, unit="mm/s^2", meaning="acceleration"
+            name=f"M201 {letter}",
+            value=typed.acceleration,
+            unit="mm/s^2",
+            meaning=Message("limit-acceleration"),
         )
     ]
     if typed.shaper:
         number = typed.shaper.order
         frequency = f"{typed.shaper.frequency_hz:.{FREQUENCY_DIGITS}f}"
         damping = f"{typed.shaper.damping_ratio:.{DAMPING_DIGITS}f}"
-        entries.append(Entry(name="M493 S", value="1", unit="", meaning="fixed-time motion on"))
+        entries.append(
+            Entry(name="M493 S", value="1", unit="", meaning=Message("marlin-fixed-time"))
+        )
         entries.append(
             unverified(
                 Entry(
                     name=f"M493 {letter} C",
                     value=f"{number} A{frequency} I{damping}",
                     unit="-, Hz, -",
-                    meaning=f"{typed.shaper.name.upper()} shaper on mode {subject.mode.name}; "
-                    "letters changed between versions",
+                    meaning=Message(
+                        "marlin-shaper", shaper=typed.shaper.name.upper(), mode=subject.mode.name
+                    ),
                 )
             )
         )
     return tuple(entries)
 
 
-def _marlin_notes(subject: Subject, values: Values) -> tuple[str, ...]:
+def _marlin_notes(subject: Subject, values: Values) -> tuple[Message, ...]:
     return (
-        'What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.',
+        Message("marlin-jerk"),
         _make_up(subject, values.recommended),
-        "M493 needs a build with FT_MOTION; M500 keeps the values.",
+        Message("marlin-build"),
     )
-
-
-def _gcode_layout(entries: Sequence[Entry]) -> list[str]:
-    return line_layout("{name}{value}", semicolon_comment, entries)
 
 
 def _ros_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
@@ -263,10 +256,10 @@ def _ros_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     length = subject.length
     section = f"joint_limits/{identifier(subject)}"
     rows = (
-        ("has_acceleration_limits", "true", "", ""),
-        ("max_acceleration", typed.acceleration, f"{length}/s^2", "acceleration"),
-        ("has_jerk_limits", "true", "", ""),
-        ("max_jerk", typed.jerk, f"{length}/s^3", "jerk"),
+        ("has_acceleration_limits", "true", "", None),
+        ("max_acceleration", typed.acceleration, f"{length}/s^2", Message("limit-acceleration")),
+        ("has_jerk_limits", "true", "", None),
+        ("max_jerk", typed.jerk, f"{length}/s^3", Message("limit-jerk")),
     )
     return tuple(
         Entry(name=name, value=value, unit=unit, meaning=meaning, section=section)
@@ -295,7 +288,7 @@ OPEN_CONTROLS = (
         key="grblhal",
         coding=_jerk_coding,
         describe=_grblhal_entries,
-        layout=_settings_layout,
+        layout=partial(line_layout, "{name}={value}", semicolon_comment),
         comment=semicolon_comment,
         notes=_grblhal_notes,
     ),
@@ -311,7 +304,7 @@ OPEN_CONTROLS = (
         key="marlin",
         coding=partial(_shaped_coding, control="Marlin"),
         describe=_marlin_entries,
-        layout=_gcode_layout,
+        layout=partial(line_layout, "{name}{value}", semicolon_comment),
         comment=semicolon_comment,
         notes=_marlin_notes,
     ),

@@ -24,6 +24,8 @@ from mtcommission.export.rounding import (
 )
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import MICRO
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 
 INLINE = "NC program"
 """Section of what stands in the part program instead of the PLC."""
@@ -45,9 +47,9 @@ def _small_coding(subject: Subject) -> Coding:
 def _constants(subject: Subject, typed: Typed, *, length: str) -> tuple[Entry, ...]:
     axis = identifier(subject)
     rows = (
-        ("Acceleration", typed.acceleration, f"{length}/s^2", "acceleration"),
-        ("Deceleration", typed.acceleration, f"{length}/s^2", "deceleration"),
-        ("Jerk", typed.jerk, f"{length}/s^3", "jerk"),
+        ("Acceleration", typed.acceleration, f"{length}/s^2", Message("limit-acceleration")),
+        ("Deceleration", typed.acceleration, f"{length}/s^2", Message("limit-deceleration")),
+        ("Jerk", typed.jerk, f"{length}/s^3", Message("limit-jerk")),
     )
     return tuple(
         Entry(name=f"c{axis}_{name}", value=value, unit=unit, meaning=meaning)
@@ -61,7 +63,7 @@ def _twincat_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
         name="#set paramPathDynamics",
         value=f"{typed.acceleration};{typed.acceleration};{typed.jerk}",
         unit=f"{length}/s^2, {length}/s^3",
-        meaning="path acceleration, deceleration, jerk (NCI)",
+        meaning=Message("limit-path-nci"),
         section=INLINE,
     )
     return (*_constants(subject, typed, length=length), path)
@@ -71,13 +73,13 @@ def _plcopen_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     return _constants(subject, values.recommended, length=subject.small_unit[0])
 
 
-def _structured_text(entries: Sequence[Entry]) -> list[str]:
+def _structured_text(entries: Sequence[Entry], words: Catalogue) -> list[str]:
     constants = [entry for entry in entries if entry.section != INLINE]
     heads = [f"    {entry.name} : LREAL := {_real(entry.value)};" for entry in constants]
     width = max(map(len, heads))
     lines = ["VAR_GLOBAL CONSTANT"]
     lines += [
-        f"{head:<{width}}  {structured_text_comment(remark(entry))}"
+        f"{head:<{width}}  {structured_text_comment(remark(entry, words))}"
         for head, entry in zip(heads, constants, strict=True)
     ]
     lines.append("END_VAR")
@@ -85,7 +87,9 @@ def _structured_text(entries: Sequence[Entry]) -> list[str]:
         if entry.section == INLINE:
             lines += [
                 "",
-                structured_text_comment(f"For the NC program, not for the PLC: {remark(entry)}"),
+                structured_text_comment(
+                    words.text("export-for-nc-program", remark=remark(entry, words))
+                ),
                 structured_text_comment(f"{entry.name}({entry.value})#"),
             ]
     return lines
@@ -96,20 +100,17 @@ def _real(text: str) -> str:
     return text if "." in text else f"{text}.0"
 
 
-def _twincat_notes(_subject: Subject, _values: Values) -> tuple[str, ...]:
+def _twincat_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
     return (
-        "MC_MoveAbsolute of TF5200 takes the jerk in mm/s^3, the TwinCAT 2 CNC took m/s^3: look "
-        "at the block that you call.",
-        "The setpoint generator needs no jerk filter beside these limits.",
+        Message("twincat-jerk-unit"),
+        Message("twincat-no-jerk-filter"),
     )
 
 
-def _plcopen_notes(subject: Subject, _values: Values) -> tuple[str, ...]:
-    length = "degree" if subject.is_rotary else "mm"
+def _plcopen_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
     return (
-        f"The unit u of the axis is taken to be 1 {length}: check the axis's scaling, and multiply "
-        "all three values if it differs.",
-        "A jerk of 0 does not mean none: it selects the default of the axis.",
+        Message("plcopen-unit"),
+        Message("plcopen-jerk-of-zero"),
     )
 
 
@@ -123,27 +124,32 @@ def _generic_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     typed, gains = values.recommended, subject.gains
     delay = subject.tuned.controller.reference_delay
     rows = (
-        ("acceleration", typed.acceleration, f"{length}/s^2", "limit"),
-        ("jerk", typed.jerk, f"{length}/s^3", "limit"),
+        ("acceleration", typed.acceleration, f"{length}/s^2", Message("limit-itself")),
+        ("jerk", typed.jerk, f"{length}/s^3", Message("limit-itself")),
         (
             "jerk time",
             type_number(round_up(typed.limits.jerk_time / MICRO)),
             "us",
-            "acceleration / jerk, rounded up",
+            Message("limit-jerk-time"),
         ),
-        ("Kv", type_number(round_down(gains.position)), "1/s", "position gain of this loop"),
-        ("Kp", type_number(round_down(gains.velocity)), f"{force} s/{length}", "velocity gain"),
+        ("Kv", type_number(round_down(gains.position)), "1/s", Message("gain-position")),
+        (
+            "Kp",
+            type_number(round_down(gains.velocity)),
+            f"{force} s/{length}",
+            Message("gain-velocity"),
+        ),
         (
             "Tn",
             type_number(round_up_digits(gains.integral_time / MICRO)),
             "us",
-            "integral time, rounded up",
+            Message("gain-integral-time"),
         ),
         (
             "reference delay",
             type_number(round_up(delay / MICRO)),
             "us",
-            "delay of the reference path",
+            Message("delay-of-reference"),
         ),
     )
     return tuple(

@@ -212,11 +212,8 @@ def type_limits(subject: Subject, coding: Coding) -> Typed:
     """
     pairs = list(_pairs(subject, coding))
     if not pairs:
-        message = (
-            f"the acceleration of {subject.limits.acceleration:.3g} {subject.length}/s^2 is less "
-            "than one unit of this control; use --control generic"
-        )
-        raise InputError([Fault(where="--control", message=Message("verbatim", text=message))])
+        message = Message("export-too-small", acceleration=subject.limits.acceleration)
+        raise InputError([Fault(where="--control", message=message)])
     typed = _judge(subject, pairs[0])
     is_jerkless = coding.jerk_form is JerkForm.NONE
     if typed.verdict.assessment.is_met or not (subject.is_met or is_jerkless):

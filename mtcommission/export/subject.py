@@ -215,10 +215,8 @@ def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
     """
     acceleration, jerk = mode.acceleration, mode.jerk
     if acceleration is None or jerk is None:
-        message = f"no limits meet the requirements of machining mode {mode.name}"
-        raise InputError(
-            [Fault(where="record", key="limits.modes", message=Message("verbatim", text=message))]
-        )
+        message = Message("export-mode-without-limits", mode=mode.name)
+        raise InputError([Fault(where="record", key="limits.modes", message=message)])
     needs = replace(subject.machine.requirements, tcp_deviation=mode.band)
     return replace(
         subject,
@@ -285,13 +283,8 @@ def _require_own_profile(record: Record) -> None:
     profile = record.profile
     texts = (profile.text, f"{BYTE_ORDER_MARK}{profile.text}")
     if profile.sha256 not in (profile_text_hash(text.encode()) for text in texts):
-        message = (
-            "the profile in this record was edited: it does not have the hash of the run; "
-            "run the changed profile instead"
-        )
-        raise InputError(
-            [Fault(where="record", key="profile.text", message=Message("verbatim", text=message))]
-        )
+        message = Message("export-profile-edited")
+        raise InputError([Fault(where="record", key="profile.text", message=message)])
 
 
 def _as_recorded(record: Record) -> Machine:
@@ -321,10 +314,4 @@ def _require_same_loop(subject: Subject) -> None:
     )
     recommended = subject.record.limits.recommended
     if not (same and isfinite(recommended.acceleration) and recommended.jerk > 0.0):
-        message = (
-            "the loop in this record is not the one that its profile and gains give; "
-            "run the profile again with this version"
-        )
-        raise InputError(
-            [Fault(where="record", key="loop", message=Message("verbatim", text=message))]
-        )
+        raise InputError([Fault(where="record", key="loop", message=Message("export-other-loop"))])

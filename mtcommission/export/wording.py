@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import isfinite, pi
 
+from mtcommission.messages.message import Message
+from mtcommission.messages.quantities import SUPERSCRIPTS, THIN_SPACE
+
 MILLI, MICRO = 1e-3, 1e-6
+LETTERS = str.maketrans(
+    {"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "°": " deg"}
+    | {"µ": "u", "×": "x", "·": " ", "−": "-", "–": "-", "„": '"', "“": '"', "≤": "<=", "≥": ">="}
+    | {"ω": "omega", "ζ": "zeta", "φ": "phi", "τ": "tau", "σ": "sigma", "π": "pi", "″": " arcsec"}
+    | {THIN_SPACE: " "}
+)
+"""Signs of our sentences in the letters that every control reads."""
+
+_RAISED = {chr(raised): chr(plain) for plain, raised in SUPERSCRIPTS.items()}
+
 DEGREE, TURN = pi / 180.0, 2.0 * pi
 
 
-def show_value(value: float, unit: str, *, in_degrees: bool) -> str:
+def show_value(value: float, unit: str, *, in_degrees: bool) -> str | Message:
     """Return an SI value with a unit that people read.
 
     Parameters
@@ -22,19 +36,34 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> str:
 
     Returns
     -------
-    str
-        Four digits.
+    str or Message
+        Four digits, or that it is not settled.
 
     Examples
     --------
     >>> show_value(5e-6, "m", in_degrees=True), show_value(4.848e-5, "rad", in_degrees=True)
     ('5 um', '0.002778 deg')
     >>> show_value(float("inf"), "s", in_degrees=False)
-    'not settled'
+    Message('export-not-settled')
     """
     if not isfinite(value):
-        return "not settled"
+        return Message("export-not-settled")
     if in_degrees and unit.split("/")[0] == "rad":
         return f"{value / DEGREE:.4g} {unit.replace('rad', 'deg', 1)}"
     size, prefix = {"m": (MICRO, "u"), "rad": (MICRO, "u"), "s": (MILLI, "m")}.get(unit, (1.0, ""))
     return f"{value / size:.4g} {prefix}{unit}"
+
+
+def to_ascii(text: str) -> str:
+    """Return a sentence in letters that every control reads.
+
+    Examples
+    --------
+    >>> to_ascii("5 µm/s², 2×10⁻⁵ N·m für die Säule")
+    '5 um/s^2, 2x10^-5 N m fuer die Saeule'
+    """
+    signs = [
+        ("^" if sign in _RAISED and (before not in _RAISED) else "") + _RAISED.get(sign, sign)
+        for before, sign in pairwise(f" {text}")
+    ]
+    return "".join(signs).translate(LETTERS).encode("ascii", "replace").decode()

@@ -5,10 +5,11 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import reduce
 from io import StringIO
 
 from mtcommission.export.catalogue import CONTROL_TITLES, find_control_key
-from mtcommission.export.control import DOUBT, UNVERIFIED, Block, Control
+from mtcommission.export.control import Block, Control, say_meaning
 from mtcommission.export.gains import round_gains
 from mtcommission.export.modes import Values, type_modes
 from mtcommission.export.numeric import NUMERIC_CONTROLS
@@ -16,8 +17,9 @@ from mtcommission.export.open_source import OPEN_CONTROLS
 from mtcommission.export.plc import PLC_CONTROLS
 from mtcommission.export.rounding import type_limits
 from mtcommission.export.subject import Subject, build_subject, with_gains
-from mtcommission.export.wording import show_value
+from mtcommission.export.wording import show_value, to_ascii
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.record.data import ACCEPTED_DEFAULT
 from mtcommission.record.schema import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -56,6 +58,8 @@ class Export:
         left out.
     text
         The file.
+    words
+        The language that it speaks.
     """
 
     control: str
@@ -64,9 +68,10 @@ class Export:
     limits: MotionLimits
     meets_requirements: bool
     text: str
+    words: Catalogue
 
 
-def export_record(record: Record, *, control: str) -> Export:
+def export_record(record: Record, *, control: str, language: str = "en") -> Export:
     """Return the recommended limits of a record for a control.
 
     Parameters
@@ -75,6 +80,8 @@ def export_record(record: Record, *, control: str) -> Export:
         Of a run.
     control
         One of ``control_keys()``.
+    language
+        Of header, remarks and notes.
 
     Returns
     -------
@@ -96,17 +103,19 @@ def export_record(record: Record, *, control: str) -> Export:
         modes=type_modes(subject, coding) if target.has_modes else (),
     )
     blocks = (
-        Block(title="", entries=target.describe(subject, values)),
+        Block(title=None, entries=target.describe(subject, values)),
         *target.alternatives(subject, values),
     )
-    header = _header(subject, target, values)
+    words = Catalogue(language, rotary=subject.is_rotary)
+    header = tuple(_one_line(words.say(line)) for line in _header(subject, target, values, words))
     return Export(
         control=target.key,
         header=header,
         blocks=blocks,
         limits=values.recommended.limits,
         meets_requirements=values.meets_requirements,
-        text=_write(target, header, blocks),
+        text=_write(target, header, blocks, words),
+        words=words,
     )
 
 
@@ -130,72 +139,95 @@ def parameter_list(export: Export) -> str:
     writer.writerow(COLUMNS)
     for block in export.blocks:
         for entry in block.entries:
-            section = " / ".join(part for part in (block.title, entry.section) if part)
-            doubt = "read in the maker's text" if entry.is_verified else f"{DOUBT} {UNVERIFIED}"
+            title = export.words.say(block.title) if block.title else ""
+            section = " / ".join(part for part in (title, entry.section) if part)
+            doubt = export.words.text("export-verified" if entry.is_verified else "export-doubted")
             writer.writerow(
-                (section, entry.name, entry.unit, "", entry.value, "", "", entry.meaning, doubt)
+                (
+                    section,
+                    entry.name,
+                    entry.unit,
+                    "",
+                    entry.value,
+                    "",
+                    "",
+                    say_meaning(entry, export.words),
+                    doubt,
+                )
             )
     return stream.getvalue()
 
 
-def _header(subject: Subject, control: Control, values: Values) -> tuple[str, ...]:
+def _header(subject: Subject, control: Control, values: Values, words: Catalogue) -> list[Message]:
     record = subject.record
-    profile = record.profile
+    machine, profile, tool = record.machine, record.profile, record.tool
     sentences = [
-        f"{record.machine.name}, axis {record.machine.axis}: limits for "
-        f"{CONTROL_TITLES[control.key]}",
-        f"Computed {record.created} by {record.tool.name} {record.tool.version} "
-        f"from {profile.name}",
-        f"Profile SHA-256 {profile.sha256}",
-        "VERIFY BEFORE USE. Calculated, not measured: not an acceptance test (ISO 230). Enter by "
-        "hand, note the old values, try at reduced override.",
+        Message(
+            "export-title",
+            name=machine.name,
+            axis_name=machine.axis,
+            control=CONTROL_TITLES[control.key],
+        ),
+        Message(
+            "export-computed",
+            created=record.created,
+            tool=f"{tool.name} {tool.version}",
+            profile=profile.name,
+        ),
+        Message("export-hash", hash=profile.sha256),
+        Message("export-verify"),
         _verdict(subject, control, values),
-        "Each limit is rounded to the safe side. Units stand beside the values.",
+        Message("export-safe-side"),
         *control.notes(subject, values),
     ]
     average = subject.machine.control.moving_average_time
     if average > 0.0:
-        sentences.append(
-            f"These limits go with a moving-average setpoint filter of {1e3 * average:.4g} ms in "
-            "the control (the profile's setpoint_filter); without it they are not valid."
-        )
-    sentences += _doubts(record, Catalogue(rotary=subject.is_rotary))
-    sentences.append(f"{DOUBT} means: name or unit not verified, {UNVERIFIED}.")
-    return tuple(_one_line(sentence) for sentence in sentences)
+        sentences.append(Message("export-moving-average", time=average))
+    sentences += _doubts(record, words)
+    sentences.append(Message("export-doubt"))
+    return sentences
 
 
-def _doubts(record: Record, words: Catalogue) -> list[str]:
+def _doubts(record: Record, words: Catalogue) -> list[Message]:
     """What the run warned of, and the data that nobody measured."""
-    found = [f"WARNING: {words.say(warning)}" for warning in record.warnings]
-    unmeasured = [item.key for item in record.data if item.source == ACCEPTED_DEFAULT]
+    found = [
+        Message("export-warning", warning=to_ascii(words.say(warning)))
+        for warning in record.warnings
+    ]
+    unmeasured = tuple(item.key for item in record.data if item.source == ACCEPTED_DEFAULT)
     if unmeasured:
-        found.append(f"Default accepted, not measured: {', '.join(unmeasured)}.")
+        found.append(Message("export-not-measured", keys=unmeasured))
     return found
 
 
-def _verdict(subject: Subject, control: Control, values: Values) -> str:
-    def show(value: float, unit: str) -> str:
+def _verdict(subject: Subject, control: Control, values: Values) -> Message:
+    def show(value: float, unit: str) -> str | Message:
         return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
 
     verdict = values.recommended.verdict
-    count = len(subject.tuned.corners)
-    place = "the nominal machine" if count == 1 else f"{count} corners"
-    gains = " and these gains" if control.gains.velocity else " and this Kv"
-    judged = (
-        f"Simulated with exactly these limits{gains if control.gains.position else ''} in {place}: "
-        f"settling time {show(verdict.settling_time, 's')}, residual deviation "
-        f"{show(verdict.residual_deviation, subject.length)} (recommended limits: "
-        f"{show(subject.settling_time, 's')})"
+    judged = Message(
+        "export-judged",
+        gains="none" if not control.gains.position else "all" if control.gains.velocity else "Kv",
+        corners=len(subject.tuned.corners),
+        settling=show(verdict.settling_time, "s"),
+        residual=show(verdict.residual_deviation, subject.length),
+        recommended=show(subject.settling_time, "s"),
     )
     missed = [
-        f"{check.name} {show(check.value, check.unit)}, allowed {show(check.limit, check.unit)}"
+        Message(
+            "export-missed",
+            name=check.name,
+            value=show(check.value, check.unit),
+            limit=show(check.limit, check.unit),
+        )
         for check in verdict.assessment.checks
         if not check.is_met
     ]
-    missed += [f"no limits for machining mode {mode.name}" for mode in values.left_out]
+    missed += [Message("export-mode-missed", mode=mode.name) for mode in values.left_out]
     if not missed:
-        return f"{judged}; all requirements met."
-    return f"{judged}; REQUIREMENTS NOT MET: {'; '.join(missed)}."
+        return Message("export-all-met", judged=judged)
+    told = reduce(lambda first, then: Message("record-both", first=first, then=then), missed)
+    return Message("export-not-all-met", judged=judged, missed=told)
 
 
 def _one_line(text: str) -> str:
@@ -203,19 +235,21 @@ def _one_line(text: str) -> str:
     return " ".join(text.split())
 
 
-def _write(control: Control, header: tuple[str, ...], blocks: tuple[Block, ...]) -> str:
+def _write(
+    control: Control, header: tuple[str, ...], blocks: tuple[Block, ...], words: Catalogue
+) -> str:
     lines = [control.comment(line) for sentence in header for line in wrap_whole(sentence, WIDTH)]
     for block in blocks:
         lines.append("")
         if not block.title:
-            lines += control.layout(block.entries)
+            lines += control.layout(block.entries, words)
             continue
         inside = [
-            block.title.upper(),
-            *(line for note in block.notes for line in wrap_whole(note, WIDTH)),
+            words.say(block.title).upper(),
+            *(line for note in block.notes for line in wrap_whole(words.say(note), WIDTH)),
         ]
         lines += [control.comment(line) for line in inside]
         if block.entries:
             # An alternative must not act by accident when the file is read in as it stands.
-            lines += [control.comment(line) for line in control.layout(block.entries)]
+            lines += [control.comment(line) for line in control.layout(block.entries, words)]
     return "\n".join(lines) + "\n"

@@ -27,12 +27,13 @@ from mtcommission.record.schema import (
     Profile,
     Record,
     Tool,
+    Words,
 )
 from mtcommission.record.shape import entry_of, to_plain
 
 
 def build_record(
-    commissioning: Commissioning, *, profile: Profile, created: str, warnings: Sequence[str]
+    commissioning: Commissioning, *, profile: Profile, created: str, warnings: Sequence[Words]
 ) -> Record:
     """Return the record of a commissioning.
 

@@ -136,11 +136,13 @@ def plan_setpoint(move: Move, limits: MotionLimits, *, moving_average: float = 0
             break
         complaint = complaint or str(result)
     else:
-        detail = (
-            f"{move} with a = {limits.acceleration:.6g} m/s^2, j = {limits.jerk:.6g} m/s^3 "
-            f"(rad instead of m on a rotary axis): {complaint}"
+        detail = Message(
+            "setpoint-of-limits",
+            acceleration=limits.acceleration,
+            jerk=limits.jerk,
+            complaint=complaint,
         )
-        raise ComputationError(Outcome.SETPOINT_FAILED, Message("verbatim", text=detail))
+        raise ComputationError(Outcome.SETPOINT_FAILED, detail)
     profile = trajectory.profiles[0][0]
     durations, jerks = np.array(profile.t), np.array(profile.j)
     used = durations > 0.0

@@ -72,7 +72,7 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
         )
     except typst.TypstError as error:
         raise ComputationError(
-            Outcome.PRINTING_FAILED, Message("verbatim", text=str(error))
+            Outcome.PRINTING_FAILED, Message("foreign", text=str(error))
         ) from error
     return pdf
 
@@ -84,9 +84,7 @@ def _font_folder() -> Path:
     """
     package = find_spec("matplotlib")
     if package is None or package.origin is None:
-        raise ComputationError(
-            Outcome.PRINTING_FAILED, Message("verbatim", text="matplotlib, which brings the fonts")
-        )
+        raise ComputationError(Outcome.PRINTING_FAILED, Message("fonts-missing"))
     return Path(package.origin).with_name("mpl-data") / "fonts" / "ttf"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mtcommission.machine.requirement import read_requirement
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message, join_by_and
+from mtcommission.messages.message import join_by_and
 from mtcommission.record.schema import AttainableEntry
 
 
@@ -49,7 +49,7 @@ def say_limiting(item: AttainableEntry, words: Catalogue) -> str:
     'settling time, together with peak v_s'
     """
     said = say_requirement(item.requirement, words)
-    others = [Message("verbatim", text=say_requirement(x, words)) for x in item.together_with]
+    others = [read_requirement(name).message for name in item.together_with]
     if not others:
         return said
     return words.text("requirement-together-with", requirement=said, others=join_by_and(others))

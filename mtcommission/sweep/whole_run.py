@@ -53,7 +53,7 @@ def run_case(machine: Machine, *, text: str, name: str, created: str) -> CaseRun
         With a named outcome.
     """
     found = commission(machine)
-    warnings = [f"{remark.key}: {remark.message}" for remark in check_plausibility(machine)]
+    warnings = [remark.with_key() for remark in check_plausibility(machine)]
     profile = Profile(name=name, sha256=sha256(text.encode()).hexdigest(), text=text)
     record = build_record(found, profile=profile, created=created, warnings=warnings)
     cells = chain_cells(

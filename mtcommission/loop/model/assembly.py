@@ -14,7 +14,7 @@ Which path carries which dead time:
   later and is held.
 
 The same step advances numbers (a simulation, with saturation) and unit vectors (the matrices
-of the linear loop), so the two cannot differ. It takes a tenth of a millisecond, the diagram some
+of the linear loop), so the two cannot differ. It takes half a millisecond, the diagram some
 thirty: tuning assembles hundreds of loops, a batch thousands.
 """
 

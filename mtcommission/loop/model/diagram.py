@@ -4,7 +4,7 @@ Read beside the diagram in docs/feedback-loop.md. The blocks of the velocity cyc
 first and lifted: N velocity cycles become one position cycle, with every signal once for each of
 them (``tcp[0]``, ``tcp[1]``, ...). To that the blocks of the position cycle are connected.
 
-To build it takes some tenth of a second, to import python-control more than one; so what tunes,
+To build it takes some 30 ms, to import python-control more than a second; so what tunes,
 searches and simulates takes its matrices from ``assembly``, which a test holds to this model.
 """
 

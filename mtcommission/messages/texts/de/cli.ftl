@@ -34,3 +34,16 @@ cli-written = geschrieben: { $files }
 cli-next-export = weiter: mtcommission export { $record } --control NAME
 cli-list-of-controls = (--control ? nennt die Steuerungen)
 cli-failed-cases = { $count } gescheitert
+
+stage-optimal-controls = optimale Steuerungen
+stage-feedback-loop = Regelkreis
+stage-limits = Grenzwerte
+stage-responses = Antworten und Faustregeln
+stage-attainable = was einzuhalten wäre
+stage-machining-modes = Bearbeitungsarten
+stage-comparison = Vergleich mit den Optima
+stage-robustness = Robustheit
+stage-sheet = Blatt
+stage-time-optimal = zeitoptimale Steuerung
+stage-damping-optimal = dämpfungsoptimale Steuerung
+stage-response = Antwort

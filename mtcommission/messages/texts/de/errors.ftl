@@ -19,4 +19,7 @@ outcome-worker-lost = Prozess verloren: { $detail }: Prozesse der Reihenrechnung
 outcome-stopped = angehalten: { $detail }: die Reihenrechnung wurde unterbrochen; mit --resume fortsetzen
 outcome-printing-failed = Druck gescheitert: { $detail }: das PDF konnte nicht gesetzt werden; --no-pdf verwenden und die Meldung einsenden
 
-verbatim = { $text }
+# what another program says, in its own words
+foreign = { $text }
+fonts-missing = matplotlib, das die Schriften mitbringt, fehlt
+setpoint-of-limits = mit a = { PLAIN($acceleration, digits: 6) } m/s^2 und j = { PLAIN($jerk, digits: 6) } m/s^3 (an einer Drehachse rad statt m): { $complaint }

@@ -37,3 +37,17 @@ cli-written = written: { $files }
 cli-next-export = next: mtcommission export { $record } --control NAME
 cli-list-of-controls = (--control ? lists the controls)
 cli-failed-cases = { $count } failed
+
+# The running stage, beside the spinner.
+stage-optimal-controls = optimal controls
+stage-feedback-loop = feedback loop
+stage-limits = limits
+stage-responses = responses and rules of thumb
+stage-attainable = what could be met
+stage-machining-modes = machining modes
+stage-comparison = comparison with the optima
+stage-robustness = robustness
+stage-sheet = sheet
+stage-time-optimal = time-optimal control
+stage-damping-optimal = damping-optimal control
+stage-response = response

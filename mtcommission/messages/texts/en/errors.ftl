@@ -22,4 +22,7 @@ outcome-worker-lost = worker lost: { $detail }: processes of the sweep ended aga
 outcome-stopped = stopped: { $detail }: the sweep was interrupted; continue with --resume
 outcome-printing-failed = printing failed: { $detail }: the PDF could not be set; use --no-pdf and report the message
 
-verbatim = { $text }
+# what another program says, in its own words
+foreign = { $text }
+fonts-missing = matplotlib, which brings the fonts, is missing
+setpoint-of-limits = with a = { PLAIN($acceleration, digits: 6) } m/s^2 and j = { PLAIN($jerk, digits: 6) } m/s^3 (rad instead of m on a rotary axis): { $complaint }
