@@ -13,7 +13,7 @@ optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower
 damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.
 damping-optimum-exceeds-velocity = Die dämpfungsoptimale Steuerung erreicht das { PLAIN($times, digits: 4) }-fache von max_velocity: ihr Funktional kennt keine Grenzen für Zustände.
 static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } von max_force { SI($force, "FORCE", digits: 6) }
-final-time-below-least = t_f = { TIME($final, digits: 9) }, aber t_f,min = { TIME($least, digits: 9) }
+final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, aber t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
 
 # limits condensed from an optimum
 closest-to-time-optimal = nächst der zeitoptimalen Steuerung

@@ -15,7 +15,7 @@ optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($sl
 damping-optimum-failed = Damping-optimal control: { $error }.
 damping-optimum-exceeds-velocity = The damping-optimal control reaches { PLAIN($times, digits: 4) } times max_velocity: its functional knows no limits on states.
 static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } of max_force { SI($force, "FORCE", digits: 6) }
-final-time-below-least = t_f = { TIME($final, digits: 9) }, but t_f,min = { TIME($least, digits: 9) }
+final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, but t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
 
 # limits condensed from an optimum
 closest-to-time-optimal = closest to the time-optimal control
