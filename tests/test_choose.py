@@ -240,7 +240,7 @@ def test_a_bound_that_forbids_more_is_named() -> None:
     assert case.settling_time >= free.settling_time * (1 - 1e-3)
     assert case.choice.bound_by
     tight = solve(require(PAPER, peaks=(Peak(name="v_phi", bound=5e-4),)))
-    assert "peak v_phi" in Catalogue().say(tight.choice.bound_by)
+    assert "peak v_φ" in Catalogue().say(tight.choice.bound_by)
     assert tight.settling_time > free.settling_time
 
 

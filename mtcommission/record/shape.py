@@ -93,8 +93,7 @@ def find_faults(error: Exception, *, key: str = "") -> Iterator[Message]:
 
     Examples
     --------
-    >>> from mtcommission.messages import formula
-    from mtcommission.messages.catalogue import Catalogue
+    >>> from mtcommission.messages.catalogue import Catalogue
     >>> try:
     ...     to_entry({"a": [1.0, "x"]}, dict[str, list[float]])
     ... except BaseValidationError as error:
