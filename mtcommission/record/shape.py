@@ -93,6 +93,7 @@ def find_faults(error: Exception, *, key: str = "") -> Iterator[Message]:
 
     Examples
     --------
+    >>> from cattrs import BaseValidationError
     >>> from mtcommission.messages.catalogue import Catalogue
     >>> try:
     ...     to_entry({"a": [1.0, "x"]}, dict[str, list[float]])
