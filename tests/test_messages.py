@@ -18,8 +18,9 @@ from fluent.syntax.visitor import Visitor
 
 import mtcommission
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.messages.catalogue import LANGUAGES, Catalogue, entries_of
+from mtcommission.messages.catalogue import Catalogue, entries_of
 from mtcommission.messages.functions import functions_of
+from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message, from_json, to_json
 from mtcommission.messages.quantities import Formatter
 

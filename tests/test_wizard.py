@@ -21,7 +21,8 @@ from hypothesis import strategies as st
 from mtcommission.commission import commission
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings
-from mtcommission.messages.catalogue import LANGUAGES, Catalogue
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal

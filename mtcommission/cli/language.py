@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message, Value
 
 if TYPE_CHECKING:
@@ -36,19 +37,22 @@ def choose(language: str) -> str:
     InputError
         If there is no such language.
     """
-    if language != ENGLISH:  # the catalogue takes a tenth of a second to load
-        from mtcommission.messages.catalogue import LANGUAGES
-
-        if language not in LANGUAGES:
-            message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
-            raise InputError([Fault(where="--language", message=message)])
+    if language not in LANGUAGES:
+        message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
+        raise InputError([Fault(where="--language", message=message)])
     _spoken.set(language)
     return language
 
 
 LanguageOption = Annotated[
     str,
-    typer.Option("--language", metavar="en|de", help="Language.", callback=choose, is_eager=True),
+    typer.Option(
+        "--language",
+        metavar="|".join(LANGUAGES),
+        help="Language.",
+        callback=choose,
+        is_eager=True,
+    ),
 ]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import isfinite, pi
+from unicodedata import combining, normalize
 
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import SUPERSCRIPTS, THIN_SPACE
@@ -61,9 +62,13 @@ def to_ascii(text: str) -> str:
     --------
     >>> to_ascii("5 µm/s², 2×10⁻⁵ N·m für die Säule")
     '5 um/s^2, 2x10^-5 N m fuer die Saeule'
+    >>> to_ascii("vérifié à la main")
+    'verifie a la main'
     """
     signs = [
         ("^" if sign in _RAISED and (before not in _RAISED) else "") + _RAISED.get(sign, sign)
         for before, sign in pairwise(f" {text}")
     ]
-    return "".join(signs).translate(LETTERS).encode("ascii", "replace").decode()
+    plain = normalize("NFKD", "".join(signs).translate(LETTERS))  # é is e and its accent
+    letters = "".join(sign for sign in plain if not combining(sign))
+    return letters.encode("ascii", "replace").decode()

@@ -19,13 +19,11 @@ from fluent.runtime import FluentBundle, FluentResource
 from fluent.runtime.types import FluentNone, FluentNumber, fluent_number
 
 from mtcommission.messages.functions import functions_of
+from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message, Value
 from mtcommission.messages.quantities import Formatter
 
 TEXTS = Path(__file__).with_name("texts")
-
-LANGUAGES: Mapping[str, str] = MappingProxyType({"en": ".", "de": ","})
-"""Languages there are, and their decimal marks."""
 
 _ENTRY = re.compile(r"^(-?[a-zA-Z][\w-]*)[ ]*=[ ]*(.*(?:\n(?:[ }].*|(?=\n)))*)", re.MULTILINE)
 """A text begins at the margin; its further lines are indented, the last may close a bracket."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.messages.catalogue import LANGUAGES
+from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message
 from mtcommission.record.schema import Record
 from mtcommission.sheet.content import compose
