@@ -25,6 +25,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.solution import Bang, Bound, Interior, TimeOptimum, TouchPoint
 from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.shipped import read_shipped
 from tests.machines import paper_machine
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -444,3 +445,17 @@ def test_typed_bytes_of_another_encoding_are_refused_at_their_question(tmp_path:
     assert b"bytes of another encoding; type plain text" in done.stdout
     kept = tomllib.loads((tmp_path / "p.toml.answers").read_text("utf-8"))
     assert (kept["machine.name"], kept["machine.axis"]) == ("Lathe", "Z")
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_errors_of_a_rotary_axis_speak_its_units(language: str, tmp_path: Path, run: Run) -> None:
+    """Gains in N s/m would be typed into the drive of a rotary table."""
+    text = read_shipped("rotary-table").text
+    gains = 'position_gain = "900 1/s"\nvelocity_gain = "60000 N m s/rad"\n'
+    profile = tmp_path / "stiff.toml"
+    profile.write_text(text.replace("[control]\n", f"[control]\n{gains}"), encoding="utf-8")
+    options = ("--acceleration", "40", "--jerk", "3000", "--language", language)
+    code, _, errors = run("simulate", profile, *options)
+    assert code == 3
+    assert "N m s/rad" in errors
+    assert "N s/m" not in errors

@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mtcommission.cli.language import speak_of
+
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
     from mtcommission.messages.message import Message
@@ -39,6 +41,7 @@ def describe_profile(path: Path) -> Profile:
 def _with_force(machine: Machine, f_max: str) -> Machine:
     from mtcommission.options import with_force
 
+    speak_of(machine)
     return with_force(machine, f_max) if f_max else machine
 
 

@@ -12,11 +12,13 @@ from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message, Value
 
 if TYPE_CHECKING:
+    from mtcommission.machine.machine import Machine
     from mtcommission.messages.catalogue import Catalogue
 
 ENGLISH = "en"
 
 _spoken = ContextVar("spoken", default=ENGLISH)
+_rotary = ContextVar("rotary", default=False)
 
 
 def choose(language: str) -> str:
@@ -41,6 +43,7 @@ def choose(language: str) -> str:
         message = Message("option-no-language", got=language, allowed=tuple(LANGUAGES))
         raise InputError([Fault(where="--language", message=message)])
     _spoken.set(language)
+    _rotary.set(False)
     return language
 
 
@@ -56,11 +59,16 @@ LanguageOption = Annotated[
 ]
 
 
-def words(*, rotary: bool = False) -> Catalogue:
-    """Return the catalogue of the chosen language for one kind of axis."""
+def speak_of(machine: Machine) -> None:
+    """Speak of torques and angles from now on, if the axis turns."""
+    _rotary.set(machine.motion.value == "rotary")
+
+
+def words(*, rotary: bool | None = None) -> Catalogue:
+    """Return the catalogue of the chosen language for a kind of axis: that of the machine read."""
     from mtcommission.messages.catalogue import Catalogue
 
-    return Catalogue(_spoken.get(), rotary=rotary)
+    return Catalogue(_spoken.get(), rotary=_rotary.get() if rotary is None else rotary)
 
 
 def say(kind: str, /, **values: Value) -> str:

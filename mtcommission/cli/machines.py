@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.compute import run
-from mtcommission.cli.inputs import list_delays, list_warnings
+from mtcommission.cli.inputs import list_delays, list_warnings, read_machine
 from mtcommission.cli.language import ENGLISH, LanguageOption
 from mtcommission.cli.progress import print_written
 from mtcommission.errors import Fault, InputError
@@ -67,9 +67,8 @@ def check(
     from mtcommission.cli.machine_view import describe_machine
     from mtcommission.cli.terminal import show
     from mtcommission.plant.plant import build_plant
-    from mtcommission.profile.read import read_profile
 
-    machine = read_profile(profile)
+    machine = read_machine(profile, "")
     warnings: list[Message | str]
     warnings = [*list_warnings(machine), *list_delays(machine)]
     if not machine.control.leaves_all_to_rules:

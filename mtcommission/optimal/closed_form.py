@@ -32,9 +32,9 @@ def step_response(plant: Plant, tau: Array) -> Array:
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
-    >>> plant = build_plant(paper_machine())
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
     >>> [round(float(f), 6) for f in step_response(plant, np.array([-1.0, 2.5e-3]))[:, plant.force]]
     [0.0, 0.632121]
     """
@@ -74,9 +74,9 @@ def impulse_response(plant: Plant, tau: Array) -> Array:
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
-    >>> plant = build_plant(paper_machine())
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
     >>> tau = np.array(1e-3)
     >>> bool(np.allclose(impulse_response(plant, tau), transition(plant, tau) @ plant.B))
     True
@@ -117,9 +117,9 @@ def transition(plant: Plant, tau: Array) -> Array:
     Examples
     --------
     >>> from scipy.linalg import expm
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
-    >>> plant = build_plant(paper_machine())
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
     >>> bool(np.allclose(transition(plant, np.array(1e-3)), expm(plant.A * 1e-3), atol=1e-12))
     True
     """

@@ -79,7 +79,8 @@ def _certificate_rows(optimum: OptimumEntry, words: Catalogue) -> list[tuple[str
         (text("largest-error"), f.number(_largest_error(optimum), digits=2)),
     ]
     if optimum.cost is not None:
-        rows.append((text("cost"), f.quantity(optimum.cost, "N^2 s")))
+        unit = "N^2 m^2 s" if words.rotary else "N^2 s"
+        rows.append((text("cost"), f.quantity(optimum.cost, unit)))
     if optimum.weights:
         rows.append((text("weights"), _listed(optimum.weights, words)))
     for key, value in asdict(optimum.certificate).items():

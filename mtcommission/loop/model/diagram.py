@@ -57,15 +57,16 @@ def build_model(plant: Plant, controller: Controller, *, model: Plant) -> contro
     Examples
     --------
     >>> from mtcommission.loop.tuning.tuning import tune_loop
-    >>> from benchmarks.population import random_machine
-    >>> loop = tune_loop(random_machine(3)).loops[0]
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> loop = tune_loop(read_shipped("modal-two-modes").machine).loops[0]
     >>> model = build_model(loop.plant, loop.controller, model=loop.plant)
     >>> abs(model["tcp", "x_ref"].dcgain()).round(6)
     np.float64(1.0)
     """
     whole = build_lifted_model(plant, controller, model=model)
     seen = ["tcp", "encoder", "force"]
-    return control.ss(whole[[f"{name}[0]" for name in seen], :], outputs=seen, name="loop")
+    part = whole[[f"{name}[0]" for name in seen], :]
+    return control.ss(part, states=whole.state_labels, outputs=seen, name="loop")
 
 
 def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:

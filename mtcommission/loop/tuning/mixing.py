@@ -74,8 +74,8 @@ def find_mixed_modes(loop: SampledLoop, damping: Array) -> tuple[MixedMode, ...]
     Examples
     --------
     >>> from mtcommission.loop.tuning.tuning import tune_loop
-    >>> from benchmarks.population import random_machine
-    >>> tuned = tune_loop(random_machine(3))
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> tuned = tune_loop(read_shipped("modal-two-modes").machine)
     >>> find_mixed_modes(tuned.loops[0], tuned.nominal.mode_damping)
     ()
     """

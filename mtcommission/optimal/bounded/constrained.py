@@ -74,10 +74,10 @@ def solve_bounded_time_optimal(
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.optimal.solution import Boundary
     >>> from mtcommission.plant.plant import build_plant
-    >>> machine = paper_machine()
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> optimum = solve_bounded_time_optimal(build_plant(machine), machine.moves[0],
     ...     force_limit=2e3, bounds=(Bound(name="v_phi", value=0.02),))
     >>> held = [arc.control for arc in optimum.arcs if isinstance(arc.control, Boundary)]

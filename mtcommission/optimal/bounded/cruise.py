@@ -62,10 +62,11 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
     >>> move = Positioning(distance=0.02, max_velocity=0.1)
-    >>> found = compose_cruise(build_plant(paper_machine()), move, force_limit=2e3)
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
+    >>> found = compose_cruise(plant, move, force_limit=2e3)
     >>> round(found.t_f, 6), found.certificate.t_f_lower_bound < found.t_f
     (0.24352, True)
     """

@@ -190,9 +190,10 @@ def describe_bounds(
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
-    >>> describe_bounds(build_plant(paper_machine()), (Bound(name="v_phi", value=5e-3),))
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
+    >>> describe_bounds(plant, (Bound(name="v_phi", value=5e-3),))
     (Message('signal-bound', signal='v_phi', value=0.005, unit='rad/s'),)
     """
     return tuple(
@@ -235,9 +236,9 @@ def bounded_problem(
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
-    >>> machine = paper_machine()
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
     ...     bounds=(Bound(name="v_phi", value=0.005), Bound(name="phi", value=5e-5)), horizon=0.05)
     >>> [limit.order for limit in problem.limits]

@@ -91,8 +91,8 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     >>> from mtcommission.optimal.free.mesh import build_mesh
     >>> from mtcommission.optimal.free.moments import moment_problem
     >>> from mtcommission.plant.plant import build_plant
-    >>> from tests.machines import paper_machine
-    >>> plant = build_plant(paper_machine())
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
     >>> problem = moment_problem(plant, Positioning(distance=0.1))
     >>> point = evaluate_dual(build_mesh(problem, 0.5), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.19]),
     ...     span=problem.target / 2e3, near=0.4)

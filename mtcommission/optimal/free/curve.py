@@ -88,8 +88,8 @@ def solve_curve(problem: MomentProblem, spans: Array) -> tuple[CurvePoint, ...]:
     --------
     >>> from mtcommission.optimal.free.moments import moment_problem
     >>> from mtcommission.plant.plant import build_plant
-    >>> from tests.machines import paper_machine
-    >>> machine = paper_machine()
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> problem = moment_problem(build_plant(machine), machine.moves[0])
     >>> points = solve_curve(problem, problem.target / np.array([1e3, 2e3, 4e3]))
     >>> [(round(point.t_f, 6), point.is_proved) for point in points]

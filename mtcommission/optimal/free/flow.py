@@ -154,8 +154,8 @@ def states_at(
     >>> from mtcommission.machine.machine import Positioning
     >>> from mtcommission.optimal.free.moments import moment_problem
     >>> from mtcommission.plant.plant import build_plant
-    >>> from tests.machines import paper_machine
-    >>> plant = build_plant(paper_machine())
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
     >>> problem = moment_problem(plant, Positioning(distance=1.0))
     >>> flow = dyadic_flow(plant, problem, t_f=2.0)
     >>> t_f, half = np.array([2.0]), np.array([1.0])

@@ -214,9 +214,9 @@ def moment_problem(plant: Plant, move: Move) -> MomentProblem:
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
-    >>> machine = paper_machine()
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> moment_problem(build_plant(machine), machine.moves[0]).size
     5
     """
@@ -245,8 +245,8 @@ def independence(problem: MomentProblem, horizon: float) -> float:
     Examples
     --------
     >>> from mtcommission.plant.plant import build_plant
-    >>> from tests.machines import paper_machine
-    >>> machine = paper_machine()
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> problem = moment_problem(build_plant(machine), machine.moves[0])
     >>> [f"{independence(problem, t):.0e}" for t in (0.1, 1e-3)]
     ['2e-01', '2e-08']
@@ -281,9 +281,9 @@ def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
-    >>> machine = paper_machine()
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> plant = build_plant(machine)
     >>> rows = moment_rows(plant, moment_problem(plant, machine.moves[0]))
     >>> [round(float(b), 12) for b in rows @ plant.B]

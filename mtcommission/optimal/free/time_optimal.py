@@ -70,8 +70,8 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
     Examples
     --------
     >>> from mtcommission.plant.plant import build_plant
-    >>> from tests.machines import paper_machine
-    >>> machine = paper_machine()
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> optimum = solve_time_optimal(build_plant(machine), machine.moves[0], force_limit=2e3)
     >>> [round(t, 6) for t in (*optimum.switching_times, optimum.t_f)]
     [0.009395, 0.009731, 0.03657, 0.037678, 0.041955, 0.04352]

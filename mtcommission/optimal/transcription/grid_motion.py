@@ -88,9 +88,9 @@ def follow_grid(plant: Plant, control: Array, *, t_f: float) -> GridMotion:
     --------
     A constant force moves the rigid mass of 750 kg, but for the lag of 2.5 ms.
 
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.plant.plant import build_plant
-    >>> plant = build_plant(paper_machine())
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
     >>> motion = follow_grid(plant, np.full(10, 750.0), t_f=1.0)
     >>> round(float(motion.states[-1, plant.velocity]), 6)
     0.9975

@@ -74,11 +74,11 @@ def solve_grid_time(problem: BoundedProblem, *, t_free: float) -> GridOptimum:
 
     Examples
     --------
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.optimal.bounded.problem import (bounded_problem)
     >>> from mtcommission.optimal.solution import Bound
     >>> from mtcommission.plant.plant import build_plant
-    >>> machine = paper_machine()
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
     ...     bounds=(Bound(name="v_phi", value=0.005),), horizon=0.05)
     >>> round(solve_grid_time(problem, t_free=0.0435).t_f, 3)

@@ -58,11 +58,11 @@ def smallest_factor_by(problem: BoundedProblem, t_f: float) -> float:
     --------
     The bound that the paper's sec. 5.2 asks for needs 52.3 ms:
 
-    >>> from tests.machines import paper_machine
+    >>> from mtcommission.profile.shipped import read_shipped
     >>> from mtcommission.optimal.bounded.problem import (bounded_problem)
     >>> from mtcommission.optimal.solution import Bound
     >>> from mtcommission.plant.plant import build_plant
-    >>> machine = paper_machine()
+    >>> machine = read_shipped("milling-manipulator").machine
     >>> problem = bounded_problem(build_plant(machine), machine.moves[0], force_limit=2e3,
     ...     bounds=(Bound(name="v_phi", value=0.005),), horizon=0.05)
     >>> [round(smallest_factor_by(problem, t_f), 2) for t_f in (0.0522923, 0.048)]
