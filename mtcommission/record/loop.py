@@ -167,11 +167,11 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
 
 
 def _disturbance_entry(study: LoopStudy) -> Series:
-    t = study.pushed[0].step.t
+    t = study.disturbed[0].step.t
     every = max(1, round(PUSH_STEP / (t[1] - t[0])))
     return Series(
         t=t[::every].tolist(),
-        signals={item.name.kind: item.step.deflection[::every].tolist() for item in study.pushed},
+        signals={item.name.kind: item.step.deflection[::every].tolist() for item in study.disturbed},
     )
 
 

@@ -66,13 +66,13 @@ class LoopStudy:
 
     Parameters
     ----------
-    pushed
+    disturbed
         The loop without and with state feedback, or the one there is.
     jerk_feedforward
         Without, with, and as the profile has it.
     """
 
-    pushed: tuple[DisturbedTool, ...]
+    disturbed: tuple[DisturbedTool, ...]
     jerk_feedforward: tuple[JerkFeedforward, ...]
 
 
@@ -96,7 +96,7 @@ def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> Loop
     shown = shown or [(Message("loop-in-use"), loop.tuned)]
     used = loop.tuned.controller.jerk_feedforward
     return LoopStudy(
-        pushed=tuple(
+        disturbed=tuple(
             DisturbedTool(name=name, step=simulate_disturbance(tuned.loops[0], duration=PUSH_TIME))
             for name, tuned in shown
         ),

@@ -110,7 +110,7 @@ def violations_in_interiors(
 
     Returns
     -------
-    list of Breach
+    list of Violation
     """
     over: list[Violation] = []
     for interior in (segment for segment in found.segments if segment.limit >= 0):
@@ -136,7 +136,7 @@ def saturations(
 
     Returns
     -------
-    list of Breach
+    list of Violation
     """
     over: list[Violation] = []
     for interior in (segment for segment in found.segments if segment.limit >= 0):
