@@ -171,7 +171,9 @@ def _disturbance_entry(study: LoopStudy) -> Series:
     every = max(1, round(PUSH_STEP / (t[1] - t[0])))
     return Series(
         t=t[::every].tolist(),
-        signals={item.name.kind: item.step.deflection[::every].tolist() for item in study.disturbed},
+        signals={
+            item.name.kind: item.step.deflection[::every].tolist() for item in study.disturbed
+        },
     )
 
 
