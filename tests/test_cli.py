@@ -279,6 +279,24 @@ def test_every_command_says_the_same_of_a_file_that_it_cannot_use(
         assert "line" not in err
 
 
+def test_a_terminal_in_german_has_no_english_words_and_breaks_none(run: Run) -> None:
+    """Names that JSON keeps in English must not be shown to a German reader."""
+    german = ("--language", "de")
+    bound = ("--limit", "v_phi=0.005")
+    optimum = run("optimal", PAPER, "--kind", "time", *bound, *german)[1]
+    assert "Verfahren exakt" in optimum
+    assert "Rand:v_phi:+" in optimum
+    assert "exact," not in optimum
+    assert "boundary" not in optimum
+    limits = run("limits", PAPER, *german)[1]
+    for word in ("Oberfläche (", "dämpfungsoptimalen", "Inbetriebnahmeregel ", "Einschw. "):
+        assert word in limits, word
+    assert "surface" not in limits
+    moved = run("simulate", PAPER, "--acceleration", "1", "--jerk", "20", *german)[1]
+    assert "zeta" not in moved
+    assert run("export", "--control", "?", *german)[1].count("neutralen Worten") == 1
+
+
 def test_optimal_says_which_limits_act(run: Run) -> None:
     """A limit that changes nothing must not look like one that was not read."""
     limits = ("--limit", "v_phi=0.005", "--limit", "v_s=0.2")
