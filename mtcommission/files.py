@@ -1,4 +1,4 @@
-"""Writing that leaves no half-written file behind, and asks beforehand whether it may."""
+"""Reading that says what is wrong with a file, and writing that leaves no half-written one."""
 
 from __future__ import annotations
 
@@ -10,6 +10,43 @@ from tempfile import NamedTemporaryFile
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
+
+
+def read_bytes(path: Path, *, folder: Message, most: int = -1) -> bytes:
+    """Return what a file holds.
+
+    Parameters
+    ----------
+    path
+        Of the file.
+    folder
+        What to say if it is a folder.
+    most
+        Bytes that are read; -1 for all.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            return file.read(most)
+    except (OSError, ValueError) as error:
+        match error:
+            case FileNotFoundError():
+                message = Message("file-missing")
+            case IsADirectoryError():
+                message = folder
+            case OSError():
+                message = Message("file-unreadable", reason=error.strerror)
+            case _:
+                message = Message("file-unreadable", reason=str(error))
+        raise InputError([Fault(where=str(path), message=message)]) from error
 
 
 def require_folder(folder: Path) -> None:

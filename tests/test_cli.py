@@ -250,10 +250,52 @@ def test_bad_profile_writes_nothing(run: Run, tmp_path: Path, content: bytes) ->
 
 def test_directory_and_missing_file_are_named(run: Run, tmp_path: Path) -> None:
     assert run("check", tmp_path)[0] == 2
-    assert run("check", tmp_path / "none.toml")[0] == 2
-    code, _, err = run("sheet", tmp_path / "none.json", "-o", tmp_path)
-    assert code == 2
-    assert "not a record" in err
+    assert run("sheet", tmp_path, "-o", tmp_path / "new")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("language", "missing", "no_record"),
+    [
+        ("en", "there is no such file; check the name", "its contents are not JSON"),
+        ("de", "diese Datei gibt es nicht; den Namen prüfen", "der Inhalt ist kein JSON"),
+    ],
+)
+def test_every_command_says_the_same_of_a_file_that_it_cannot_use(
+    language: str, missing: str, no_record: str, run: Run, tmp_path: Path
+) -> None:
+    """One that read by itself told it in the words of the operating system."""
+    none, behind = tmp_path / "none", ("-o", tmp_path / "out", "--language", language)
+    reads = [
+        ("run", none, *behind),
+        ("limits", none, *behind[2:]),
+        ("export", none, "--control", "fanuc", *behind),
+        ("sheet", none, *behind),
+    ]
+    for command in reads:
+        assert run(*command) == (2, "", f"{none}: {missing}\n"), command[0]
+    for command in (("export", PAPER, "--control", "fanuc"), ("sheet", PAPER)):
+        code, out, err = run(*command, *behind)
+        assert (code, out) == (2, "")
+        assert no_record in err
+        assert "line" not in err
+
+
+def test_a_terminal_in_german_has_no_english_words_and_breaks_none(run: Run) -> None:
+    """Names that JSON keeps in English must not be shown to a German reader."""
+    german = ("--language", "de")
+    bound = ("--limit", "v_phi=0.005")
+    optimum = run("optimal", PAPER, "--kind", "time", *bound, *german)[1]
+    assert "Verfahren exakt" in optimum
+    assert "Rand:v_phi:+" in optimum
+    assert "exact," not in optimum
+    assert "boundary" not in optimum
+    limits = run("limits", PAPER, *german)[1]
+    for word in ("Oberfläche (", "dämpfungsoptimalen", "Inbetriebnahmeregel ", "Einschw. "):
+        assert word in limits, word
+    assert "surface" not in limits
+    moved = run("simulate", PAPER, "--acceleration", "1", "--jerk", "20", *german)[1]
+    assert "zeta" not in moved
+    assert run("export", "--control", "?", *german)[1].count("neutralen Worten") == 1
 
 
 def test_optimal_says_which_limits_act(run: Run) -> None:

@@ -33,9 +33,8 @@ def describe_profile(path: Path) -> Profile:
     from mtcommission.profile.read import profile_text_hash, read_profile_text
     from mtcommission.record.schema import Profile
 
-    return Profile(
-        name=path.name, sha256=profile_text_hash(path.read_bytes()), text=read_profile_text(path)
-    )
+    text = read_profile_text(path)  # first: it says what is wrong with a file
+    return Profile(name=path.name, sha256=profile_text_hash(path.read_bytes()), text=text)
 
 
 def _with_force(machine: Machine, f_max: str) -> Machine:

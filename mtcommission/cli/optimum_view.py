@@ -14,6 +14,8 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import (
     TIGHT_GAP,
+    ArcControl,
+    Bang,
     Boundary,
     DampingOptimum,
     Interior,
@@ -48,7 +50,7 @@ def describe_optimum(
     joined = [tuple(run) for _, run in groupby(solution.arcs, key=lambda arc: arc.control)]
     for number, run in enumerate(joined[:SHOWN_ARCS], start=1):
         start, end = _ms(spoken, run[0].t_start), _ms(spoken, run[-1].t_end)
-        arcs.add_row(str(number), start, end, control_text(run[0].control))
+        arcs.add_row(str(number), start, end, _say_control(run[0].control, spoken))
     if len(joined) > SHOWN_ARCS:
         more = spoken.text("terminal-more-arcs", count=len(joined) - SHOWN_ARCS)
         arcs.add_row("...", more, spoken.text("terminal-see-json"), "")
@@ -64,7 +66,7 @@ def describe_optimum(
         t_f=_ms(spoken, solution.t_f),
         force=solution.force_limit,
         unit=machine.axis_units.force.si,
-        method=solution.method,
+        method=Message(f"method-{solution.method}"),
     )
     lines = [first, *_limit_lines(plant, solution, spoken)]
     if isinstance(solution, TimeOptimum):
@@ -84,6 +86,16 @@ def describe_optimum(
     kind = "time" if isinstance(solution, TimeOptimum) else "damping"
     title = heading(spoken.text(f"terminal-{kind}-optimal"))
     return Group(title, *(Text(spoken.say(line)) for line in lines), arcs, peaks)
+
+
+def _say_control(control: ArcControl, spoken: Catalogue) -> str:
+    match control:
+        case Bang():
+            return control_text(control)
+        case Boundary(signal, side):
+            return spoken.text("terminal-arc-boundary", limit=side_text(signal, side))
+        case Interior():
+            return spoken.text("terminal-arc-interior")
 
 
 def _ms(spoken: Catalogue, seconds: float) -> str:

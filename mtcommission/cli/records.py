@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import FolderOption, NoPdfOption, RecordArgument
-from mtcommission.cli.language import ENGLISH, LanguageOption
+from mtcommission.cli.language import ENGLISH, LanguageOption, words
 from mtcommission.cli.progress import print_written, show_stage
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
@@ -70,7 +70,7 @@ def export(
     from mtcommission.files import require_writable, write_text
 
     if control.strip() == "?":
-        sys.stdout.write(describe_controls())
+        sys.stdout.write(describe_controls(words()))
         return
     if record is None:
         raise InputError([Fault(where="export", message=Message("cli-no-record"))])

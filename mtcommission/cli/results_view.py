@@ -36,7 +36,8 @@ def describe_limits(
     entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
     entries = [(spoken.text("terminal-recommended"), best, met)]
     for mode in part.modes:
-        name = f"{mode.name} ({printed.quantity(mode.band, length)})"
+        band = printed.quantity(mode.band, length)
+        name = spoken.text(f"terminal-mode-{mode.name}", band=band)
         entries.append((name, mode, mode.meets_requirements))
     for other in (*part.alternatives, *part.rules):
         entries.append((said(other.name), other, other.meets_requirements))

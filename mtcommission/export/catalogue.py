@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from difflib import get_close_matches
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 
-CONTROL_TITLES: Mapping[str, str] = {
-    "sinumerik": "SINUMERIK 840D / 828D / ONE",
-    "heidenhain": "HEIDENHAIN, NCK-based",
-    "fanuc": "FANUC 16i / 18i / 30i",
-    "isg": "ISG kernel / TwinCAT CNC",
-    "twincat": "Beckhoff TwinCAT NC / NCI",
-    "plcopen": "PLCopen motion blocks, CODESYS",
-    "generic": "any control: SI values in neutral words",
-    "linuxcnc": "LinuxCNC 2.10 and newer",
-    "klipper": "Klipper",
-    "grblhal": "grblHAL",
-    "fluidnc": "FluidNC",
-    "marlin": "Marlin",
-    "ros2": "ROS 2 / MoveIt",
-}
-"""Maker and products by the name that ``--control`` takes."""
+CONTROL_KEYS = (
+    "sinumerik",
+    "heidenhain",
+    "fanuc",
+    "isg",
+    "twincat",
+    "plcopen",
+    "generic",
+    "linuxcnc",
+    "klipper",
+    "grblhal",
+    "fluidnc",
+    "marlin",
+    "ros2",
+)
+"""What ``--control`` takes."""
 
 
 def control_keys() -> tuple[str, ...]:
@@ -34,19 +34,24 @@ def control_keys() -> tuple[str, ...]:
     >>> control_keys()[:3]
     ('sinumerik', 'heidenhain', 'fanuc')
     """
-    return tuple(CONTROL_TITLES)
+    return CONTROL_KEYS
 
 
-def describe_controls() -> str:
-    """Return name and title of every control, a line each.
+def name_control(key: str) -> Message:
+    """Return maker and products of a control by its key."""
+    return Message(f"control-{key}")
+
+
+def describe_controls(words: Catalogue) -> str:
+    """Return key and name of every control, a line each.
 
     Examples
     --------
-    >>> print(describe_controls().splitlines()[0])
+    >>> print(describe_controls(Catalogue()).splitlines()[0])
     sinumerik   SINUMERIK 840D / 828D / ONE
     """
-    width = max(map(len, CONTROL_TITLES)) + 2
-    return "".join(f"{key:<{width}}{title}\n" for key, title in CONTROL_TITLES.items())
+    width = max(map(len, CONTROL_KEYS)) + 2
+    return "".join(f"{key:<{width}}{words.say(name_control(key))}\n" for key in CONTROL_KEYS)
 
 
 def find_control_key(name: str) -> str:
@@ -72,10 +77,10 @@ def find_control_key(name: str) -> str:
     'klipper'
     """
     key = name.strip().lower()
-    if key in CONTROL_TITLES:
+    if key in CONTROL_KEYS:
         return key
-    close = get_close_matches(key, CONTROL_TITLES, n=1)
-    given, there_are = repr(name), tuple(CONTROL_TITLES)
+    close = get_close_matches(key, CONTROL_KEYS, n=1)
+    given, there_are = repr(name), CONTROL_KEYS
     message = Message("export-no-control", given=given, there_are=there_are)
     if close:
         message = Message("export-no-control-but", given=given, meant=close[0], there_are=there_are)

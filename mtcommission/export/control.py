@@ -65,7 +65,7 @@ class Control:
     Parameters
     ----------
     key
-        For ``--control``; one of ``catalogue.CONTROL_TITLES``.
+        For ``--control``; one of ``catalogue.CONTROL_KEYS``.
     coding
         How limits are stored.
     describe

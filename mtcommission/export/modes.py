@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from mtcommission.export.rounding import Coding, Typed, type_limits
 from mtcommission.export.subject import Subject, for_mode
-from mtcommission.export.wording import show_value
+from mtcommission.export.wording import name_mode, show_value
 from mtcommission.messages.message import Message
 
 
@@ -64,9 +64,10 @@ def explain_left_out(subject: Subject, mode: TypedMode) -> Message:
         None if value is None else show_value(value, subject.length, in_degrees=True)
         for value in (mode.band, mode.attainable)
     )
+    name = name_mode(mode.name)
     if attainable:
-        return Message("export-no-limits-but", mode=mode.name, band=band, attainable=attainable)
-    return Message("export-no-limits-within", mode=mode.name, band=band)
+        return Message("export-no-limits-but", mode=name, band=band, attainable=attainable)
+    return Message("export-no-limits-within", mode=name, band=band)
 
 
 def type_modes(subject: Subject, coding: Coding) -> tuple[TypedMode, ...]:

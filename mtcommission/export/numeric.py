@@ -30,7 +30,7 @@ from mtcommission.export.rounding import (
 )
 from mtcommission.export.sinumerik import SINUMERIK
 from mtcommission.export.subject import Subject
-from mtcommission.export.wording import DEGREE, MICRO, MILLI, show_value
+from mtcommission.export.wording import DEGREE, MICRO, MILLI, name_mode, show_value
 from mtcommission.messages.message import Message
 
 HUNDREDTH = 0.01
@@ -95,7 +95,11 @@ def _heidenhain_modes(subject: Subject, values: Values) -> tuple[Block, ...]:
             note = Message("heidenhain-left-out", why=explain_left_out(subject, mode))
         entries = _heidenhain_limits(subject, mode.typed) if mode.typed else ()
         blocks.append(
-            Block(title=Message("heidenhain-mode", mode=mode.name), entries=entries, notes=(note,))
+            Block(
+                title=Message("heidenhain-mode", mode=name_mode(mode.name)),
+                entries=entries,
+                notes=(note,),
+            )
         )
     return tuple(blocks)
 

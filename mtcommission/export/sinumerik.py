@@ -22,7 +22,7 @@ from mtcommission.export.rounding import (
     type_number,
 )
 from mtcommission.export.subject import Subject, judge_setpoints, plan_moves
-from mtcommission.export.wording import MILLI, TURN, show_value
+from mtcommission.export.wording import MILLI, TURN, name_mode, show_value
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import without_jerk_limit
 
@@ -53,7 +53,9 @@ def _entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
     by_mode = {"": (values.recommended, Message("limit-recommended"))} | {
         mode.name: (
             mode.typed,
-            Message("limit-of-mode", mode=mode.name, band=_show_band(subject, mode.band)),
+            Message(
+                "limit-of-mode", mode=name_mode(mode.name), band=_show_band(subject, mode.band)
+            ),
         )
         for mode in values.modes
         if mode.typed is not None

@@ -13,7 +13,7 @@ from math import inf, isfinite
 import numpy as np
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.export.wording import DEGREE, MILLI
+from mtcommission.export.wording import DEGREE, MILLI, name_mode
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Motion, StateFeedback, StateGain
 from mtcommission.machine.rigid_body import peak_velocity
@@ -215,7 +215,7 @@ def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
     """
     acceleration, jerk = mode.acceleration, mode.jerk
     if acceleration is None or jerk is None:
-        message = Message("export-mode-without-limits", mode=mode.name)
+        message = Message("export-mode-without-limits", mode=name_mode(mode.name))
         raise InputError([Fault(where="record", key="limits.modes", message=message)])
     needs = replace(subject.machine.requirements, tcp_deviation=mode.band)
     return replace(

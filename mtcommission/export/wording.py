@@ -55,6 +55,11 @@ def show_value(value: float, unit: str, *, in_degrees: bool) -> str | Message:
     return f"{value / size:.4g} {prefix}{unit}"
 
 
+def name_mode(key: str) -> Message:
+    """Return the name of a machining mode in signs that every control reads."""
+    return Message(f"export-mode-{key}")
+
+
 def to_ascii(text: str) -> str:
     """Return a sentence in letters that every control reads.
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import reduce
 from io import StringIO
 
-from mtcommission.export.catalogue import CONTROL_TITLES, find_control_key
+from mtcommission.export.catalogue import find_control_key, name_control
 from mtcommission.export.control import Block, Control, say_meaning
 from mtcommission.export.gains import round_gains
 from mtcommission.export.modes import Values, type_modes
@@ -17,7 +17,7 @@ from mtcommission.export.open_source import OPEN_CONTROLS
 from mtcommission.export.plc import PLC_CONTROLS
 from mtcommission.export.rounding import type_limits
 from mtcommission.export.subject import Subject, build_subject, with_gains
-from mtcommission.export.wording import show_value, to_ascii
+from mtcommission.export.wording import name_mode, show_value, to_ascii
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.data import ACCEPTED_DEFAULT
@@ -166,7 +166,7 @@ def _header(subject: Subject, control: Control, values: Values, words: Catalogue
             "export-title",
             name=machine.name,
             axis_name=machine.axis,
-            control=CONTROL_TITLES[control.key],
+            control=name_control(control.key),
         ),
         Message(
             "export-computed",
@@ -223,7 +223,7 @@ def _verdict(subject: Subject, control: Control, values: Values) -> Message:
         for check in verdict.assessment.checks
         if not check.is_met
     ]
-    missed += [Message("export-mode-missed", mode=mode.name) for mode in values.left_out]
+    missed += [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in values.left_out]
     if not missed:
         return Message("export-all-met", judged=judged)
     told = reduce(lambda first, then: Message("record-both", first=first, then=then), missed)

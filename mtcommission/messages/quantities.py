@@ -6,11 +6,13 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor, isfinite, log10, pi
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+    Array = NDArray[np.float64]
 
 THIN_SPACE = "\N{NARROW NO-BREAK SPACE}"
 DIGITS = 4
@@ -153,7 +155,7 @@ class Formatter:
 
     def scale_for(self, series: Sequence[Array], unit: str) -> Scale:
         """Return one engineering unit for all of some series, for the axis of a plot."""
-        largest = max((float(np.max(np.abs(part))) for part in series if part.size), default=0.0)
+        largest = max((float(abs(part).max()) for part in series if part.size), default=0.0)
         return self.scale(largest, unit)
 
     def number(self, value: float, *, digits: int = DIGITS) -> str:

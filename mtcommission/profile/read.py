@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.files import read_bytes
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.kinds import KINDS
@@ -68,16 +69,7 @@ def read_profile_text(path: Path | str) -> str:
         If the file cannot be read as text.
     """
     where = str(path)
-    try:
-        with Path(path).open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
-    except FileNotFoundError as error:
-        raise _file_fault(where, Message("file-missing")) from error
-    except IsADirectoryError as error:
-        raise _file_fault(where, Message("file-is-directory")) from error
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise _file_fault(where, Message("file-unreadable", reason=reason)) from error
+    data = read_bytes(Path(path), folder=Message("file-is-directory"), most=LARGEST_FILE + 1)
     if len(data) > LARGEST_FILE:
         raise _file_fault(where, Message("file-too-large", most=LARGEST_FILE))
     if b"\0" in data:

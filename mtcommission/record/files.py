@@ -13,6 +13,7 @@ from typing import NoReturn
 from cattrs import BaseValidationError
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.files import read_bytes
 from mtcommission.messages.message import Message
 from mtcommission.record.schema import SCHEMA, Record
 from mtcommission.record.shape import WrongFormError, find_faults, to_entry, to_plain
@@ -67,10 +68,13 @@ def load_record(path: Path) -> Record:
     InputError
         If the file is no such record; says what is wrong.
     """
+    content = read_bytes(path, folder=Message("record-is-directory"))
     try:
-        data = json.loads(path.read_text("utf-8"), parse_constant=_refuse)
-    except (OSError, ValueError, RecursionError) as error:
-        raise _fault(path, Message("record-not-readable", why=str(error))) from error
+        data = json.loads(content.decode(), parse_constant=_refuse)
+    except _NoNumberError as error:
+        raise _fault(path, Message("record-not-readable", why=error.message)) from error
+    except (ValueError, RecursionError) as error:
+        raise _fault(path, Message("record-not-json")) from error
     missing = sorted({"schema", "checksum"} - (data.keys() if isinstance(data, dict) else set()))
     if missing:
         raise _fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
@@ -110,5 +114,13 @@ def _fault(path: Path, message: Message, key: str = "") -> InputError:
     return InputError([Fault(where=str(path), key=key, message=message)])
 
 
+class _NoNumberError(ValueError):
+    """What Python writes for a number that JSON does not know."""
+
+    def __init__(self, constant: str) -> None:
+        self.message = Message("json-no-number", constant=constant)
+        super().__init__(constant)
+
+
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is no number of JSON")
+    raise _NoNumberError(constant)

@@ -41,7 +41,7 @@ def load_cases(path: Path) -> Axis:
             data = file.read(LARGEST_TABLE + 1)
         text = data.decode("utf-8-sig")
     except FileNotFoundError as error:
-        raise _fault(where, Message("sweep-no-file")) from error
+        raise _fault(where, Message("file-missing")) from error
     except OSError as error:
         raise _fault(where, Message("sweep-unreadable", reason=str(error.strerror))) from error
     except UnicodeDecodeError as error:

@@ -44,6 +44,24 @@ export-share-of-acceleration = Um die Anforderungen { $shaper ->
    *[no] ohne Shaper
 } zu erfuellen, ist die Beschleunigung { PLAIN($share, digits: 3, unit: "%") } % der Empfehlung.
 
+control-sinumerik = SINUMERIK 840D / 828D / ONE
+control-heidenhain = HEIDENHAIN auf NCK-Basis
+control-fanuc = FANUC 16i / 18i / 30i
+control-isg = ISG-Kern / TwinCAT CNC
+control-twincat = Beckhoff TwinCAT NC / NCI
+control-plcopen = PLCopen-Bausteine, CODESYS
+control-generic = jede Steuerung: SI-Werte in neutralen Worten
+control-linuxcnc = LinuxCNC ab 2.10
+control-klipper = Klipper
+control-grblhal = grblHAL
+control-fluidnc = FluidNC
+control-marlin = Marlin
+control-ros2 = ROS 2 / MoveIt
+
+export-mode-surface = Oberflaeche
+export-mode-accuracy = Genauigkeit
+export-mode-speed = Geschwindigkeit
+
 export-old = alt
 export-for-nc-program = Fuer das NC-Programm, nicht fuer die SPS: { $remark }
 export-head-parameter = Parameter

@@ -1,4 +1,6 @@
 record-not-readable = kein Protokoll von mtcommission run: { $why }
+record-not-json = kein Protokoll von mtcommission run: der Inhalt ist kein JSON; das record.json angeben, das mtcommission run schreibt
+record-is-directory = ist ein Ordner; das record.json darin angeben
 record-lacks-keys = kein Protokoll von mtcommission run: { $keys } fehlt
 record-of-earlier-schema = Protokoll nach Schema { $given } einer früheren Version, diese liest { $read }; das Profil erneut rechnen
 record-of-other-schema = Protokoll nach Schema { $given }, diese Version liest { $read }; das Profil erneut rechnen oder mit der Version drucken, die es schrieb
@@ -12,6 +14,7 @@ record-wrong-at = { $key }: { $fault }
 record-got = { $got }, erwartet { $expected }
 record-missing = fehlt
 record-of-no-known-form = von keiner hier bekannten Form
+json-no-number = { $constant } ist keine Zahl in JSON
 json-object = ein Objekt
 json-array = eine Liste
 json-message = eine hier bekannte Meldung

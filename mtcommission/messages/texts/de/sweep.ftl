@@ -1,4 +1,3 @@
-sweep-no-file = diese Datei gibt es nicht; den Namen prüfen
 sweep-unreadable = nicht lesbar: { $reason }
 sweep-no-text = ist kein UTF-8-Text; als CSV in UTF-8 speichern
 sweep-table-too-large = ist größer als { PLAIN($most, digits: 12) } Bytes; auf mehrere Reihen verteilen

@@ -48,6 +48,26 @@ export-share-of-acceleration = To meet the requirements { $shaper ->
    *[no] without one
 }, the acceleration is { PLAIN($share, digits: 3, unit: "%") } % of the recommendation.
 
+# makers and products, by what --control takes
+control-sinumerik = SINUMERIK 840D / 828D / ONE
+control-heidenhain = HEIDENHAIN, NCK-based
+control-fanuc = FANUC 16i / 18i / 30i
+control-isg = ISG kernel / TwinCAT CNC
+control-twincat = Beckhoff TwinCAT NC / NCI
+control-plcopen = PLCopen motion blocks, CODESYS
+control-generic = any control: SI values in neutral words
+control-linuxcnc = LinuxCNC 2.10 and newer
+control-klipper = Klipper
+control-grblhal = grblHAL
+control-fluidnc = FluidNC
+control-marlin = Marlin
+control-ros2 = ROS 2 / MoveIt
+
+# machining modes
+export-mode-surface = surface
+export-mode-accuracy = accuracy
+export-mode-speed = speed
+
 # parameters
 export-old = old
 export-for-nc-program = For the NC program, not for the PLC: { $remark }

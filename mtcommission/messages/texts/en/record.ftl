@@ -1,7 +1,9 @@
 # Reading a record.
-# $key, $keys: where in the JSON; $given, $read: versions of the schema; $got: what stands there
+# $key, $keys: where in the JSON; $constant: what stands for a number; $given, $read: versions of the schema; $got: what stands there
 
 record-not-readable = not a record of mtcommission run: { $why }
+record-not-json = not a record of mtcommission run: its contents are not JSON; give the record.json that mtcommission run writes
+record-is-directory = is a directory; give the record.json in it
 record-lacks-keys = not a record of mtcommission run: { $keys } missing
 record-of-earlier-schema = record schema { $given } was written by an earlier version, this one reads { $read }; run the profile again
 record-of-other-schema = record schema { $given }, this version reads { $read }; run the profile again, or print it with the version that wrote it
@@ -15,6 +17,7 @@ record-wrong-at = { $key }: { $fault }
 record-got = got { $got }, expected { $expected }
 record-missing = missing
 record-of-no-known-form = of no form that is known here
+json-no-number = { $constant } is no number of JSON
 json-object = an object
 json-array = an array
 json-message = a message that is known here

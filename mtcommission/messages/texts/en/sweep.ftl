@@ -1,6 +1,5 @@
 # Faults of a sweep: its options, its table of cases, its folder.
 
-sweep-no-file = there is no such file; check the name
 sweep-unreadable = cannot be read: { $reason }
 sweep-no-text = is not UTF-8 text; save it as CSV in UTF-8
 sweep-table-too-large = is larger than { PLAIN($most, digits: 12) } bytes; split it into several sweeps

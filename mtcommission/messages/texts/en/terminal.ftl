@@ -36,6 +36,8 @@ terminal-time-of-move = time of move { $number }
 terminal-rigid-time = at this acceleration, no jerk limit, no vibration: no control is faster
 terminal-time-optimal = Time-optimal control
 terminal-damping-optimal = Damping-optimal control
+terminal-arc-interior = interior
+terminal-arc-boundary = boundary:{ $limit }
 terminal-more-arcs = { $count } more:
 terminal-see-json = see --json
 terminal-final-time = t_f = { $t_f } at F_max = { PLAIN($force, digits: 6) } { $unit }, method { $method }
@@ -57,6 +59,9 @@ terminal-exceeded = exceeded by { PLAIN($percent, digits: 1) } % between the poi
 terminal-limit = Limit |{ $name }| <= { $value }: { $acts }.
 terminal-touched = { $limit } touched at { PLAIN($ms, digits: 4, style: "f") } ms
 terminal-more-touches = ... and { $count } touch points more: see --json
+terminal-mode-surface = surface ({ $band })
+terminal-mode-accuracy = accuracy ({ $band })
+terminal-mode-speed = speed ({ $band })
 terminal-recommended = recommended
 terminal-limits = Limits
 terminal-not-settled = not settled
