@@ -32,7 +32,7 @@ from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
-from mtcommission.study.evaluate import evaluate
+from mtcommission.verdict.evaluate import evaluate
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 SOONER = 0.98

@@ -24,7 +24,7 @@ from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import simulate_moves
+from mtcommission.verdict.evaluate import simulate_moves
 
 RAMPS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
 """Lengths of the ramp times ω_v."""

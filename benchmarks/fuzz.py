@@ -50,7 +50,7 @@ WARM = tuple(
         "cli.machine_view",
         "cli.optimum_view",
         "cli.results_view",
-        "study.evaluate",
+        "verdict.evaluate",
         "wizard",
         "options",
         "export.write",

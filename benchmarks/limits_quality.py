@@ -33,8 +33,8 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.study.evaluate import Candidate, evaluate
 from mtcommission.study.shapers import compare_shapers
+from mtcommission.verdict.evaluate import Candidate, evaluate
 
 GRID = 10
 """Points of the brute force in each direction."""

@@ -40,7 +40,7 @@ from mtcommission.machine.variations import corners
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import Plant, build_plant, dominant_mode
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import evaluate
+from mtcommission.verdict.evaluate import evaluate
 
 NAME = "commissioning-rule-validation"
 

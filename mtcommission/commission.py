@@ -17,16 +17,8 @@ from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.study.assess import Assessment
 from mtcommission.study.attainable import Attainable, find_attainable
 from mtcommission.study.comparison import MoveComparison, compare_move
-from mtcommission.study.evaluate import (
-    Candidate,
-    MoveResult,
-    evaluate,
-    evaluate_moves,
-    simulate_moves,
-)
 from mtcommission.study.known_rules import evaluate_rules
 from mtcommission.study.loop_choice import LoopChoice, settle_on_loop
 from mtcommission.study.loop_study import LoopStudy, study_loop
@@ -34,6 +26,14 @@ from mtcommission.study.machining_modes import ModeLimits, find_limits_by_mode
 from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
 from mtcommission.study.robustness import Robustness, examine_robustness
 from mtcommission.study.settings import Settings
+from mtcommission.verdict.assess import Assessment
+from mtcommission.verdict.evaluate import (
+    Candidate,
+    MoveResult,
+    evaluate,
+    evaluate_moves,
+    simulate_moves,
+)
 
 Progress = Callable[[Message], None]
 

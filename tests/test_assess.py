@@ -15,7 +15,7 @@ from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.assess import Assessment, Check, assess, describe_place
+from mtcommission.verdict.assess import Assessment, Check, assess, describe_place
 from tests.machines import paper_machine
 
 

@@ -12,7 +12,7 @@ from mtcommission.machine.machine import Machine, Peak
 from mtcommission.machine.requirement import SETTLING_TIME, peak_of
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
-from mtcommission.study.evaluate import evaluate
+from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
 
 COARSE = SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)

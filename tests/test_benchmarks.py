@@ -25,7 +25,7 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.optimal.solution import Bang, constant_arc
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.evaluate import evaluate
+from mtcommission.verdict.evaluate import evaluate
 
 DOCS = Path(__file__).parent.parent / "docs"
 

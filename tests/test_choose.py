@@ -38,8 +38,8 @@ from mtcommission.setpoint.setpoint import (
     moving_average_steps,
     plan_setpoint,
 )
-from mtcommission.study.assess import Assessment, assess
-from mtcommission.study.evaluate import evaluate
+from mtcommission.verdict.assess import Assessment, assess
+from mtcommission.verdict.evaluate import evaluate
 from tests.independent_loop import judge, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

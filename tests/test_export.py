@@ -43,9 +43,9 @@ from mtcommission.record.schema import Profile, Record
 from mtcommission.record.shape import to_entry
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.study.evaluate import evaluate
 from mtcommission.study.settings import Settings
 from mtcommission.study.shapers import shape_setpoint
+from mtcommission.verdict.evaluate import evaluate
 
 from .sheet_record import Json, on_json
 
@@ -258,7 +258,7 @@ def _meets(case: Case, found: ReadBack) -> bool:
         verdict = evaluate(case.found.machine, case.found.plant, tuned, found.limits)
         return verdict.assessment.is_met
     from mtcommission.loop.simulate.response import simulate
-    from mtcommission.study.assess import assess
+    from mtcommission.verdict.assess import assess
 
     machine = case.found.machine
     rows = []

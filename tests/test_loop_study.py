@@ -13,10 +13,10 @@ from mtcommission.machine.machine import Machine, Requirements, StateFeedback
 from mtcommission.machine.variations import corners
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import evaluate, simulate_moves
 from mtcommission.study.feedforward import follow_setpoint
 from mtcommission.study.loop_choice import LoopChoice
 from mtcommission.study.loop_study import study_loop
+from mtcommission.verdict.evaluate import evaluate, simulate_moves
 from tests.independent_loop import Profile, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 

@@ -16,7 +16,6 @@ from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.study.evaluate import evaluate
 from mtcommission.study.move_sizes import (
     MoveSizes,
     SetpointWay,
@@ -25,6 +24,7 @@ from mtcommission.study.move_sizes import (
     resize,
     vary_move_sizes,
 )
+from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
 
 LIMITS = MotionLimits(acceleration=1.6, jerk=30.0)

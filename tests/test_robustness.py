@@ -28,7 +28,6 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.study.evaluate import evaluate
 from mtcommission.study.robustness import (
     FrequencyError,
     RobustnessSettings,
@@ -38,6 +37,7 @@ from mtcommission.study.robustness import (
     run_monte_carlo,
     warn_of_narrow_range,
 )
+from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine, slowly_decaying_machine
 
 

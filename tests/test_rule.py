@@ -46,7 +46,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
-from mtcommission.study.evaluate import evaluate
+from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
 
 WIDE = Modes(surface=1e-6, accuracy=1e-6, speed=1e-6)

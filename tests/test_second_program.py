@@ -17,9 +17,9 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import vary
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
-from mtcommission.study.evaluate import evaluate
 from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.settings import Settings
+from mtcommission.verdict.evaluate import evaluate
 from tests.independent_loop import judge, profile_of, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))

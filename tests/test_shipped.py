@@ -20,7 +20,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile import shipped
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
-from mtcommission.study.evaluate import evaluate
+from mtcommission.verdict.evaluate import evaluate
 
 NAMES = shipped_names()
 QUICK = SearchSettings(grid=24, coarse_grid=6, seeds=8, refinements=4)

@@ -230,9 +230,9 @@ def simulate(
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
     from mtcommission.setpoint.motion_limits import without_jerk_limit
-    from mtcommission.study.evaluate import simulate_moves
     from mtcommission.study.loop_choice import settle_on_loop
     from mtcommission.study.settings import Settings
+    from mtcommission.verdict.evaluate import simulate_moves
 
     asked, notes = chosen, []
     if asked.jerk_time < machine.control.position_cycle:

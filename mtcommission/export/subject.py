@@ -23,8 +23,8 @@ from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
-from mtcommission.study.assess import Assessment, assess
-from mtcommission.study.evaluate import simulate_setpoints
+from mtcommission.verdict.assess import Assessment, assess
+from mtcommission.verdict.evaluate import simulate_setpoints
 
 REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from math import inf
 
+from mtcommission.control_kinds.kind import ControlKind, PositionLoop
+from mtcommission.control_kinds.kinds import GENERIC
 from mtcommission.machine.mechanics import Mechanics
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
@@ -35,12 +37,22 @@ class Drive:
         Thermal (RMS) limit over move and dwell [N]; inf if none was given.
     static_load
         Weight or process force [N]; its amount is not available for motion.
+    lead
+        Travel of the axis per turn of the screw or pinion [m, rotary rad]; None: direct drive, or
+        not stated.
+    gear
+        Turns of the motor per turn of the screw or pinion [-].
+    encoder_resolution
+        Smallest step of the measured position [m]; 0: not stated.
     """
 
     force_lag: float
     max_force: float
     continuous_force: float = inf
     static_load: float = 0.0
+    lead: float | None = None
+    gear: float = 1.0
+    encoder_resolution: float = 0.0
 
     @property
     def motion_force(self) -> float:
@@ -118,6 +130,25 @@ class Modes:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Reserve:
+    """Share of what is allowed that recommendations may use; given limits are judged by all of it.
+
+    Parameters
+    ----------
+    band
+        Of band, contour and peaks [-].
+    force
+        Of the set force and of the RMS force [-].
+    """
+
+    band: float = 0.8
+    force: float = 0.95
+
+
+NO_RESERVE = Reserve(band=1.0, force=1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Requirements:
     """What the axis must achieve, in every corner.
 
@@ -127,6 +158,12 @@ class Requirements:
         Half width of the band about the delayed setpoint [m].
     max_settling_time
         [s]; inf if none was given.
+    contour_deviation
+        Allowed deviation from the delayed setpoint during the whole move [m]; inf: any.
+    contour_feed
+        Largest velocity at which that must hold [m/s]; inf: at that of each move.
+    reserve
+        Share of band and force that recommendations may use.
     frequency_spread, damping_spread
         Relative uncertainty of all eigenfrequencies / damping ratios [-], e.g. 0.05.
     payload
@@ -142,6 +179,9 @@ class Requirements:
     tcp_deviation: float
     modes: Modes
     max_settling_time: float = inf
+    contour_deviation: float = inf
+    contour_feed: float = inf
+    reserve: Reserve = NO_RESERVE
     frequency_spread: float = 0.0
     damping_spread: float = 0.0
     payload: tuple[float, float] = (0.0, 0.0)
@@ -240,11 +280,37 @@ class ForceFilter:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Today:
+    """What the control holds now; None for what is not known, which is then as recommended.
+
+    Parameters
+    ----------
+    acceleration, jerk
+        [m/s², m/s³].
+    position_gain, velocity_gain, integral_time
+        Kv [1/s], Kp [N s/m], Tn [s].
+    moving_average_time
+        Length of the moving-average setpoint filter [s]; 0 = none.
+    """
+
+    acceleration: float
+    jerk: float | None
+    position_gain: float | None = None
+    velocity_gain: float | None = None
+    integral_time: float | None = None
+    moving_average_time: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
     """The cascade as the profile states it; None means "left out: tune it and print it".
 
     Parameters
     ----------
+    kind
+        Which control: what it lacks is neither tuned nor simulated nor exported.
+    position_loop
+        Where its position loop closes.
     position_gain
         Kv [1/s].
     velocity_gain
@@ -275,6 +341,8 @@ class Control:
         What tuning must at least reach, closed velocity loop, -3 dB [Hz]; 0 = none.
     """
 
+    kind: ControlKind = GENERIC
+    position_loop: PositionLoop = PositionLoop.CONTROL
     position_gain: float | None = None
     velocity_gain: float | None = None
     integral_time: float | None = None
@@ -318,7 +386,7 @@ class Machine:
         Linear or rotary.
     mechanics
         The plant, of any kind.
-    drive, moves, requirements, damping_optimal, control
+    drive, moves, requirements, damping_optimal, control, today
         See the classes.
     illustrative
         Whether the numbers are plausible ones, not those of a real machine.
@@ -337,6 +405,7 @@ class Machine:
     motion: Motion = Motion.LINEAR
     damping_optimal: DampingOptimal = field(default_factory=DampingOptimal)
     control: Control = field(default_factory=Control)
+    today: Today | None = None
     illustrative: bool = False
     assumed: tuple[str, ...] = ()
 

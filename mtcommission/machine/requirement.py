@@ -13,6 +13,7 @@ class Kind(Enum):
 
     RESIDUAL_DEVIATION = "residual deviation"
     SETTLING_TIME = "settling time"
+    CONTOUR_DEVIATION = "contour deviation"
     SET_FORCE = "set force"
     RMS_FORCE = "RMS force"
     PEAK = "peak"
@@ -49,6 +50,7 @@ RESIDUAL_DEVIATION = Requirement(Kind.RESIDUAL_DEVIATION)
 SETTLING_TIME = Requirement(Kind.SETTLING_TIME)
 SET_FORCE = Requirement(Kind.SET_FORCE)
 RMS_FORCE = Requirement(Kind.RMS_FORCE)
+CONTOUR_DEVIATION = Requirement(Kind.CONTOUR_DEVIATION)
 
 
 def peak_of(signal: str) -> Requirement:

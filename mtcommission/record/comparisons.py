@@ -16,7 +16,7 @@ from mtcommission.record.schema import (
 )
 from mtcommission.record.shape import entry_of
 from mtcommission.study.comparison import MoveComparison
-from mtcommission.study.evaluate import MoveResult
+from mtcommission.verdict.evaluate import MoveResult
 
 
 def comparison_entry(

@@ -28,9 +28,9 @@ from mtcommission.record.schema import (
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.study.attainable import Attainable
-from mtcommission.study.evaluate import Candidate
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
+from mtcommission.verdict.evaluate import Candidate
 
 Array = NDArray[np.float64]
 Judged = TypeVar("Judged", bound=JudgedLimits)

@@ -24,8 +24,8 @@ from mtcommission.record.schema import (
 )
 from mtcommission.record.shape import entry_of
 from mtcommission.setpoint.setpoint import sample_setpoint
-from mtcommission.study.assess import Assessment, assess
-from mtcommission.study.evaluate import MoveResult
+from mtcommission.verdict.assess import Assessment, assess
+from mtcommission.verdict.evaluate import MoveResult
 
 PLOT_STEP = 0.25e-3
 """Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""

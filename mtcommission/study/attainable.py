@@ -28,7 +28,7 @@ from mtcommission.machine.requirement import (
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps
-from mtcommission.study.evaluate import Candidate, evaluate
+from mtcommission.verdict.evaluate import Candidate, evaluate
 
 CANDIDATES = 12
 """Limits with the least residual of the landscape that are simulated, until one keeps the rest."""

@@ -29,8 +29,8 @@ from mtcommission.optimal.solution import (
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint
-from mtcommission.study.evaluate import MoveResult
 from mtcommission.study.feedforward import FedForward, feed_forward, follow_setpoint
+from mtcommission.verdict.evaluate import MoveResult
 
 Array = NDArray[np.float64]
 

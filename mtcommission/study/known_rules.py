@@ -8,8 +8,8 @@ from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
-from mtcommission.study.evaluate import Candidate, evaluate
 from mtcommission.study.shapers import compare_shapers
+from mtcommission.verdict.evaluate import Candidate, evaluate
 
 
 def evaluate_rules(

@@ -14,8 +14,8 @@ from mtcommission.machine.machine import Machine, StateFeedback
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import Candidate, evaluate
 from mtcommission.study.settings import Settings
+from mtcommission.verdict.evaluate import Candidate, evaluate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

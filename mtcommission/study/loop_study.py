@@ -11,8 +11,8 @@ from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.evaluate import simulate_moves
 from mtcommission.study.loop_choice import LoopChoice
+from mtcommission.verdict.evaluate import simulate_moves
 
 PUSH_TIME = 0.3
 """How long the response to a step of force is followed [s]."""

@@ -12,7 +12,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.attainable import Attainable, find_least_residual
-from mtcommission.study.evaluate import Candidate, evaluate
+from mtcommission.verdict.evaluate import Candidate, evaluate
 
 NO_LIMITS = Message("no-limits-with-this-band")
 """Why a mode has no values."""

@@ -26,7 +26,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
-from mtcommission.study.evaluate import evaluate
+from mtcommission.verdict.evaluate import evaluate
 
 Array = NDArray[np.float64]
 

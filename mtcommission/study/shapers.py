@@ -23,7 +23,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
-from mtcommission.study.evaluate import Candidate, evaluate_moves, simulate_setpoints
+from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_setpoints
 
 Array = NDArray[np.float64]
 

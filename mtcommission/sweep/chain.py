@@ -12,11 +12,11 @@ from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.study.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
 from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.settings import Settings
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
+from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
 
 
 def choose_case(machine: Machine) -> tuple[Cell, ...]:

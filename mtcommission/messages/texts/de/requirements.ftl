@@ -1,5 +1,6 @@
 requirement-residual-deviation = Restabweichung
 requirement-settling-time = Einschwingzeit
+requirement-contour-deviation = Konturabweichung
 requirement-set-force = { $axis ->
     [rotary] Sollmoment
    *[linear] Sollkraft

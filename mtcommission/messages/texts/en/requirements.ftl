@@ -2,6 +2,7 @@
 
 requirement-residual-deviation = residual deviation
 requirement-settling-time = settling time
+requirement-contour-deviation = contour deviation
 requirement-set-force = { $axis ->
     [rotary] set torque
    *[linear] set force

@@ -12,7 +12,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
-from mtcommission.study.assess import Assessment, assess
+from mtcommission.verdict.assess import Assessment, assess
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

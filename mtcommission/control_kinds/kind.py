@@ -1,0 +1,99 @@
+"""What a kind of control has, and where that was read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+
+class Jerk(Enum):
+    """How a control takes a limit of the jerk."""
+
+    LIMIT = "limit"
+    TIME = "time"
+    NONE = "none"
+
+
+class PositionLoop(Enum):
+    """Where the position loop closes, and how the setpoint gets from cycle to cycle.
+
+    ``CONTROL``: in the control at the position cycle; what it hands down is held.
+    ``INTERPOLATED``: the same, but velocity and force feed-forward are interpolated at the velocity
+    cycle. ``DRIVE``: in the drive at the velocity cycle, which interpolates the setpoint, too
+    (dynamic servo control).
+    """
+
+    CONTROL = "control"
+    INTERPOLATED = "interpolated"
+    DRIVE = "drive"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Feature:
+    """Where it was read that a control has something, or lacks it.
+
+    Parameters
+    ----------
+    parameters
+        Names in the control, with unit and resolution where known; "" where there are none.
+    source
+        Maker's text or source file.
+    is_verified
+        Whether it was read there; what was not is printed with "(?)".
+    """
+
+    parameters: str
+    source: str = ""
+    is_verified: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControlKind:
+    """What a kind of control has; what it lacks is neither tuned nor simulated nor exported.
+
+    Parameters
+    ----------
+    key
+        For ``control.kind`` and ``export --control``.
+    jerk
+        How it takes a limit of the jerk.
+    modes
+        Its names for the columns of limits by machining mode; empty: one set of limits.
+    setpoint_filters
+        Kinds of setpoint filter, as in profiles; one at a time.
+    velocity_feedforward, acceleration_feedforward, jerk_feedforward
+        Whether it has them.
+    reference_delay
+        Whether the position setpoint can be delayed until the fed-forward force acts (balancing).
+    position_loops
+        Where its position loop can close; the first one is what it does unless told otherwise.
+    position_cycle, velocity_cycle
+        Usual cycles [s].
+    force_filters
+        How many filters (notch, low-pass) it has in the torque setpoint.
+    state_feedback
+        Whether it feeds plant states back.
+    features
+        Evidence for each of these, by the name of the field.
+    """
+
+    key: str
+    jerk: Jerk = Jerk.LIMIT
+    modes: tuple[str, ...] = ()
+    setpoint_filters: tuple[str, ...] = ()
+    velocity_feedforward: bool = True
+    acceleration_feedforward: bool = True
+    jerk_feedforward: bool = False
+    reference_delay: bool = True
+    position_loops: tuple[PositionLoop, ...] = (PositionLoop.CONTROL,)
+    position_cycle: float = 2e-3
+    velocity_cycle: float = 125e-6
+    force_filters: int = 0
+    state_feedback: bool = False
+    features: Mapping[str, Feature] = field(default_factory=dict)
+
+    @property
+    def has_jerk_limit(self) -> bool:
+        """Whether the jerk is limited at all, be it by a number or by a time."""
+        return self.jerk is not Jerk.NONE

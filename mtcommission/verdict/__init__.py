@@ -1,0 +1,1 @@
+"""Limits through the loop, judged: the same moves, corners and requirements for all limits."""
