@@ -1,0 +1,1 @@
+"""Measured responses of an axis -> its mass, delay and modes, with intervals."""
