@@ -46,8 +46,8 @@ def judge_errors(responses: Sequence[Lines], fit: Projected) -> tuple[list[Lines
     """Return responses with errors that a fit's residuals bear out, and the model's own error.
 
     Where residuals are larger than coherence says, the model is to blame: a share of |H|, the same
-    everywhere and smooth over frequency, is added so that the misfit becomes 1. Where a stretch of lines scatters more than
-    the rest, its errors grow. Neither makes an error smaller.
+    everywhere and smooth over frequency, is added so that the misfit becomes 1. Where a stretch of
+    lines scatters more than the rest, its errors grow. Neither makes an error smaller.
 
     Parameters
     ----------

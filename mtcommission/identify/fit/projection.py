@@ -137,11 +137,12 @@ def _solve(lines: Lines, poles: Poles, delay: float) -> _Basis:
 
 def project(responses: Sequence[Lines], poles: Poles) -> Projected:
     """Return masses, gains and residual terms that fit best for some poles."""
-    bases = [
-        _solve(lines, poles, delay)
-        for lines, delay in zip(responses, poles.delays.tolist(), strict=True)
-    ]
-    return _projected(poles, bases)
+    return _projected(poles, _solve_all(responses, poles))
+
+
+def _solve_all(responses: Sequence[Lines], poles: Poles) -> list[_Basis]:
+    pairs = zip(responses, poles.delays.tolist(), strict=True)
+    return [_solve(lines, poles, delay) for lines, delay in pairs]
 
 
 def _projected(poles: Poles, bases: Sequence[_Basis]) -> Projected:
@@ -234,7 +235,7 @@ def refine(
     low, high = _ends(responses, poles.omega.size)
     theta = np.clip(_pack(poles), low, high)
     poles = _unpack(theta, n)
-    bases = [_solve(x, poles, d) for x, d in zip(responses, poles.delays.tolist(), strict=True)]
+    bases = _solve_all(responses, poles)
     best = _projected(poles, bases)
     reach = np.full(theta.size, LONGEST_STEP)
     reach[0] = np.inf
@@ -299,10 +300,7 @@ def find_variances(responses: Sequence[Lines], fit: Projected) -> Variances:
     the projected one; the gains carry the poles' errors along.
     """
     n = len(responses)
-    bases = [
-        _solve(lines, fit.poles, delay)
-        for lines, delay in zip(responses, fit.poles.delays.tolist(), strict=True)
-    ]
+    bases = _solve_all(responses, fit.poles)
     square, _ = _normal(responses, fit.poles, bases)
     scale = np.sqrt(np.maximum(np.diag(square), 1e-300))
     inverse = np.linalg.pinv(square / np.outer(scale, scale), rcond=1e-13, hermitian=True)
