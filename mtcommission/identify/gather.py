@@ -2,40 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from types import MappingProxyType
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
 
-from mtcommission.identify.measurement import Evidence, Output, Sensor
+from mtcommission.errors import Fault, InputError
+from mtcommission.files import read_bytes
+from mtcommission.identify.formats.contents import (
+    NO_LINES,
+    FileContents,
+    ResponseContents,
+    TimeContents,
+    refuse,
+)
+from mtcommission.identify.formats.recognise import read_contents
+from mtcommission.identify.formats.text import LARGEST_FILE
+from mtcommission.identify.given import INPUTS, Given
+from mtcommission.identify.meaning.columns import read_record
+from mtcommission.identify.meaning.responses import (
+    check_response,
+    on_axis,
+    read_response,
+    read_spectrum,
+)
+from mtcommission.identify.measurement import (
+    Evidence,
+    FreeVibration,
+    FrequencyResponse,
+    Output,
+    Sensor,
+    Source,
+    Spectrum,
+    TimeRecord,
+)
+from mtcommission.identify.responses.estimate import Finding, estimate
+from mtcommission.messages.message import Message
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Given:
-    """What the user says about the files where they do not say it themselves.
-
-    Parameters
-    ----------
-    sensor
-        ``--sensor``; None where it is not given. ``FILE@tcp`` goes before it.
-    input
-        ``--input``: force, torque, current or acceleration; "" where it is not given.
-    constant
-        ``--constant``: force or torque per ampere or per unit of the file [SI]; None where it is
-        not given.
-    output
-        ``--output``; None where it is not given.
-    columns
-        ``--columns NAME=COLUMN``: our names to those of the file.
-    rotary
-        Kind of the axis by its profile; None where no profile is given.
-    """
-
-    sensor: Sensor | None = None
-    input: str = ""
-    constant: float | None = None
-    output: Output | None = None
-    columns: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    rotary: bool | None = None
+STANDARD_INPUT = "-"
 
 
 def gather(files: Sequence[str], given: Given) -> Evidence:
@@ -57,4 +62,117 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
     InputError
         With every fault found: file, line, what was got, how to say what is missing.
     """
-    raise NotImplementedError
+    findings: list[Finding] = []
+    records: list[TimeRecord] = []
+    faults: list[Fault] = []
+    for text in files:
+        name, sensor = split_sensor(text)
+        try:
+            one = replace(given, sensor=sensor) if sensor else given
+            found, used = read_file(_bytes_of(name), one, name=name)
+            findings += found
+            records += used
+        except InputError as error:
+            faults += error.faults
+    if faults:
+        raise InputError(faults)
+    return Evidence(
+        responses=tuple(one for one in findings if isinstance(one, FrequencyResponse)),
+        spectra=tuple(one for one in findings if isinstance(one, Spectrum)),
+        vibrations=tuple(one for one in findings if isinstance(one, FreeVibration)),
+        records=tuple(records),
+    )
+
+
+def split_sensor(text: str) -> tuple[str, Sensor | None]:
+    """Return the name of a file and the sensor that is said behind it.
+
+    Examples
+    --------
+    >>> split_sensor("a@b.csv@tcp")
+    ('a@b.csv', <Sensor.TCP: 'tcp'>)
+    >>> split_sensor("a@b.csv")
+    ('a@b.csv', None)
+    """
+    name, _, said = text.rpartition("@")
+    return (name, Sensor(said)) if name and said in tuple(Sensor) else (text, None)
+
+
+def _bytes_of(name: str) -> bytes:
+    if name == STANDARD_INPUT:
+        return sys.stdin.buffer.read(LARGEST_FILE + 1)
+    return read_bytes(Path(name), folder=Message("identify-file-is-folder"), most=LARGEST_FILE + 1)
+
+
+def read_file(
+    data: bytes, given: Given, *, name: str
+) -> tuple[tuple[Finding, ...], tuple[TimeRecord, ...]]:
+    """Return what one file says, and the time records it was estimated from.
+
+    Parameters
+    ----------
+    data
+        Its bytes.
+    given
+        What the user says about it.
+    name
+        Of the file; says nothing about its format.
+
+    Raises
+    ------
+    InputError
+        With every fault of the file, and what must be said about it.
+    """
+    contents = read_contents(data, given.columns, where=name)
+    given = _with_said(given, contents, where=name)
+    source = Source(
+        file=name,
+        sha256=sha256(data).hexdigest(),
+        format=contents.format,
+        measured_on=contents.measured_on,
+        state=contents.state,
+    )
+    findings: list[Finding] = []
+    records: list[TimeRecord] = []
+    faults: list[Fault] = []
+    for item in contents.items:
+        own = replace(source, label=item.label)
+        try:
+            if isinstance(item, TimeContents):
+                record = read_record(item, own, given, contents.remarks)
+                findings += [_on_axis(one, given) for one in estimate(record, given)]
+                records.append(record)
+            elif isinstance(item, ResponseContents):
+                findings.append(read_response(item, own, given, contents.remarks))
+            else:
+                findings.append(read_spectrum(item, own, given, contents.remarks))
+        except InputError as error:
+            faults += error.faults
+    # Of several records in a file (clocks of a scope) the ones that say nothing are no fault.
+    if faults and not (findings and any(isinstance(i, TimeContents) for i in contents.items)):
+        raise InputError(faults)
+    return tuple(findings), tuple(records)
+
+
+def _on_axis(found: Finding, given: Given) -> Finding:
+    if not isinstance(found, FrequencyResponse):
+        return found
+    checked = check_response(found, NO_LINES)
+    return on_axis(checked, given.rotary, given.motor_turn)
+
+
+def _with_said(given: Given, contents: FileContents, *, where: str) -> Given:
+    """What the file says itself, where the user is silent."""
+    said = dict(contents.said)
+    sensor, output, constant = given.sensor, given.output, given.constant
+    try:
+        sensor = sensor or (Sensor(said["sensor"]) if "sensor" in said else None)
+        output = output or (Output(said["output"]) if "output" in said else None)
+        if constant is None and "constant" in said:
+            constant = float(said["constant"])
+    except ValueError as error:
+        raise refuse(where, "identify-setting-unknown", got=str(error)) from error
+    word = given.input or said.get("input", "")
+    if word and word not in INPUTS:
+        raise refuse(where, "identify-setting-unknown", got=word)
+    return replace(given, sensor=sensor, output=output, constant=constant, input=word)

@@ -1,0 +1,117 @@
+"""Klipper's resonance tests: power by frequency, and raw accelerations.
+
+Formats read in klippy/extras/shaper_calibrate.py (``freq,psd_x,psd_y,psd_z,psd_xyz``, names of
+chips where there are several, then ``shapers:`` and their transfer functions; older files lack the
+word) and klippy/extras/adxl345.py (``#time,accel_x,accel_y,accel_z``: s, mm/s^2 with gravity).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mtcommission.identify.formats.contents import (
+    Column,
+    FileContents,
+    SpectrumContents,
+    TimeContents,
+    refuse,
+)
+from mtcommission.identify.formats.table import read_table
+from mtcommission.identify.measurement import Sensor
+from mtcommission.messages.message import Message
+
+HALF_POWER_BINS = 1.41
+"""Half-power width of Klipper's window, Kaiser's with β = 6, in its bins (computed)."""
+
+_AXES = ("psd_x", "psd_y", "psd_z")
+_NO_SPECTRA = ("psd_xyz", "accel_per_hz")
+
+
+def header_of(lines: Sequence[str]) -> str:
+    """Return the first line of names, as Klipper writes it; "" if it is none of Klipper's."""
+    for line in lines[:20]:
+        plain = line.strip()
+        if plain.startswith("##") or not plain:
+            continue
+        names = plain.lstrip("#")
+        is_power = names.startswith("freq,") and len(names.split(",")) > 1
+        return names if is_power or names.startswith("time,accel_x,accel_y,accel_z") else ""
+    return ""
+
+
+def read_klipper(lines: Sequence[str], *, where: str) -> FileContents:
+    """Return the spectra or accelerations of a file of Klipper's.
+
+    Parameters
+    ----------
+    lines
+        Of the file.
+    where
+        Its name, for errors.
+
+    Raises
+    ------
+    InputError
+        Its numbers cannot be read.
+    """
+    header = header_of(lines)
+    names = [name.strip().strip('"') for name in header.split(",")]
+    return _raw(lines, where=where) if names[0] == "time" else _power(lines, names, where=where)
+
+
+def _power(lines: Sequence[str], names: Sequence[str], *, where: str) -> FileContents:
+    ends = [place for place, name in enumerate(names) if name == "shapers:" or "(" in name]
+    width = ends[0] if ends else len(names)
+    start = next(n for n, line in enumerate(lines) if line.lstrip("#").startswith("freq,")) + 1
+    cut = [",".join(line.split(",")[:width]) for line in lines[start:]]
+    table = read_table(cut, where=where, first_line=start + 1)
+    if table.values.shape[1] != width:
+        got = table.values.shape[1]
+        raise refuse(where, "identify-row-length", line=int(table.lines[0]), got=got, wanted=width)
+    frequency, power = table.values[:, 0], table.values[:, 1:]
+    if (power < 0.0).any():
+        row = int(np.argmax((power < 0.0).any(axis=1)))
+        raise refuse(where, "identify-negative-power", line=int(table.lines[row]))
+    spacing = (frequency[-1] - frequency[0]) / max(frequency.size - 1, 1)
+    spectra = names[1:width]
+    axes = [name for name in spectra if name in _AXES]
+    remarks = []
+    if axes:
+        loudest = max(axes, key=lambda name: float(power[:, spectra.index(name)].max()))
+        spectra_kept = [loudest]
+        remarks.append(Message("identify-loudest-axis", name=loudest))
+    else:
+        spectra_kept = [name for name in spectra if name not in _NO_SPECTRA]
+    items = tuple(
+        SpectrumContents(
+            label=name,
+            frequency_hz=frequency,
+            density=power[:, spectra.index(name)],
+            resolution_hz=HALF_POWER_BINS * spacing if axes else None,
+            lines=table.lines,
+        )
+        for name in spectra_kept
+    )
+    if not items:
+        raise refuse(where, "identify-no-response", found=tuple(names))
+    format_ = Message("identify-format-klipper-power")
+    return FileContents(format=format_, items=items, remarks=tuple(remarks))
+
+
+def _raw(lines: Sequence[str], *, where: str) -> FileContents:
+    table = read_table(lines, where=where)
+    if table.values.shape[1] != 4:
+        got = table.values.shape[1]
+        raise refuse(where, "identify-row-length", line=int(table.lines[0]), got=got, wanted=4)
+    columns = tuple(
+        Column(
+            name=f"accel_{axis}", unit="mm/s^2", values=table.values[:, place], sensor=Sensor.TCP
+        )
+        for place, axis in enumerate("xyz", start=1)
+    )
+    remarks = (Message("identify-cut", line=table.cut_line),) if table.cut_line else ()
+    record = TimeContents(clock=table.values[:, 0], columns=columns, lines=table.lines)
+    format_ = Message("identify-format-klipper-raw")
+    return FileContents(format=format_, items=(record,), remarks=remarks)

@@ -1,0 +1,308 @@
+"""SINUMERIK: frequency measurements, servo tuning sessions and servo traces, all XML.
+
+Structure read in a measurement (../tests/data/identify) and in Trace-Tools (E. Rhodén, MIT): root
+``ResponseTestCustom`` holds one measurement with its auto and cross spectra [Hz], root
+``DynamicModelAxisController`` a tuning session whose ``m_pPlant`` is motor speed per torque, with
+``m_pMeasCoherence`` [rad/s]; a trace has ``traceData/dataFrame/dataSignal`` and records
+``rec time= f1= ...``, in which a missing value keeps the last one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+from xml.etree.ElementTree import Element, ParseError, fromstring
+
+import numpy as np
+
+from mtcommission.identify.formats.base85 import decode_doubles
+from mtcommission.identify.formats.contents import (
+    NO_LINES,
+    Column,
+    FileContents,
+    Item,
+    ResponseContents,
+    TimeContents,
+    refuse,
+)
+from mtcommission.identify.measurement import Array, ComplexArray, Output, Sensor
+from mtcommission.messages.message import Message
+
+MEASUREMENT, SESSION, TRACE = "ResponseTestCustom", "DynamicModelAxisController", "traceData"
+SETPOINT = "setpoint"
+"""Input of a response that is measured from the setpoint of a loop, not from a force."""
+
+UNITY = 0.25
+"""How far a loop's response from its setpoint may be from 1 at low frequency."""
+
+
+def read_sinumerik(data: bytes, *, where: str) -> FileContents:
+    """Return the measurement, session or trace in a file.
+
+    Parameters
+    ----------
+    data
+        Its bytes.
+    where
+        Its name, for errors.
+
+    Raises
+    ------
+    InputError
+        It is no XML, none of these, or a series in it is broken.
+    """
+    if b"<!DOCTYPE" in data[:4096] or b"<!ENTITY" in data:
+        raise refuse(where, "identify-xml-unknown", root="DOCTYPE")
+    try:
+        root = fromstring(data)
+    except (ParseError, ValueError, LookupError) as error:
+        line = error.position[0] if isinstance(error, ParseError) else 0
+        raise refuse(where, "identify-xml-broken", line=line, reason=str(error)) from error
+    if root.tag == MEASUREMENT:
+        return _measurement(root, where=where)
+    if root.tag == SESSION:
+        return _session(root, where=where)
+    if root.tag == TRACE or root.find(f".//{TRACE}") is not None:
+        return _trace(root, where=where)
+    raise refuse(where, "identify-xml-unknown", root=root.tag[:60])
+
+
+def _named(root: Element, name: str) -> Iterator[Element]:
+    return (element for element in root.iter() if element.get("name") == name)
+
+
+def _text(root: Element, name: str) -> str:
+    return next((element.text or "" for element in _named(root, name)), "").strip()
+
+
+def _number(root: Element, name: str) -> float:
+    """The number of that name; 0 where there is none."""
+    try:
+        value = float(_text(root, name))
+    except ValueError:
+        return 0.0
+    return value if np.isfinite(value) else 0.0
+
+
+def _series(parent: Element, name: str, *, where: str) -> Array:
+    """A series of doubles, checked against the length beside it."""
+    for array in parent.iter("NumericArray"):
+        if array.get("name") != name:
+            continue
+        try:
+            values = decode_doubles(array.findtext("raw") or "")
+        except ValueError as error:
+            raise refuse(where, "identify-series-broken", name=name, reason=str(error)) from error
+        length = int(_number(array, "m_length")) * (
+            2 if array.get("elementtype") == "ComplexNumber" else 1
+        )
+        if values.size != length:
+            raise refuse(where, "identify-series-short", name=name, got=values.size, wanted=length)
+        if not np.isfinite(values).all():
+            raise refuse(where, "identify-series-not-finite", name=name)
+        return values
+    length, end = int(_number(parent, f"{name}.length")), _number(parent, f"{name}.end")
+    if 1 < length <= 10**7:
+        return np.linspace(_number(parent, f"{name}.start"), end, length)
+    raise refuse(where, "identify-series-missing", name=name)
+
+
+def _complex_series(parent: Element, *, where: str) -> tuple[Array, ComplexArray]:
+    """Frequencies, in the file's unit, and values."""
+    pairs = _series(parent, "m_ValueVector", where=where)
+    frequency = _series(parent, "m_FrequencyVector", where=where)
+    values = pairs.view(np.complex128)
+    if values.size != frequency.size:
+        name = "m_FrequencyVector"
+        raise refuse(
+            where, "identify-series-short", name=name, got=frequency.size, wanted=values.size
+        )
+    return frequency, values
+
+
+def _is_rotary(root: Element) -> bool:
+    return _text(root, "m_bIsLinearMotor") != "true"
+
+
+def _measured_on(root: Element) -> str:
+    date = _text(root, "Date")
+    if len(date) == 8 and date.isdigit():
+        return f"{date[:4]}-{date[4:6]}-{date[6:]}"
+    return _text(root, "m_szInitTime")[:40]
+
+
+def _motor_turn(root: Element) -> float:
+    is_turning = _text(root, "m_bIsRotaryAxis") == "true"
+    return 0.0 if is_turning else abs(_number(root, "m_dMotorToAxisRatio"))
+
+
+def _measurement(root: Element, *, where: str) -> FileContents:
+    pair = next(root.iter("PrimaryFreqRespSigNodeData"), None)
+    nodes = list(root.iter("PlatformSignalNode"))
+    by_id = {int(_number(node, "m_iUniqueInstanceId")): node for node in nodes}
+    if pair is None:
+        raise refuse(where, "identify-series-missing", name="PrimaryFreqRespSigNodeData")
+    ends = [int(_number(pair, f"m_i{end}SigNodeUniqueInstanceID")) for end in ("Input", "Output")]
+    if not set(ends) <= set(by_id):
+        raise refuse(where, "identify-series-missing", name="PlatformSignalNode")
+    first, last = (by_id[end] for end in ends)
+    names = [str(int(_number(node, "m_uNodeId"))) for node in (first, last)]
+    cross = _cross_spectrum(last, names[0], where=where)
+    if cross is None:
+        record = _time_series(first, last, names, where=where)
+        format_ = Message("identify-format-sinumerik-measurement")
+        return FileContents(format=format_, items=(record,), measured_on=_measured_on(root))
+    frequency, spectrum, count = cross
+    inner = [_auto_spectrum(node, where=where) for node in (first, last)]
+    if any(one.size != spectrum.size for one in inner):
+        raise refuse(where, "identify-series-short", name="CrossSpectrum", got=inner[0].size,
+                     wanted=spectrum.size)  # fmt: skip
+    with np.errstate(all="ignore"):
+        values = spectrum.conj() / inner[0]  # the file has input times the output's conjugate
+        coherence = np.abs(spectrum) ** 2 / (inner[0] * inner[1])
+    good = np.isfinite(values) & np.isfinite(coherence) & (frequency > 0.0)
+    is_setpoint = abs(float(np.median(np.abs(values[good][:8]))) - 1.0) < UNITY if good.any() else 0
+    response = ResponseContents(
+        label=f"{names[0]} → {names[1]}",
+        frequency_hz=frequency[good],
+        values=values[good],
+        scale=1.0,
+        input=SETPOINT if is_setpoint else "",
+        output=Output.VELOCITY if is_setpoint else None,
+        sensor=Sensor.ENCODER,
+        rotary=_is_rotary(root),
+        motor_turn=_motor_turn(root),
+        coherence=np.clip(coherence[good], 0.0, 1.0),
+        averages=float(max(count, 1)),
+        resolution_hz=0.0,  # a periodic excitation, averaged over whole periods
+        lines=NO_LINES,
+    )
+    format_ = Message("identify-format-sinumerik-measurement")
+    return FileContents(format=format_, items=(response,), measured_on=_measured_on(root))
+
+
+def _cross_spectrum(
+    node: Element, other: str, *, where: str
+) -> tuple[Array, ComplexArray, int] | None:
+    for info in node.iter("SigNodeCrossSpectrumInfo"):
+        if info.get("name") == "m_autospectrumInfo" or _text(info, "m_uSignodeId") != other:
+            continue
+        return (
+            *_complex_series(info, where=where),
+            int(_number(info, "m_uNumSpectraInAvg")),
+        )
+    return None
+
+
+def _auto_spectrum(node: Element, *, where: str) -> Array:
+    info = next(_named(node, "m_autospectrumInfo"), None)
+    if info is None:
+        raise refuse(where, "identify-series-missing", name="m_autospectrumInfo")
+    return _complex_series(info, where=where)[1].real.copy()
+
+
+def _time_series(first: Element, last: Element, names: list[str], *, where: str) -> TimeContents:
+    columns, step = [], 0.0
+    for node, name in zip((first, last), names, strict=True):
+        series = next(node.iter("TimeSeries"), None)
+        if series is None:
+            raise refuse(where, "identify-series-missing", name="TimeSeries")
+        values = _series(series, "m_ValueVector", where=where)
+        step = _number(series, "m_TimeVector.end") / max(values.size - 1, 1)
+        columns.append(Column(name=name, unit="", values=values))
+    if columns[0].values.size != columns[1].values.size:
+        sizes = [column.values.size for column in columns]
+        raise refuse(where, "identify-series-short", name="TimeSeries", got=sizes[1],
+                     wanted=sizes[0])  # fmt: skip
+    return TimeContents(sample_time=step, columns=tuple(columns), lines=NO_LINES)
+
+
+def _session(root: Element, *, where: str) -> FileContents:
+    plants = list(_named(root, "m_pPlant"))
+    coherences = list(_named(root, "m_pMeasCoherence"))
+    averages = max((_as_float(e) for e in _named(root, "m_uNumberOfAverages")), default=0.0)
+    found: list[ResponseContents] = []
+    for place, plant in enumerate(plants):
+        if plant.find(".//raw") is None:
+            continue
+        frequency, values = _complex_series(plant, where=where)
+        if not values.size or any(np.array_equal(values, one.values) for one in found):
+            continue
+        coherence = None
+        if place < len(coherences) and coherences[place].find(".//raw") is not None:
+            _, gamma = _complex_series(coherences[place], where=where)
+            coherence = np.clip(gamma.real, 0.0, 1.0) if gamma.size == values.size else None
+        linear = not _is_rotary(root)
+        found.append(
+            ResponseContents(
+                label=f"m_pPlant {place + 1}" if len(plants) > 1 else "m_pPlant",
+                frequency_hz=frequency / (2 * pi),
+                values=values,
+                scale=1.0,
+                input="force" if linear else "torque",
+                output=Output.VELOCITY,
+                sensor=Sensor.ENCODER,
+                rotary=not linear,
+                motor_turn=_motor_turn(root),
+                coherence=coherence,
+                averages=averages or None,
+                lines=NO_LINES,
+            )
+        )
+    if not found:
+        raise refuse(where, "identify-series-missing", name="m_pPlant")
+    items: tuple[Item, ...] = tuple(found)
+    axis = _text(root, "m_szAxisName")
+    return FileContents(
+        format=Message("identify-format-sinumerik-session"),
+        items=items,
+        measured_on=_measured_on(root),
+        remarks=(Message("identify-axis-of-file", axis=axis),) if axis else (),
+    )
+
+
+def _as_float(element: Element) -> float:
+    try:
+        return float(element.text or "")
+    except ValueError:
+        return 0.0
+
+
+def _trace(root: Element, *, where: str) -> FileContents:
+    frame = root.find(".//dataFrame")
+    signals = list(frame.iter("dataSignal")) if frame is not None else []
+    if frame is None or not signals:
+        raise refuse(where, "identify-series-missing", name="dataSignal")
+    shown = {one.get("key"): one for one in root.iter("signal") if one.get("key")}
+    keys = [one.get("id", "") for one in signals]
+    fields = keys if all(key.startswith("f") for key in keys) else []
+    fields = fields or [f"f{place}" for place in range(1, len(signals) + 1)]
+    rows: list[list[float]] = []
+    last = [np.nan] * (len(fields) + 1)
+    for record in frame.iter("rec"):
+        row = list(last)
+        for place, name in enumerate(("time", *fields)):
+            text = record.get(name)
+            if text is None:
+                continue
+            try:
+                row[place] = float(text)
+            except ValueError as error:
+                raise refuse(
+                    where, "identify-record-broken", got=text[:40], row=len(rows) + 1
+                ) from error
+        last = row
+        rows.append(row)
+    values = np.asarray(rows, dtype=np.float64).reshape(-1, len(fields) + 1)
+    whole = np.isfinite(values).all(axis=1)
+    values = values[int(np.argmax(whole)) :] if whole.any() else values[:0]
+    if values.shape[0] < 2 or not np.isfinite(values).all():
+        raise refuse(where, "identify-series-missing", name="rec")
+    columns = []
+    for place, one in enumerate(signals, start=1):
+        more = shown.get(one.get("key"), one)
+        name = more.get("name") or one.get("name") or more.get("description") or fields[place - 1]
+        unit = next((v for k, v in (*one.items(), *more.items()) if "unit" in k.casefold()), "")
+        columns.append(Column(name=name, unit=unit, values=values[:, place]))
+    record_ = TimeContents(clock=values[:, 0], columns=tuple(columns), lines=NO_LINES)
+    return FileContents(format=Message("identify-format-sinumerik-trace"), items=(record_,))

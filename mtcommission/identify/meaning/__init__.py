@@ -1,0 +1,1 @@
+"""Columns and responses of files -> quantities in SI, with what the user says about them."""

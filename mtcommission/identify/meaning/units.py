@@ -1,0 +1,151 @@
+"""Units of signals and of responses: which quantity, on which kind of axis, how much in SI.
+
+Amperes and multiples of gravity are no units of a profile, so they are dealt with here.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from mtcommission.errors import Refused
+from mtcommission.identify.measurement import Output, Signal
+from mtcommission.units.symbols import Unit, read_unit
+
+GRAVITY = 9.80665
+"""Standard gravity [m/s^2]. Source: CGPM 1901."""
+
+_TURNS_PER_MINUTE = re.compile(r"(?<![\w/])(?:1/min|min\^?-1|min⁻¹|[UuR]/min)(?!\w)")
+_CURRENT = re.compile(r"(?<![A-Za-z])([mk]?)A(?:_?(?:rms|eff|pk))?(?![A-Za-z])")
+_GRAVITIES = re.compile(r"(?<![A-Za-z])(m?)g(?:_?n)?(?![A-Za-z])")
+
+_M, _RAD = (1, 0, 0, 0), (0, 0, 0, 1)
+_FORCE, _TORQUE = (1, 1, -2, 0), (2, 1, -2, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class SignalUnit:
+    """What a unit measures.
+
+    Parameters
+    ----------
+    signal
+        A position, velocity, acceleration, force, torque or current.
+    rotary
+        Whether its lengths are angles; None for a current.
+    scale
+        SI value of one such unit.
+    """
+
+    signal: Signal
+    rotary: bool | None
+    scale: float
+
+
+@dataclass(frozen=True, slots=True)
+class ResponseUnit:
+    """What output per input measures.
+
+    Parameters
+    ----------
+    output, input
+        Input as on the command line.
+    rotary
+        Whether its lengths are angles.
+    scale
+        SI value of one such unit; amperes stay amperes.
+    """
+
+    output: Output
+    input: str
+    rotary: bool
+    scale: float
+
+
+def read_signal_unit(text: str) -> SignalUnit | None:
+    """Return what the unit of a signal measures; None if nothing that is of use here.
+
+    Examples
+    --------
+    >>> read_signal_unit("mm/s")
+    SignalUnit(signal=<Signal.VELOCITY: 'velocity'>, rotary=False, scale=0.001)
+    >>> read_signal_unit("mg").scale
+    0.00980665
+    """
+    plain = _TURNS_PER_MINUTE.sub("rpm", text.strip())
+    if match := _CURRENT.fullmatch(plain):
+        return SignalUnit(Signal.CURRENT, None, {"": 1.0, "m": 1e-3, "k": 1e3}[match[1]])
+    if match := _GRAVITIES.fullmatch(plain):
+        return SignalUnit(Signal.ACCELERATION, False, GRAVITY * (1e-3 if match[1] else 1.0))
+    for unit in _meanings(plain):
+        if unit.exponents == _FORCE:
+            return SignalUnit(Signal.FORCE, False, unit.si_value)
+        if unit.exponents == _TORQUE:
+            return SignalUnit(Signal.TORQUE, True, unit.si_value)
+        for output in Output:
+            for rotary, length in ((False, _M), (True, _RAD)):
+                if unit.exponents == _rate(length, output):
+                    return SignalUnit(Signal(output.value), rotary, unit.si_value)
+    return None
+
+
+def read_time_unit(text: str) -> float | None:
+    """Return the seconds in a unit of time; None if it is none.
+
+    Examples
+    --------
+    >>> read_time_unit("ms")
+    0.001
+    """
+    units = _meanings(text.strip())
+    return next((unit.si_value for unit in units if unit.exponents == (0, 0, 1, 0)), None)
+
+
+def read_response_unit(text: str) -> ResponseUnit | None:
+    """Return what the unit of a response measures; None if it does not tell.
+
+    Examples
+    --------
+    >>> read_response_unit("rad/s/A")
+    ResponseUnit(output=<Output.VELOCITY: 'velocity'>, input='current', rotary=True, scale=1.0)
+    >>> read_response_unit("um/N").scale
+    1e-06
+    >>> read_response_unit("s/kg").output
+    <Output.VELOCITY: 'velocity'>
+    """
+    plain = _TURNS_PER_MINUTE.sub("rpm", text.strip())
+    per_current = bool(_CURRENT.search(plain))
+    plain = _CURRENT.sub(r"\1N", plain)  # a unit that the reader knows, in the ampere's place
+    factor = 1.0
+    if "kg" not in plain and _GRAVITIES.search(plain):
+        plain, factor = _GRAVITIES.sub(r"(\1m/s^2)", plain), GRAVITY
+    for unit in _meanings(plain):
+        for output in Output:
+            for rotary, length in ((False, _M), (True, _RAD)):
+                force = _FORCE if per_current or not rotary else _TORQUE
+                exponents = _ratio(_rate(length, output), force)
+                without_radian = (*exponents[:3], 0)
+                if unit.exponents == exponents or (rotary and unit.exponents == without_radian):
+                    name = "current" if per_current else "torque" if rotary else "force"
+                    return ResponseUnit(output, name, rotary, unit.si_value * factor)
+    return None
+
+
+def _meanings(text: str) -> tuple[Unit, ...]:
+    try:
+        return read_unit(text) if text else ()
+    except Refused:
+        return ()
+
+
+Exponents = tuple[int, int, int, int]
+
+
+def _rate(length: Exponents, output: Output) -> Exponents:
+    m, kg, s, rad = length
+    return m, kg, s - output.derivative, rad
+
+
+def _ratio(above: Exponents, below: Exponents) -> Exponents:
+    m, kg, s, rad = (a - b for a, b in zip(above, below, strict=True))
+    return m, kg, s, rad

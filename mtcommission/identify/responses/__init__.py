@@ -1,0 +1,1 @@
+"""Time records -> responses, spectra and free vibrations, with what they are worth."""

@@ -1,0 +1,248 @@
+"""A time record -> what it says: the way that fits its excitation, and why it was taken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.identify.given import Given
+from mtcommission.identify.measurement import (
+    Array,
+    Channel,
+    FreeVibration,
+    FrequencyResponse,
+    Input,
+    Output,
+    Sensor,
+    Signal,
+    Spectrum,
+    TimeRecord,
+)
+from mtcommission.identify.responses.free_vibration import find_start, fit_ringing, is_decay
+from mtcommission.identify.responses.impact import estimate_by_blows, find_blows
+from mtcommission.identify.responses.periodic import estimate_by_periods, find_period
+from mtcommission.identify.responses.power import estimate_power
+from mtcommission.identify.responses.ratio import Lines, Signals, prepare
+from mtcommission.identify.responses.welch import estimate_by_welch
+from mtcommission.messages.message import Message
+
+_FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
+_MOTIONS = (Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION)
+
+LEAST_COHERENCE = 0.3
+"""Median coherence below which a record has not measured the response of the input."""
+
+BIASED_BELOW = 0.9
+"""Coherence below which a closed loop could bias a line by more than a tenth."""
+
+Finding = FrequencyResponse | Spectrum | FreeVibration
+
+
+def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
+    """Return what a record says about the axis, at least one finding.
+
+    With a force it is a response: by blows, by periods, or by Welch. Without one it is a free
+    vibration if the signal dies away, else a spectrum.
+
+    Parameters
+    ----------
+    record
+        In SI.
+    given
+        What the user says: input, constant, output.
+
+    Raises
+    ------
+    InputError
+        The record has no signal of use, or says too little.
+    """
+    force = _force(record, given)
+    motions = [c for c in record.channels if c.signal in _MOTIONS]
+    if given.output is not None:
+        motions = [c for c in motions if c.signal.value == given.output.value]
+    motions = [c for c in motions if float(np.ptp(c.values)) > 0.0]
+    if not motions:
+        raise _refusal(record, "identify-no-motion")
+    if force is None:
+        return tuple(_free(record, motions))
+    if float(np.ptp(force)) == 0.0:
+        raise _refusal(record, "identify-no-excitation")
+    found = [_response(record, force, motion, given) for motion in motions]
+    return tuple(_best_of_each_sensor(found))
+
+
+def _refusal(record: TimeRecord, kind: str) -> InputError:
+    names = tuple(channel.name for channel in record.channels)
+    return InputError([Fault(where=record.source.name, message=Message(kind, found=names))])
+
+
+def _force(record: TimeRecord, given: Given) -> Array | None:
+    """The force or torque that acts [SI], None where none was recorded."""
+    channels = [c for c in record.channels if c.signal in _FORCES]
+    if given.input in ("force", "torque", "current"):
+        same = [c for c in channels if c.signal.value == given.input]
+        channels = same or channels
+    if not channels:
+        return None
+    if len(channels) > 1:
+        order = {signal: place for place, signal in enumerate(_FORCES)}
+        channels.sort(key=lambda channel: order[channel.signal])
+    chosen = channels[0]
+    if chosen.signal is Signal.CURRENT and given.constant is None:
+        raise _refusal(record, "identify-current-without-constant")
+    factor = 1.0 if given.constant is None else given.constant
+    return factor * chosen.values
+
+
+def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -> FrequencyResponse:
+    kind = Output(motion.signal.value)
+    reference = next((c.values for c in record.channels if c.signal is Signal.REFERENCE), None)
+    if reference is not None and float(np.ptp(reference)) == 0.0:
+        reference = None
+    signals = prepare(record.sample_time, force, motion.values, reference, kind=kind)
+    lines, remarks = _lines(signals, reference)
+    coherence = lines.coherence
+    if not coherence.size or float(np.quantile(coherence, 0.9)) < LEAST_COHERENCE:
+        raise _refusal(record, "identify-incoherent")
+    return FrequencyResponse(
+        source=replace(record.source, label=_label(record, motion)),
+        frequency_hz=lines.frequency_hz,
+        values=lines.values,
+        coherence=coherence if lines.averages > 1.0 else None,
+        averages=lines.averages if lines.averages > 1.0 else None,
+        resolution_hz=lines.resolution_hz,
+        input=Input.FORCE,
+        output=kind,
+        sensor=motion.sensor or Sensor.ENCODER,
+        rotary=_rotary(record, motion, given),
+        remarks=(*record.remarks, *remarks),
+    )
+
+
+def _label(record: TimeRecord, motion: Channel) -> str:
+    return " ".join(part for part in (record.source.label, motion.name) if part)
+
+
+def _rotary(record: TimeRecord, motion: Channel, given: Given) -> bool:
+    told = motion.rotary
+    if told is None:
+        others = (c.rotary for c in record.channels if c.signal in (Signal.FORCE, Signal.TORQUE))
+        told = next((one for one in others if one is not None), given.rotary)
+    return bool(told)
+
+
+def _lines(signals: Signals, reference: Array | None) -> tuple[Lines, list[Message]]:
+    """The response in lines, by the way that fits the excitation, and what is to be said of it."""
+    blows = find_blows(signals.input, signals.step)
+    if blows:
+        impact = estimate_by_blows(signals, blows)
+        said = [Message("identify-by-blows", count=impact.blows, duration=impact.duration)]
+        if impact.left_over > 0.1:
+            said.append(Message("identify-not-died-away", share=impact.left_over))
+        if impact.blows == 1:
+            said.append(Message("identify-single-blow"))
+        return impact.lines, said
+    period = find_period(signals.input)
+    if not period and signals.reference is not None:
+        period = find_period(signals.reference)
+    if period:
+        periodic = estimate_by_periods(signals, period)
+        said = [Message("identify-by-periods", count=periodic.periods, period=periodic.period)]
+        if periodic.left_out:
+            said.append(Message("identify-period-left-out"))
+        return periodic.lines, said
+    welch = estimate_by_welch(signals)
+    lines = welch.lines
+    said = [
+        Message(
+            "identify-by-welch",
+            window=welch.window,
+            segments=welch.segments,
+            averages=lines.averages,
+            spacing=1.0 / welch.window,
+        )
+    ]
+    if not welch.is_resolved:
+        said.append(
+            Message(
+                "identify-window-too-short", spacing=1.0 / welch.window, width=welch.narrowest_hz
+            )
+        )
+    if welch.is_joint:
+        said.append(Message("identify-joint-estimate"))
+    else:
+        doubtful = float((lines.coherence < BIASED_BELOW).mean()) if lines.coherence.size else 1.0
+        kind = "identify-reference-silent" if reference is not None else "identify-no-reference"
+        said.append(Message(kind, share=doubtful))
+    return lines, said
+
+
+def _best_of_each_sensor(found: Sequence[FrequencyResponse]) -> Iterator[FrequencyResponse]:
+    """Position and rate of one sensor are one measurement: the clearer of them."""
+    for sensor in dict.fromkeys(response.sensor for response in found):
+        same = [response for response in found if response.sensor is sensor]
+        best = max(same, key=_clarity)
+        others = tuple(response.source.label for response in same if response is not best)
+        said = (Message("identify-same-sensor", names=others),) if others else ()
+        yield replace(best, remarks=(*best.remarks, *said))
+
+
+def _clarity(response: FrequencyResponse) -> float:
+    return float(np.median(response.coherence)) if response.coherence is not None else 0.0
+
+
+def _free(record: TimeRecord, motions: Sequence[Channel]) -> Iterator[Finding]:
+    reference = next((c.values for c in record.channels if c.signal is Signal.REFERENCE), None)
+    found: list[Finding] = []
+    for motion in motions:
+        start = find_start(reference, motion.values)
+        rest = motion.values[start:]
+        source = replace(record.source, label=_label(record, motion))
+        kind = Output(motion.signal.value)
+        sensor = motion.sensor or Sensor.ENCODER
+        if rest.size >= 64 and is_decay(rest):
+            ringing = fit_ringing(rest, record.sample_time)
+            if ringing.modes:
+                said = Message(
+                    "identify-by-decay",
+                    start=start * record.sample_time,
+                    duration=ringing.duration,
+                    explained=ringing.explained,
+                )
+                more = (Message("identify-loop-in-decay"),) if reference is not None else ()
+                found.append(
+                    FreeVibration(
+                        source=source,
+                        output=kind,
+                        sensor=sensor,
+                        rotary=bool(motion.rotary),
+                        modes=ringing.modes,
+                        remarks=(*record.remarks, said, *more),
+                    )
+                )
+                continue
+        if kind is Output.ACCELERATION:
+            power = estimate_power(motion.values, record.sample_time)
+            found.append(
+                Spectrum(
+                    source=source,
+                    frequency_hz=power.frequency_hz,
+                    density=power.density,
+                    resolution_hz=power.resolution_hz,
+                    averages=power.averages,
+                    output=kind,
+                    sensor=sensor,
+                    rotary=bool(motion.rotary),
+                    remarks=(*record.remarks, Message("identify-by-power")),
+                )
+            )
+    spectra = [one for one in found if isinstance(one, Spectrum)]
+    if len(spectra) > 1:  # of one sensor's directions the one that shakes most
+        loudest = max(spectra, key=lambda one: float(one.density.max()))
+        found = [one for one in found if not isinstance(one, Spectrum) or one is loudest]
+    if not found:
+        raise _refusal(record, "identify-nothing-rings")
+    yield from found
