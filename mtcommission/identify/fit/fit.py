@@ -95,7 +95,7 @@ def _cut(
         inside = _inside(response, band)
         if np.count_nonzero(inside) >= LEAST_LINES:
             kept.append(response)
-            lines.append(see(response).keep(inside))
+            lines.append(see(response, inside))
     if not kept:
         first = responses[0]
         message = Message(
@@ -172,7 +172,7 @@ def _response(
     return FittedResponse(
         response=response,
         is_used=_inside(response, band),
-        error=lines.error,
+        lines=lines,
         polarity=polarity,
         inverse_mass=Estimate(value=polarity * float(gains[0]), sigma=float(sigmas[0])),
         has_rigid_body=is_rigid and response.input is Input.FORCE,

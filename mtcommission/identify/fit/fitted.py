@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.projection import Poles, predict
 from mtcommission.identify.measurement import FrequencyResponse, Sensor
 from mtcommission.messages.message import Message
@@ -64,8 +65,8 @@ class FittedResponse:
         As measured.
     is_used
         Which of its lines were fitted, shape (n_lines,).
-    error
-        Standard error of each used line as the fit took it, real and imaginary part each.
+    lines
+        As the fit took them, with their standard errors.
     polarity
         -1 where the sensor or the force counts the other way round, else 1.
     inverse_mass
@@ -84,7 +85,7 @@ class FittedResponse:
 
     response: FrequencyResponse
     is_used: NDArray[np.bool_]
-    error: Array
+    lines: Lines
     polarity: int
     inverse_mass: Estimate
     has_rigid_body: bool

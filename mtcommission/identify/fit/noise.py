@@ -99,7 +99,8 @@ def _course(frequency_hz: Array, size: Array) -> Array:
     low = np.searchsorted(log_f, log_f - SMOOTHED_OVER)
     high = np.searchsorted(log_f, log_f + SMOOTHED_OVER, side="right")
     median = np.array([np.median(size[a:b]) for a, b in zip(low, high, strict=True)])
-    return np.maximum(size, median)
+    course: Array = np.maximum(size, median)
+    return course
 
 
 def correlation_length(fit: Projected) -> float:

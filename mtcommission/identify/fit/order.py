@@ -11,7 +11,7 @@ from mtcommission.identify.fit.delay import align, slope_of_phase
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.noise import correlation_length, judge_errors, smooth_errors
 from mtcommission.identify.fit.projection import Poles, Projected, project, refine
-from mtcommission.identify.fit.search import find_candidates
+from mtcommission.identify.fit.search import Candidates
 
 LEAST_GAIN = 10.0
 """A mode stays if the Bayesian information criterion falls by more than this.
@@ -152,10 +152,11 @@ def _grow(
 ) -> Projected:
     """Add the mode that takes most of the misfit away until none is worth it."""
     best = _improve(responses, best.poles, holds_delay=holds_delay)
+    candidates = Candidates(responses)
     while best.poles.omega.size < most:
         least = np.inf if count is not None else criterion(responses, best) - LEAST_GAIN
         tried: list[Projected] = []
-        for omega, zeta in find_candidates(responses, best, most=3):
+        for omega, zeta in candidates.best(best, most=3):
             new = _improve(responses, best.poles.add(omega, zeta), holds_delay=holds_delay)
             if _evidence(responses, new, best) < LEAST_EVIDENCE or _too_near(new.poles):
                 continue

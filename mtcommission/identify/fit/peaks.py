@@ -190,14 +190,17 @@ def _least_squares(grid: _Grid, modes: Array, size: float, slope: float) -> _Fit
         logs: Array = np.log(_density(grid, *_unpack(theta)) + INDIFFERENT)
         return logs
 
+    def residual(theta: Array) -> Array:
+        return model(theta) - grid.y
+
     found = least_squares(
-        lambda theta: model(theta) - grid.y,
+        residual,
         np.clip(start, low + 1e-9, high - 1e-9),
         bounds=(low, high),
         x_scale="jac",
         max_nfev=40,
     )
-    return _Fit(*_unpack(found.x), model(found.x), 2.0 * float(found.cost), found.jac)
+    return _Fit(*_unpack(found.x), model(found.x), 2.0 * float(found.cost), np.asarray(found.jac))
 
 
 def _largest_misfits(grid: _Grid, fit: _Fit) -> list[float]:

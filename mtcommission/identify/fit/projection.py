@@ -18,7 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
 
 from mtcommission.identify.fit.lines import Lines
 
@@ -29,6 +28,8 @@ DAMPING_ENDS = (2e-4, 0.3)
 """Damping ratios that are tried."""
 DELAY_ENDS = (-2e-3, 20e-3)
 """Delays that are tried [s]; a negative one tells of a clock or of a wrong phase."""
+RIDGE = 1e-13
+"""Share of 1 added to the inner products of a basis."""
 LONGEST_STEP = 0.7
 """Longest step in ln ω and ln ζ."""
 LONGEST_DELAY_STEP = 5e-4
@@ -91,48 +92,51 @@ class Projected:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Basis:
-    """One response at some poles: weighed columns, their QR, the best gains."""
+    """One response at some poles: weighed columns, their inner products, the best gains."""
 
     columns: ComplexArray
     scale: Array
-    q: Array
-    r: Array
+    inverse: Array
+    """Of the inner products of the columns, each scaled to 1."""
     gains: Array
-    residual: Array
+    residual: ComplexArray
+    cost: float
 
 
-def _stack(values: ComplexArray) -> Array:
-    return np.concatenate([values.real, values.imag])
+def _inner(one: ComplexArray, other: ComplexArray) -> Array:
+    """Sums over real and imaginary parts: complex lines count as two real ones."""
+    found: Array = one.real.T @ other.real + one.imag.T @ other.imag
+    return found
 
 
-def _columns(lines: Lines, poles: Poles, delay: float) -> ComplexArray:
-    """Columns of b, g_k and R, weighed, shape (n_lines, n_modes + 2)."""
+def weighed_columns(lines: Lines, poles: Poles, delay: float) -> ComplexArray:
+    """Return the columns of b, g_k and R, weighed, shape (n_lines, n_modes + 2)."""
     s = lines.s
     found = np.empty((s.size, poles.omega.size + 2), dtype=np.complex128)
     found[:, 0] = 1.0 / (s * (s + poles.drag))
     found[:, 1:-1] = 1.0 / _denominators(s, poles)
     found[:, -1] = 1.0
-    return found * (np.exp(-s * delay) * s**lines.derivative / lines.error)[:, None]
+    found *= (np.exp(-s * delay) * s**lines.derivative / lines.error)[:, None]
+    return found
 
 
 def _denominators(s: ComplexArray, poles: Poles) -> ComplexArray:
-    found: ComplexArray = (s * s)[:, None] + np.outer(s, 2 * poles.zeta * poles.omega)
-    return found + poles.omega**2
+    found: ComplexArray = s[:, None] * (2 * poles.zeta * poles.omega)
+    found += (s * s)[:, None] + poles.omega**2
+    return found
 
 
 def _solve(lines: Lines, poles: Poles, delay: float) -> _Basis:
-    columns = _columns(lines, poles, delay)
-    stacked = np.concatenate([columns.real, columns.imag])
-    scale = np.linalg.norm(stacked, axis=0)
-    q, r = np.linalg.qr(stacked / scale)
-    y = _stack(lines.values / lines.error)
-    projected = q.T @ y
-    diagonal = np.abs(np.diag(r))
-    if diagonal.min() < 1e-12:  # two equal poles: any share does
-        gains = np.linalg.lstsq(r, projected, rcond=1e-12)[0]
-    else:
-        gains = solve_triangular(r, projected)
-    return _Basis(columns, scale, q, r, gains / scale, q @ projected - y)
+    columns = weighed_columns(lines, poles, delay)
+    products = _inner(columns, columns)
+    scale = np.sqrt(np.diag(products))
+    # The ridge is for two equal poles, of which any share does.
+    inverse = np.linalg.inv(products / np.outer(scale, scale) + RIDGE * np.eye(scale.size))
+    y = lines.values / lines.error
+    gains = inverse @ (_inner(columns, y[:, None])[:, 0] / scale) / scale
+    residual = columns @ gains - y
+    cost = float(np.vdot(residual, residual).real)
+    return _Basis(columns, scale, inverse, gains, residual, cost)
 
 
 def project(responses: Sequence[Lines], poles: Poles) -> Projected:
@@ -146,30 +150,31 @@ def _solve_all(responses: Sequence[Lines], poles: Poles) -> list[_Basis]:
 
 
 def _projected(poles: Poles, bases: Sequence[_Basis]) -> Projected:
-    residuals = []
-    for basis in bases:
-        n = basis.residual.size // 2
-        residuals.append(basis.residual[:n] + 1j * basis.residual[n:])
     return Projected(
         poles,
         np.array([basis.gains for basis in bases]),
-        tuple(residuals),
-        float(sum(basis.residual @ basis.residual for basis in bases)),
+        tuple(basis.residual for basis in bases),
+        sum(basis.cost for basis in bases),
     )
 
 
-def _slopes(lines: Lines, poles: Poles, basis: _Basis, place: int, n_responses: int) -> Array:
-    """Derivative of the weighed model at fixed gains, shape (2 n_lines, n_parameters)."""
+def _slopes(lines: Lines, poles: Poles, basis: _Basis) -> ComplexArray:
+    """Derivative of the weighed model by c, own delay, ln ω and ln ζ, shape (n_lines, 2 + 2 n)."""
     s, count = lines.s, poles.omega.size
-    rate = np.zeros((s.size, 1 + n_responses + 2 * count), dtype=np.complex128)
+    rate = np.empty((s.size, 2 + 2 * count), dtype=np.complex128)
     by_gain = basis.columns * basis.gains
     rate[:, 0] = -by_gain[:, 0] / (s + poles.drag)
-    rate[:, 1 + place] = -s * by_gain.sum(axis=1)
+    rate[:, 1] = -s * by_gain.sum(axis=1)
     modes = by_gain[:, 1:-1] / _denominators(s, poles)
-    damped = np.outer(s, 2 * poles.zeta * poles.omega)
-    rate[:, 1 + n_responses : 1 + n_responses + count] = -modes * (damped + 2 * poles.omega**2)
-    rate[:, 1 + n_responses + count :] = -modes * damped
-    return np.concatenate([rate.real, rate.imag])
+    damped = modes * s[:, None] * (2 * poles.zeta * poles.omega)
+    rate[:, 2 : 2 + count] = -damped - modes * (2 * poles.omega**2)
+    rate[:, 2 + count :] = -damped
+    return rate
+
+
+def _own(place: int, n_responses: int, n_modes: int) -> NDArray[np.intp]:
+    """Which of all parameters a response has: c, its delay, all modes."""
+    return np.array([0, 1 + place, *range(1 + n_responses, 1 + n_responses + 2 * n_modes)])
 
 
 def _pack(poles: Poles) -> Array:
@@ -197,14 +202,15 @@ def _normal(
     responses: Sequence[Lines], poles: Poles, bases: Sequence[_Basis]
 ) -> tuple[Array, Array]:
     """Jᵀ J and Jᵀ r of the projected residuals."""
-    n = len(responses)
-    size = 1 + n + 2 * poles.omega.size
+    n, count = len(responses), poles.omega.size
+    size = 1 + n + 2 * count
     square, slope = np.zeros((size, size)), np.zeros(size)
     for place, (lines, basis) in enumerate(zip(responses, bases, strict=True)):
-        jacobian = _slopes(lines, poles, basis, place, n)
-        jacobian -= basis.q @ (basis.q.T @ jacobian)
-        square += jacobian.T @ jacobian
-        slope += jacobian.T @ basis.residual
+        rate = _slopes(lines, poles, basis)
+        along = _inner(basis.columns, rate) / basis.scale[:, None]
+        own = _own(place, n, count)
+        square[np.ix_(own, own)] += _inner(rate, rate) - along.T @ basis.inverse @ along
+        slope[own] += _inner(rate, basis.residual[:, None])[:, 0]
     return square, slope
 
 
@@ -250,7 +256,8 @@ def refine(
         inner, gradient = square[np.ix_(free, free)], slope[free]
         lowered = 0.0
         while damping < 1e8:
-            step = np.linalg.solve(inner + np.diag(damping * diagonal[free]), -gradient)
+            damped = inner + np.diag(damping * diagonal[free])
+            step = np.linalg.solve(damped, -gradient)
             tried = theta.copy()
             tried[free] += np.clip(step, -reach[free], reach[free])
             tried = np.clip(tried, low, high)
@@ -307,9 +314,10 @@ def find_variances(responses: Sequence[Lines], fit: Projected) -> Variances:
     poles = inverse / np.outer(scale, scale)
     gains = np.empty_like(fit.gains)
     for place, (lines, basis) in enumerate(zip(responses, bases, strict=True)):
-        inner = np.linalg.pinv(basis.r, rcond=1e-13)
-        along = inner @ (basis.q.T @ _slopes(lines, fit.poles, basis, place, n))
-        total = inner @ inner.T + along @ poles @ along.T
+        rate = _slopes(lines, fit.poles, basis)
+        along = basis.inverse @ (_inner(basis.columns, rate) / basis.scale[:, None])
+        own = _own(place, n, fit.poles.omega.size)
+        total = basis.inverse + along @ poles[np.ix_(own, own)] @ along.T
         gains[place] = np.sqrt(np.maximum(np.diag(total), 0.0)) / basis.scale
     return Variances(poles, gains)
 
@@ -324,5 +332,5 @@ def predict(
         error=np.ones(frequency_hz.size),
         derivative=derivative,
     )
-    found: ComplexArray = _columns(lines, poles, delay) @ gains
+    found: ComplexArray = weighed_columns(lines, poles, delay) @ gains
     return found
