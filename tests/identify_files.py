@@ -91,8 +91,10 @@ def table(
     comments: str = "", digits: int = 12, end: str = "\n",
 ) -> bytes:  # fmt: skip
     rows = [separator.join(heads)] if heads else []
-    for row in zip(*columns, strict=True):
-        rows.append(separator.join(f"{x:.{digits}g}".replace(".", decimal) for x in row))
+    rows += [
+        separator.join(f"{x:.{digits}g}".replace(".", decimal) for x in row)
+        for row in zip(*columns, strict=True)
+    ]
     return (comments + end.join(rows) + end).encode()
 
 
@@ -101,7 +103,8 @@ def _array(name: str, kind: str, values: Array) -> str:
     return (
         f'<NumericArray elementtype="{kind}" format="base85" name="{name}">'
         f'<unsigned_int name="m_length">{length}</unsigned_int>'
-        f'<raw name="m_pNumberArray"><![CDATA[\n  {encode_doubles(values)}\n]]></raw></NumericArray>'
+        f'<raw name="m_pNumberArray"><![CDATA[\n  {encode_doubles(values)}\n]]></raw>'
+        "</NumericArray>"
     )
 
 
