@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from mtcommission.errors import Refused
 from mtcommission.identify.measurement import Array
+from mtcommission.messages.message import Message
 
 ALPHABET = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ!#$`()*+-/:;=?@[]^_{|}~"
 _NO_DIGIT = 255
@@ -34,7 +36,7 @@ def decode_doubles(text: str) -> Array:
 
     Raises
     ------
-    ValueError
+    Refused
         A sign is none of the alphabet, or the text ends inside a number.
 
     Examples
@@ -49,14 +51,14 @@ def decode_doubles(text: str) -> Array:
         if not piece:
             continue
         if not piece.isascii() or len(piece) % 5:
-            raise ValueError("ends inside a number")
+            raise Refused(Message("identify-series-cut"))
         digits = _DIGITS[np.frombuffer(piece.encode(), dtype=np.uint8)]
         if (digits == _NO_DIGIT).any():
-            raise ValueError("has a sign that stands for no digit")
+            raise Refused(Message("identify-series-sign"))
         words.append(digits.astype(np.int64).reshape(-1, 5) @ _POWERS)
     joined = np.concatenate(words) if words else np.zeros(0, dtype=np.int64)
     if joined.size % 2 or (joined > 0xFFFFFFFF).any():
-        raise ValueError("ends inside a number")
+        raise Refused(Message("identify-series-cut"))
     return np.frombuffer(joined.astype(">u4").tobytes(), dtype=">f8").astype(np.float64)
 
 

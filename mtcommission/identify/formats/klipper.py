@@ -18,12 +18,16 @@ from mtcommission.identify.formats.contents import (
     TimeContents,
     refuse,
 )
+from mtcommission.identify.formats.heads import words_of
 from mtcommission.identify.formats.table import read_table
 from mtcommission.identify.measurement import Sensor
 from mtcommission.messages.message import Message
 
 HALF_POWER_BINS = 1.41
 """Half-power width of Klipper's window, Kaiser's with β = 6, in its bins (computed)."""
+
+RESPONSE_WORDS = frozenset({"re", "im", "real", "imag", "magnitude", "mag", "phase", "gain"})
+"""Words of another table that begins with a frequency."""
 
 _AXES = ("psd_x", "psd_y", "psd_z")
 _NO_SPECTRA = ("psd_xyz", "accel_per_hz")
@@ -36,7 +40,8 @@ def header_of(lines: Sequence[str]) -> str:
         if plain.startswith("##") or not plain:
             continue
         names = plain.lstrip("#")
-        is_power = names.startswith("freq,") and len(names.split(",")) > 1
+        others = set(words_of(names.partition(",")[2]))
+        is_power = names.startswith("freq,") and not others & RESPONSE_WORDS
         return names if is_power or names.startswith("time,accel_x,accel_y,accel_z") else ""
     return ""
 

@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element, ParseError, fromstring
 
 import numpy as np
 
+from mtcommission.errors import Refused
 from mtcommission.identify.formats.base85 import decode_doubles
 from mtcommission.identify.formats.contents import (
     NO_LINES,
@@ -91,8 +92,10 @@ def _series(parent: Element, name: str, *, where: str) -> Array:
             continue
         try:
             values = decode_doubles(array.findtext("raw") or "")
-        except ValueError as error:
-            raise refuse(where, "identify-series-broken", name=name, reason=str(error)) from error
+        except Refused as error:
+            raise refuse(
+                where, "identify-series-broken", name=name, reason=error.message
+            ) from error
         length = int(_number(array, "m_length")) * (
             2 if array.get("elementtype") == "ComplexNumber" else 1
         )

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -70,38 +70,43 @@ def read_twincat(lines: Sequence[str], *, where: str) -> FileContents:
     if start < 0:
         raise refuse(where, "identify-no-table", lines=len(lines), first=lines[0].strip()[:60])
     cells = _cells(lines[start:], separator, len(stamps), where=where, first_line=start + 1)
-    clocks = _clocks(stamps)
-    items = []
-    for clock in clocks:
+    items: list[TimeContents] = []
+    for clock in _clocks(stamps):
         filled = [row for row, line in enumerate(cells) if line[clock.place]]
         if not clock.channels or not filled:
             continue
         lines_of = np.asarray([start + 1 + row for row in filled], dtype=np.int64)
-        stamp = [cells[row][clock.place] for row in filled]
+        times = _times([cells[r][clock.place] for r in filled], lines_of, clock.place, where=where)
         columns = tuple(
             Column(
                 name=names[place].strip(),
                 unit=_unit(units[place]),
-                values=_values([cells[row][place] for row in filled], lines_of, place, where=where),
+                values=_values([cells[r][place] for r in filled], lines_of, place, where=where),
             )
             for place in clock.channels
         )
-        items.append(
-            TimeContents(
-                label=names[clock.channels[0]].strip() if len(clocks) > 1 else "",
-                clock=_times(stamp, lines_of, clock.place, where=where),
-                columns=columns,
-                lines=lines_of,
-            )
+        same = next(
+            (i for i, one in enumerate(items) if np.array_equal(_clock_of(one), times)), None
         )
+        if same is not None:  # a column of times for each channel
+            items[same] = replace(items[same], columns=(*items[same].columns, *columns))
+            continue
+        label = columns[0].name
+        items.append(TimeContents(label=label, clock=times, columns=columns, lines=lines_of))
     if not items:
         raise refuse(where, "identify-no-table", lines=len(lines), first=lines[0].strip()[:60])
+    if len(items) == 1:
+        items = [replace(items[0], label="")]
     remarks = []
     if any(cell.strip() not in ("1", "ScaleFactor") for cell in heads.get("ScaleFactor", [])):
         remarks.append(Message("identify-twincat-scaled"))
     return FileContents(
         format=Message("identify-format-twincat"), items=tuple(items), remarks=tuple(remarks)
     )
+
+
+def _clock_of(record: TimeContents) -> Array:
+    return record.clock if record.clock is not None else np.zeros(0)
 
 
 def _clocks(stamps: Sequence[bool]) -> list[_Clock]:

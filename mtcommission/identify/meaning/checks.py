@@ -22,8 +22,15 @@ FEWEST_PLATEAUS = 3
 LARGEST_SHARE = 0.35
 """A signal that stands at its ends more often switches between two values on purpose."""
 
-STEEPEST = 1.0
-"""Slope in decades of the position per decade of frequency: a mechanical one falls by up to two."""
+STEEPEST = -0.7
+"""Slope of the position in decades per decade of frequency that an axis with its mass stays below:
+a free mass falls by two, modes bend that by less than one on the whole."""
+
+LEAST_DECADES = 0.8
+"""Band below which a resonance alone may make a response rise."""
+
+STEEPEST_HELD = 1.0
+"""The same of a structure that is held, seen at the tool: it stays level, then falls."""
 
 
 def find_clipping(values: Array, name: str, *, where: str) -> Fault | None:
@@ -101,7 +108,7 @@ def find_bad_coherence(coherence: Array, lines: Lines, *, where: str) -> Fault |
 
 
 def find_rising(
-    frequency_hz: Array, values: ComplexArray, derivative: int, *, where: str
+    frequency_hz: Array, values: ComplexArray, derivative: int, *, is_held: bool, where: str
 ) -> Fault | None:
     """Return the fault of a response per force that rises like no mechanics do.
 
@@ -114,6 +121,8 @@ def find_rising(
         Shape (n_lines,).
     derivative
         Power of s by which the output differs from the position.
+    is_held
+        Whether it may be a structure without a rigid mass in the band.
     where
         Name of the file.
     """
@@ -121,13 +130,13 @@ def find_rising(
     if good.sum() < LEAST_LINES:
         return Fault(where=where, message=Message("identify-all-zero"))
     decades = np.log10(frequency_hz[good])
-    if decades[-1] - decades[0] < 0.3:
+    if decades[-1] - decades[0] < LEAST_DECADES:
         return None
     # Evenly over the decades: on a linear grid the high lines would outvote the low ones.
     grid = np.linspace(decades[0], decades[-1], 200)
     size = np.interp(grid, decades, np.log10(np.abs(values[good]))) - derivative * grid
     slope = float(np.polyfit(grid, size, 1)[0])
-    if slope <= STEEPEST:
+    if slope <= (STEEPEST_HELD if is_held else STEEPEST):
         return None
     return Fault(where=where, message=Message("identify-rising", slope=slope))
 

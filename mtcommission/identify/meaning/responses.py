@@ -61,16 +61,16 @@ def read_response(
     if sensor is None and output is Output.VELOCITY:
         sensor = Sensor.ENCODER
         said.append(Message("identify-sensor-assumed", name=where))
-    missing = _missing(word, output, sensor, given)
-    if missing or word not in _MISSING_NONE or output is None or sensor is None:
-        found = contents.unit or Message("identify-no-unit")
-        message = Message("identify-response-unknown", found=found, missing=missing)
-        raise InputError([Fault(where=where, message=message)])
-    if unit and unit.output is not output:
+    if unit and output and unit.output is not output:
         message = Message(
             "identify-column-contradicts", name=str(contents.label or "re"), unit=contents.unit,
             signal=Message(f"identify-signal-{unit.output.value}"),
         )  # fmt: skip
+        raise InputError([Fault(where=where, message=message)])
+    missing = _missing(word, output, sensor, given)
+    if missing or word not in _MISSING_NONE or output is None or sensor is None:
+        found = contents.unit or Message("identify-no-unit")
+        message = Message("identify-response-unknown", found=found, missing=missing)
         raise InputError([Fault(where=where, message=message)])
     scale = contents.scale or (unit.scale if unit else 1.0)
     if contents.scale is None and unit is None:
@@ -146,7 +146,13 @@ def check_response(response: FrequencyResponse, lines: Lines) -> FrequencyRespon
     if fault is None and coherence is not None:
         fault = find_bad_coherence(coherence, kept, where=where)
     if fault is None and response.input is Input.FORCE:
-        fault = find_rising(frequency, values, response.output.derivative, where=where)
+        fault = find_rising(
+            frequency,
+            values,
+            response.output.derivative,
+            is_held=response.sensor is Sensor.TCP,
+            where=where,
+        )
     if fault:
         raise InputError([fault])
     remarks = response.remarks

@@ -8,8 +8,9 @@ import numpy as np
 
 from mtcommission.identify.measurement import Array, ComplexArray, Output
 
-HIGHEST_SHARE = 0.4
-"""Share of the sampling frequency up to which lines are kept: above it anti-alias filters act."""
+HIGHEST_SHARE = 0.3
+"""Share of the sampling frequency up to which lines are kept: above it anti-alias filters act, and
+what the hold of the force folds back is more than some per cent."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
