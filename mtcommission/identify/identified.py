@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.identify.fit.fitted import Estimate, Fitted
+from mtcommission.identify.fit.estimate import Estimate
+from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.fit.peaks import FittedSpectrum
-from mtcommission.identify.measurement import Evidence, FreeVibration, Input
+from mtcommission.identify.measurement import (
+    Evidence,
+    FreeVibration,
+    FrequencyResponse,
+    Input,
+    Spectrum,
+)
 from mtcommission.messages.message import Message
 
 
@@ -100,8 +107,6 @@ class Identified:
     ----------
     evidence
         From which it comes.
-    rotary
-        Whether lengths are angles.
     states
         In the order of the files.
     modes
@@ -115,13 +120,23 @@ class Identified:
     """
 
     evidence: Evidence
-    rotary: bool
     states: tuple[State, ...]
     modes: tuple[IdentifiedMode, ...]
     moving_mass: Estimate | None
     delay: Estimate | None
     spread: Spread
     warnings: tuple[Message, ...]
+
+    @property
+    def measurements(self) -> tuple[FrequencyResponse | Spectrum | FreeVibration, ...]:
+        """Everything that was measured, in the order of the files within each kind."""
+        evidence = self.evidence
+        return (*evidence.responses, *evidence.spectra, *evidence.vibrations)
+
+    @property
+    def rotary(self) -> bool:
+        """Whether lengths are angles."""
+        return any(one.rotary for one in self.measurements)
 
     @property
     def fits(self) -> tuple[Fitted, ...]:

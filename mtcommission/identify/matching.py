@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil, log
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from mtcommission.identify.fit.fitted import Estimate
+from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.identified import IdentifiedMode, Spread, State
 from mtcommission.messages.message import Message
 
@@ -93,37 +94,47 @@ def find_spread(states: Sequence[State], modes: Sequence[IdentifiedMode]) -> Spr
 
     max(2 sigma, half of the range over the states, floor) by the middle, for each mode.
     """
-    is_one = len(states) < 2
-    frequency, why_frequency = _worst(
-        states, modes, "frequency", FREQUENCY_FLOOR_OF_ONE if is_one else FREQUENCY_FLOOR
-    )
-    damping, why_damping = _worst(
-        states, modes, "damping", DAMPING_FLOOR_OF_ONE if is_one else DAMPING_FLOOR
-    )
-    return Spread(frequency=frequency, damping=damping, because=(why_frequency, why_damping))
-
-
-def _worst(
-    states: Sequence[State], modes: Sequence[IdentifiedMode], what: str, floor: float
-) -> tuple[float, Message]:
-    spread = floor
-    because = Message(f"identify-{what}-floor", floor=floor, states=len(states))
+    n = len(states)
+    floor = FREQUENCY_FLOOR if n > 1 else FREQUENCY_FLOOR_OF_ONE
+    frequency = _Worst(floor, Message("identify-frequency-floor", floor=floor, states=n))
+    floor = DAMPING_FLOOR if n > 1 else DAMPING_FLOOR_OF_ONE
+    damping = _Worst(floor, Message("identify-damping-floor", floor=floor, states=n))
     for mode in modes:
-        middle = mode.frequency_hz if what == "frequency" else mode.damping_ratio
-        values = [
-            (seen.frequency_hz if what == "frequency" else seen.damping_ratio)
-            for state, k in zip(states, mode.seen, strict=True)
-            if k is not None
-            for seen in [state.modes[k]]
-        ]
-        low, high = min(one.value for one in values), max(one.value for one in values)
-        by_range = (high - low) / (high + low)
-        by_sigma = 2.0 * max(one.sigma for one in values) / middle.value
-        if by_range > max(spread, by_sigma):
-            because = Message(
-                f"identify-{what}-range", mode=mode.name, low=low, high=high, states=len(values)
-            )
-        elif by_sigma > spread:
-            because = Message(f"identify-{what}-sigma", mode=mode.name, spread=by_sigma)
-        spread = max(spread, by_range, by_sigma)
-    return STEP * ceil(spread / STEP - 1e-9), because
+        seen = [state.modes[k] for state, k in zip(states, mode.seen, strict=True) if k is not None]
+        low, high, by_range, by_sigma = _reach([one.frequency_hz for one in seen])
+        ends = {"low": low, "high": high, "states": len(seen)}
+        frequency = frequency.or_if_worse(
+            by_range, Message("identify-frequency-range", mode=mode.name, **ends)
+        ).or_if_worse(
+            by_sigma, Message("identify-frequency-sigma", mode=mode.name, spread=by_sigma)
+        )
+        low, high, by_range, by_sigma = _reach([one.damping_ratio for one in seen])
+        ends = {"low": low, "high": high, "states": len(seen)}
+        damping = damping.or_if_worse(
+            by_range, Message("identify-damping-range", mode=mode.name, **ends)
+        ).or_if_worse(by_sigma, Message("identify-damping-sigma", mode=mode.name, spread=by_sigma))
+    return Spread(
+        frequency=frequency.rounded, damping=damping.rounded, because=(frequency.why, damping.why)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Worst:
+    """The largest spread so far, and why."""
+
+    spread: float
+    why: Message
+
+    def or_if_worse(self, spread: float, why: Message) -> _Worst:
+        return _Worst(spread, why) if spread > self.spread else self
+
+    @property
+    def rounded(self) -> float:
+        return STEP * ceil(self.spread / STEP - 1e-9)
+
+
+def _reach(values: Sequence[Estimate]) -> tuple[float, float, float, float]:
+    """Ends of some values, half of their range and two standard errors by the middle."""
+    low, high = min(one.value for one in values), max(one.value for one in values)
+    by_sigma = 2.0 * max(one.sigma for one in values) / (0.5 * (low + high))
+    return low, high, (high - low) / (high + low), by_sigma

@@ -9,8 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from mtcommission.identify.doubts import list_doubts
+from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.fit.fit import fit_state
-from mtcommission.identify.fit.fitted import Estimate, Fitted
+from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.fit.peaks import FittedSpectrum, fit_spectrum
 from mtcommission.identify.identified import Identified, Seen, State
 from mtcommission.identify.matching import find_spread, match_modes, middle_of
@@ -20,7 +21,6 @@ from mtcommission.identify.measurement import (
     FrequencyResponse,
     Input,
     Sensor,
-    Spectrum,
 )
 from mtcommission.messages.message import Message
 
@@ -60,19 +60,17 @@ def identify(
         *(_of_vibration(one) for one in evidence.vibrations),
     )
     modes = match_modes(states)
-    sources: tuple[FrequencyResponse | Spectrum | FreeVibration, ...]
-    sources = (*evidence.responses, *evidence.spectra, *evidence.vibrations)
     found = Identified(
         evidence=evidence,
-        rotary=any(one.rotary for one in sources),
         states=states,
         modes=modes,
         moving_mass=middle_of([state.moving_mass for state in states]),
         delay=middle_of([state.delay for state in states]),
         spread=find_spread(states, modes),
-        warnings=tuple(message for one in sources for message in one.remarks),
+        warnings=(),
     )
-    return replace(found, warnings=(*found.warnings, *list_doubts(found)))
+    remarks = tuple(message for one in found.measurements for message in one.remarks)
+    return replace(found, warnings=tuple(dict.fromkeys((*remarks, *list_doubts(found)))))
 
 
 def fit_states(

@@ -13,7 +13,8 @@ from mtcommission.identify.fit.band import (
     coherent_band,
     narrower_band,
 )
-from mtcommission.identify.fit.fitted import Estimate, Fitted, FittedMode, FittedResponse
+from mtcommission.identify.fit.estimate import Estimate
+from mtcommission.identify.fit.fitted import Fitted, FittedMode, FittedResponse
 from mtcommission.identify.fit.lines import Lines, see
 from mtcommission.identify.fit.noise import smooth_errors
 from mtcommission.identify.fit.order import Ordered, choose_modes

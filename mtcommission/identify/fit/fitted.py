@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.projection import Poles, predict
 from mtcommission.identify.measurement import FrequencyResponse, Sensor
@@ -14,27 +15,6 @@ from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Estimate:
-    """A value and its standard error, in the same unit.
-
-    Parameters
-    ----------
-    value
-        Best estimate.
-    sigma
-        Standard error of this measurement; what differs between machines is not in it.
-    """
-
-    value: float
-    sigma: float
-
-    @property
-    def relative(self) -> float:
-        """Standard error by value [-]."""
-        return abs(self.sigma / self.value) if self.value else np.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.optimize import least_squares
 
-from mtcommission.identify.fit.fitted import Estimate
+from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.measurement import Spectrum
 
 Array = NDArray[np.float64]
