@@ -1,4 +1,4 @@
-"""The command line; commands stand in ``machines``, ``measured``, ``compute``, ``records``, ``batch``.
+"""The command line: ``machines``, ``measured``, ``compute``, ``records``, ``batch`` hold commands.
 
 Each command is a few lines: read the input, call one verb, write the result. Heavy imports sit
 inside the commands, so that ``--help`` answers at once.
