@@ -31,9 +31,9 @@ The first one of each kind is what it does unless `control.position_loop` says o
 
 Two kinds are no products. `generic` is the cascade that most of them can be set to: limit of the
 jerk, moving average, velocity and force feed-forward, balanced setpoint, eight filters in the
-torque setpoint, the position loop anywhere. No single product below has all of it, so choose yours
-before you type in values. `state-space` is a free controller: jerk feed-forward, and states fed back
-through an observer.
+torque setpoint, the position loop anywhere. No single product below has all of it, so choose
+yours before you type in values. `state-space` is a free controller: jerk feed-forward, and states
+fed back through an observer.
 """
 
 

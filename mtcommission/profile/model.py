@@ -375,8 +375,9 @@ def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
     """What a profile asks of a kind of control that it does not have."""
     key, faults = kind.key, list[Misfit]()
     if closes_in(control) not in kind.position_loops:
-        got, has = describe(control.position_loop), [loop.value for loop in kind.position_loops]
-        message = Message("control-closes-elsewhere", got=got, control=key, has=one_of(has))
+        got = describe(control.position_loop)
+        there = one_of([loop.value for loop in kind.position_loops])
+        message = Message("control-closes-elsewhere", got=got, control=key, has=there)
         faults.append(("position_loop", message))
     for name in FEEDFORWARDS_OF_KINDS:
         weight = getattr(control, name)
