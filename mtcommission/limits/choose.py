@@ -34,7 +34,7 @@ from mtcommission.limits.search.rounding import least_used, rank_limits, round_d
 from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.loop.simulation_budget import require_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant, longest_period
@@ -57,9 +57,11 @@ class Choice:
         The limits, rounded to what is typed in, and the verdict on exactly these.
     moves
         Their moves in every corner.
+    reserve
+        What was to be kept of band and force.
     reserve_used
-        Whether they need more of band or force than the reserve leaves, because nothing else
-        meets the requirements.
+        Whether the limits need more than that leaves, because nothing else meets the
+        requirements.
     explain
         Names what forbids faster limits, when it is first asked for: few choices are.
     chart
@@ -70,6 +72,7 @@ class Choice:
 
     candidate: Candidate
     moves: tuple[MoveResult, ...]
+    reserve: Reserve
     reserve_used: bool
     explain: Callable[[], Message]
     chart: Callable[[], Landscape]
@@ -88,7 +91,9 @@ class Choice:
     @property
     def warnings(self) -> tuple[Message, ...]:
         """What the verdict does not show."""
-        return (Message("reserve-used"),) if self.reserve_used else ()
+        kept = self.reserve
+        used = Message("reserve-used", band=kept.band, force=kept.force)
+        return (used,) if self.reserve_used else ()
 
     @property
     def bound_by(self) -> Message:
@@ -154,8 +159,9 @@ def choose_limits(
     return Choice(
         candidate=candidate,
         moves=moves,
+        reserve=machine.requirements.reserve,
         reserve_used=met and found.machine is not strict,
-        explain=cache(partial(_explain, found.bench, candidate.limits, met)),
+        explain=cache(partial(_explain, found.bench, found.region, candidate.limits, met)),
         chart=cache(partial(_chart, machine, plant, tuned, found.widest, settings)),
         evaluations=len(found.pool.settling),
     )
@@ -374,7 +380,7 @@ FEW = 8
 """Known limits whose force is simulated together, best first."""
 
 
-def _explain(bench: Bench, limits: MotionLimits, feasible: bool) -> Message:
+def _explain(bench: Bench, region: Region, limits: MotionLimits, feasible: bool) -> Message:
     """Name what breaks when either limit is raised a little."""
     if not feasible:
         return Message("bound-by-nothing-met")
@@ -382,6 +388,9 @@ def _explain(bench: Bench, limits: MotionLimits, feasible: bool) -> Message:
     pairs = [(f, f) for f in steps]
     if bench.machine.control.kind.has_jerk_limit:
         pairs += [(f, 1.0) for f in steps] + [(1.0, f) for f in steps]
+    allowed = [(f, g) for f, g in pairs if g * limits.jerk <= region.largest_jerk]
+    if len(allowed) < len(pairs):
+        return Message("bound-by-jerk-in-proportion", jerk=region.largest_jerk)
     factors = np.array(pairs)
     a = limits.acceleration * factors[:, 0]
     t = a / (limits.jerk * factors[:, 1])
