@@ -136,7 +136,7 @@ def _reweighted(machine: Machine, controller: Controller, weight: float) -> Cont
     tau = controller.reference_delay
     if machine.control.reference_delay is None:
         tau = feedforward_delay(
-            position_cycle=controller.position_cycle,
+            handing_down=controller.handing_down_delay,
             velocity_cycle=controller.velocity_cycle,
             force_lag=controller.force_lag,
             jerk_feedforward=weight,
