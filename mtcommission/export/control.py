@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.export.choose import Chosen
 from mtcommission.export.layout import Layout
 from mtcommission.export.row import Row, Setting, Values
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import MICRO, MILLI
+from mtcommission.machine.machine import FilterKind
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
 
@@ -51,6 +53,7 @@ class _Neutral:
     unit: Callable[[AxisUnits], str] = lambda _units: ""
     scale: float = 1.0
     digits: int = 4
+    words: tuple[str, ...] = ()
     meaning: str
 
 
@@ -63,7 +66,9 @@ NEUTRAL = {
     Setting.AVERAGE: _Neutral(
         name="moving average", unit=lambda _: "ms", scale=MILLI, digits=9, meaning="filter-average"
     ),
-    Setting.POSITION_LOOP: _Neutral(name="position loop", meaning="loop-place"),
+    Setting.POSITION_LOOP: _Neutral(
+        name="position loop", words=tuple(loop.value for loop in PositionLoop), meaning="loop-place"
+    ),
     Setting.POSITION_CYCLE: _Neutral(
         name="position cycle", unit=lambda _: "us", scale=MICRO, digits=9, meaning="cycle-position"
     ),
@@ -71,7 +76,9 @@ NEUTRAL = {
         name="velocity cycle", unit=lambda _: "us", scale=MICRO, digits=9, meaning="cycle-velocity"
     ),
     Setting.POSITION_GAIN: _Neutral(name="Kv", unit=lambda _: "1/s", meaning="gain-position"),
-    Setting.VELOCITY_GAIN: _Neutral(name="Kp", unit=lambda u: u.damping.si, meaning="gain-kp-at-axis"),
+    Setting.VELOCITY_GAIN: _Neutral(
+        name="Kp", unit=lambda u: u.damping.si, meaning="gain-kp-at-axis"
+    ),
     Setting.INTEGRAL_TIME: _Neutral(
         name="Tn", unit=lambda _: "us", scale=MICRO, meaning="gain-integral-time"
     ),
@@ -79,19 +86,21 @@ NEUTRAL = {
         name="reference model", unit=lambda _: "us", scale=MICRO, meaning="gain-reference-model"
     ),
     Setting.VELOCITY_FEEDFORWARD: _Neutral(
-        name="velocity feed-forward", meaning="feedforward-velocity"
+        name="velocity feed-forward", meaning="row-feedforward-velocity"
     ),
     Setting.FORCE_FEEDFORWARD: _Neutral(
-        name="force feed-forward", unit=lambda u: u.mass.si, meaning="feedforward-force"
+        name="force feed-forward", unit=lambda u: u.mass.si, meaning="row-feedforward-force"
     ),
     Setting.JERK_FEEDFORWARD: _Neutral(
-        name="jerk feed-forward", unit=lambda u: f"{u.mass.si} s", meaning="feedforward-jerk"
+        name="jerk feed-forward", unit=lambda u: f"{u.mass.si} s", meaning="row-feedforward-jerk"
     ),
     Setting.REFERENCE_DELAY: _Neutral(
         name="reference delay", unit=lambda _: "us", scale=MICRO, meaning="delay-of-reference"
     ),
     Setting.FILTERS: _Neutral(name="force filters", meaning="filter-count"),
-    Setting.FILTER_KIND: _Neutral(name="filter {} kind", meaning="filter-kind"),
+    Setting.FILTER_KIND: _Neutral(
+        name="filter {} kind", words=tuple(kind.value for kind in FilterKind), meaning="filter-kind"
+    ),
     Setting.FILTER_FREQUENCY: _Neutral(
         name="filter {} frequency", unit=lambda _: "Hz", digits=5, meaning="filter-frequency"
     ),
@@ -127,6 +136,7 @@ def neutral_row(
         unit=neutral.unit(units),
         scale=neutral.scale,
         digits=neutral.digits,
+        codes={word: word for word in neutral.words},
         meaning=Message(neutral.meaning),
         is_elsewhere=is_elsewhere,
     )

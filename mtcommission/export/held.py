@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, pi
+from math import pi
 
-from mtcommission.control_kinds.kind import ControlKind, Jerk, PositionLoop
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError, Fault, InputError
-from mtcommission.export.row import Key, Row, Setting, Values, unreadable
+from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
+from mtcommission.loop.model.controller import handing_down_delay
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (
     Control,
@@ -22,9 +22,9 @@ from mtcommission.machine.machine import (
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
+from mtcommission.setpoint.setpoint import Setpoint, plan_within
 from mtcommission.study.shapers import shape_setpoint, zero_vibration
-from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_setpoints
+from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_planned
 
 SHAPERS = {"zv": 1, "zvd": 2}
 """Order of each kind of shaper."""
@@ -55,10 +55,13 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
     """
     kind, loop, control = subject.kind, subject.controller, subject.machine.control
     place = control.position_loop
+    place = place if place in kind.position_loops else kind.position_loops[0]
+    delay = loop.reference_delay
+    if place is PositionLoop.DRIVE:  # the drive knows no newer setpoint
+        cycles = {"position_cycle": loop.position_cycle, "velocity_cycle": loop.velocity_cycle}
+        delay = max(delay, handing_down_delay(place, **cycles))
     values: dict[Key, float | str] = {
-        (Setting.POSITION_LOOP, ""): (
-            place if place in kind.position_loops else kind.position_loops[0]
-        ).value,
+        (Setting.POSITION_LOOP, ""): place.value,
         (Setting.POSITION_CYCLE, ""): loop.position_cycle,
         (Setting.VELOCITY_CYCLE, ""): loop.velocity_cycle,
         (Setting.POSITION_GAIN, ""): loop.position_gain,
@@ -80,7 +83,7 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
             loop.jerk_feedforward * mass * loop.force_lag,
             kind.jerk_feedforward,
         ),
-        (Setting.REFERENCE_DELAY, loop.reference_delay, kind.reference_delay),
+        (Setting.REFERENCE_DELAY, delay, kind.reference_delay),
         (Setting.AVERAGE, control.moving_average_time, "moving_average" in kind.setpoint_filters),
         (
             Setting.FILTERS,
@@ -175,21 +178,21 @@ class Held:
         -------
         Candidate
         """
-        average = self.machine.control.moving_average_time
+        within = plan_within(self.machine, limits)
         shaper = self.values.get((Setting.SHAPER, ""))
-
-        def plan(move: Move) -> Setpoint:
-            setpoint = plan_setpoint(move, limits, moving_average=average)
-            if shaper is None:
-                return setpoint
+        if shaper is None:
+            plan = within
+        else:
             impulses = zero_vibration(
                 SHAPERS[str(shaper)],
                 frequency_hz=number(self.values, Setting.SHAPER_FREQUENCY),
                 damping_ratio=number(self.values, Setting.SHAPER_DAMPING),
             )
-            return shape_setpoint(setpoint, impulses)
 
-        moves = simulate_setpoints(machine, self.tuned, [plan(move) for move in machine.moves])
+            def plan(move: Move) -> Setpoint:
+                return shape_setpoint(within(move), impulses)
+
+        moves = simulate_planned(machine, self.tuned, plan)
         return evaluate_moves(machine, build_plant(machine), self.tuned, moves)
 
 
@@ -284,6 +287,7 @@ def hold(subject: Subject, values: Values) -> Held:
     except ComputationError as error:
         message = Message(
             "export-unstable",
+            lacking="yes" if subject.left_out else "no",
             left_out=tuple(Message("export-feature", what=what) for what in subject.left_out),
             why=error.message,
             kind=subject.kind.key,
@@ -293,9 +297,12 @@ def hold(subject: Subject, values: Values) -> Held:
 
 
 def _control(values: Values, subject: Subject) -> Control:
-    for setting in ALWAYS:
-        if (setting, "") not in values:
-            raise unreadable(setting.value[0])
+    numbers = [index for setting, index in values if setting is Setting.FILTER_KIND]
+    missing = [setting for setting in ALWAYS if (setting, "") not in values]
+    if values.get((Setting.FILTERS, ""), 0.0) != len(numbers):
+        missing.append(Setting.FILTERS)
+    if missing:
+        raise unreadable(missing[0].value[0])
 
     def given(setting: Setting) -> float:
         return number(values, setting) if (setting, "") in values else 0.0
@@ -323,10 +330,10 @@ def _control(values: Values, subject: Subject) -> Control:
         moving_average_time=given(Setting.AVERAGE),
         force_filters=tuple(
             ForceFilter(
-                kind=FilterKind(values[Setting.FILTER_KIND, str(i)]),
-                natural_frequency=2.0 * pi * number(values, Setting.FILTER_FREQUENCY, str(i)),
-                damping=number(values, Setting.FILTER_DAMPING, str(i)),
+                kind=FilterKind(values[Setting.FILTER_KIND, i]),
+                natural_frequency=2.0 * pi * number(values, Setting.FILTER_FREQUENCY, i),
+                damping=number(values, Setting.FILTER_DAMPING, i),
             )
-            for i in range(1, round(given(Setting.FILTERS)) + 1)
+            for i in numbers
         ),
     )

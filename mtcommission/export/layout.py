@@ -283,9 +283,7 @@ def _write_list(entries: Sequence[Entry], words: Catalogue) -> list[str]:
         doubt = words.text("export-verified" if row.is_verified else "export-doubted")
         place = words.text("export-elsewhere") if row.is_elsewhere else row.section
         meaning = entry.meaning(words)
-        writer.writerow(
-            (place, row.name, row.unit, entry.old, entry.value, "", "", meaning, doubt)
-        )
+        writer.writerow((place, row.name, row.unit, entry.old, entry.value, "", "", meaning, doubt))
     return stream.getvalue().splitlines()
 
 

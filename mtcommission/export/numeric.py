@@ -133,7 +133,7 @@ def _sinumerik_feedforward(subject: Subject, loop: Values) -> Iterator[Row]:
     yield Row(
         setting=Setting.VELOCITY_FEEDFORWARD,
         name="N32610 $MA_VELO_FFW_WEIGHT[0]",
-        meaning=Message("feedforward-velocity"),
+        meaning=Message("row-feedforward-velocity"),
     )
     if subject.shaft:
         yield doubted(
@@ -141,7 +141,7 @@ def _sinumerik_feedforward(subject: Subject, loop: Values) -> Iterator[Row]:
             name="N32650 $MA_AX_INERTIA",
             unit="kg m^2",
             scale=subject.shaft**-2,
-            meaning=Message("feedforward-inertia"),
+            meaning=Message("row-feedforward-inertia"),
         )
     if which != "none":
         data = "32800 $MA_EQUIV_CURRCTRL" if which == "force" else "32810 $MA_EQUIV_SPEEDCTRL"
@@ -242,13 +242,11 @@ def _heidenhain(subject: Subject, _loop: Values) -> list[Row]:
         ]
     return [
         *rows,
-        Row(
-            setting=Setting.POSITION_GAIN, name="kvFactor", unit="1/s", meaning=Message("gain-kv")
-        ),
+        Row(setting=Setting.POSITION_GAIN, name="kvFactor", unit="1/s", meaning=Message("gain-kv")),
         Row(
             setting=Setting.VELOCITY_FEEDFORWARD,
             name="feedForwardFactor",
-            meaning=Message("feedforward-velocity"),
+            meaning=Message("row-feedforward-velocity"),
         ),
     ]
 
@@ -295,7 +293,7 @@ def _fanuc(subject: Subject, _loop: Values) -> list[Row]:
             unit="0.01 %",
             scale=1e-4,
             step=1,
-            meaning=Message("feedforward-velocity"),
+            meaning=Message("row-feedforward-velocity"),
         ),
         Row(
             setting=Setting.RAPID,
@@ -381,7 +379,7 @@ def _isg(subject: Subject, loop: Values) -> Iterator[Row]:
             name="getriebe[0].load",
             unit="kg m^2",
             scale=subject.shaft**-2,
-            meaning=Message("feedforward-inertia"),
+            meaning=Message("row-feedforward-inertia"),
         )
     if loop.get((Setting.AVERAGE, "")):
         yield fixed("filter_fir.type", "1", Message("isg-moving-average"))
@@ -407,7 +405,5 @@ NUMERIC_CONTROLS = (
     Control(key="sinumerik", rows=_sinumerik, layout=MACHINE_DATA, notes=_sinumerik_notes),
     Control(key="heidenhain", rows=_heidenhain, layout=TABLE, notes=_heidenhain_notes),
     Control(key="fanuc", rows=_fanuc, layout=TABLE, notes=_fanuc_notes),
-    Control(
-        key="isg", rows=lambda *of: tuple(_isg(*of)), layout=NAMED_LIST, notes=_isg_notes
-    ),
+    Control(key="isg", rows=lambda *of: tuple(_isg(*of)), layout=NAMED_LIST, notes=_isg_notes),
 )

@@ -116,7 +116,7 @@ def _linuxcnc(subject: Subject, loop: Values) -> list[Row]:
             Row(
                 setting=Setting.VELOCITY_FEEDFORWARD,
                 name="FF1",
-                meaning=Message("feedforward-velocity"),
+                meaning=Message("row-feedforward-velocity"),
                 section=joint,
             )
         )
@@ -187,6 +187,7 @@ def _klipper(subject: Subject, _loop: Values) -> list[Row]:
         row(
             setting=Setting.SHAPER,
             name=f"shaper_type_{letter}",
+            codes={name: name for name in SHAPERS},
             meaning=Message("klipper-input-shaper"),
         ),
         row(
@@ -254,7 +255,10 @@ def _marlin_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
 
 def _ros(subject: Subject, loop: Values) -> list[Row]:
     name, units = identifier(subject), subject.machine.axis_units
-    limits, gains = f"joint_limits/{name}", f"joint_trajectory_controller/ros__parameters/gains/{name}"
+    limits, gains = (
+        f"joint_limits/{name}",
+        f"joint_trajectory_controller/ros__parameters/gains/{name}",
+    )
     rows = [
         fixed("has_acceleration_limits", "true", section=limits),
         Row(
@@ -287,7 +291,7 @@ def _ros(subject: Subject, loop: Values) -> list[Row]:
         Row(
             setting=Setting.VELOCITY_FEEDFORWARD,
             name="ff_velocity_scale",
-            meaning=Message("feedforward-velocity"),
+            meaning=Message("row-feedforward-velocity"),
             section=gains,
         ),
     ]
@@ -295,9 +299,7 @@ def _ros(subject: Subject, loop: Values) -> list[Row]:
 
 OPEN_CONTROLS = (
     Control(key="linuxcnc", rows=_linuxcnc, layout=INI, notes=_linuxcnc_notes),
-    Control(
-        key="klipper", rows=_klipper, layout=CONFIG, shapers=_shapers, notes=_klipper_notes
-    ),
+    Control(key="klipper", rows=_klipper, layout=CONFIG, shapers=_shapers, notes=_klipper_notes),
     Control(key="grblhal", rows=_grblhal, layout=MACHINE_DATA, notes=_grblhal_notes),
     Control(key="fluidnc", rows=_fluidnc, layout=YAML, notes=_fluidnc_notes),
     Control(key="marlin", rows=_marlin, layout=G_CODE, shapers=_shapers, notes=_marlin_notes),

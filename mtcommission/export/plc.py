@@ -100,7 +100,7 @@ def _twincat_loop(subject: Subject, loop: Values) -> list[Row]:
                 unit="%",
                 scale=1e-2,
                 step=1e-2,
-                meaning=Message("feedforward-velocity"),
+                meaning=Message("row-feedforward-velocity"),
             ),
         ]
     return [
@@ -114,7 +114,7 @@ def _twincat_loop(subject: Subject, loop: Values) -> list[Row]:
         row(
             setting=Setting.VELOCITY_FEEDFORWARD,
             name="NC velocity pre-control weight",
-            meaning=Message("feedforward-velocity"),
+            meaning=Message("row-feedforward-velocity"),
         ),
     ]
 

@@ -123,7 +123,7 @@ class Row:
         if self.codes:
             return self.codes[value]
         if isinstance(value, str):
-            return value
+            raise unreadable(f"{self.name} {value}")
         rounding = self.setting.rounding
         return type_number(
             round_number(value / self.scale, rounding, digits=self.digits, step=self.step)
@@ -140,7 +140,7 @@ class Row:
         try:
             if self.codes:
                 return next(value for value, code in self.codes.items() if code == text)
-            return text if not self.setting.rounding else float(Decimal(text)) * self.scale
+            return float(Decimal(text)) * self.scale
         except (StopIteration, InvalidOperation):
             raise unreadable(f"{self.name} {text}") from None
 

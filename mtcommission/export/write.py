@@ -331,9 +331,7 @@ def _verdict(subject: Subject, control: Control, judged: _Judged) -> Message:
         for check in verdict.assessment.checks
         if not check.is_met
     ]
-    missed += [
-        Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out
-    ]
+    missed += [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out]
     if not missed:
         return Message("export-all-met", judged=said)
     told = reduce(lambda first, then: Message("record-both", first=first, then=then), missed)
@@ -376,9 +374,9 @@ def _shaft(subject: Subject, rows: Sequence[Row]) -> list[Message]:
     """Where the values of the drive count."""
     if subject.shaft is None:
         return [Message("export-no-shaft")]
-    if subject.is_rotary and subject.shaft == 1.0:
-        return []
-    return [Message("export-shaft", travel=subject.shaft)]
+    own = (Setting.VELOCITY_GAIN, Setting.FORCE_FEEDFORWARD)
+    at_shaft = any(row.setting in own and row.scale != 1.0 for row in rows)
+    return [Message("export-shaft", travel=subject.shaft)] if at_shaft else []
 
 
 def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
