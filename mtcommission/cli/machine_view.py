@@ -82,8 +82,7 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message 
 def _basis(machine: Machine, spoken: Catalogue) -> Table:
     """The control with its loop, what is assumed, and what is neglected."""
     control, printed = machine.control, spoken.format
-    key = control.kind.key
-    name = spoken.known(f"control-kind-{key}", spoken.known(f"control-{key}", key))
+    name = spoken.text(f"control-kind-{control.kind.key}")
     loop = spoken.text(
         f"position-loop-{control.position_loop.value}",
         position_cycle=printed.quantity(control.position_cycle, "s"),
@@ -92,7 +91,8 @@ def _basis(machine: Machine, spoken: Catalogue) -> Table:
     if any(map(machine.is_assumed, LOOP_KEYS)):
         loop = spoken.text("assumed", value=loop)
     has = spoken.say(describe_kind(control.kind))
-    table = empty_table(spoken, "basis", "meaning")
+    table = empty_table(spoken, "basis")
+    table.add_column(overflow="fold")
     for label, sentences in (
         ("control", [f"{name}: {has}"]),
         ("loop", [loop]),

@@ -91,7 +91,7 @@ SINUMERIK = ControlKind(
         ),
         "acceleration_feedforward": read(
             COMPENSATIONS,
-            "MD32620 FFW_MODE = 4, MD32650 AX_INERTIA [kg m^2 (?)], linear MD32652 AX_MASS [kg (?)]",
+            "MD32620 FFW_MODE = 4, MD32650 AX_INERTIA [kg m^2 (?)], MD32652 AX_MASS [kg (?)]",
             "Without spline telegrams it arrives in steps of a position cycle.",
         ),
         "jerk_feedforward": read(COMPENSATIONS, note="In none of the sources."),

@@ -21,7 +21,6 @@ terminal-head-met = i.O.
 terminal-head-move = Bewegung
 terminal-head-corner = Ecke
 terminal-head-basis = Grundlage
-terminal-head-meaning = { "" }
 terminal-basis-control = Steuerung
 terminal-basis-loop = ihr Regelkreis
 terminal-basis-assumed = angenommen

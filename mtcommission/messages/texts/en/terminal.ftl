@@ -23,7 +23,6 @@ terminal-head-met = Met
 terminal-head-move = Move
 terminal-head-corner = Corner
 terminal-head-basis = What it rests on
-terminal-head-meaning = { "" }
 terminal-basis-control = control
 terminal-basis-loop = its loop
 terminal-basis-assumed = assumed
