@@ -306,7 +306,8 @@ def test_control_contour_and_todays_values_are_asked_in_turn(tmp_path: Path) -> 
     assert (machine.drive.lead, machine.drive.gear) == (0.01, 2.0)
     assert machine.drive.encoder_resolution == 1e-7
     needs, today = machine.requirements, machine.today
-    assert (needs.contour_deviation, needs.contour_feed) == (20e-6, pytest.approx(1 / 30))
+    assert needs.contour_deviation == 20e-6
+    assert needs.contour_feed == pytest.approx(1 / 30)
     assert today is not None
     assert (today.acceleration, today.jerk, today.integral_time) == (2.0, 40.0, None)
     assert today.position_gain == pytest.approx(1000 / 60)
