@@ -215,8 +215,8 @@ class TodayEntry:
     Kp: float
     Tn: float
     basis: Words
-    failure: Words | None
-    bound_by: Words | None
+    failure: Message | None
+    bound_by: Message | None
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float | None
