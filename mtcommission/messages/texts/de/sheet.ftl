@@ -372,6 +372,33 @@ rms-force = { $axis ->
 }
 saturated = Gesättigt
 
+control-heading = Was diese Steuerung hat
+control-caption = { $control }: Namen in der Steuerung („(?)“: in keiner Herstellerschrift gelesen, prüfen)
+control-parameters = In der Steuerung
+control-has-all = Hat { $has }.
+control-has-and-lacks = Hat { $has }. Es fehlt: { $lacks }; weder eingestellt noch simuliert noch exportiert.
+has-acceleration = Beschleunigungsgrenze
+has-jerk = Ruckgrenze
+has-modes = Grenzwerte je Bearbeitungsart
+has-setpoint-filters = Sollwertfilter
+has-velocity-feedforward = Geschwindigkeitsvorsteuerung
+has-acceleration-feedforward = { $axis ->
+    [rotary] Momentenvorsteuerung
+   *[linear] Kraftvorsteuerung
+}
+has-jerk-feedforward = Ruckvorsteuerung
+has-reference-delay = Symmetrierung des Sollwerts
+has-position-loops = Ort des Lagereglers
+has-position-cycle = Lagereglertakt
+has-velocity-cycle = Geschwindigkeitsreglertakt
+has-position-gain = Lagereglerverstärkung Kv
+has-velocity-gain = Geschwindigkeitsreglerverstärkung Kp, Nachstellzeit Tn
+has-force-filters = { $axis ->
+    [rotary] Filter im Momentensollwert
+   *[linear] Filter im Kraftsollwert
+}
+has-state-feedback = Zustandsrückführung
+
 ## Robustness
 
 robustness-heading = Robustheit
