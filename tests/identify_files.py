@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -236,7 +238,10 @@ def uff(*sets: dict[str, object]) -> bytes:
     """A universal file, written by pyuff."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "a.uff"
-        pyuff.UFF(str(path)).write_sets(list(sets), "overwrite")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ResourceWarning)  # pyuff leaves the file open
+            pyuff.UFF(str(path)).write_sets(list(sets), "overwrite")
+            gc.collect()
         return path.read_bytes()
 
 
