@@ -1,4 +1,4 @@
-"""The command line: ``machines``, ``compute``, ``records`` and ``batch`` hold the commands.
+"""The command line: ``machines``, ``measured``, ``compute``, ``records``, ``batch`` hold commands.
 
 Each command is a few lines: read the input, call one verb, write the result. Heavy imports sit
 inside the commands, so that ``--help`` answers at once.
@@ -19,6 +19,7 @@ from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
 from mtcommission.cli.language import ENGLISH, choose, say, words
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
+from mtcommission.cli.measured import identify
 from mtcommission.cli.records import export, sheet
 from mtcommission.errors import MtcommissionError
 
@@ -35,7 +36,19 @@ app = typer.Typer(
     rich_markup_mode=None,
     epilog=EXIT_CODES,
 )
-for command in (wizard, check, run, limits, optimal, simulate, export, sheet, sweep, validate):
+for command in (
+    wizard,
+    identify,
+    check,
+    run,
+    limits,
+    optimal,
+    simulate,
+    export,
+    sheet,
+    sweep,
+    validate,
+):
     app.command()(command)
 
 profiles = typer.Typer(help="The example machines that come with the program.")

@@ -1,0 +1,225 @@
+"""Commands that read measurements: identify."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from mtcommission.cli.arguments import JsonOption
+from mtcommission.cli.inputs import now
+from mtcommission.cli.language import ENGLISH, LanguageOption, say, words
+from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
+
+MOST_MODES = 8
+"""Of a profile."""
+
+if TYPE_CHECKING:
+    from mtcommission.identify.given import Given
+
+
+def identify(
+    files: Annotated[
+        list[str],
+        typer.Argument(metavar="FILE...", help="Measurements; FILE@tcp or FILE@encoder."),
+    ],
+    profile: Annotated[
+        Path | None,
+        typer.Option("--profile", metavar="PROFILE", help="Profile to take the modes in."),
+    ] = None,
+    output: Annotated[str, typer.Option("-o", metavar="NEW.toml", help="Profile to write.")] = "",
+    sensor: Annotated[
+        str, typer.Option("--sensor", metavar="encoder|tcp", help="Where the sensor sits.")
+    ] = "",
+    input_: Annotated[
+        str,
+        typer.Option(
+            "--input", metavar="force|torque|current|acceleration", help="What excites the axis."
+        ),
+    ] = "",
+    constant: Annotated[
+        str,
+        typer.Option("--constant", metavar="K", help="Force or torque per ampere [N/A, N m/A]."),
+    ] = "",
+    measured: Annotated[
+        str,
+        typer.Option("--output", metavar="position|velocity|acceleration", help="What it shows."),
+    ] = "",
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--columns", metavar="NAME=COLUMN", help="Our name to one of the file."),
+    ] = None,
+    band: Annotated[
+        str, typer.Option("--band", metavar="LOW:HIGH", help="Lines to fit [Hz]; default chosen.")
+    ] = "",
+    modes: Annotated[
+        str, typer.Option("--modes", metavar="N|auto", help="Number of modes.")
+    ] = "auto",
+    tool_ratio: Annotated[
+        str,
+        typer.Option(
+            "--tool-ratio", metavar="R", help="Peak at the tool by peak at the motor, if known."
+        ),
+    ] = "",
+    page: Annotated[
+        str, typer.Option("--page", metavar="FILE.html", help="Measured over fitted, as a page.")
+    ] = "",
+    language: LanguageOption = ENGLISH,
+    json_file: JsonOption = "",
+) -> None:
+    """Identify mass, delay and modes from measured responses; write a profile.
+
+    Reads tables of responses and signals, SINUMERIK, TwinCAT, LinuxCNC, Klipper and UFF files.
+    """
+    from mtcommission.files import require_writable, write_text
+
+    require_writable(json_file, page, output)
+    given = _read_given(sensor, input_, constant, measured, columns or [], profile)
+    limits, count = _read_band(band), _read_count(modes)
+    ratio = _read_number("--tool-ratio", tool_ratio) if tool_ratio else None
+    before = _read_before(profile)
+
+    from mtcommission.cli.identified_view import describe_identified
+    from mtcommission.cli.terminal import show
+    from mtcommission.identify.check import check_records
+    from mtcommission.identify.document import Writing, merge_profile, write_profile
+    from mtcommission.identify.entry import identified_entry
+    from mtcommission.identify.gather import gather
+    from mtcommission.identify.page import print_identified
+    from mtcommission.identify.states import identify as identify_axis
+    from mtcommission.record.files import dump_json
+
+    with show_stage() as progress:
+        progress(Message("identify-stage"))
+        evidence = gather(files, given)
+        found = identify_axis(evidence, band_hz=limits, count=count)
+        checks = check_records(found, force_per_unit=given.constant, band_hz=limits, count=count)
+    created = now()
+    target = output or (str(profile) if profile else "machine.toml")
+    how = Writing(
+        date=created[:10], file=target, tool_ratio=ratio, words=words(rotary=found.rotary)
+    )
+    text = merge_profile(before, found, how) if before else write_profile(found, how)
+    written = [name for name in (output, page) if name and name != "-"]
+    if page:
+        html = print_identified(
+            found, checks=checks, profile=text, created=created, language=language
+        )
+        write_text(page, html)
+    if output:
+        write_text(output, text)
+    if json_file:
+        write_text(json_file, dump_json(identified_entry(found, checks=checks, profile=text)))
+    if "-" in (json_file, output, page):
+        return
+    show(describe_identified(found, checks))
+    print_written(Path(), written)
+    if output:
+        sys.stdout.write(say("identify-next", file=output) + "\n")
+
+
+def _read_given(
+    sensor: str,
+    input_: str,
+    constant: str,
+    measured: str,
+    columns: list[str],
+    profile: Path | None,
+) -> Given:
+    from mtcommission.identify.given import INPUTS, Given
+    from mtcommission.identify.measurement import Output, Sensor
+
+    _require_word("--sensor", sensor, tuple(Sensor))
+    _require_word("--input", input_, INPUTS)
+    _require_word("--output", measured, tuple(Output))
+    rotary, turn = _of_profile(profile)
+    return Given(
+        sensor=Sensor(sensor) if sensor else None,
+        input=input_,
+        constant=_read_number("--constant", constant) if constant else None,
+        output=Output(measured) if measured else None,
+        columns=_read_columns(columns),
+        rotary=rotary,
+        motor_turn=turn,
+    )
+
+
+def _of_profile(profile: Path | None) -> tuple[bool | None, float]:
+    """Kind of the axis, and the motor's angle per travel [rad/m]; 0 where the profile lacks it."""
+    if profile is None:
+        return None, 0.0
+    from math import pi
+
+    from mtcommission.cli.inputs import read_machine
+    from mtcommission.machine.machine import Motion
+
+    machine = read_machine(profile, "")
+    rotary, drive = machine.motion is Motion.ROTARY, machine.drive
+    return rotary, 2.0 * pi * drive.gear / drive.lead if drive.lead and not rotary else 0.0
+
+
+def _read_before(profile: Path | None) -> str:
+    if profile is None:
+        return ""
+    from mtcommission.profile.read import read_profile_text
+
+    return read_profile_text(profile)
+
+
+def _refuse(option: str, message: Message) -> NoReturn:
+    raise InputError([Fault(where=option, message=message)])
+
+
+def _require_word(option: str, got: str, allowed: Sequence[str]) -> None:
+    if got and got not in allowed:
+        shown = ", ".join(str(word) for word in allowed)
+        _refuse(option, Message("option-one-of", got=got, allowed=shown))
+
+
+def _read_number(option: str, text: str) -> float:
+    """A positive number; a unit of SI behind it may stand, it says nothing new."""
+    number = text.strip().split(" ")[0].replace("N/A", "").replace(",", ".")
+    try:
+        value = float(number)
+    except ValueError:
+        value = 0.0
+    if not (isfinite(value) and value != 0.0):
+        _refuse(option, Message("identify-option-number", got=text))
+    return value
+
+
+def _read_band(text: str) -> tuple[float, float] | None:
+    if not text:
+        return None
+    parts = text.lower().replace("hz", "").split(":")
+    try:
+        low, high = (float(part) for part in parts)
+    except ValueError:
+        low = high = 0.0
+    if not (0.0 < low < high and isfinite(high)):
+        _refuse("--band", Message("identify-option-band", got=text))
+    return low, high
+
+
+def _read_count(text: str) -> int | None:
+    if text == "auto":
+        return None
+    if not (text.isdigit() and 1 <= int(text) <= MOST_MODES):
+        _refuse("--modes", Message("identify-option-modes", got=text, most=MOST_MODES))
+    return int(text)
+
+
+def _read_columns(pairs: Sequence[str]) -> Mapping[str, str]:
+    found = {}
+    for pair in pairs:
+        name, equals, column = pair.partition("=")
+        if not (name.strip() and equals and column.strip()):
+            _refuse("--columns", Message("identify-option-columns", got=pair))
+        found[name.strip()] = column.strip()
+    return found

@@ -1,0 +1,317 @@
+"""What was identified -> a profile: a new, commented one, or one that exists with new modes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log
+from typing import Any
+
+import tomlkit
+from tomlkit.items import AoT, Table
+
+from mtcommission import __version__
+from mtcommission.identify.fit.estimate import Estimate
+from mtcommission.identify.identified import Identified, IdentifiedMode
+from mtcommission.identify.matching import FARTHEST
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.plant.modal import MOST_MODES
+from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
+
+COLUMN = 34
+"""Where comments begin, if the line leaves room."""
+TO_ASK = (
+    "drive.max_force",
+    "drive.force_lag",
+    "moves[1].distance",
+    "moves[1].max_velocity",
+    "requirements.tcp_deviation",
+)
+"""What no response tells, and no profile can do without."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Writing:
+    """How a profile is written.
+
+    Parameters
+    ----------
+    date
+        ISO 8601, day.
+    file
+        Name of the profile, for hints.
+    tool_ratio
+        Peak at the tool by peak at the motor, as the user says; None where nobody knows.
+    words
+        Language of the comments.
+    """
+
+    date: str
+    file: str
+    tool_ratio: float | None
+    words: Catalogue
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """One key of a profile: value as TOML has it, comment, whether it is an assumption."""
+
+    key: str
+    value: str | float
+    comment: str
+    is_assumed: bool = False
+
+
+def write_profile(found: Identified, how: Writing) -> str:
+    """Return a new profile: what is known with its intervals, the rest as open questions.
+
+    Parameters
+    ----------
+    found
+        The axis.
+    how
+        Date, names and language.
+    """
+    words, unit = how.words, _units(found)
+    modes = [_mode_rows(mode, found, how) for mode in _kept(found)]
+    assumed = [
+        f"plant.modes[{number}].{row.key}"
+        for number, rows in enumerate(modes, start=1)
+        for row in rows
+        if row.is_assumed
+    ]
+    lines = [f"# {line}" for line in _heading(found, how)]
+    lines += ["", "schema = 1", "", "[machine]"]
+    lines += [
+        _line(_Row("name", words.text("identify-document-name"), "")),
+        _line(_Row("axis", "X", "")),
+        _line(_Row("source", _source(found, how), "")),
+    ]
+    if found.rotary:
+        lines.append(_line(_Row("motion", "rotary", "")))
+    if assumed:
+        lines.append(f"assumed = {tomlkit.item(assumed).as_string()}")
+    lines += ["", "[plant]", 'kind = "modal"']
+    mass = _mass_row(found, unit)
+    asked = list(TO_ASK)
+    if mass:
+        lines.append(_line(mass))
+    else:
+        asked.insert(0, "plant.moving_mass")
+        asked.insert(1, "plant.modes[1].tcp_gain")
+    for rows in modes:
+        lines += ["", "[[plant.modes]]", *map(_line, rows)]
+    lines += ["", "[requirements]", *map(_line, _spread_rows(found, how))]
+    lines += ["", f"# {words.text('identify-document-open', file=how.file)}"]
+    lines += [f"#   {key}" for key in asked]
+    return "\n".join(lines) + "\n"
+
+
+def merge_profile(text: str, found: Identified, how: Writing) -> str:
+    """Return a profile with measured modes, mass and spreads; all other lines stay.
+
+    A mode that is near a measured one keeps its name, and its share at the tool where none was
+    measured; one outside the measured band stays, one within it that does not show goes.
+
+    Parameters
+    ----------
+    text
+        Valid TOML.
+    found
+        The axis.
+    how
+        Date, names and language.
+    """
+    document = tomlkit.parse(text)
+    plant = document.get("plant")
+    if not isinstance(plant, Table) or plant.get("kind") != "modal":
+        plant = tomlkit.table()
+        plant["kind"] = "modal"
+        document["plant"] = plant
+    if mass := _mass_row(found, _units(found)):
+        _set(plant, mass)
+    assumed = _merge_modes(plant, found, how)
+    requirements = document.setdefault("requirements", tomlkit.table())
+    for row in _spread_rows(found, how):
+        _set(requirements, row)
+    machine = document.setdefault("machine", tomlkit.table())
+    measured = ("plant.moving_mass", "plant.modes", "requirements.frequency_spread")
+    kept = [key for key in machine.get("assumed", []) if not str(key).startswith(measured)]
+    if [*kept, *assumed]:
+        machine["assumed"] = [*kept, *assumed]
+    elif "assumed" in machine:
+        del machine["assumed"]
+    head = tomlkit.document()
+    for line in _heading(found, how):
+        head.add(tomlkit.comment(line))
+    return tomlkit.dumps(head) + tomlkit.dumps(document)
+
+
+def _merge_modes(plant: Any, found: Identified, how: Writing) -> list[str]:
+    """Put the measured modes among those of a profile; return the keys that are assumptions."""
+    old = plant.get("modes")
+    tables = list(old) if isinstance(old, AoT) else []
+    free = [table for table in tables if _frequency(table) is not None]
+    merged: list[Any] = []
+    assumed: list[str] = []
+    names = {str(table.get("name")) for table in tables}
+    for mode in _kept(found):
+        near = min(free, key=lambda table: _distance(table, mode), default=None)
+        if near is not None and _distance(near, mode) < FARTHEST:
+            free.remove(near)
+            table = near
+        else:
+            table = tomlkit.table()
+        for row in _mode_rows(mode, found, how, names=names, before=table):
+            _set(table, row)
+            if row.is_assumed:
+                assumed.append(f"plant.modes[{len(merged) + 1}].{row.key}")
+        merged.append(table)
+    low, high = _band(found)
+    merged += [table for table in free if not low <= (_frequency(table) or 0.0) <= high]
+    modes = tomlkit.aot()
+    for table in merged[:MOST_MODES]:
+        modes.append(table)
+    plant["modes"] = modes
+    return assumed
+
+
+def _band(found: Identified) -> tuple[float, float]:
+    bands = [fit.band_hz for fit in found.fits]
+    return min((b[0] for b in bands), default=0.0), max((b[1] for b in bands), default=0.0)
+
+
+def _frequency(table: Any) -> float | None:
+    """Of a mode in a profile [Hz]; None where it cannot be read."""
+    value = table.get("frequency")
+    try:
+        return float(str(value).split()[0])
+    except (ValueError, IndexError):
+        return None
+
+
+def _distance(table: Any, mode: IdentifiedMode) -> float:
+    frequency = _frequency(table)
+    return abs(log(frequency / mode.frequency_hz.value)) if frequency else FARTHEST
+
+
+def _set(table: Any, row: _Row) -> None:
+    item = tomlkit.item(row.value)
+    if row.comment:
+        item.comment(row.comment)
+    table[row.key] = item
+
+
+def _kept(found: Identified) -> tuple[IdentifiedMode, ...]:
+    """As many modes as a profile holds, those with the largest gains by frequency."""
+
+    def size(mode: IdentifiedMode) -> float:
+        gains = [gain.value for gain in (mode.measured_gain, mode.tcp_gain) if gain]
+        return max(map(abs, gains), default=0.0) / mode.frequency_hz.value**2
+
+    largest = sorted(found.modes, key=size, reverse=True)[:MOST_MODES]
+    return tuple(mode for mode in found.modes if mode in largest)
+
+
+def _mode_rows(
+    mode: IdentifiedMode,
+    found: Identified,
+    how: Writing,
+    *,
+    names: Sequence[str] | set[str] = (),
+    before: Any = None,
+) -> list[_Row]:
+    old: Any = before if before is not None else {}
+    gain = _units(found).gain.si
+    name = str(old.get("name") or mode.name)
+    if not old:
+        while name in names:
+            name += "_measured"
+    rows = [
+        *([] if old.get("name") else [_Row("name", name, "")]),
+        _Row(
+            "frequency", f"{mode.frequency_hz.value:.6g} Hz", _plus_minus(mode.frequency_hz, "Hz")
+        ),
+        _Row(
+            "damping_ratio",
+            float(f"{mode.damping_ratio.value:.4g}"),
+            _plus_minus(mode.damping_ratio, ""),
+        ),
+    ]
+    if tool := _tool_row(mode, found, how, has_old="tcp_gain" in old):
+        rows.append(tool)
+    if mode.measured_gain is not None and found.moving_mass is not None:
+        value = f"{mode.measured_gain.value:.5g} {gain}"
+        rows.append(_Row("measured_gain", value, _plus_minus(mode.measured_gain, gain)))
+    return rows
+
+
+def _tool_row(
+    mode: IdentifiedMode, found: Identified, how: Writing, *, has_old: bool
+) -> _Row | None:
+    """tcp_gain: measured, by the user's word, as before, or the worst case; None: to be asked."""
+    gain, words = _units(found).gain.si, how.words
+    if found.moving_mass is None:
+        return None
+    if mode.tcp_gain is not None:
+        value = f"{mode.tcp_gain.value:.5g} {gain}"
+        return _Row("tcp_gain", value, _plus_minus(mode.tcp_gain, gain))
+    own = mode.measured_gain.value if mode.measured_gain else 0.0
+    if how.tool_ratio is not None and own:
+        note = words.text("identify-document-tool-ratio", ratio=how.tool_ratio)
+        return _Row("tcp_gain", f"{how.tool_ratio * own:.5g} {gain}", note, is_assumed=True)
+    if has_old:
+        return None
+    worst = max(abs(own), 1.0 / found.moving_mass.value)
+    value = f"{-worst if own >= 0.0 else worst:.5g} {gain}"
+    return _Row("tcp_gain", value, words.text("identify-document-tool-worst"), is_assumed=True)
+
+
+def _mass_row(found: Identified, unit: AxisUnits) -> _Row | None:
+    mass = found.moving_mass
+    if mass is None:
+        return None
+    return _Row("moving_mass", f"{mass.value:.6g} {unit.mass.si}", _plus_minus(mass, unit.mass.si))
+
+
+def _spread_rows(found: Identified, how: Writing) -> list[_Row]:
+    spread, say = found.spread, how.words.say
+    return [
+        _Row("frequency_spread", f"{100 * spread.frequency:.4g} %", say(spread.because[0])),
+        _Row("damping_spread", f"{100 * spread.damping:.4g} %", say(spread.because[1])),
+    ]
+
+
+def _heading(found: Identified, how: Writing) -> list[str]:
+    words = how.words
+    lines = [words.text("identify-document-head", version=__version__, date=how.date)]
+    for source in {one.source.file: one.source for one in found.measurements}.values():
+        dated = {"date": source.measured_on} if source.measured_on else {}
+        kind = "identify-document-file-dated" if dated else "identify-document-file"
+        lines.append("  " + words.text(kind, file=source.file, hash=source.sha256, **dated))
+    lines.append(words.text("identify-document-sigma"))
+    if len(found.modes) > MOST_MODES:
+        left = len(found.modes) - MOST_MODES
+        lines.append(words.text("identify-document-too-many", most=MOST_MODES, left=left))
+    return [" ".join(line.split("\n")) for line in lines]
+
+
+def _source(found: Identified, how: Writing) -> str:
+    files = ", ".join(
+        dict.fromkeys(one.source.file.rpartition("/")[2] for one in found.measurements)
+    )
+    shown = files if len(files) <= 300 else f"{files[:297]}..."
+    return how.words.text("identify-document-source", files=shown, date=how.date)
+
+
+def _units(found: Identified) -> AxisUnits:
+    return ROTARY if found.rotary else LINEAR
+
+
+def _plus_minus(one: Estimate, unit: str) -> str:
+    return f"± {2.0 * one.sigma:.2g} {unit}".rstrip()
+
+
+def _line(row: _Row) -> str:
+    line = f"{row.key} = {tomlkit.item(row.value).as_string()}"
+    return f"{line:<{COLUMN - 1}} # {row.comment}" if row.comment else line

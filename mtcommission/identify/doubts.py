@@ -1,0 +1,110 @@
+"""What a measurement leaves open, as advice for the next one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mtcommission.identify.fit.fitted import Fitted
+from mtcommission.identify.identified import Identified
+from mtcommission.identify.measurement import FrequencyResponse, Sensor
+from mtcommission.messages.message import Message
+
+MASS_TOLERANCE = 0.05
+"""Relative difference of two sensors' masses that is told."""
+
+
+def list_doubts(found: Identified) -> tuple[Message, ...]:
+    """Return what was chosen, left out, doubtful or not known, as advice for the next measurement.
+
+    Parameters
+    ----------
+    found
+        All but its warnings.
+    """
+    doubts = [note for fit in found.fits for note in fit.notes]
+    for fit in found.fits:
+        doubts += _of_polarity(fit) + _of_masses(fit) + _of_resolution(fit) + _of_misfit(fit)
+    for mode in found.modes:
+        missing = [
+            state.name for state, k in zip(found.states, mode.seen, strict=True) if k is None
+        ]
+        if missing:
+            doubts.append(
+                Message("identify-mode-not-everywhere", mode=mode.name, states=", ".join(missing))
+            )
+    if not found.modes:
+        doubts.append(Message("identify-no-mode"))
+    if found.moving_mass is None:
+        has_force = not found.is_base_excited
+        doubts.append(Message("identify-no-rigid-body" if has_force else "identify-no-force"))
+    else:
+        doubts.append(Message("identify-friction-small-amplitude"))
+        if not any(fit.has(Sensor.TCP) for fit in found.fits):
+            doubts.append(Message("identify-no-tool-sensor", bound=1.0 / found.moving_mass.value))
+    return tuple(dict.fromkeys(doubts))
+
+
+def _of_polarity(fit: Fitted) -> list[Message]:
+    return [
+        Message("identify-polarity-reversed", file=one.response.source.name)
+        for one in fit.responses
+        if one.polarity < 0
+    ]
+
+
+def _of_masses(fit: Fitted) -> list[Message]:
+    """Two sensors of one machine move the same mass."""
+    masses = [
+        (one.response.source.name, 1.0 / one.inverse_mass.value)
+        for one in fit.responses
+        if one.has_rigid_body
+    ]
+    return [
+        Message("identify-masses-differ", file=name, mass=mass, other=masses[0][1])
+        for name, mass in masses[1:]
+        if abs(mass / masses[0][1] - 1.0) > MASS_TOLERANCE
+    ]
+
+
+def _of_resolution(fit: Fitted) -> list[Message]:
+    """Trap 1: a window smears what is narrower; 0.8 ζ f is half a half-power width, less a bit."""
+    doubts = []
+    for mode in fit.modes:
+        limit = 0.8 * mode.damping_ratio.value * mode.frequency_hz.value
+        steps = [_spacing(one.response, mode.frequency_hz.value) for one in fit.responses]
+        if min(steps) > limit:
+            doubts.append(
+                Message(
+                    "identify-window-too-short",
+                    frequency=mode.frequency_hz.value,
+                    spacing=min(steps),
+                    wanted=limit,
+                    window=1.0 / limit,
+                )
+            )
+    return doubts
+
+
+def _spacing(response: FrequencyResponse, frequency_hz: float) -> float:
+    """Distance of lines about a frequency, or width of the window if that is more [Hz]."""
+    f = response.frequency_hz
+    at = int(np.clip(np.searchsorted(f, frequency_hz), 1, f.size - 1))
+    lobe = response.resolution_hz or 0.0
+    return max(float(f[at] - f[at - 1]), 0.25 * lobe)
+
+
+def _of_misfit(fit: Fitted) -> list[Message]:
+    doubts = []
+    if fit.model_error > 0.05:
+        doubts.append(Message("identify-model-error", share=fit.model_error))
+    for one in fit.responses:
+        coherence = one.response.coherence
+        if coherence is None:
+            doubts.append(Message("identify-no-coherence", file=one.response.source.name))
+            continue
+        share = float(np.mean(coherence[one.is_used] < 0.5))
+        if share > 0.15:
+            doubts.append(
+                Message("identify-low-coherence", file=one.response.source.name, share=share)
+            )
+    return doubts

@@ -1,0 +1,126 @@
+"""Which lines tell of the machine: by coherence, then by misfit, then by what a low mode claims."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.order import BROADEST, Ordered
+from mtcommission.identify.measurement import FrequencyResponse
+
+Band = tuple[float, float]
+
+LEAST_COHERENCE = 0.5
+"""Median over nine lines below which the ends of a response are left out (empirical)."""
+EXCESS = 2.5
+"""Misfit of a third of an octave at an end, in that of all lines, beyond which it is left out."""
+LOW_END = 3.0
+"""A mode below so many times the lowest line must show a rigid body below it."""
+FRICTION_RATIO = 0.12
+"""Damping beyond which a mode at the low end is taken for friction: sticking bodies spring."""
+ABOVE = 1.8
+"""Where a band begins whose lower end friction governs, in that false mode's frequency."""
+LEAST_OCTAVES = 2.0
+"""No cut leaves less than that."""
+
+
+def coherent_band(responses: Sequence[FrequencyResponse]) -> Band:
+    """Return the band in which at least one response is coherent [Hz]."""
+    lows, highs = [], []
+    for response in responses:
+        f = response.frequency_hz
+        if response.coherence is None:
+            lows.append(float(f[0]))
+            highs.append(float(f[-1]))
+            continue
+        good = np.flatnonzero(median_filter(response.coherence, 9) >= LEAST_COHERENCE)
+        if good.size:
+            lows.append(float(f[good[0]]))
+            highs.append(float(f[good[-1]]))
+    if not lows:
+        ends = [(float(r.frequency_hz[0]), float(r.frequency_hz[-1])) for r in responses]
+        return min(low for low, _ in ends), max(high for _, high in ends)
+    return min(lows), max(highs)
+
+
+def narrower_band(found: Ordered, base: Sequence[Lines]) -> Band | None:
+    """Return a narrower band where the ends of a fit do not obey its model; None: all do.
+
+    Parameters
+    ----------
+    found
+        The fit in the present band.
+    base
+        The same lines with the errors of their coherence.
+    """
+    low = min(float(lines.frequency_hz[0]) for lines in base)
+    high = max(float(lines.frequency_hz[-1]) for lines in base)
+    friction = _friction_end(found, low)
+    if friction and np.log2(high / friction) >= LEAST_OCTAVES:
+        return friction, high
+    cut_low, cut_high = _misfit_ends(found, base, low, high)
+    if (cut_low, cut_high) == (low, high) or np.log2(cut_high / cut_low) < LEAST_OCTAVES:
+        return None
+    return cut_low, cut_high
+
+
+def _friction_end(found: Ordered, low: float) -> float | None:
+    """Where the band should begin if a pole at its low end is friction, no mode."""
+    ends = []
+    for omega, zeta in zip(found.fit.poles.omega, found.fit.poles.zeta, strict=True):
+        f = float(omega) / (2 * np.pi)
+        if f < LOW_END * low and (
+            zeta > FRICTION_RATIO or f < 1.05 * low or not _rigid_below(found, f)
+        ):
+            ends.append(ABOVE * f)
+    return max(ends, default=None)
+
+
+def _rigid_below(found: Ordered, frequency_hz: float) -> bool:
+    """Whether position lags force by half a turn below a frequency, as that of a free mass does."""
+    signs = []
+    for lines, gains, delay in zip(
+        found.lines, found.fit.gains, found.fit.poles.delays.tolist(), strict=True
+    ):
+        below = lines.frequency_hz < 0.8 * frequency_hz
+        position = lines.values * np.exp(lines.s * delay) / lines.s**lines.derivative
+        turned = np.sign(gains[0]) * position[below]
+        signs += (turned.real / np.abs(turned)).tolist()
+    return len(signs) >= 3 and float(np.median(signs)) < -0.5
+
+
+def _misfit_ends(found: Ordered, base: Sequence[Lines], low: float, high: float) -> Band:
+    edges = np.geomspace(low, high * (1 + 1e-9), max(4, round(3 * np.log2(high / low))) + 1)
+    squares = np.zeros(edges.size - 1)
+    counts = np.zeros(edges.size - 1)
+    for lines, own, residual in zip(base, found.lines, found.fit.residuals, strict=True):
+        error = np.hypot(lines.error, found.model_error * np.abs(lines.values))
+        z = np.abs(residual * own.error) ** 2 / error**2
+        place = np.clip(np.searchsorted(edges, lines.frequency_hz, side="right") - 1, 0, None)
+        place = np.minimum(place, squares.size - 1)
+        np.add.at(squares, place, z)
+        np.add.at(counts, place, 2)
+    rms = np.sqrt(squares / np.maximum(counts, 1))
+    typical = float(np.median(rms[counts > 0]))
+    bad = (rms > EXCESS * max(typical, 1.0)) & (counts >= 6)
+    first, last = 0, bad.size
+    while first < bad.size // 3 and (bad[first] or counts[first] == 0):
+        first += 1
+    while last > bad.size - bad.size // 3 and (bad[last - 1] or counts[last - 1] == 0):
+        last -= 1
+    has_low, has_high = bool(bad[:first].any()), bool(bad[last:].any())
+    return (float(edges[first]) if has_low else low), (float(edges[last]) if has_high else high)
+
+
+def broad_poles(found: Ordered) -> list[float]:
+    """Return the frequencies of background within the band [Hz]."""
+    return [
+        float(omega) / (2 * np.pi)
+        for omega, zeta, is_mode in zip(
+            found.fit.poles.omega, found.fit.poles.zeta, found.is_mode, strict=True
+        )
+        if not is_mode and zeta >= BROADEST
+    ]

@@ -1,0 +1,215 @@
+"""All responses of one state of the machine -> mass, delay and modes with intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.identify.fit.band import (
+    Band,
+    broad_poles,
+    coherent_band,
+    narrower_band,
+)
+from mtcommission.identify.fit.estimate import Estimate
+from mtcommission.identify.fit.fitted import Fitted, FittedMode, FittedResponse
+from mtcommission.identify.fit.lines import Lines, see
+from mtcommission.identify.fit.noise import smooth_errors
+from mtcommission.identify.fit.order import Ordered, choose_modes
+from mtcommission.identify.fit.projection import Variances, find_variances
+from mtcommission.identify.measurement import FrequencyResponse, Input
+from mtcommission.messages.message import Message
+
+LEAST_LINES = 12
+"""Fewer lines of a response in the band tell nothing."""
+MOST_CUTS = 3
+"""How often the band is narrowed."""
+RIGID_SHARE = 0.4
+"""Least share of the mass in the response at the low end, for it to be a mass."""
+CERTAIN = 4.0
+"""Least value of a mass or gain in its standard error."""
+
+
+def fit_state(
+    responses: Sequence[FrequencyResponse],
+    *,
+    band_hz: Band | None = None,
+    count: int | None = None,
+) -> Fitted:
+    """Return mass, delay and modes of an axis from its responses in one state.
+
+    Parameters
+    ----------
+    responses
+        Of one state of the machine: common poles.
+    band_hz
+        Lowest and highest line; None: chosen by coherence and misfit.
+    count
+        Number of modes; None: by evidence.
+
+    Raises
+    ------
+    InputError
+        If no response has enough lines in the band.
+    """
+    band = band_hz or coherent_band(responses)
+    notes: list[Message] = []
+    if band_hz:
+        notes.append(Message("identify-band-given", low=band[0], high=band[1]))
+    used, base = _cut(responses, band)
+    found = choose_modes(base, count=count)
+    for _ in range(0 if band_hz else MOST_CUTS):
+        narrower = narrower_band(found, base)
+        if narrower is None:
+            break
+        kept, fewer = _cut(responses, narrower)
+        if [r.source for r in kept] != [r.source for r in used]:
+            break
+        notes.append(
+            Message(
+                "identify-band-cut",
+                low=band[0],
+                high=band[1],
+                new_low=narrower[0],
+                new_high=narrower[1],
+            )
+        )
+        band, base = narrower, fewer
+        found = choose_modes(base, count=count)
+    notes += [
+        Message("identify-no-lines-in-band", file=response.source.name, low=band[0], high=band[1])
+        for response in responses
+        if all(response is not one for one in used)
+    ]
+    notes += [Message("identify-background", frequency=f) for f in broad_poles(found)]
+    return _collect(used, base, found, band, notes)
+
+
+def _cut(
+    responses: Sequence[FrequencyResponse], band: Band
+) -> tuple[list[FrequencyResponse], list[Lines]]:
+    """Return the responses with enough lines in a band, and these lines."""
+    kept, lines = [], []
+    for response in responses:
+        inside = _inside(response, band)
+        if np.count_nonzero(inside) >= LEAST_LINES:
+            kept.append(response)
+            lines.append(see(response, inside))
+    if not kept:
+        first = responses[0]
+        message = Message(
+            "identify-too-few-lines",
+            lines=int(np.count_nonzero(_inside(first, band))),
+            least=LEAST_LINES,
+            low=band[0],
+            high=band[1],
+        )
+        raise InputError([Fault(where=first.source.name, message=message)])
+    return kept, lines
+
+
+def _inside(response: FrequencyResponse, band: Band) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    f = response.frequency_hz
+    slack = 1e-9 * band[1]
+    is_number = np.isfinite(response.values) & (np.abs(response.values) > 0.0)
+    return (f >= band[0] - slack) & (f <= band[1] + slack) & is_number
+
+
+def _collect(
+    responses: Sequence[FrequencyResponse],
+    base: Sequence[Lines],
+    found: Ordered,
+    band: Band,
+    notes: list[Message],
+) -> Fitted:
+    fit = found.fit
+    size = sum(2 * lines.size for lines in found.lines)
+    parameters = 1 + len(base) * (fit.poles.omega.size + 3) + 2 * fit.poles.omega.size
+    reduced = fit.cost / max(size - parameters, 1)
+    factor = float(np.sqrt(max(reduced, 1.0) * found.correlation))
+    variances = find_variances(found.lines, fit)
+    fitted = tuple(
+        _response(response, lines, found, place, variances, factor, band)
+        for place, (response, lines) in enumerate(zip(responses, found.lines, strict=True))
+    )
+    squares = [
+        np.sum(np.abs(residual * own.error / lines.error) ** 2)
+        for residual, own, lines in zip(
+            fit.residuals, found.lines, smooth_errors(base), strict=True
+        )
+    ]
+    first = 0.0 if fit.poles.drag == 0.0 else fit.poles.drag
+    return Fitted(
+        responses=fitted,
+        modes=_modes(found, fitted, variances, factor),
+        drag=Estimate(value=first, sigma=factor * float(np.sqrt(variances.poles[0, 0]))),
+        band_hz=(
+            min(float(lines.frequency_hz[0]) for lines in base),
+            max(float(lines.frequency_hz[-1]) for lines in base),
+        ),
+        misfit=float(np.sqrt(sum(squares) / max(size - parameters, 1))),
+        model_error=found.model_error,
+        notes=tuple(notes),
+    )
+
+
+def _response(
+    response: FrequencyResponse,
+    lines: Lines,
+    found: Ordered,
+    place: int,
+    variances: Variances,
+    factor: float,
+    band: Band,
+) -> FittedResponse:
+    gains, sigmas = found.fit.gains[place], factor * variances.gains[place]
+    size = np.abs(lines.values / lines.s**lines.derivative)[: max(3, lines.size // 50)]
+    share = abs(gains[0]) / np.abs(lines.s[: size.size]) ** 2 / size
+    is_rigid = abs(gains[0]) > CERTAIN * sigmas[0] and float(np.median(share)) > RIGID_SHARE
+    largest = 1 + int(np.argmax(np.abs(gains[1:-1]))) if gains.size > 2 else 0
+    polarity = -1 if gains[0 if is_rigid else largest] < 0.0 else 1
+    return FittedResponse(
+        response=response,
+        is_used=_inside(response, band),
+        lines=lines,
+        polarity=polarity,
+        inverse_mass=Estimate(value=polarity * float(gains[0]), sigma=float(sigmas[0])),
+        has_rigid_body=is_rigid and response.input is Input.FORCE,
+        delay=Estimate(
+            value=float(found.fit.poles.delays[place]),
+            sigma=factor * float(np.sqrt(variances.poles[1 + place, 1 + place])),
+        ),
+        residual=Estimate(value=polarity * float(gains[-1]), sigma=float(sigmas[-1])),
+        poles=found.fit.poles,
+        gains=gains,
+        place=place,
+    )
+
+
+def _modes(
+    found: Ordered, fitted: Sequence[FittedResponse], variances: Variances, factor: float
+) -> tuple[FittedMode, ...]:
+    poles = found.fit.poles
+    modes = []
+    for k in np.argsort(poles.omega).tolist():
+        if not found.is_mode[k]:
+            continue
+        by_omega, by_zeta = variances.of_mode(k, poles.omega.size)
+        f, zeta = float(poles.omega[k]) / (2 * np.pi), float(poles.zeta[k])
+        gains = tuple(
+            Estimate(
+                value=one.polarity * float(one.gains[1 + k]),
+                sigma=factor * float(variances.gains[one.place, 1 + k]),
+            )
+            for one in fitted
+        )
+        modes.append(
+            FittedMode(
+                frequency_hz=Estimate(value=f, sigma=factor * by_omega * f),
+                damping_ratio=Estimate(value=zeta, sigma=factor * by_zeta * zeta),
+                gains=gains,
+            )
+        )
+    return tuple(modes)

@@ -1,0 +1,121 @@
+"""What a fit says of one state of the machine: estimates with standard errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.identify.fit.estimate import Estimate
+from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.projection import Poles, predict
+from mtcommission.identify.measurement import FrequencyResponse, Sensor
+from mtcommission.messages.message import Message
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FittedMode:
+    """A mode with common poles.
+
+    Parameters
+    ----------
+    frequency_hz, damping_ratio
+        f [Hz] and ζ [-].
+    gains
+        Residue in each response, in their order, polarity put right [1/kg; 1/(kg m²) on a rotary
+        axis; - for a base-excited one].
+    """
+
+    frequency_hz: Estimate
+    damping_ratio: Estimate
+    gains: tuple[Estimate, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FittedResponse:
+    """What a fit says of one response.
+
+    Parameters
+    ----------
+    response
+        As measured.
+    is_used
+        Which of its lines were fitted, shape (n_lines,).
+    lines
+        As the fit took them, with their standard errors.
+    polarity
+        -1 where the sensor or the force counts the other way round, else 1.
+    inverse_mass
+        b = 1/m, polarity put right [1/kg].
+    has_rigid_body
+        Whether b stands for the mass that the force moves; else for what lies below the band.
+    delay
+        tau [s].
+    residual
+        R, polarity put right [m/N].
+    poles, gains
+        Of the model, as measured.
+    place
+        Which of the poles' delays is its own.
+    """
+
+    response: FrequencyResponse
+    is_used: NDArray[np.bool_]
+    lines: Lines
+    polarity: int
+    inverse_mass: Estimate
+    has_rigid_body: bool
+    delay: Estimate
+    residual: Estimate
+    poles: Poles
+    gains: Array
+    place: int
+
+    def model(self, frequency_hz: Array) -> ComplexArray:
+        """Return the model's response, as measured with its polarity, shape (n,)."""
+        return predict(
+            frequency_hz,
+            self.poles,
+            self.gains,
+            delay=float(self.poles.delays[self.place]),
+            derivative=self.response.output.derivative,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fitted:
+    """One state of the machine: common poles, and each response.
+
+    Parameters
+    ----------
+    responses
+        In the order given.
+    modes
+        By frequency.
+    drag
+        c = viscous friction by mass [1/s].
+    band_hz
+        Lowest and highest line that was fitted [Hz].
+    misfit
+        Weighted rms of the residuals by the noise that the coherence tells; 1 = as good as that.
+    model_error
+        Share of |H| that the model misses beyond noise [-].
+    notes
+        What was chosen, left out and doubtful.
+    """
+
+    responses: tuple[FittedResponse, ...]
+    modes: tuple[FittedMode, ...]
+    drag: Estimate
+    band_hz: tuple[float, float]
+    misfit: float
+    model_error: float
+    notes: tuple[Message, ...] = ()
+
+    def has(self, sensor: Sensor) -> bool:
+        """Return whether one of the responses shows a sensor."""
+        return any(one.response.sensor is sensor for one in self.responses)

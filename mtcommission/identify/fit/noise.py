@@ -1,0 +1,121 @@
+"""What a residual is worth: the model's own error, scatter that the coherence hides, neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.optimize import brentq
+
+from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.projection import Projected
+
+Array = NDArray[np.float64]
+
+NEIGHBOURS = 21
+"""Lines over which the scatter of the residuals is taken (empirical)."""
+SMOOTHED_OVER = 0.12
+"""Half of the stretch over which |H| is smoothed, in ln f: a sixth of an octave."""
+LARGEST_SHARE = 50.0
+"""Squared residual at which one line stops to raise its neighbours' scatter."""
+
+
+def smooth_errors(responses: Sequence[Lines]) -> list[Lines]:
+    """Return responses whose weights no single line decides.
+
+    A coherence estimated from few averages scatters itself, and a line whose magnitude came out too
+    small by chance would weigh too much.
+    """
+    found = []
+    for lines in responses:
+        size = np.abs(lines.values)
+        relative = lines.error / size
+        least = np.maximum(size, median_filter(size, 5))
+        found.append(lines.weigh(_smooth(relative) * least))
+    return found
+
+
+def _smooth(relative: Array) -> Array:
+    spread: Array = np.sqrt(np.maximum(0.5 * relative**2, uniform_filter1d(relative**2, 5)))
+    return spread
+
+
+def judge_errors(responses: Sequence[Lines], fit: Projected) -> tuple[list[Lines], float]:
+    """Return responses with errors that a fit's residuals bear out, and the model's own error.
+
+    Where residuals are larger than coherence says, the model is to blame: a share of |H|, the same
+    everywhere and smooth over frequency, is added so that the misfit becomes 1. Where a stretch of
+    lines scatters more than the rest, its errors grow. Neither makes an error smaller.
+
+    Parameters
+    ----------
+    responses
+        With the errors of their coherence.
+    fit
+        Of these responses, in any weights.
+
+    Returns
+    -------
+    responses
+        Weighed anew, by |H| of the model.
+    model_error
+        The share of |H| [-].
+    """
+    models = [
+        lines.values + residual * lines.error
+        for lines, residual in zip(responses, fit.residuals, strict=True)
+    ]
+    relative = [_smooth(lines.error / np.abs(lines.values)) for lines in responses]
+    noise = [e * np.abs(model) for e, model in zip(relative, models, strict=True)]
+    course = [
+        _course(lines.frequency_hz, np.abs(model))
+        for lines, model in zip(responses, models, strict=True)
+    ]
+    squares = [
+        np.abs(model - lines.values) ** 2 for lines, model in zip(responses, models, strict=True)
+    ]
+    count = sum(2 * lines.size for lines in responses)
+
+    def excess(share: float) -> float:
+        all_lines = zip(squares, noise, course, strict=True)
+        return (
+            sum(float(np.sum(q / (e**2 + (share * c) ** 2))) for q, e, c in all_lines) / count - 1
+        )
+
+    share = float(brentq(excess, 0.0, 1e3)) if excess(0.0) > 0.0 else 0.0
+    found = []
+    for lines, q, e, c in zip(responses, squares, noise, course, strict=True):
+        error = np.hypot(e, share * c)
+        local = uniform_filter1d(np.minimum(q / error**2, LARGEST_SHARE), NEIGHBOURS) / 2
+        found.append(lines.weigh(error * np.sqrt(np.maximum(1.0, local))))
+    return found, share
+
+
+def _course(frequency_hz: Array, size: Array) -> Array:
+    """|H| without its dips: at an antiresonance the model errs as much as beside it."""
+    log_f = np.log(frequency_hz)
+    low = np.searchsorted(log_f, log_f - SMOOTHED_OVER)
+    high = np.searchsorted(log_f, log_f + SMOOTHED_OVER, side="right")
+    median = np.array([np.median(size[a:b]) for a, b in zip(low, high, strict=True)])
+    course: Array = np.maximum(size, median)
+    return course
+
+
+def correlation_length(fit: Projected) -> float:
+    """Return how many neighbouring lines err together, the worst response, >= 1.
+
+    One and twice the sum of the autocorrelations before the first that is not significant.
+    """
+    lengths = [1.0]
+    for residual in fit.residuals:
+        n, power = residual.size, float(np.vdot(residual, residual).real)
+        length = 1.0
+        for lag in range(1, n // 4):
+            rho = float(np.vdot(residual[:-lag], residual[lag:]).real) / max(power, 1e-300)
+            if rho < 2.0 / np.sqrt(2.0 * n):
+                break
+            length += 2.0 * rho
+        lengths.append(length)
+    return max(lengths)

@@ -1,0 +1,219 @@
+"""How many modes: one after the other, each against the evidence for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mtcommission.identify.fit.delay import align, slope_of_phase
+from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.noise import correlation_length, judge_errors, smooth_errors
+from mtcommission.identify.fit.projection import Poles, Projected, project, refine
+from mtcommission.identify.fit.search import Candidates
+
+LEAST_GAIN = 10.0
+"""A mode stays if the Bayesian information criterion falls by more than this.
+
+Source: Kass, Raftery, J. Am. Stat. Assoc. 90 (1995) 773: "very strong".
+"""
+LEAST_EVIDENCE = 18.0
+"""χ² that a mode must take away without the two lines that speak most for it (empirical): a hum
+of the mains stands in one line, a mode in several."""
+CLEAR_GAIN = 50.0
+"""Fall of the criterion beyond which no other candidate is tried."""
+SEPARATION = 0.75
+"""Least distance of two modes, in the sum of their half-power widths; true modes are found down
+to one sum, and two estimates within one peak are one mode and the error of the model."""
+BROADEST = 0.2
+"""Damping ratio beyond which a term is background, no mode."""
+MOST = 10
+"""Terms of a fit, background and modes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ordered:
+    """A fit whose number of modes was chosen.
+
+    Parameters
+    ----------
+    lines
+        The responses in their final weights.
+    fit
+        Of least squares.
+    is_mode
+        For each pole, whether it is a mode; else background.
+    model_error
+        Share of |H| that the model misses beyond what the coherence says [-].
+    correlation
+        Neighbouring lines that err together.
+    """
+
+    lines: list[Lines]
+    fit: Projected
+    is_mode: tuple[bool, ...]
+    model_error: float
+    correlation: float
+
+
+def choose_modes(responses: Sequence[Lines], *, count: int | None = None) -> Ordered:
+    """Return the fit with the modes for which there is evidence.
+
+    Parameters
+    ----------
+    responses
+        Of one state of the machine.
+    count
+        Number of modes; None: by evidence.
+    """
+    found = _choose(responses, count, holds_delay=False)
+    if all(found.is_mode) and found.model_error < SUSPICIOUS:
+        return found
+    # Background, or more misfit than noise: the search may have gone astray with the delay.
+    other = _choose(responses, count, holds_delay=True)
+    smooth = smooth_errors(responses)
+
+    def worth(one: Ordered) -> float:
+        again = refine(smooth, one.fit.poles, steps=5)
+        return criterion(smooth, again, correlation=found.correlation)
+
+    return min(found, other, key=worth)
+
+
+SUSPICIOUS = 5e-3
+"""Error of the model beyond which a second start is worth its time."""
+
+
+def _choose(responses: Sequence[Lines], count: int | None, *, holds_delay: bool) -> Ordered:
+    smooth = smooth_errors(responses)
+    delays = np.array([slope_of_phase(lines) for lines in responses])
+    start = Poles(0.0, delays, np.zeros(0), np.zeros(0))
+    most = MOST if count is None else count
+    even = _per_octave(smooth)
+    rough = _grow(even, project(even, start), most, count, holds_delay=holds_delay)
+    fit = _grow(smooth, rough, most, count)
+    fit = _prune(smooth, fit, count)
+    lines, share = judge_errors(responses, fit)
+    fit = _prune(lines, refine(lines, fit.poles), count)
+    return Ordered(lines, fit, _modes(lines, fit), share, correlation_length(fit))
+
+
+def criterion(responses: Sequence[Lines], fit: Projected, *, correlation: float = 1.0) -> float:
+    """Return the Bayesian information criterion of a fit, noise of unknown size.
+
+    Parameters
+    ----------
+    responses, fit
+        What was fitted, and how.
+    correlation
+        Neighbouring lines that err together count as one.
+    """
+    n, count = len(responses), fit.poles.omega.size
+    size = _size(responses)
+    parameters = 1 + n + n * (count + 2) + 2 * count
+    cost = max(fit.cost, 1e-12 * size)
+    return float(size / correlation * np.log(cost / size) + parameters * np.log(size / correlation))
+
+
+def _size(responses: Sequence[Lines]) -> int:
+    return sum(2 * lines.size for lines in responses)
+
+
+def _evidence(responses: Sequence[Lines], fit: Projected, less: Projected) -> float:
+    """χ² between two fits without the two lines that tell most."""
+    gains = np.concatenate(
+        [
+            np.abs(a) ** 2 - np.abs(b) ** 2
+            for a, b in zip(less.residuals, fit.residuals, strict=True)
+        ]
+    )
+    variance = max(fit.cost / _size(responses), 1e-12)
+    return float((gains.sum() - np.sort(gains)[-2:].sum()) / variance)
+
+
+def _per_octave(responses: Sequence[Lines]) -> list[Lines]:
+    """Each octave weighs the same, and none better than 3 %: for the rough shape."""
+    found = []
+    for lines in responses:
+        step = np.gradient(np.log(lines.frequency_hz))
+        error = np.hypot(lines.error, 0.03 * np.abs(lines.values))
+        found.append(lines.weigh(error * np.sqrt(np.median(step) / step)))
+    return found
+
+
+def _grow(
+    responses: Sequence[Lines],
+    best: Projected,
+    most: int,
+    count: int | None,
+    *,
+    holds_delay: bool = False,
+) -> Projected:
+    """Add the mode that takes most of the misfit away until none is worth it."""
+    best = _improve(responses, best.poles, holds_delay=holds_delay)
+    candidates = Candidates(responses)
+    while best.poles.omega.size < most:
+        least = np.inf if count is not None else criterion(responses, best) - LEAST_GAIN
+        tried: list[Projected] = []
+        for omega, zeta in candidates.best(best, most=3):
+            new = _improve(responses, best.poles.add(omega, zeta), holds_delay=holds_delay)
+            if _evidence(responses, new, best) < LEAST_EVIDENCE or _too_near(new.poles):
+                continue
+            tried.append(new)
+            if criterion(responses, new) < criterion(responses, best) - CLEAR_GAIN:
+                break
+        if not tried:
+            break
+        new = min(tried, key=lambda fit: fit.cost)
+        if criterion(responses, new) >= least:
+            break
+        best = new
+    return best
+
+
+def _improve(responses: Sequence[Lines], poles: Poles, *, holds_delay: bool) -> Projected:
+    start = poles if holds_delay else align(responses, poles)
+    return refine(responses, start, steps=25, tolerance=1e-4, holds_delay=holds_delay)
+
+
+def _prune(responses: Sequence[Lines], best: Projected, count: int | None) -> Projected:
+    """Drop modes without which the fit is as good, the weakest first."""
+    best = refine(responses, best.poles)
+    while best.poles.omega.size > (count or 0):
+        less = [
+            refine(responses, best.poles.drop(mode), steps=15, tolerance=1e-4)
+            for mode in range(best.poles.omega.size)
+        ]
+        shown = [_evidence(responses, best, one) for one in less]
+        weakest = int(np.argmin([one.cost for one in less]))
+        if count is None and _too_near(best.poles):
+            best = refine(responses, less[weakest].poles)
+            continue
+        correlation = correlation_length(best)
+        with_it = criterion(responses, best, correlation=correlation)
+        without = criterion(responses, less[weakest], correlation=correlation)
+        if count is None and without - with_it > LEAST_GAIN:
+            if min(shown) > LEAST_EVIDENCE:
+                break
+            weakest = int(np.argmin(shown))
+        best = refine(responses, less[weakest].poles)
+    return best
+
+
+def _too_near(poles: Poles) -> bool:
+    """Whether two poles lie in one peak."""
+    order = np.argsort(poles.omega)
+    omega = poles.omega[order]
+    width = 2.0 * poles.zeta[order] * omega
+    apart = SEPARATION * (width[1:] + width[:-1])
+    both_sharp = np.maximum(poles.zeta[order][1:], poles.zeta[order][:-1]) < BROADEST
+    return bool(np.any((np.diff(omega) < apart) & both_sharp))
+
+
+def _modes(responses: Sequence[Lines], fit: Projected) -> tuple[bool, ...]:
+    low = min(float(lines.frequency_hz[0]) for lines in responses)
+    high = max(float(lines.frequency_hz[-1]) for lines in responses)
+    f = fit.poles.omega / (2 * np.pi)
+    chosen = (fit.poles.zeta < BROADEST) & (f > 1.05 * low) & (f < 0.98 * high)
+    return tuple(bool(one) for one in chosen)

@@ -1,0 +1,110 @@
+"""Where another mode would explain most of what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.projection import Projected, weighed_columns
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+RATIOS = (0.003, 0.012, 0.045, 0.15)
+"""Damping ratios of the candidates; least squares finds those between."""
+STEP = 1.6
+"""Distance of the candidates' frequencies, in ζ f."""
+MOST_LINES = 3000
+"""Of a response with more, every second, third, ... line is searched."""
+
+
+class Candidates:
+    """Poles on a grid, against which residuals are matched.
+
+    Parameters
+    ----------
+    responses
+        Of one state of the machine, in the weights that count.
+    """
+
+    __slots__ = ("_chosen", "_responses", "_shapes", "omega", "zeta")
+
+    def __init__(self, responses: Sequence[Lines]) -> None:
+        self._responses = responses
+        self.omega, self.zeta = _grid(responses)
+        self._chosen: list[slice] = []
+        self._shapes: list[ComplexArray] = []
+        for place, lines in enumerate(responses):
+            chosen = slice(None, None, 1 + lines.size // MOST_LINES)
+            s = lines.s[chosen]
+            before = [other.s[where] for other, where in zip(responses, self._chosen, strict=False)]
+            same = next((i for i in range(place) if np.array_equal(before[i], s)), None)
+            self._chosen.append(chosen)
+            self._shapes.append(self._shapes[same] if same is not None else self._shape(s))
+
+    def _shape(self, s: ComplexArray) -> ComplexArray:
+        """1/(s² + 2 ζ ω s + ω²) of all candidates, shape (n_lines, n_candidates)."""
+        denominators: ComplexArray = s[:, None] * (2 * self.zeta * self.omega)
+        denominators += (s * s)[:, None] + self.omega**2
+        return np.reciprocal(denominators, out=denominators)
+
+    def best(self, known: Projected, *, most: int) -> list[tuple[float, float]]:
+        """Return ω and ζ of the modes that would lower the misfit most, best first.
+
+        The misfit that a mode of given pole takes away is (c · r)²/(c · c), with c its column less
+        what b, the known modes and R can do: a matched filter on all poles of a grid, so that a
+        mode between two lines is found by its flanks.
+
+        Parameters
+        ----------
+        known
+            Best fit so far.
+        most
+            At most so many, each apart from those before by their widths.
+        """
+        fall = np.zeros(self.omega.size)
+        for lines, residual, delay, chosen, shapes in zip(
+            self._responses,
+            known.residuals,
+            known.poles.delays.tolist(),
+            self._chosen,
+            self._shapes,
+            strict=True,
+        ):
+            columns = weighed_columns(lines, known.poles, delay)
+            # The last column is the weight alone: that of R.
+            weight, basis = columns[chosen, -1], columns[chosen]
+            stacked = np.concatenate([basis.real, basis.imag])
+            q, _ = np.linalg.qr(stacked / np.linalg.norm(stacked, axis=0))
+            half = weight.size
+            turned = np.conj(weight)[:, None] * np.column_stack(
+                [q[:half] + 1j * q[half:], residual[chosen]]
+            )
+            along = (np.conj(turned.T) @ shapes).real
+            before = np.abs(weight) ** 2 @ (shapes.real**2 + shapes.imag**2)
+            after = before - np.sum(along[:-1] ** 2, axis=0)
+            good = after > 1e-6 * before
+            fall[good] += along[-1, good] ** 2 / after[good]
+        found: list[tuple[float, float]] = []
+        for i in np.argsort(fall)[::-1]:
+            w, z = float(self.omega[i]), float(self.zeta[i])
+            if all(abs(np.log(w / other)) > max(0.02, z + y) for other, y in found):
+                found.append((w, z))
+                if len(found) == most:
+                    break
+        return found
+
+
+def _grid(responses: Sequence[Lines]) -> tuple[Array, Array]:
+    """ω and ζ of all candidates, shape (n_candidates,)."""
+    low = 2 * np.pi * min(float(lines.frequency_hz[0]) for lines in responses)
+    high = 2 * np.pi * max(float(lines.frequency_hz[-1]) for lines in responses)
+    omegas, zetas = [], []
+    for zeta in RATIOS:
+        count = max(2, int(np.log(high / low) / np.log1p(STEP * zeta)))
+        omegas.append(np.geomspace(low, high, count))
+        zetas.append(np.full(count, zeta))
+    return np.concatenate(omegas), np.concatenate(zetas)

@@ -1,0 +1,150 @@
+"""An axis as measured: its states, its modes over all of them, and what is in doubt."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mtcommission.identify.fit.estimate import Estimate
+from mtcommission.identify.fit.fitted import Fitted
+from mtcommission.identify.fit.peaks import FittedSpectrum
+from mtcommission.identify.measurement import (
+    Evidence,
+    FreeVibration,
+    FrequencyResponse,
+    Input,
+    Spectrum,
+)
+from mtcommission.messages.message import Message
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """A mode in one state.
+
+    Parameters
+    ----------
+    frequency_hz, damping_ratio
+        f [Hz] and ζ [-].
+    measured_gain, tcp_gain
+        Of encoder and tool; None where no sensor with a force tells.
+    """
+
+    frequency_hz: Estimate
+    damping_ratio: Estimate
+    measured_gain: Estimate | None = None
+    tcp_gain: Estimate | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class State:
+    """What was found in one state of the machine.
+
+    Parameters
+    ----------
+    name
+        Position, payload or level where a file names it, else the files.
+    modes
+        By frequency.
+    moving_mass
+        None without a rigid body in the band.
+    delay
+        None without phase.
+    result
+        Where the modes come from.
+    """
+
+    name: str
+    modes: tuple[Seen, ...]
+    moving_mass: Estimate | None
+    delay: Estimate | None
+    result: Fitted | FittedSpectrum | FreeVibration
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IdentifiedMode:
+    """A mode over all states; the intervals hold the states.
+
+    Parameters
+    ----------
+    name
+        For the profile.
+    frequency_hz, damping_ratio, measured_gain, tcp_gain
+        Middle of the states, with a standard error of at least a quarter of their range.
+    seen
+        For each state, which of its modes it is; None where it was not seen.
+    """
+
+    name: str
+    frequency_hz: Estimate
+    damping_ratio: Estimate
+    measured_gain: Estimate | None
+    tcp_gain: Estimate | None
+    seen: tuple[int | None, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """What the corners must hold.
+
+    Parameters
+    ----------
+    frequency, damping
+        Relative [-].
+    because
+        For frequency and for damping.
+    """
+
+    frequency: float
+    damping: float
+    because: tuple[Message, Message]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Identified:
+    """An axis as measured.
+
+    Parameters
+    ----------
+    evidence
+        From which it comes.
+    states
+        In the order of the files.
+    modes
+        By frequency.
+    moving_mass, delay
+        Over all states; None where nothing tells.
+    spread
+        Of frequencies and damping.
+    warnings
+        What was chosen, left out, doubtful or not known.
+    """
+
+    evidence: Evidence
+    states: tuple[State, ...]
+    modes: tuple[IdentifiedMode, ...]
+    moving_mass: Estimate | None
+    delay: Estimate | None
+    spread: Spread
+    warnings: tuple[Message, ...]
+
+    @property
+    def measurements(self) -> tuple[FrequencyResponse | Spectrum | FreeVibration, ...]:
+        """Everything that was measured, in the order of the files within each kind."""
+        evidence = self.evidence
+        return (*evidence.responses, *evidence.spectra, *evidence.vibrations)
+
+    @property
+    def rotary(self) -> bool:
+        """Whether lengths are angles."""
+        return any(one.rotary for one in self.measurements)
+
+    @property
+    def fits(self) -> tuple[Fitted, ...]:
+        """The states that have responses."""
+        return tuple(one.result for one in self.states if isinstance(one.result, Fitted))
+
+    @property
+    def is_base_excited(self) -> bool:
+        """Whether no force was measured anywhere, only accelerations."""
+        inputs = {one.response.input for fit in self.fits for one in fit.responses}
+        return inputs == {Input.ACCELERATION} or not inputs

@@ -1,0 +1,238 @@
+"""States of a machine -> one description: modes matched across positions, payloads and levels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from mtcommission.identify.doubts import list_doubts
+from mtcommission.identify.fit.estimate import Estimate
+from mtcommission.identify.fit.fit import fit_state
+from mtcommission.identify.fit.fitted import Fitted
+from mtcommission.identify.fit.peaks import FittedSpectrum, fit_spectrum
+from mtcommission.identify.identified import Identified, Seen, State
+from mtcommission.identify.matching import find_spread, match_modes, middle_of
+from mtcommission.identify.measurement import (
+    Evidence,
+    FreeVibration,
+    FrequencyResponse,
+    Input,
+    Sensor,
+)
+from mtcommission.messages.message import Message
+
+SAME = 3.0
+"""Responses whose poles differ by less, in standard errors, are of one state."""
+OUTLIER = 3.0
+"""Misfit of a point in the typical one beyond which it is left out."""
+
+
+def identify(
+    evidence: Evidence,
+    *,
+    band_hz: tuple[float, float] | None = None,
+    count: int | None = None,
+) -> Identified:
+    """Return the axis that measurements show.
+
+    Parameters
+    ----------
+    evidence
+        Responses, spectra and free vibrations.
+    band_hz
+        Lowest and highest line; None: chosen.
+    count
+        Number of modes; None: by evidence.
+
+    Raises
+    ------
+    InputError
+        If a response has too few lines in the band.
+    """
+    fits = fit_states(evidence.responses, band_hz=band_hz, count=count)
+    spectra = [fit_spectrum(spectrum) for spectrum in evidence.spectra]
+    states = (
+        *(_of_fit(fit) for fit in fits),
+        *(_of_spectrum(one) for one in _best_of_files(spectra)),
+        *(_of_vibration(one) for one in evidence.vibrations),
+    )
+    modes = match_modes(states)
+    found = Identified(
+        evidence=evidence,
+        states=states,
+        modes=modes,
+        moving_mass=middle_of([state.moving_mass for state in states]),
+        delay=middle_of([state.delay for state in states]),
+        spread=find_spread(states, modes),
+        warnings=(),
+    )
+    remarks = tuple(message for one in found.measurements for message in one.remarks)
+    return replace(found, warnings=tuple(dict.fromkeys((*remarks, *list_doubts(found)))))
+
+
+def fit_states(
+    responses: Sequence[FrequencyResponse],
+    *,
+    band_hz: tuple[float, float] | None = None,
+    count: int | None = None,
+) -> list[Fitted]:
+    """Return a fit for each state of the machine that the responses show.
+
+    Files that name their state belong to it. Of the others, one file is one state; the n-th
+    encoder file and the n-th tool file are one; files of one kind of sensor whose fits agree in
+    all poles are one, and so are the points of a hammer test.
+    """
+    groups = _pair_sensors(_group(responses))
+    fits = [fit_state(group, band_hz=band_hz, count=count) for group in groups]
+    if len(groups) < 2 or all(group[0].source.state for group in groups):
+        return fits
+    pooled = [response for group in groups for response in group]
+    is_hammer = not any(one.has_rigid_body for fit in fits for one in fit.responses)
+    if not is_hammer and not _agree(fits):
+        return fits
+    whole = fit_state(pooled, band_hz=band_hz, count=count)
+    if is_hammer:
+        return [_without_outliers(whole, pooled, band_hz, count)]
+    return [whole] if len(whole.modes) >= max(len(fit.modes) for fit in fits) else fits
+
+
+def _group(responses: Sequence[FrequencyResponse]) -> list[list[FrequencyResponse]]:
+    groups: dict[str, list[FrequencyResponse]] = {}
+    for one in responses:
+        groups.setdefault(one.source.state or f"file {one.source.file}", []).append(one)
+    return list(groups.values())
+
+
+def _pair_sensors(groups: list[list[FrequencyResponse]]) -> list[list[FrequencyResponse]]:
+    """Join the n-th group of encoders with the n-th of tool sensors where there are as many."""
+    encoders = [group for group in groups if {one.sensor for one in group} == {Sensor.ENCODER}]
+    tools = [group for group in groups if {one.sensor for one in group} == {Sensor.TCP}]
+    if len(encoders) != len(tools) or len(encoders) + len(tools) != len(groups):
+        return groups
+    return [[*a, *b] for a, b in zip(encoders, tools, strict=True)]
+
+
+def _agree(fits: Sequence[Fitted]) -> bool:
+    """Whether all fits show the same poles within their errors."""
+    return all(len(one.modes) == len(other.modes) for one, other in pairwise(fits)) and all(
+        _same(a.frequency_hz, b.frequency_hz) and _same(a.damping_ratio, b.damping_ratio)
+        for i, one in enumerate(fits)
+        for other in fits[:i]
+        for a, b in zip(one.modes, other.modes, strict=True)
+    )
+
+
+def _same(one: Estimate, other: Estimate) -> bool:
+    return abs(one.value - other.value) <= SAME * float(np.hypot(one.sigma, other.sigma))
+
+
+def _without_outliers(
+    whole: Fitted,
+    responses: Sequence[FrequencyResponse],
+    band_hz: tuple[float, float] | None,
+    count: int | None,
+) -> Fitted:
+    """Fit again without points that do not obey what the others show."""
+    misfits = []
+    for one in whole.responses:
+        missed = one.model(one.lines.frequency_hz) - one.lines.values
+        misfits.append(float(np.linalg.norm(missed) / np.linalg.norm(one.lines.values)))
+    typical = float(np.median(misfits))
+    bad = [
+        one.response
+        for one, misfit in zip(whole.responses, misfits, strict=True)
+        if len(misfits) > 2 and misfit > max(OUTLIER * typical, 0.5)
+    ]
+    if not bad:
+        return whole
+    kept = [one for one in responses if all(one is not other for other in bad)]
+    again = fit_state(kept, band_hz=band_hz, count=count)
+    notes = tuple(Message("identify-point-left-out", file=one.source.name) for one in bad)
+    return replace(again, notes=(*again.notes, *notes))
+
+
+def _best_of_files(spectra: Sequence[FittedSpectrum]) -> list[FittedSpectrum]:
+    """Of the directions in one file, the one with the most power: that was shaken."""
+    best: dict[str, FittedSpectrum] = {}
+    for one in spectra:
+        file = one.spectrum.source.file
+        other = best.get(file)
+        if one.modes and (other is None or _power(one) > _power(other)):
+            best[file] = one
+    return list(best.values())
+
+
+def _power(one: FittedSpectrum) -> float:
+    return float(one.spectrum.density[one.is_used].max())
+
+
+def _of_fit(fit: Fitted) -> State:
+    first = fit.responses[0].response.source
+    files = dict.fromkeys(one.response.source.file for one in fit.responses)
+    masses = [
+        Estimate(
+            value=1.0 / one.inverse_mass.value,
+            sigma=one.inverse_mass.sigma / one.inverse_mass.value**2,
+        )
+        for one in sorted(fit.responses, key=lambda one: one.response.sensor is Sensor.TCP)
+        if one.has_rigid_body
+    ]
+    delays = sorted(fit.responses, key=lambda one: one.response.sensor is Sensor.TCP)
+    return State(
+        name=first.state or ", ".join(files),
+        modes=tuple(
+            Seen(
+                frequency_hz=mode.frequency_hz,
+                damping_ratio=mode.damping_ratio,
+                measured_gain=_gain(fit, k, Sensor.ENCODER),
+                tcp_gain=_gain(fit, k, Sensor.TCP),
+            )
+            for k, mode in enumerate(fit.modes)
+        ),
+        moving_mass=masses[0] if masses else None,
+        delay=delays[0].delay,
+        result=fit,
+    )
+
+
+def _gain(fit: Fitted, mode: int, sensor: Sensor) -> Estimate | None:
+    """The surest gain of a sensor; base-excited, with the sign of the profile."""
+    found = [
+        replace(gain, value=-gain.value) if one.response.input is Input.ACCELERATION else gain
+        for one, gain in zip(fit.responses, fit.modes[mode].gains, strict=True)
+        if one.response.sensor is sensor
+    ]
+    return min(found, key=lambda gain: gain.relative, default=None)
+
+
+def _of_spectrum(one: FittedSpectrum) -> State:
+    return State(
+        name=one.spectrum.source.state or one.spectrum.source.name,
+        modes=tuple(
+            Seen(frequency_hz=peak.frequency_hz, damping_ratio=peak.damping_ratio)
+            for peak in one.modes
+        ),
+        moving_mass=None,
+        delay=None,
+        result=one,
+    )
+
+
+def _of_vibration(one: FreeVibration) -> State:
+    modes = sorted(one.modes, key=lambda mode: mode.frequency_hz)
+    return State(
+        name=one.source.state or one.source.name,
+        modes=tuple(
+            Seen(
+                frequency_hz=Estimate(value=mode.frequency_hz, sigma=mode.frequency_sigma_hz),
+                damping_ratio=Estimate(value=mode.damping_ratio, sigma=mode.damping_sigma),
+            )
+            for mode in modes
+        ),
+        moving_mass=None,
+        delay=None,
+        result=one,
+    )

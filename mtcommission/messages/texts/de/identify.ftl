@@ -1,0 +1,151 @@
+# Was in gemessenen Frequenzgängen identifiziert wurde, was gewählt wurde, was zweifelhaft ist.
+# Frequenzen in Hz, Zeiten in s, Anteile von 0 bis 1; $file, $mode, $states: Namen des Benutzers
+
+# Bereich und Ordnung
+identify-band-given = Angepasst von { FREQUENCY($low) } bis { FREQUENCY($high) }, wie --band verlangt.
+identify-band-cut = Von { FREQUENCY($low) } bis { FREQUENCY($high) } wurde nur { FREQUENCY($new_low) } bis { FREQUENCY($new_high) } angepasst: Außerhalb folgen die Linien keiner starren Masse mit Eigenformen (unten Reibung, oben Stromregler oder Sensor). --band legt einen anderen Bereich fest.
+identify-no-lines-in-band = { $file } hat zwischen { FREQUENCY($low) } und { FREQUENCY($high) } zu wenige Linien und wurde weggelassen.
+identify-too-few-lines = { $lines } brauchbare Linien zwischen { FREQUENCY($low) } und { FREQUENCY($high) }, mindestens { $least } sind nötig; breiter messen oder mit --band einen anderen Bereich angeben
+identify-background = Für eine gute Anpassung war ein breiter Anteil um { FREQUENCY($frequency) } nötig; er ist für eine Eigenform zu stark gedämpft und steht nicht im Profil.
+identify-point-left-out = { $file } passt nicht zu den Polen der übrigen Punkte und wurde weggelassen: diesen Punkt noch einmal anschlagen.
+
+# Streuungen
+identify-frequency-floor = { $states ->
+    [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)
+   *[other] { $states } Zustände stimmen auf { SHARE($floor) } überein, dem Mindesten, was Wiederholungen und Pegel an anderen Maschinen zeigten
+}
+identify-damping-floor = { $states ->
+    [one] ein Zustand der Maschine wurde gemessen: andere Positionen, Zuladungen und Pegel sind nicht enthalten, daher mindestens { SHARE($floor) } (eine Annahme)
+   *[other] { $states } Zustände stimmen auf { SHARE($floor) } überein, dem Mindesten, was Wiederholungen und Pegel an anderen Maschinen zeigten
+}
+identify-frequency-range = { $mode } liegt in { $states } Zuständen zwischen { FREQUENCY($low) } und { FREQUENCY($high) }
+identify-damping-range = { $mode } hat in { $states } Zuständen { NUMBER($low, digits: 3) } bis { NUMBER($high, digits: 3) }
+identify-frequency-sigma = die doppelte Standardabweichung von { $mode } ist { SHARE($spread) }
+identify-damping-sigma = die doppelte Standardabweichung von { $mode } ist { SHARE($spread) }
+
+# Zweifel und Ratschläge
+identify-mode-not-everywhere = { $mode } ist in { $states } nicht zu sehen.
+identify-no-mode = Keine Eigenform gefunden: Im Bereich ist die Achse eine starre Masse. Bis zu höheren Frequenzen oder am Werkzeug messen.
+identify-no-rigid-body = Im Bereich ist kein starrer Körper zu sehen: Die Masse ist unbekannt, und die Verstärkungen gelten zwischen den gemessenen Punkten, nicht als Anteil an { $axis ->
+    [rotary] dem Drehmoment
+   *[linear] der Kraft
+} des Antriebs. Mit dem Antrieb { $axis ->
+    [rotary] Drehmoment
+   *[linear] Kraft
+} zu Geschwindigkeit messen.
+identify-no-force = { $axis ->
+    [rotary] Es wurde kein Drehmoment
+   *[linear] Es wurde keine Kraft
+} aufgezeichnet: Frequenzen und Dämpfung sind bekannt, { $axis ->
+    [rotary] Trägheit
+   *[linear] Masse
+} und Verstärkungen nicht.
+identify-friction-small-amplitude = Die viskose Reibung eines Frequenzgangs ist nicht die einer Bewegung (Coulombsche Reibung bei kleiner Amplitude) und steht nicht im Profil: aus der Aufzeichnung einer Bewegung bestimmen, und um eine Offsetgeschwindigkeit messen.
+# $bound [1/kg]
+identify-no-tool-sensor = Kein Sensor am Werkzeug: tcp_gain ist nicht gemessen. { GAIN($bound) } ist der ungünstigste Fall eines Werkzeugs auf der anderen Seite der Eigenform, oder deren Anteil am Geber, falls er größer ist. Ein Beschleunigungssensor am Werkzeug bei derselben Anregung, DATEI@tcp, ersetzt das; ebenso --tool-ratio, Spitze am Werkzeug durch Spitze am Motor.
+identify-polarity-reversed = { $file }: Das Vorzeichen ist vertauscht (die Masse wurde negativ); es wurde gedreht.
+identify-masses-differ = { $file } zeigt { MASS($mass) }, der erste Sensor { MASS($other) }: Eine der Konstanten oder Einheiten stimmt nicht, und damit auch ihre Verstärkungen nicht.
+# $spacing, $wanted [Hz], $window [s]
+identify-window-too-short = Bei { FREQUENCY($frequency) } liegen die Linien { FREQUENCY($spacing) } auseinander, mehr als 0,8 ζ f = { FREQUENCY($wanted) }: Die Dämpfung wird zu groß. Mit Fenstern von { TIME($window) } oder länger aufzeichnen.
+identify-model-error = Messpunkte und Modell weichen über das Rauschen hinaus um { SHARE($share) } des Betrags ab (nichtlineare Reibung, eine Eigenform außerhalb des Bereichs); die Intervalle enthalten das.
+identify-no-coherence = { $file } hat keine Kohärenz: Die Größe des Rauschens wurde aus der Abweichung bestimmt. Die Kohärenz mit exportieren.
+identify-low-coherence = { $file }: Die Kohärenz liegt bei { SHARE($share) } der Linien unter 0,5. Mehr Mittelungen, stärkere Anregung oder eine Offsetgeschwindigkeit gegen die Reibung verwenden.
+
+# Das Profil
+identify-document-head = Identifiziert von mtcommission { $version } am { $date }.
+identify-document-file = { $file }, SHA-256 { $hash }
+identify-document-file-dated = { $file }, gemessen { $date }, SHA-256 { $hash }
+identify-document-sigma = ± steht für zwei Standardabweichungen dieser Messung.
+identify-document-open = Noch anzugeben; mtcommission wizard -o { $file } fragt danach:
+identify-document-name = Gemessene Achse
+identify-document-source = identifiziert aus { $files } am { $date }
+identify-document-tool-worst = kein Sensor am Werkzeug: ungünstigster Fall
+identify-document-tool-ratio = Anteil am Geber × { NUMBER($ratio) } (--tool-ratio)
+identify-document-tool-stays = am Werkzeug nicht gemessen: wie bisher
+identify-document-too-many = Nur die { $most } Eigenformen mit den größten Verstärkungen stehen im Profil; { $left } wurden weggelassen.
+
+# Seite und Terminal
+identify-title = Identifizierte Achse
+identify-verdict = { $modes ->
+    [one] Eine Eigenform
+   *[other] { $modes } Eigenformen
+}
+identify-verdict-none = Keine Eigenform
+identify-detail = { $states ->
+    [one] Ein Zustand der Maschine
+   *[other] { $states } Zustände der Maschine
+}, { $files ->
+    [one] eine Datei
+   *[other] { $files } Dateien
+}. ± steht für zwei Standardabweichungen der Messung.
+identify-page-note = Gemessen; ± steht für zwei Standardabweichungen dieser Messung. Was sich von Tag zu Tag und von Maschine zu Maschine unterscheidet, steht in der Streuung.
+identify-part-result = Ergebnis
+identify-part-modes = Eigenformen
+identify-part-fits = Gemessen und angepasst
+identify-part-doubts = Was gewählt und weggelassen wurde, und was besser zu messen ist
+identify-part-check = Das Modell gegen die Aufzeichnungen
+identify-part-sources = Dateien
+identify-part-profile = Profil
+identify-mass = Bewegte { $axis ->
+    [rotary] Trägheit
+   *[linear] Masse
+}
+identify-delay = Totzeit
+identify-band = Bereich
+identify-band-from-to = { FREQUENCY($low) } bis { FREQUENCY($high) }
+identify-spread-frequency = Streuung der Frequenzen
+identify-spread-damping = Streuung der Dämpfung
+identify-misfit = Abweichung durch Rauschen
+identify-head-value = Wert
+identify-head-why = Warum
+identify-head-mode = Eigenform
+identify-head-frequency = Frequenz
+identify-head-damping = Dämpfungsgrad
+identify-head-encoder = Verstärkung am Geber
+identify-head-tool = Verstärkung am Werkzeug
+identify-head-state = Zustand
+identify-head-file = Datei
+identify-head-sensor = Sensor
+identify-head-format = Format
+identify-head-hash = SHA-256
+identify-head-explained = Erklärt
+identify-head-held-back = Zurückgehalten
+identify-not-known = nicht bekannt
+identify-misfit-meaning = gewichteter Effektivwert; 1 ist so gut wie das Rauschen
+identify-delay-meaning = { $axis ->
+    [rotary] vom Drehmoment
+   *[linear] von der Kraft
+} zum Sensor, wie aufgezeichnet
+identify-mass-meaning = aus dem starren Körper am unteren Ende des Bereichs
+identify-band-meaning = nach Kohärenz und Abweichung
+identify-caption-modes = Eigenformen über alle Zustände, ± zwei Standardabweichungen
+identify-caption-states = Eigenformen in jedem Zustand
+identify-caption-result = Was identifiziert wurde
+identify-caption-files = Was gelesen wurde
+identify-caption-check = Anteil der Signalleistung im Bereich, den das Modell aus { $axis ->
+    [rotary] dem aufgezeichneten Drehmoment
+   *[linear] der aufgezeichneten Kraft
+} erklärt
+identify-plot-caption = { $file }: Messpunkte und angepasste Kurve
+identify-plot-alt = Betrag, Phase und Kohärenz von { $file } über der Frequenz: Die Messpunkte folgen der angepassten Kurve mit einer Abweichung vom { NUMBER($misfit, digits: 3) }-fachen des Rauschens.
+identify-spectrum-caption = { $file }: gemessenes Spektrum und angepasste Kurve
+identify-spectrum-alt = Leistungsdichte von { $file } über der Frequenz: gemessen und angepasst.
+identify-plot-frequency = f in Hz
+identify-plot-magnitude = |H| in { $unit }, Logarithmus zur Basis 10
+identify-plot-phase = Phase in °
+identify-plot-coherence = Kohärenz
+identify-plot-density = Dichte, Logarithmus zur Basis 10
+identify-plot-misfit = Abweichung durch Rauschen
+identify-line-measured = gemessen
+identify-line-fitted = angepasst
+identify-line-error = ± 2 Standardabweichungen
+identify-sensor-encoder = Geber
+identify-sensor-tcp = Werkzeug
+identify-stage = Identifiziere
+identify-next = Dann: mtcommission wizard -o { $file }, danach mtcommission run { $file }
+
+# Options
+identify-option-number = gegeben "{ $got }", muss eine Zahl ungleich 0 sein
+identify-option-band = gegeben "{ $got }", muss UNTEN:OBEN in Hz sein mit 0 < UNTEN < OBEN, z. B. 8:300
+identify-option-modes = gegeben "{ $got }", muss auto oder 1 bis { $most } sein
+identify-option-columns = gegeben "{ $got }", muss NAME=SPALTE sein

@@ -1,0 +1,151 @@
+# What was identified in measured responses, what was chosen, and what is in doubt.
+# Frequencies in Hz, times in s, shares from 0 to 1; $file, $mode, $states: names of the user
+
+# The band and the order
+identify-band-given = Fitted from { FREQUENCY($low) } to { FREQUENCY($high) } as --band asks.
+identify-band-cut = Of { FREQUENCY($low) } to { FREQUENCY($high) } only { FREQUENCY($new_low) } to { FREQUENCY($new_high) } was fitted: beyond it the lines do not obey a rigid mass with modes (friction at the low end, current loop or sensor at the high end). --band sets another.
+identify-no-lines-in-band = { $file } has too few lines between { FREQUENCY($low) } and { FREQUENCY($high) } and was left out.
+identify-too-few-lines = { $lines } usable lines between { FREQUENCY($low) } and { FREQUENCY($high) }, at least { $least } are needed; measure a wider band or give another --band
+identify-background = A broad term about { FREQUENCY($frequency) } was needed for a good fit; it is too strongly damped to be a mode and stays out of the profile.
+identify-point-left-out = { $file } does not obey the poles that the other points show and was left out: strike that point again.
+
+# Spreads
+identify-frequency-floor = { $states ->
+    [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
+   *[other] { $states } states agree within { SHARE($floor) }, the least that repeats and levels of other machines showed
+}
+identify-damping-floor = { $states ->
+    [one] one state of the machine was measured: other positions, payloads and levels are not in it, so { SHARE($floor) } at least (an assumption)
+   *[other] { $states } states agree within { SHARE($floor) }, the least that repeats and levels of other machines showed
+}
+identify-frequency-range = { $mode } lies between { FREQUENCY($low) } and { FREQUENCY($high) } in { $states } states
+identify-damping-range = { $mode } has { NUMBER($low, digits: 3) } to { NUMBER($high, digits: 3) } in { $states } states
+identify-frequency-sigma = twice the standard error of { $mode } is { SHARE($spread) }
+identify-damping-sigma = twice the standard error of { $mode } is { SHARE($spread) }
+
+# Doubts and advice
+identify-mode-not-everywhere = { $mode } does not show in { $states }.
+identify-no-mode = No mode was found: within the band the axis is a rigid mass. Measure to higher frequencies, or at the tool.
+identify-no-rigid-body = No rigid body shows in the band: the mass is not known, and gains are those between the measured points, not shares of the drive's { $axis ->
+    [rotary] torque
+   *[linear] force
+}. Measure { $axis ->
+    [rotary] torque
+   *[linear] force
+} to speed with the drive.
+identify-no-force = No { $axis ->
+    [rotary] torque
+   *[linear] force
+} was recorded: frequencies and damping are known, { $axis ->
+    [rotary] inertia
+   *[linear] mass
+} and gains are not.
+identify-friction-small-amplitude = The viscous friction of a response is not that of a move (Coulomb friction at small amplitude) and stays out of the profile: take it from a trace of a move, and measure about an offset speed.
+# $bound [1/kg]
+identify-no-tool-sensor = No sensor at the tool: tcp_gain is not measured. { GAIN($bound) } is the worst case of a tool on the far side of the mode, or its share at the encoder if that is larger. An accelerometer at the tool during the same excitation, FILE@tcp, replaces it; so does --tool-ratio, peak at the tool by peak at the motor.
+identify-polarity-reversed = { $file }: the sign is reversed (the mass came out negative); it was turned.
+identify-masses-differ = { $file } shows { MASS($mass) }, the first sensor { MASS($other) }: one of the constants or units is off, and so are its gains.
+# $spacing, $wanted [Hz], $window [s]
+identify-window-too-short = At { FREQUENCY($frequency) } lines are { FREQUENCY($spacing) } apart, more than 0.8 ζ f = { FREQUENCY($wanted) }: the damping comes out too large. Record with windows of { TIME($window) } or longer.
+identify-model-error = Measured points and model differ by { SHARE($share) } of the magnitude beyond the noise (nonlinear friction, a mode outside the band); the intervals contain it.
+identify-no-coherence = { $file } has no coherence: the size of its noise was taken from the misfit. Export the coherence, too.
+identify-low-coherence = { $file }: the coherence is below 0.5 on { SHARE($share) } of the lines. Use more averages, more excitation, or an offset speed against friction.
+
+# The profile
+identify-document-head = Identified by mtcommission { $version } on { $date }.
+identify-document-file = { $file }, SHA-256 { $hash }
+identify-document-file-dated = { $file }, measured { $date }, SHA-256 { $hash }
+identify-document-sigma = ± values are two standard errors of this measurement.
+identify-document-open = Still to be said; mtcommission wizard -o { $file } asks for it:
+identify-document-name = Measured axis
+identify-document-source = identified from { $files } on { $date }
+identify-document-tool-worst = no sensor at the tool: worst case
+identify-document-tool-ratio = encoder's share × { NUMBER($ratio) } (--tool-ratio)
+identify-document-tool-stays = not measured at the tool: as before
+identify-document-too-many = Only the { $most } modes with the largest gains are in the profile; { $left } were left out.
+
+# Page and terminal
+identify-title = Identified axis
+identify-verdict = { $modes ->
+    [one] One mode
+   *[other] { $modes } modes
+}
+identify-verdict-none = No mode
+identify-detail = { $states ->
+    [one] One state of the machine
+   *[other] { $states } states of the machine
+}, { $files ->
+    [one] one file
+   *[other] { $files } files
+}. ± is two standard errors of the measurement.
+identify-page-note = Measured; ± is two standard errors of this measurement. What differs from day to day and from machine to machine is in the spread.
+identify-part-result = Result
+identify-part-modes = Modes
+identify-part-fits = Measured and fitted
+identify-part-doubts = What was chosen, left out, and what to measure better
+identify-part-check = The model against the records
+identify-part-sources = Files
+identify-part-profile = Profile
+identify-mass = Moving { $axis ->
+    [rotary] inertia
+   *[linear] mass
+}
+identify-delay = Delay
+identify-band = Band
+identify-band-from-to = { FREQUENCY($low) } to { FREQUENCY($high) }
+identify-spread-frequency = Spread of frequencies
+identify-spread-damping = Spread of damping
+identify-misfit = Misfit by noise
+identify-head-value = Value
+identify-head-why = Why
+identify-head-mode = Mode
+identify-head-frequency = Frequency
+identify-head-damping = Damping ratio
+identify-head-encoder = Gain at the encoder
+identify-head-tool = Gain at the tool
+identify-head-state = State
+identify-head-file = File
+identify-head-sensor = Sensor
+identify-head-format = Format
+identify-head-hash = SHA-256
+identify-head-explained = Explained
+identify-head-held-back = Held back
+identify-not-known = not known
+identify-misfit-meaning = weighted rms; 1 is as good as the noise
+identify-delay-meaning = from { $axis ->
+    [rotary] torque
+   *[linear] force
+} to sensor, as recorded
+identify-mass-meaning = from the rigid body at the low end of the band
+identify-band-meaning = by coherence and misfit
+identify-caption-modes = Modes over all states, ± two standard errors
+identify-caption-states = Modes in each state
+identify-caption-result = What was identified
+identify-caption-files = What was read
+identify-caption-check = Share of the signal's power in the band that the model explains from the recorded { $axis ->
+    [rotary] torque
+   *[linear] force
+}
+identify-plot-caption = { $file }: measured points and fitted curve
+identify-plot-alt = Magnitude, phase and coherence of { $file } over frequency: measured points follow the fitted curve with a misfit of { NUMBER($misfit, digits: 3) } times the noise.
+identify-spectrum-caption = { $file }: measured spectrum and fitted curve
+identify-spectrum-alt = Power density of { $file } over frequency: measured and fitted.
+identify-plot-frequency = f in Hz
+identify-plot-magnitude = |H| in { $unit }, logarithm to 10
+identify-plot-phase = phase in °
+identify-plot-coherence = coherence
+identify-plot-density = density, logarithm to 10
+identify-plot-misfit = misfit by noise
+identify-line-measured = measured
+identify-line-fitted = fitted
+identify-line-error = ± 2 standard errors
+identify-sensor-encoder = encoder
+identify-sensor-tcp = tool
+identify-stage = Identifying
+identify-next = Then: mtcommission wizard -o { $file }, then mtcommission run { $file }
+
+# Options
+identify-option-number = got "{ $got }", must be a number other than 0
+identify-option-band = got "{ $got }", must be LOW:HIGH in Hz with 0 < LOW < HIGH, e.g. 8:300
+identify-option-modes = got "{ $got }", must be auto or 1 to { $most }
+identify-option-columns = got "{ $got }", must be NAME=COLUMN
