@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +17,7 @@ from scipy.signal import cont2discrete, dlsim
 from mtcommission.identify.formats.base85 import encode_doubles
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 REAL = Path(__file__).parent / "data" / "identify"
 
 MASS, VISCOUS, DELAY = 120.0, 900.0, 4e-4
@@ -25,7 +28,7 @@ LINES = np.geomspace(4.0, 400.0, 240)
 TWO_PI = 2 * np.pi
 
 
-def response(frequency_hz: Array, *, sensor: str = "encoder", derivative: int = 1) -> Array:
+def response(frequency_hz: Array, *, sensor: str = "encoder", derivative: int = 1) -> ComplexArray:
     """Output per force: the model of the facts file, written down once more."""
     s = 2j * np.pi * frequency_hz
     place = 2 if sensor == "encoder" else 3
@@ -43,12 +46,12 @@ class Axis:
 
     step: float
 
-    def positions(self, force: Array) -> tuple[Array, Array]:
-        """Encoder and tool, the force held between samples."""
+    @property
+    def discrete(self) -> tuple[Array, Array, Array]:
+        """A, B and C with the force held between samples; rows of C: encoder and tool."""
         size = 2 + 2 * len(MODES)
-        A, B = np.zeros((size, size)), np.zeros((size, 1))
+        A, B, C = np.zeros((size, size)), np.zeros((size, 1)), np.zeros((2, size))
         A[0, 1], A[1, 1], B[1, 0] = 1.0, -VISCOUS / MASS, 1.0 / MASS
-        C = np.zeros((2, size))
         C[:, 0] = 1.0
         for number, (hertz, zeta, encoder, tool) in enumerate(MODES, start=1):
             place, omega = 2 * number, TWO_PI * hertz
@@ -56,14 +59,19 @@ class Axis:
             A[place + 1, place : place + 2] = -(omega**2), -2 * zeta * omega
             B[place + 1, 0] = 1.0
             C[:, place] = encoder, tool
-        discrete = cont2discrete((A, B, C, np.zeros((2, 1))), self.step)
-        _, y, _ = dlsim(discrete, force[:, None])
+        A, B, *_ = cont2discrete((A, B, C, np.zeros((2, 1))), self.step)
+        return A, B, C
+
+    def positions(self, force: Array) -> tuple[Array, Array]:
+        """Encoder and tool."""
+        A, B, C = self.discrete
+        _, y, _ = dlsim((A, B, C, np.zeros((2, 1)), self.step), force[:, None])
         return y[:, 0], y[:, 1]
 
 
 def held(
     frequency_hz: Array, step: float, *, sensor: str = "encoder", derivative: int = 1
-) -> Array:
+) -> ComplexArray:
     """Samples of the output per sample of a force that is held between them, without the delay.
 
     The hold repeats the force's spectrum at every multiple of the sampling frequency, and sampling
@@ -230,7 +238,10 @@ def uff(*sets: dict[str, object]) -> bytes:
     """A universal file, written by pyuff."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "a.uff"
-        pyuff.UFF(str(path)).write_sets(list(sets), "overwrite")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ResourceWarning)  # pyuff leaves the file open
+            pyuff.UFF(str(path)).write_sets(list(sets), "overwrite")
+            gc.collect()
         return path.read_bytes()
 
 

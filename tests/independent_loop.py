@@ -10,14 +10,16 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from cmath import exp
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BPoly
+from scipy.interpolate import BPoly, CubicHermiteSpline
 from scipy.optimize import brentq
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Move, VelocityStep
 from mtcommission.plant.manipulator import Manipulator
@@ -253,48 +255,48 @@ def run(
     samples: int,
     force_limit: float = float("inf"),
     push: float = 0.0,
+    resolution: float = 0.0,
+    phase: float = 0.0,
 ) -> Run:
     """The machine under the cascade; ``nominal`` is what the controller believes it to be.
 
-    ``push`` is a force beside the motor from the beginning on.
+    ``push`` is a force beside the motor from the beginning on. The encoder rounds to whole steps of
+    ``resolution``; at the start it stands ``phase`` of a step beside one.
     """
     axis, h, T_p = axis_of(machine), gains.velocity_cycle, gains.position_cycle
-    tau = gains.reference_delay
+    tau, K = gains.reference_delay, gains.state_gains
     estimate, advance = _observer(gains, nominal)
-    K = gains.state_gains
     biquads = [Biquad(item, h) for item in gains.force_filters]
-    integral = acting = modelled = 0.0
-    handed = waiting = (0.0, 0.0, 0.0, 0.0)
+    integral = acting = modelled = last = 0.0
+    corrections = [0.0, 0.0]
     out = []
     for i in range(samples):
-        if i % gains.cycles == 0:
-            now = i * h
-            handed = waiting
-            late = delayed(profile, now - max(tau - T_p - (T_p - h) / 2, 0.0), T_p)
-            error = delayed(profile, now - tau, T_p)[0] - axis.encoder
-            v_set = gains.velocity_feedforward * late[1]
-            _, _, a, j = profile.at(now)
-            m = gains.feedforward_mass
-            f_set = m * (gains.acceleration_feedforward * a)
-            f_set += m * gains.force_lag * gains.jerk_feedforward * j
-            moving = np.array([*late[1:], 0.0])
-            f_rate = float(K @ _wanted(nominal, m, moving))
-            f_set += float(K @ _wanted(nominal, m, late)) - f_rate * (T_p - h) / 2
-            waiting = (gains.position_gain * error, v_set, f_set, f_rate)
-        out.append((axis.tool, axis.encoder, acting, *axis.state()))
-        miss = handed[0] + handed[1] - axis.encoder_rate
-        wanted = gains.velocity_gain * (miss + integral) + handed[2] - float(K @ estimate)
-        wanted += handed[3] * (i % gains.cycles) * h
+        cycle, step = divmod(i, gains.cycles)
+        seen = axis.encoder
+        if resolution:
+            seen = resolution * (round(seen / resolution + phase) - phase)
+        if step == 0:
+            error = delayed(profile, i * h - tau, T_p)[0] - seen
+            corrections = [corrections[1], gains.position_gain * error]
+            handed = _handed_down(profile, gains, nominal, (cycle - 1) * T_p)
+        x_wanted, v_wanted, f_wanted = handed(step * h)
+        out.append((axis.tool, seen, acting, *axis.state()))
+        correction = corrections[0]
+        if gains.position_loop is PositionLoop.DRIVE:
+            correction = gains.position_gain * (x_wanted - seen)
+        miss = correction + gains.velocity_feedforward * v_wanted - (seen - last) / h
+        last = seen
+        wanted = gains.velocity_gain * (miss + integral) + f_wanted - float(K @ estimate)
         for biquad in biquads:
             wanted = biquad.pass_on(wanted)
         granted = min(max(wanted, -force_limit), force_limit)
         if granted == wanted:
-            expected = modelled - handed[0] if gains.reference_model_time else 0.0
+            expected = modelled - correction if gains.reference_model_time else 0.0
             integral += h / gains.integral_time * (miss + expected)
         if gains.reference_model_time:
             fade = exp(-h / gains.reference_model_time).real
-            modelled = fade * modelled + (1 - fade) * handed[0]
-        measured = np.array([axis.tool if s == "tcp" else axis.encoder for s in gains.sensors])
+            modelled = fade * modelled + (1 - fade) * correction
+        measured = np.array([axis.tool if s == "tcp" else seen for s in gains.sensors])
         estimate = advance(estimate, acting, measured)
         axis.advance(acting, h, push)
         acting = granted
@@ -302,6 +304,45 @@ def run(
     t = np.arange(samples) * h
     reference = np.array([profile.at(s - tau)[0] for s in t])
     return Run(t, table[:, 0], table[:, 1], table[:, 2], table[:, 3:], reference)
+
+
+def _handed_down(
+    profile: Profile, gains: Controller, nominal: Machine, now: float
+) -> Callable[[float], tuple[float, float, float]]:
+    """What was computed at ``now``: position, velocity and force, so long into the next cycle."""
+    T_p, h, K, m = (
+        gains.position_cycle,
+        gains.velocity_cycle,
+        gains.state_gains,
+        gains.feedforward_mass,
+    )
+
+    def fed_forward(t: float) -> float:
+        _, _, a, j = profile.at(t)
+        return m * (
+            gains.acceleration_feedforward * a + gains.jerk_feedforward * gains.force_lag * j
+        )
+
+    if gains.position_loop is PositionLoop.CONTROL:
+        path = T_p + (T_p - h) / 2
+        late = delayed(profile, now - max(gains.reference_delay - path, 0.0), T_p)
+        held = delayed(profile, now - max(gains.reference_delay + h / 2 - path, 0.0), T_p)[1]
+        middle = float(K @ _wanted(nominal, m, late))
+        rate = float(K @ _wanted(nominal, m, np.array([*late[1:], 0.0])))
+        return lambda s: (0.0, held, fed_forward(now) + middle + rate * (s - (T_p - h) / 2))
+
+    age = max(gains.reference_delay - 2 * T_p, 0.0)
+    ends = [delayed(profile, now - age - T_p, T_p), delayed(profile, now - age, T_p)]
+    spline = CubicHermiteSpline([0.0, T_p], [e[0] for e in ends], [e[1] for e in ends])
+    forces = [
+        fed_forward(t) + float(K @ _wanted(nominal, m, e))
+        for t, e in zip((now - T_p, now), ends, strict=True)
+    ]
+    return lambda s: (
+        float(spline(s)),
+        float(spline(s) - spline(s - h)) / h,
+        float(np.interp(s, [0.0, T_p], forces)),
+    )
 
 
 def delayed(profile: Profile, t: float, cycle: float) -> Array:

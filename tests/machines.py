@@ -6,6 +6,7 @@ from math import pi
 
 import numpy as np
 
+from mtcommission.control_kinds.kinds import STATE_SPACE
 from mtcommission.machine.machine import (
     Control,
     Drive,
@@ -22,6 +23,10 @@ from mtcommission.plant.modal import Modal
 REQUIREMENTS = Requirements(
     tcp_deviation=5e-6, modes=Modes(surface=2e-6, accuracy=5e-6, speed=20e-6)
 )
+
+
+DAMPED = Control(kind=STATE_SPACE, state_feedback=StateFeedback.AUTO)
+"""A free controller, since most that can go wrong in a loop goes wrong with state feedback."""
 
 
 def paper_machine(*, max_force: float = 2e3) -> Machine:
@@ -44,6 +49,7 @@ def paper_machine(*, max_force: float = 2e3) -> Machine:
         drive=Drive(force_lag=2.5e-3, max_force=max_force),
         moves=(VelocityStep(velocity_step=0.1),),
         requirements=REQUIREMENTS,
+        control=DAMPED,
     )
 
 
@@ -75,6 +81,7 @@ def random_modal_machine(seed: int, *, n_modes: int) -> Machine:
         ),
         moves=(VelocityStep(velocity_step=float(generator.uniform(0.02, 1.0))),),
         requirements=REQUIREMENTS,
+        control=DAMPED,
     )
 
 
@@ -97,5 +104,4 @@ def slowly_decaying_machine() -> Machine:
         requirements=Requirements(
             tcp_deviation=50e-6, modes=Modes(surface=20e-6, accuracy=50e-6, speed=200e-6)
         ),
-        control=Control(state_feedback=StateFeedback.OFF),
     )

@@ -13,13 +13,15 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.analysis.frequency import respond_at
 from mtcommission.loop.model.assembly import lift_on_plants
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.model.discrete import discretise
 from mtcommission.loop.simulate.disturbance import simulate_disturbance
 from mtcommission.loop.simulate.response import simulate
-from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.state_feedback import add_state_feedback, design_observer, is_seen
+from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import (
     FilterKind,
@@ -47,16 +49,17 @@ LOW_PASS = ForceFilter(kind=FilterKind.LOW_PASS, natural_frequency=2 * pi * 900.
 
 
 def member(seed: int) -> Machine:
-    """Cascades and state feedback, filters, second encoders, reference models, given delays."""
+    """Every position loop, state feedback, filters, second encoders, reference models, delays."""
     machine = random_machine(seed)
     filters = ((), (NOTCH,), (), (NOTCH, LOW_PASS))[seed % 4]
     return quiet_copy(
         machine,
-        state_feedback=StateFeedback.AUTO if seed % 2 else StateFeedback.OFF,
+        state_feedback=StateFeedback.OFF,
         tcp_sensor=TcpSensor.POSITION if seed % 3 == 1 else TcpSensor.NONE,
         force_filters=filters,
         reference_model_time=machine.drive.force_lag if seed % 5 == 0 else 0.0,
         reference_delay=0.4 * machine.control.position_cycle if seed % 7 == 3 else None,
+        position_loop=list(PositionLoop)[seed // 2 % 3],
         velocity_feedforward=0.8 if seed % 4 == 2 else 1.0,
         jerk_feedforward=0.5 if seed % 6 == 1 else 0.0,
     )
@@ -64,13 +67,25 @@ def member(seed: int) -> Machine:
 
 @cache
 def tuned_member(seed: int) -> TunedLoop:
-    return tune_loop(member(seed))
+    """Every other one with feedback of a mode that its sensors see."""
+    machine = member(seed)
+    tuned = tune_loop(machine)
+    plant, cascade = tuned.loops[0].plant, tuned.controller
+    seen = [mode for mode in plant.modes if is_seen(mode, cascade.sensors)]
+    if not seen or seed % 2 == 0:
+        return tuned
+    observer = design_observer(machine, plant, cascade, settings=TuningSettings())
+    controller = add_state_feedback(machine, plant, cascade, seen[0], weight=0.3, observer=observer)
+    return close_loop(corner_plants(machine), controller)
 
 
 def assert_same(ours: Array, theirs: Array) -> None:
-    """To 1e-12 of each entry; entries that are rounding beside their column count by it."""
+    """To 1e-11 of each entry; entries that are rounding beside their column count by it.
+
+    The velocity is a difference of two positions, so the last digit or two are rounding.
+    """
     floor = 1e-6 * np.max(np.abs(theirs), initial=0.0)
-    assert np.max(np.abs(ours - theirs) / np.maximum(np.abs(theirs), floor or 1.0)) < 1e-12
+    assert np.max(np.abs(ours - theirs) / np.maximum(np.abs(theirs), floor or 1.0)) < 1e-11
 
 
 def assert_is_the_diagram(tuned: TunedLoop) -> None:
@@ -104,6 +119,10 @@ def test_the_population_has_what_a_loop_may_have() -> None:
     found = [tuned_member(seed).controller for seed in SEEDS]
     assert any(item.state_gains.any() for item in found)
     assert any(not item.state_gains.any() for item in found)
+    by_loop = {kind: [c for c in found if c.position_loop is kind] for kind in PositionLoop}
+    for members in by_loop.values():
+        assert {bool(item.state_gains.any()) for item in members} == {True, False}
+        assert any(item.reference_age > 0.0 for item in members)
     assert any(item.reference_age == 0.0 for item in found)
     assert {len(item.force_filters) for item in found} == {0, 1, 2}
     assert {len(item.sensors) for item in found} == {1, 2}

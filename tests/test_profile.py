@@ -10,14 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import (
+    NO_RESERVE,
     FilterKind,
     Machine,
     Motion,
     Positioning,
+    Reserve,
     StateFeedback,
     TcpSensor,
+    Today,
     VelocityStep,
 )
 from mtcommission.plant.manipulator import Manipulator
@@ -175,6 +179,8 @@ surface = "2.5 um"
 t_f = "60 ms"
 weights = "balanced"
 [control]
+kind = "state-space"
+position_loop = "interpolated"
 position_gain = "3 (m/min)/mm"
 velocity_gain = "200 kN s/m"
 integral_time = "20 ms"
@@ -231,7 +237,7 @@ def test_what_is_left_out_has_the_defaults_of_the_interface() -> None:
     assert machine.control.position_gain is None
     assert machine.control.reference_delay is None
     assert (machine.control.position_cycle, machine.control.velocity_cycle) == (2e-3, 125e-6)
-    assert machine.control.state_feedback is StateFeedback.AUTO
+    assert machine.control.state_feedback is StateFeedback.OFF
     assert machine.control.force_filters == ()
     assert machine.motion is Motion.LINEAR
 
@@ -286,7 +292,145 @@ def test_a_plain_number_is_si() -> None:
     assert machine.mechanics.modes[1].damping_ratio == 0.03
 
 
+def test_spreads_reserve_and_kind_are_assumed_unless_stated() -> None:
+    """None of them must be silently nothing: limits without spread break with 1 % of frequency."""
+    machine = parse_profile(MANIPULATOR, where="p.toml")
+    needs = machine.requirements
+    assert (needs.frequency_spread, needs.damping_spread) == (0.05, 0.3)
+    assert needs.reserve == Reserve(band=0.8, force=0.95)
+    assert (needs.contour_deviation, needs.contour_feed) == (inf, inf)
+    for key in ("requirements.frequency_spread", "requirements.damping_spread", "control.kind"):
+        assert machine.is_assumed(key)
+    stated = MANIPULATOR + (
+        'frequency_spread = 0\ndamping_spread = "0 %"\nreserve = { band = 1, force = "100 %" }\n'
+        '[control]\nkind = "fanuc"\n'
+    )
+    machine = parse_profile(stated, where="p.toml")
+    assert (machine.requirements.frequency_spread, machine.requirements.damping_spread) == (0, 0)
+    assert machine.requirements.reserve == NO_RESERVE
+    assert machine.assumed == (
+        "control.position_loop",
+        "control.position_cycle",
+        "control.velocity_cycle",
+    )
+
+
+def test_a_kind_of_control_brings_its_own_defaults() -> None:
+    machine = parse_profile(MANIPULATOR + '[control]\nkind = "plcopen"\n', where="p.toml")
+    control, kind = machine.control, KINDS["plcopen"]
+    assert control.kind is kind
+    assert control.position_loop is kind.position_loops[0]
+    assert (control.position_cycle, control.velocity_cycle) == (
+        kind.position_cycle,
+        kind.velocity_cycle,
+    )
+    assert control.velocity_feedforward == float(kind.velocity_feedforward)
+    assert control.acceleration_feedforward == float(kind.acceleration_feedforward)
+    without = parse_profile(MANIPULATOR + '[control]\nkind = "fanuc"\n', where="p.toml").control
+    assert without.reference_delay == 0.0
+
+
+def test_drive_train_contour_and_todays_values_reach_the_machine() -> None:
+    text = changed(MANIPULATOR, '"2 kN"\n', '"2 kN"\nlead = "10 mm"\ngear = 2\n') + (
+        'contour_deviation = "20 um"\ncontour_feed = "3 m/min"\nreserve = { band = "70 %" }\n'
+        '[today]\nacceleration = "2 m/s^2"\njerk = "40 m/s^3"\nposition_gain = "60 1/s"\n'
+        'integral_time = "20 ms"\nsetpoint_filter = { kind = "moving_average", time = "8 ms" }\n'
+    )
+    machine = parse_profile(text, where="p.toml")
+    assert (machine.drive.lead, machine.drive.gear) == (0.01, 2.0)
+    needs = machine.requirements
+    assert needs.contour_deviation == 20e-6
+    assert needs.contour_feed == pytest.approx(0.05)
+    assert needs.reserve == Reserve(band=0.7, force=0.95)
+    assert machine.today == Today(
+        acceleration=2.0,
+        jerk=40.0,
+        position_gain=60.0,
+        integral_time=0.02,
+        moving_average_time=8e-3,
+    )
+
+
 # Broken profiles: the exact message
+
+
+def test_what_a_control_lacks_is_refused_key_by_key() -> None:
+    """Otherwise the sheet promises what nobody can set."""
+    asked = (
+        '[control]\nkind = "fluidnc"\nstate_feedback = "auto"\njerk_feedforward = 1\n'
+        'reference_delay = "1 ms"\ntcp_sensor = "position"\nposition_loop = "control"\n'
+        'setpoint_filter = { kind = "moving_average", time = "20 ms" }\n'
+        'force_filters = [{ kind = "notch", frequency = "72 Hz", damping = 0.1 }]\n'
+    )
+    lines = [fault.split(": ", 2) for fault in faults_in(MANIPULATOR + asked)]
+    assert [(place, key) for place, key, _ in lines] == [
+        ("p.toml:26", "control.state_feedback"),
+        ("p.toml:27", "control.jerk_feedforward"),
+        ("p.toml:28", "control.reference_delay"),
+        ("p.toml:29", "control.tcp_sensor"),
+        ("p.toml:30", "control.position_loop"),
+        ("p.toml:31", "control.setpoint_filter"),
+        ("p.toml:32", "control.force_filters"),
+    ]
+    assert lines[1][2] == (
+        'got 1; kind = "fluidnc" has only velocity_feedforward; write 0, or leave the key out'
+    )
+    assert lines[4][2] == (
+        'got "control"; kind = "fluidnc" closes its position loop otherwise: write "drive", '
+        "or leave the key out"
+    )
+    todays = '[control]\nkind = "fluidnc"\n[today]\nacceleration = 1\njerk = 10\n'
+    assert faults_in(MANIPULATOR + todays) == [
+        'p.toml:28: today.jerk: kind = "fluidnc" limits no jerk, so none can be set today; '
+        "remove the key"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            '"2 kN"',
+            '"2 kN"\ngear = 2',
+            "20: drive.gear: a gear on a linear axis needs drive.lead (travel per turn of screw or "
+            "pinion) beside it; give both, or remove it",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\ncontour_feed = "3 m/min"',
+            "24: requirements.contour_feed: belongs to contour_deviation; give that, or remove it",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\nreserve = { band = 1.2 }',
+            "24: requirements.reserve.band: got 1.2, must be from 0.01 to 1; check the unit",
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[control]\nkind = "siemens"',
+            '25: control.kind: got "siemens", must be '
+            + ", ".join(f'"{kind}"' for kind in [*KINDS][:-1])
+            + f' or "{[*KINDS][-1]}"',
+        ),
+        (
+            '"5 um"',
+            '"5 um"\n[today]\njerk = 10',
+            "24: today.acceleration: missing; add the value of your machine, for example "
+            'acceleration = "2 m/s^2"',
+        ),
+    ],
+)
+def test_one_fault_in_the_newer_keys(old: str, new: str, expected: str) -> None:
+    assert faults_in(changed(MANIPULATOR, old, new)) == [f"p.toml:{expected}"]
+
+
+def test_the_assumed_spread_of_damping_is_refused_where_no_vibration_is_left() -> None:
+    """Nobody wrote the 30 %, so the message must say where to write less."""
+    text = changed(MODAL, "damping_ratio = 0.02", "damping_ratio = 0.8")
+    assert faults_in(text) == [
+        "p.toml:24: requirements.damping_spread: got 0.3, which raises a damping ratio to 1.04 in "
+        "the worst corner, where it must stay < 1; state at most 0.24 (24 %)"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -527,7 +671,7 @@ def test_every_corner_must_stay_a_vibration() -> None:
     text = changed(MODAL, "damping_ratio = 0.02", "damping_ratio = 0.6")
     assert faults_in(text + "damping_spread = 0.7\n") == [
         "p.toml:26: requirements.damping_spread: got 0.7, which raises a damping ratio to 1.02 in "
-        "the worst corner; must stay < 1"
+        "the worst corner, where it must stay < 1; state at most 0.66 (66 %)"
     ]
 
 

@@ -173,7 +173,12 @@ def test_sensitivities_against_trials() -> None:
 def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
     """If it failed, samples that saturate or exceed a peak would count as good ones."""
     machine = spread_paper_machine()
-    needs = replace(machine.requirements, peaks=(Peak(name="v_phi", bound=2e-3),))
+    needs = replace(
+        machine.requirements,
+        peaks=(Peak(name="v_phi", bound=2e-3),),
+        contour_deviation=3e-4,
+        contour_feed=0.08,
+    )
     machine = replace(
         machine, requirements=needs, drive=replace(machine.drive, continuous_force=900.0)
     )
@@ -183,8 +188,9 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
     found = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
     checks = evaluate(machine, plant, tuned, limits).assessment.checks
     shares = {check.name: check.value / check.limit for check in checks}
-    used = max(shares[name] for name in ("set force", "peak v_phi", "RMS force"))
-    assert found.usage.max() == pytest.approx(used, rel=2e-3)
+    assert shares["contour deviation"] > 0.01
+    for requirement, share in zip(found.bounds, found.shares.max(axis=0), strict=True):
+        assert share == pytest.approx(shares[requirement.value], rel=2e-3)
     for name, bound in (("peak v_phi", 1e-3), ("RMS force", 300.0), ("set force", 700.0)):
         strict = machine
         if name == "peak v_phi":
@@ -314,7 +320,7 @@ def _kept(low: float, high: float) -> FrequencyError:
 
 
 @pytest.mark.parametrize(
-    ("acceleration", "jerk", "is_narrow"), [(1.3, 20.4, False), (1.83, 63.4, True)]
+    ("acceleration", "jerk", "is_narrow"), [(1.3, 20.4, False), (1.75, 65.0, True)]
 )
 def test_the_warning_is_about_the_machine_that_was_simulated(
     acceleration: float, jerk: float, is_narrow: bool
@@ -326,9 +332,9 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
     settings = RobustnessSettings(frequency_points=10)
     error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
     warnings = warn_of_narrow_range(machine, error)
-    assert [
-        "set force (where they are lower). " in Catalogue().say(warning) for warning in warnings
-    ] == ([True] if is_narrow else [])
+    assert ["(where they are lower)" in Catalogue().say(warning) for warning in warnings] == (
+        [True] if is_narrow else []
+    )
     (move,) = machine.moves
     for factor, is_kept in ((1.0, True), (0.98, not is_narrow)):
         varied = build_plant(vary(machine, Corner(frequency_factor=factor)))
@@ -339,5 +345,5 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
             drive=replace(machine.drive, max_force=1e9),
             band=machine.requirements.tcp_deviation,
         )
-        assert response.residual_deviation <= machine.requirements.tcp_deviation
-        assert (response.max_force <= machine.drive.motion_force) is is_kept
+        in_band = response.residual_deviation <= machine.requirements.tcp_deviation
+        assert (in_band and response.max_force <= machine.drive.motion_force) is is_kept

@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.discrete import discretise
 from mtcommission.loop.model.interpolation import delay_weights
 from mtcommission.loop.simulate.response import LoopResponse, simulate
@@ -93,10 +94,13 @@ def assert_same(response: LoopResponse, again: Run) -> None:
         assert np.max(np.abs(ours - theirs)) <= 1e-7 * np.max(np.abs(theirs))
 
 
+@pytest.mark.parametrize("position_loop", PositionLoop)
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_papers_machine_agrees_with_a_second_program(variant: str) -> None:
+def test_papers_machine_agrees_with_a_second_program(
+    variant: str, position_loop: PositionLoop
+) -> None:
     """A dead time, a gain or a filter would act otherwise than the docstrings say."""
-    machine = quiet_copy(paper_machine(), **VARIANTS[variant])
+    machine = quiet_copy(paper_machine(), position_loop=position_loop, **VARIANTS[variant])
     tuned = tune_loop(machine)
     for move in (STEP, TRAVEL):
         response, again = both(machine, tuned, move, 0.4)
@@ -114,6 +118,7 @@ def test_random_machines_agree_in_a_corner(seed: int) -> None:
     machine = quiet_copy(
         replace(machine, requirements=needs),
         tcp_sensor=TcpSensor.POSITION if seed % 2 else TcpSensor.NONE,
+        position_loop=list(PositionLoop)[seed % 3],
     )
     tuned = tune_loop(machine)
     assert len(tuned.corners) == 5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 
@@ -18,7 +19,6 @@ from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile import shipped
-from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import describe_shipped, read_shipped, shipped_names
 from mtcommission.verdict.evaluate import evaluate
 
@@ -65,15 +65,10 @@ def test_nothing_about_them_is_unusual(name: str) -> None:
 def test_limits_exist_that_meet_all_requirements(name: str) -> None:
     """A quick search without state feedback is enough: the full one can only do better."""
     machine = read_shipped(name).machine
-    plain = parse_profile(_without_feedback(read_shipped(name).text), where=name)
-    assert plain.control.state_feedback is StateFeedback.OFF
+    plain = replace(machine, control=replace(machine.control, state_feedback=StateFeedback.OFF))
     plant, tuned = build_plant(machine), tune_loop(plain)
     choice = choose_limits(plain, plant, tuned, settings=QUICK)
     assert evaluate(plain, plant, tuned, choice.limits).assessment.is_met
-
-
-def _without_feedback(text: str) -> str:
-    return text.replace("[control]", '[control]\nstate_feedback = "off"', 1)
 
 
 @pytest.mark.parametrize(

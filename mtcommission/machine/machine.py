@@ -38,10 +38,10 @@ class Drive:
     static_load
         Weight or process force [N]; its amount is not available for motion.
     lead
-        Travel of the axis per turn of the screw or pinion [m, rotary rad]; None: direct drive, or
-        not stated.
+        Travel of a linear axis per turn of the screw or pinion [m]; None: a linear motor, a
+        rotary axis, or not stated.
     gear
-        Turns of the motor per turn of the screw or pinion [-].
+        Turns of the motor per turn of the screw, the pinion or the rotary axis [-].
     encoder_resolution
         Smallest step of the measured position [m]; 0: not stated.
     """
@@ -355,7 +355,7 @@ class Control:
     position_cycle: float = 2e-3
     velocity_cycle: float = 125e-6
     tcp_sensor: TcpSensor = TcpSensor.NONE
-    state_feedback: StateFeedback = StateFeedback.AUTO
+    state_feedback: StateFeedback = StateFeedback.OFF
     state_gains: tuple[StateGain, ...] = ()
     moving_average_time: float = 0.0
     force_filters: tuple[ForceFilter, ...] = ()

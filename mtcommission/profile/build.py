@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import inf, pi
 
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.machine.machine import (
     Control,
     DampingOptimal,
@@ -17,9 +18,11 @@ from mtcommission.machine.machine import (
     Peak,
     Positioning,
     Requirements,
+    Reserve,
     StateFeedback,
     StateGain,
     TcpSensor,
+    Today,
     VelocityStep,
     Weight,
 )
@@ -29,10 +32,18 @@ from mtcommission.profile.model import (
     MoveTable,
     ProfileTable,
     RequirementsTable,
+    TodayTable,
+    closes_in,
 )
 
 MODE_BANDS = (0.4, 1.0, 4.0)
 """Default bands of surface, accuracy and speed in units of tcp_deviation (interface)."""
+
+ASSUMED = {
+    "requirements": ("frequency_spread", "damping_spread", "reserve"),
+    "control": ("kind", "position_loop", "position_cycle", "velocity_cycle"),
+}
+"""Keys whose defaults decide about limits; left out, they are assumptions."""
 
 
 def build_machine(table: ProfileTable) -> Machine:
@@ -59,18 +70,37 @@ def build_machine(table: ProfileTable) -> Machine:
             max_force=table.drive.max_force,
             continuous_force=_or_infinite(table.drive.continuous_force),
             static_load=table.drive.static_load,
+            lead=table.drive.lead,
+            gear=table.drive.gear,
+            encoder_resolution=table.drive.encoder_resolution or 0.0,
         ),
         moves=tuple(_build_move(move) for move in table.moves),
         requirements=_build_requirements(table.requirements),
         damping_optimal=_build_damping_optimal(table.damping_optimal),
         control=_build_control(table.control),
+        today=_build_today(table.today) if table.today else None,
         illustrative=table.machine.illustrative,
-        assumed=tuple(table.machine.assumed),
+        assumed=(*table.machine.assumed, *_left_out(table)),
     )
+
+
+def _left_out(table: ProfileTable) -> list[str]:
+    """The keys of ``ASSUMED`` that the profile does not state."""
+    return [
+        f"{name}.{key}"
+        for name, keys in ASSUMED.items()
+        for key in keys
+        if key not in getattr(table, name).model_fields_set
+    ]
 
 
 def _or_infinite(value: float | None) -> float:
     return inf if value is None else value
+
+
+def _or_weight(weight: float | None, is_there: bool) -> float:
+    """A weight of feed-forward; left out, all of it where the control has it."""
+    return float(is_there) if weight is None else weight
 
 
 def _build_move(move: MoveTable) -> Move:
@@ -94,6 +124,9 @@ def _build_requirements(needs: RequirementsTable) -> Requirements:
         tcp_deviation=needs.tcp_deviation,
         modes=Modes(surface=surface, accuracy=accuracy, speed=speed),
         max_settling_time=_or_infinite(needs.max_settling_time),
+        contour_deviation=_or_infinite(needs.contour_deviation),
+        contour_feed=_or_infinite(needs.contour_feed),
+        reserve=Reserve(band=needs.reserve.band, force=needs.reserve.force),
         frequency_spread=needs.frequency_spread,
         damping_spread=needs.damping_spread,
         payload=(low, high),
@@ -108,8 +141,20 @@ def _build_damping_optimal(settings: DampingOptimalTable) -> DampingOptimal:
     return DampingOptimal(t_f=settings.t_f, weights=weights)
 
 
+def _build_today(today: TodayTable) -> Today:
+    setpoint_filter = today.setpoint_filter
+    return Today(
+        acceleration=today.acceleration,
+        jerk=today.jerk,
+        position_gain=today.position_gain,
+        velocity_gain=today.velocity_gain,
+        integral_time=today.integral_time,
+        moving_average_time=setpoint_filter.time if setpoint_filter else 0.0,
+    )
+
+
 def _build_control(control: ControlTable) -> Control:
-    feedback = control.state_feedback
+    kind, feedback = KINDS[control.kind], control.state_feedback
     filters = tuple(
         ForceFilter(
             kind=FilterKind(one.kind),
@@ -122,17 +167,21 @@ def _build_control(control: ControlTable) -> Control:
     mode = StateFeedback(feedback) if isinstance(feedback, str) else StateFeedback.GIVEN
     setpoint_filter = control.setpoint_filter
     return Control(
+        kind=kind,
+        position_loop=closes_in(control),
         position_gain=control.position_gain,
         velocity_gain=control.velocity_gain,
         integral_time=control.integral_time,
         reference_model_time=control.reference_model_time,
-        velocity_feedforward=control.velocity_feedforward,
-        acceleration_feedforward=control.acceleration_feedforward,
+        velocity_feedforward=_or_weight(control.velocity_feedforward, kind.velocity_feedforward),
+        acceleration_feedforward=_or_weight(
+            control.acceleration_feedforward, kind.acceleration_feedforward
+        ),
         jerk_feedforward=control.jerk_feedforward,
         feedforward_mass=control.feedforward_mass,
-        reference_delay=control.reference_delay,
-        position_cycle=control.position_cycle,
-        velocity_cycle=control.velocity_cycle,
+        reference_delay=control.reference_delay if kind.reference_delay else 0.0,
+        position_cycle=control.position_cycle or kind.position_cycle,
+        velocity_cycle=control.velocity_cycle or kind.velocity_cycle,
         tcp_sensor=TcpSensor(control.tcp_sensor),
         state_feedback=mode,
         state_gains=tuple(StateGain(state=name, value=value) for name, value in given.items()),

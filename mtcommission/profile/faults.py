@@ -23,7 +23,9 @@ from mtcommission.profile.model import (
     MoveTable,
     ProfileTable,
     RequirementsTable,
+    ReserveTable,
     SetpointFilterTable,
+    TodayTable,
 )
 from mtcommission.profile.plant_tables import PLANT_TABLES, element_tables
 from mtcommission.profile.table import Table
@@ -42,10 +44,13 @@ _TABLES: Mapping[tuple[str, ...], type[Table]] = {
     ("moves",): MoveTable,
     ("requirements",): RequirementsTable,
     ("requirements", "modes"): ModeBands,
+    ("requirements", "reserve"): ReserveTable,
     ("damping_optimal",): DampingOptimalTable,
     ("control",): ControlTable,
     ("control", "setpoint_filter"): SetpointFilterTable,
     ("control", "force_filters"): ForceFilterTable,
+    ("today",): TodayTable,
+    ("today", "setpoint_filter"): SetpointFilterTable,
 }
 
 

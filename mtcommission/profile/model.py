@@ -6,12 +6,16 @@ that means is decided where the Machine is built.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from math import ceil
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
+from mtcommission.control_kinds.kind import ControlKind, PositionLoop
+from mtcommission.control_kinds.kinds import GENERIC, KINDS
 from mtcommission.machine.mechanics import Misfit
 from mtcommission.machine.ranges import (
+    ACCELERATIONS,
     ARMS,
     BANDS,
     CYCLES,
@@ -23,10 +27,15 @@ from mtcommission.machine.ranges import (
     FILTER_TIMES,
     FORCES,
     FREQUENCIES,
+    GEARS,
+    JERKS,
     LAGS,
+    LEADS,
     LOADS,
     MASSES,
     POSITION_GAINS,
+    RESOLUTIONS,
+    SHARES,
     SPREADS,
     STATIC_LOADS,
     TIMES,
@@ -44,10 +53,17 @@ from mtcommission.profile.values import (
     SignalTable,
     context_of,
     describe,
+    one_of,
 )
+from mtcommission.units.axis_units import ROTARY
+
+FEEDFORWARDS_OF_KINDS = ("velocity_feedforward", "acceleration_feedforward", "jerk_feedforward")
+"""Keys of [control], and fields of the kinds of control."""
 
 MOST_MOVES = 50
 LARGEST_FREQUENCY_SPREAD = 0.5
+Kind: Any = Literal[tuple(KINDS)]
+"""Key of a kind of control."""
 WHOLE_MULTIPLE = 1e-9
 """Relative distance from a whole number of velocity cycles."""
 
@@ -88,15 +104,34 @@ class DriveTable(Table):
     static_load: Annotated[float, Read(STATIC_LOADS)] = optional(
         "Weight or process force; its amount is not available for motion.", '"0 N"', 0.0
     )
+    lead: Annotated[float | None, Read(LEADS)] = optional(
+        "Travel of a linear axis per turn of screw or pinion; left out: linear motor, or unknown.",
+        '"10 mm"',
+    )
+    gear: Annotated[float, Read(GEARS)] = optional(
+        "Turns of the motor per turn of screw, pinion or rotary axis.", "1", 1.0
+    )
+    encoder_resolution: Annotated[float | None, Read(RESOLUTIONS)] = optional(
+        "Smallest step of the measured position.", '"0.1 um"'
+    )
 
     @model_validator(mode="after")
     def _check(self, info: ValidationInfo) -> Self:
+        faults: list[Misfit] = []
+        axis = context_of(info).axis
         if abs(self.static_load) >= self.max_force:
-            unit = context_of(info).axis.force.si
             message = Message(
-                "static-load-takes-all", got=self.static_load, max_force=self.max_force, unit=unit
+                "static-load-takes-all",
+                got=self.static_load,
+                max_force=self.max_force,
+                unit=axis.force.si,
             )
-            raise Faults([("static_load", message)])
+            faults.append(("static_load", message))
+        if axis is ROTARY and self.lead is not None:
+            faults.append(("lead", Message("lead-of-rotary-axis")))
+        if axis is not ROTARY and self.lead is None and "gear" in self.model_fields_set:
+            faults.append(("gear", Message("gear-without-lead")))
+        raise_all(faults)
         return self
 
 
@@ -132,6 +167,17 @@ class ModeBands(Table):
     speed: Annotated[float | None, Read(BANDS)] = optional("Band for roughing.", '"20 um"')
 
 
+class ReserveTable(Table):
+    """reserve of [requirements]."""
+
+    band: Annotated[float, Read(SHARES)] = optional(
+        "Share of band, contour and peaks that recommendations may use.", "0.8", 0.8
+    )
+    force: Annotated[float, Read(SHARES)] = optional(
+        "Share of set force and RMS force that recommendations may use.", "0.95", 0.95
+    )
+
+
 class RequirementsTable(Table):
     """[requirements]."""
 
@@ -141,11 +187,22 @@ class RequirementsTable(Table):
     max_settling_time: Annotated[float | None, Read(TIMES)] = optional(
         "Longest settling time.", '"0.2 s"'
     )
+    contour_deviation: Annotated[float | None, Read(BANDS)] = optional(
+        "Allowed deviation from the delayed setpoint during the whole move.", '"20 um"'
+    )
+    contour_feed: Annotated[float | None, Read(VELOCITIES)] = optional(
+        "Largest velocity at which the contour must be kept; left out: that of each move.",
+        '"2 m/min"',
+    )
+    reserve: ReserveTable = Field(
+        default_factory=ReserveTable,
+        description="Share of what is allowed that recommendations may use; 1 must be said.",
+    )
     frequency_spread: Annotated[float, Read(SPREADS)] = optional(
-        "Relative uncertainty of all eigenfrequencies.", '"5 %"', 0.0
+        "Relative uncertainty of all eigenfrequencies; none must be said.", '"5 %"', 0.05
     )
     damping_spread: Annotated[float, Read(SPREADS)] = optional(
-        "Relative uncertainty of all damping ratios.", '"0 %"', 0.0
+        "Relative uncertainty of all damping ratios; none must be said.", '"30 %"', 0.3
     )
     payload: list[Annotated[float, Read(LOADS)]] | None = Field(
         None,
@@ -171,6 +228,8 @@ class RequirementsTable(Table):
         if self.damping_spread >= 1.0:
             message = Message("damping-spread-large", got=self.damping_spread)
             faults.append(("damping_spread", message))
+        if self.contour_feed is not None and self.contour_deviation is None:
+            faults.append(("contour_feed", Message("contour-feed-without-deviation")))
         if self.payload is not None and self.payload[0] > self.payload[1]:
             (low, high), unit = self.payload, context_of(info).axis.mass.si
             faults.append(("payload", Message("payload-reversed", low=low, high=high, unit=unit)))
@@ -198,6 +257,31 @@ class SetpointFilterTable(Table):
     time: Annotated[float, Read(FILTER_TIMES)] = required("Length of the filter.", '"20 ms"')
 
 
+def _read_filter(value: object) -> object:
+    """A filter as it stands in the profile; None for "none"."""
+    if isinstance(value, str) and value != "none":
+        raise Faults([("", Message("got-no-filter", got=describe(value)))])
+    return None if value == "none" else value
+
+
+SetpointFilter = Annotated[SetpointFilterTable | None, BeforeValidator(_read_filter)]
+
+
+class TodayTable(Table):
+    """[today]: what the control holds now."""
+
+    acceleration: Annotated[float, Read(ACCELERATIONS)] = required(
+        "Limit of the acceleration that is in the control now.", '"2 m/s^2"'
+    )
+    jerk: Annotated[float | None, Read(JERKS)] = optional("Limit of the jerk.", '"40 m/s^3"')
+    position_gain: Annotated[float | None, Read(POSITION_GAINS)] = optional("Kv.", '"60 1/s"')
+    velocity_gain: Annotated[float | None, Read(VELOCITY_GAINS)] = optional("Kp.", '"200 kN s/m"')
+    integral_time: Annotated[float | None, Read(TIMES)] = optional("Tn.", '"20 ms"')
+    setpoint_filter: SetpointFilter = optional(
+        'Filter behind the setpoint generator, or "none".', '"none"'
+    )
+
+
 class ForceFilterTable(Table):
     """An element of force_filters of [control]."""
 
@@ -211,15 +295,21 @@ class ForceFilterTable(Table):
 class ControlTable(Table):
     """[control]; what is left out is tuned."""
 
+    kind: Kind = optional("Which control: what it lacks is not used.", '"generic"', GENERIC.key)
+    position_loop: Literal["control", "interpolated", "drive"] | None = optional(
+        "Where the position loop closes; left out: as the kind of control does.", '"control"'
+    )
     position_gain: Annotated[float | None, Read(POSITION_GAINS)] = optional("Kv.", '"60 1/s"')
     velocity_gain: Annotated[float | None, Read(VELOCITY_GAINS)] = optional("Kp.", '"200 kN s/m"')
     integral_time: Annotated[float | None, Read(TIMES)] = optional("Tn.", '"20 ms"')
     reference_model_time: Annotated[float, Read(DELAYS)] = optional(
         "Time constant of the reference model in the integral branch; 0 = none.", '"5 ms"', 0.0
     )
-    velocity_feedforward: Annotated[float, Read(FEEDFORWARDS)] = optional("Weight.", "1.0", 1.0)
-    acceleration_feedforward: Annotated[float, Read(FEEDFORWARDS)] = optional(
-        "Weight, times feedforward_mass.", "1.0", 1.0
+    velocity_feedforward: Annotated[float | None, Read(FEEDFORWARDS)] = optional(
+        "Weight; left out: 1 where the control has it.", "1.0"
+    )
+    acceleration_feedforward: Annotated[float | None, Read(FEEDFORWARDS)] = optional(
+        "Weight, times feedforward_mass; left out: 1 where the control has it.", "1.0"
     )
     jerk_feedforward: Annotated[float, Read(FEEDFORWARDS)] = optional(
         "Weight, times feedforward_mass and force_lag.", "0.0", 0.0
@@ -230,11 +320,11 @@ class ControlTable(Table):
     reference_delay: Annotated[float | None, Read(DELAYS)] = optional(
         "Delay of the reference path, or auto.", '"auto"'
     )
-    position_cycle: Annotated[float, Read(CYCLES)] = optional(
-        "Position controller cycle.", '"2 ms"', 2e-3
+    position_cycle: Annotated[float | None, Read(CYCLES)] = optional(
+        "Position controller cycle; left out: what is usual for the kind of control.", '"2 ms"'
     )
-    velocity_cycle: Annotated[float, Read(CYCLES)] = optional(
-        "Velocity controller cycle.", '"125 us"', 125e-6
+    velocity_cycle: Annotated[float | None, Read(CYCLES)] = optional(
+        "Velocity controller cycle; left out: what is usual for the kind of control.", '"125 us"'
     )
     tcp_sensor: Literal["none", "position"] = optional(
         "Second encoder near the tool.", '"none"', "none"
@@ -242,9 +332,9 @@ class ControlTable(Table):
     state_feedback: Annotated[
         str | dict[str, float], SignalTable(PerSignal.GAIN, ("auto", "off"))
     ] = optional(
-        "Active damping of the dominant mode: auto, off, or gains by state.", '"auto"', "auto"
+        "Active damping of the dominant mode: auto, off, or gains by state.", '"off"', "off"
     )
-    setpoint_filter: SetpointFilterTable | None = optional(
+    setpoint_filter: SetpointFilter = optional(
         'Filter behind the setpoint generator, or "none".', '"none"'
     )
     force_filters: list[ForceFilterTable] = Field(
@@ -254,25 +344,72 @@ class ControlTable(Table):
         "What tuning must at least reach, closed velocity loop, -3 dB.", '"15 Hz"'
     )
 
-    @field_validator("setpoint_filter", mode="before")
-    @classmethod
-    def _none_is_left_out(cls, value: object) -> object:
-        if isinstance(value, str) and value != "none":
-            raise Faults([("", Message("got-no-filter", got=describe(value)))])
-        return None if value == "none" else value
-
     @model_validator(mode="after")
     def _check(self) -> Self:
-        ratio = self.position_cycle / self.velocity_cycle
+        kind = KINDS[self.kind]
+        faults = _list_lacking(self, kind)
+        position = self.position_cycle or kind.position_cycle
+        velocity = self.velocity_cycle or kind.velocity_cycle
+        if closes_in(self) is PositionLoop.DRIVE and self.reference_delay is not None:
+            least = 2.0 * position
+            if self.reference_delay < least:
+                message = Message("delay-below-drive", got=self.reference_delay, least=least)
+                faults.append(("reference_delay", message))
+        ratio = position / velocity
         if round(ratio) < 1 or abs(ratio - round(ratio)) > WHOLE_MULTIPLE * ratio:
             message = Message(
-                "cycle-no-multiple",
-                got=self.position_cycle,
-                ratio=ratio,
-                velocity_cycle=self.velocity_cycle,
+                "cycle-no-multiple", got=position, ratio=ratio, velocity_cycle=velocity
             )
-            raise Faults([("position_cycle", message)])
+            faults.append(("position_cycle", message))
+        raise_all(faults)
         return self
+
+
+def closes_in(control: ControlTable) -> PositionLoop:
+    """Return where the position loop closes, as stated or as the kind of control does."""
+    loop = control.position_loop
+    return PositionLoop(loop) if loop else KINDS[control.kind].position_loops[0]
+
+
+def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
+    """What a profile asks of a kind of control that it does not have."""
+    key, faults = kind.key, list[Misfit]()
+    if closes_in(control) not in kind.position_loops:
+        got = describe(control.position_loop)
+        there = one_of([loop.value for loop in kind.position_loops])
+        message = Message("control-closes-elsewhere", got=got, control=key, has=there)
+        faults.append(("position_loop", message))
+    for name in FEEDFORWARDS_OF_KINDS:
+        weight = getattr(control, name)
+        if weight and not getattr(kind, name):
+            has = ", ".join(one for one in FEEDFORWARDS_OF_KINDS if getattr(kind, one))
+            got = describe(weight)
+            message = Message("control-without-feedforward", got=got, control=key, has=has)
+            faults.append((name, message))
+    if control.reference_delay and not kind.reference_delay:
+        message = Message("control-without-delay", got=control.reference_delay, control=key)
+        faults.append(("reference_delay", message))
+    if control.state_feedback != "off" and not kind.state_feedback:
+        message = Message("control-without-state-feedback", control=key)
+        faults.append(("state_feedback", message))
+    if control.tcp_sensor != "none" and not kind.state_feedback:
+        faults.append(("tcp_sensor", Message("control-without-observer", control=key)))
+    chosen = control.setpoint_filter
+    if chosen and chosen.kind not in kind.setpoint_filters:
+        faults.append(("setpoint_filter", _lacks_filter(chosen, kind)))
+    if len(control.force_filters) > kind.force_filters:
+        message = Message(
+            "control-with-fewer-filters",
+            got=len(control.force_filters),
+            control=key,
+            most=kind.force_filters,
+        )
+        faults.append(("force_filters", message))
+    return faults
+
+
+def _lacks_filter(chosen: SetpointFilterTable, kind: ControlKind) -> Message:
+    return Message("control-without-filter", got=describe(chosen.kind), control=kind.key)
 
 
 class ProfileTable(Table):
@@ -294,6 +431,7 @@ class ProfileTable(Table):
         default_factory=DampingOptimalTable, description="The damping-optimal control."
     )
     control: ControlTable = Field(default_factory=ControlTable, description="The cascade.")
+    today: TodayTable | None = optional("What the control holds now, to see before and after.", "")
 
     @field_validator("schema_version", mode="before")
     @classmethod
@@ -304,10 +442,22 @@ class ProfileTable(Table):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
+        faults: list[Misfit] = []
         spread = self.requirements.damping_spread
-        ratios = (mode.damping_ratio for mode in self.plant.build().modes)
-        largest = max(ratios) * (1.0 + spread)
+        most_damped = max(mode.damping_ratio for mode in self.plant.build().modes)
+        largest = most_damped * (1.0 + spread)
         if largest >= 1.0:
-            message = Message("damping-spread-beyond-one", got=spread, largest=largest)
-            raise Faults([("requirements.damping_spread", message)])
+            allowed = (ceil(100.0 * (1.0 / most_damped - 1.0)) - 1) / 100.0
+            message = Message(
+                "damping-spread-beyond-one", got=spread, largest=largest, allowed=allowed
+            )
+            faults.append(("requirements.damping_spread", message))
+        kind = KINDS[self.control.kind]
+        if self.today and self.today.jerk and not kind.has_jerk_limit:
+            message = Message("control-without-jerk-limit", control=kind.key)
+            faults.append(("today.jerk", message))
+        chosen = self.today and self.today.setpoint_filter
+        if chosen and chosen.kind not in kind.setpoint_filters:
+            faults.append(("today.setpoint_filter", _lacks_filter(chosen, kind)))
+        raise_all(faults)
         return self

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
+from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.loop.analysis.frequency import FrequencyResponse
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
@@ -18,7 +19,9 @@ from mtcommission.plant.plant import Plant
 from mtcommission.record.schema import (
     ClosedLoop,
     DelayEntry,
+    FeatureEntry,
     FeedforwardEntry,
+    ForceFilterEntry,
     JerkFeedforwardEntry,
     LoopCornerEntry,
     LoopPart,
@@ -41,12 +44,23 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant = commissioning.tuned, commissioning.plant
     controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.loops[0].lifted
+    machine, control = commissioning.machine, commissioning.machine.control
     mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return entry_of(
         LoopPart,
         nominal,
         controller,
         tuned,
+        kind=control.kind.key,
+        jerk=control.kind.jerk.value,
+        position_loop=control.position_loop.value,
+        features=_feature_entries(control.kind),
+        motion_force=machine.drive.motion_force,
+        encoder_resolution=machine.drive.encoder_resolution,
+        force_filters=[
+            entry_of(ForceFilterEntry, item, kind=item.kind.value)
+            for item in controller.force_filters
+        ],
         Kv=controller.position_gain,
         Kp=controller.velocity_gain,
         Tn=controller.integral_time,
@@ -80,6 +94,20 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         bode=_bode(tuned.responses[0]),
         remarks=[*tuned.remarks, *commissioning.loop.remarks, *explain_mixing(mixed)],
     )
+
+
+def _feature_entries(kind: ControlKind) -> list[FeatureEntry]:
+    return [
+        FeatureEntry(
+            name=name,
+            # What is evidence only, such as a gain, every kind has.
+            has=kind.has_jerk_limit if name == "jerk" else bool(getattr(kind, name, True)),
+            parameters=feature.parameters,
+            source=feature.source,
+            verified=feature.is_verified,
+        )
+        for name, feature in kind.features.items()
+    ]
 
 
 def _worst_corner(tuned: TunedLoop) -> Margins:
@@ -130,7 +158,13 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
     T_p, T_v = controller.position_cycle, controller.velocity_cycle
     filters = sum(filter_delay(item) for item in controller.force_filters)
     left = (1.0 - controller.jerk_feedforward) * controller.force_lag
+    is_held = controller.position_loop is PositionLoop.CONTROL
     held = 0.5 * (T_p - T_v)
+    position = {"dead": T_p, "hold": held}
+    if controller.position_loop is PositionLoop.DRIVE:
+        position = {}
+    # Interpolation between two setpoints waits for the second one.
+    handing_down = {"dead": T_p, "hold": held if is_held else T_p}
 
     def entry(
         path: Message, *, age: float = 0.0, dead: float = 0.0, hold: float = 0.0, lag: float = 0.0
@@ -144,21 +178,23 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
             total=age + dead + hold + lag,
         )
 
-    ahead = {"age": controller.reference_age, "dead": T_p, "hold": held}
+    ahead = {"age": controller.reference_age, **handing_down}
+    velocity = {"age": controller.velocity_age, **handing_down}
     wanted = [entry(Message("path-wanted-state"), **ahead)] if controller.state_gains.any() else []
     return [
         entry(Message("path-position-setpoint"), age=controller.reference_delay),
-        entry(Message("path-position-controller"), dead=T_p, hold=held),
-        entry(Message("path-velocity-feed-forward"), **ahead),
+        entry(Message("path-position-controller"), **position),
+        entry(Message("path-velocity-feed-forward"), **velocity),
         *wanted,
         entry(
             Message("path-force-feed-forward"),
             dead=T_p + T_v,
-            hold=held + 0.5 * T_v,
+            hold=handing_down["hold"] + 0.5 * T_v,
             lag=left + filters,
         ),
         entry(
             Message("path-velocity-controller"),
+            age=0.5 * T_v,
             dead=T_v,
             hold=0.5 * T_v,
             lag=controller.force_lag + filters,

@@ -14,6 +14,7 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -81,9 +82,9 @@ def feed_forward(
     cycle = tuned.controller.velocity_cycle
     count = ceil((solution.t_f + TAIL) / cycle)
     wanted = sample_evenly(plant, solution.arcs, step=cycle, until=(count + 1) * cycle)
+    whole = replace(tuned.controller, velocity_feedforward=1.0)
     loops = [
-        build_loop(build_plant(vary(machine, corner)), tuned.controller, model=plant)
-        for corner in places
+        build_loop(build_plant(vary(machine, corner)), whole, model=plant) for corner in places
     ]
     tool, saturated = _advance(plant, loops, wanted, limit=machine.drive.motion_force)
     late = np.vstack([np.zeros(plant.order), wanted[:-2]]) @ plant.row("tcp")
@@ -162,10 +163,13 @@ def _advance(
     """Tool position and saturation at every velocity cycle, shapes (n_samples, n_loops).
 
     The force acts one velocity cycle late, so the controllers compare with the motion wanted
-    one cycle ago. All loops have the same states and advance together.
+    one cycle ago, its velocity by differences as the encoder's. All loops have the same states
+    and advance together.
     """
     controller, n = loops[0].controller, plant.order
-    held, integrator = loops[0].held, loops[0].integrator
+    held, own, integrator = loops[0].held, loops[0].own_size, loops[0].integrator
+    force_at = loops[0].states.index("held_force")
+    in_drive = controller.position_loop is PositionLoop.DRIVE
     step = np.array([loop.step for loop in loops])
     demand_row = np.array([loop.demand for loop in loops])
     integration = np.array([loop.integration for loop in loops])
@@ -177,19 +181,22 @@ def _advance(
     mean_force = np.diff(wanted @ momentum) / controller.velocity_cycle
     late = np.vstack([np.zeros(n), wanted[:-1]])
     position = late @ plant.row("encoder")
-    rate = late @ (plant.row("encoder") @ plant.A)
+    rate = np.diff(position, prepend=0.0) / controller.velocity_cycle
     ahead = mean_force + late[:-1] @ controller.state_gains
 
     X = np.zeros((len(loops), len(loops[0].states)))
-    correction = asked = np.zeros(len(loops))
+    first = asked = np.zeros(len(loops))
     tool = np.empty((len(mean_force), len(loops)))
     saturated = np.zeros(tool.shape, dtype=np.bool_)
     for i, force in enumerate(ahead):
-        if i % controller.cycles == 0:
+        if in_drive:
+            first = np.full(len(loops), position[i])
+        elif i % controller.cycles == 0:
             error = position[i] - np.sum(encoder * X[:, :n], axis=1)
-            correction, asked = asked, controller.position_gain * error
+            first, asked = asked, controller.position_gain * error
         tool[i] = np.sum(tool_row * X[:, :n], axis=1)
-        X[:, held], X[:, held + 1], X[:, held + 2] = correction, rate[i], force
+        X[:, held:own] = 0.0
+        X[:, held], X[:, held + 1], X[:, force_at] = first, rate[i], force
         demand = np.sum(demand_row * X, axis=1)
         acting = np.clip(demand, -limit, limit)
         increment = np.where(acting == demand, np.sum(integration * X, axis=1), 0.0)

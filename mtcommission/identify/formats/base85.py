@@ -42,7 +42,7 @@ def decode_doubles(text: str) -> Array:
     Examples
     --------
     >>> decode_doubles(encode_doubles(np.array([0.0, -2.5, 4000.0])))
-    array([   0. ,   -2.5, 4000. ])
+    array([ 0.0e+00, -2.5e+00,  4.0e+03])
     """
     words = []
     for place, piece in enumerate("".join(text.split()).split(".")):

@@ -34,7 +34,7 @@ def decode(data: bytes, *, where: str) -> str:
 
     Examples
     --------
-    >>> decode(b"\\xff\\xfet\\x00", where="a.csv")
+    >>> decode(b"\xff\xfet\x00", where="a.csv")
     't'
     """
     if not data.strip():

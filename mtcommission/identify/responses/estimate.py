@@ -21,7 +21,7 @@ from mtcommission.identify.measurement import (
     Spectrum,
     TimeRecord,
 )
-from mtcommission.identify.responses.free_vibration import find_start, fit_ringing, is_decay
+from mtcommission.identify.responses.free_vibration import begins, find_start, fit_ringing, is_decay
 from mtcommission.identify.responses.impact import estimate_by_blows, find_blows
 from mtcommission.identify.responses.periodic import estimate_by_periods, find_period
 from mtcommission.identify.responses.power import estimate_power
@@ -203,7 +203,8 @@ def _free(record: TimeRecord, motions: Sequence[Channel]) -> Iterator[Finding]:
         source = replace(record.source, label=_label(record, motion))
         kind = Output(motion.signal.value)
         sensor = motion.sensor or Sensor.ENCODER
-        if rest.size >= 64 and is_decay(rest):
+        is_free = reference is not None or begins(motion.values, start)
+        if rest.size >= 64 and is_free and is_decay(rest):
             ringing = fit_ringing(rest, record.sample_time)
             if ringing.modes:
                 said = Message(

@@ -34,6 +34,9 @@ FEWEST_CYCLES = 2.0
 LEAST_DECAY = 3.0
 """Factor by which what rings must fall from the first quarter of the record to the last."""
 
+CALM = 0.3
+"""Share of the vibration that may be there before it, if it is a free one."""
+
 SIGNIFICANT = 4.0
 """Amplitude over its standard error."""
 
@@ -73,9 +76,27 @@ def find_start(reference: Array | None, values: Array) -> int:
             moving = np.flatnonzero(steps > 1e-3 * steps.max())
             return int(moving[-1]) + 1
     shakes = np.abs(np.diff(values, n=2))
-    width = max(values.size // 100, 1)
+    width = _width(values)
     power = np.convolve(shakes**2, np.ones(width), "same")
     return min(int(np.argmax(power)) + width, values.size - 1)
+
+
+def _width(values: Array) -> int:
+    """Samples over which shaking is averaged."""
+    return max(values.size // 100, 8)
+
+
+def begins(values: Array, start: int) -> bool:
+    """Return whether a signal was calm just before it is left to itself.
+
+    What is driven through a resonance, by a sweep, swells before it fades.
+    """
+    shakes = np.diff(values, n=2)
+    width = _width(values)
+    before = shakes[max(start - 4 * width, 0) : max(start - 2 * width, 0)]
+    if before.size < width:  # it rings from the first sample on
+        return True
+    return float(before.std()) < CALM * float(shakes[start - width : start + width].std())
 
 
 def is_decay(values: Array) -> bool:

@@ -36,6 +36,15 @@ it distortion remains, which repeats as well: 15 dB, and a multisine falls by mo
 SPARSE = 50.0
 """Power of the lines around over that of one which was left out on purpose."""
 
+FAINTEST = 1e-6
+"""Power over the largest one below which a line is none."""
+
+PARTS = 6.0
+"""Of an octave, in which the largest power is looked for."""
+
+MOSTLY = 0.7
+"""Share of the lines that stand out from which a spectrum is dense."""
+
 FEW_PERIODS = 8
 NEIGHBOURS = 5
 """Lines over which the variance is averaged where fewer periods were recorded."""
@@ -163,21 +172,35 @@ def excited_band(power: Array) -> NDArray[np.bool_]:
     >>> np.flatnonzero(excited_band(power))[[0, -1]]
     array([10, 39])
     """
-    size = power.size
-    band = np.ones(size, dtype=np.bool_)
-    band[0] = False
-    if size < 4 * NEIGHBOURS:
-        return band
-    around = maximum_filter1d(power, 2 * NEIGHBOURS + 1)
-    dense = power * SPARSE > around
-    if dense[1:].mean() < 0.6:
-        return band & dense
+    band = np.zeros(power.size, dtype=np.bool_)
+    stands_out = power * SPARSE > _envelope(power)
+    loud = power > FAINTEST * power[1:].max()
+    loud[0] = False
+    dense = not loud.any() or stands_out[loud].mean() > MOSTLY
+    lines = np.flatnonzero(loud if dense else loud & stands_out)
+    band[lines[_between_cliffs(power[lines])]] = True
+    return band
+
+
+def _between_cliffs(power: Array) -> slice:
+    """The lines from the last rise off a cliff to the first fall, around the loudest."""
+    if power.size < 4 * NEIGHBOURS:
+        return slice(0, power.size)
     level = median_filter(power, size=NEIGHBOURS, mode="nearest")
     loudest = int(np.argmax(level))
-    band[_end_of_band(power, level, loudest) :] = False
-    below = _end_of_band(power[::-1], level[::-1], size - 1 - loudest)
-    band[: size - below] = False
-    return band
+    below = _end_of_band(power[::-1], level[::-1], power.size - 1 - loudest)
+    return slice(power.size - below, _end_of_band(power, level, loudest))
+
+
+def _envelope(power: Array) -> Array:
+    """The largest power within about a quarter of an octave, or a few lines, of each line."""
+    lines = np.arange(1, power.size)
+    widths = np.maximum(NEIGHBOURS, lines * np.log(2.0) / PARTS)
+    parts = np.cumsum(1.0 / widths).astype(np.int64)
+    starts = np.flatnonzero(np.diff(parts, prepend=-1))
+    highest = maximum_filter1d(np.maximum.reduceat(power[1:], starts), 3, mode="nearest")
+    places = np.cumsum(np.diff(parts, prepend=parts[0]) > 0)
+    return np.concatenate(([power[0]], highest[places]))
 
 
 def _end_of_band(power: Array, level: Array, start: int) -> int:
@@ -186,6 +209,8 @@ def _end_of_band(power: Array, level: Array, start: int) -> int:
     for line in range(start + 1, level.size - NEIGHBOURS):
         before = float(np.median(power[max(line - NEIGHBOURS, 0) : line]))
         if before > CLIFF * highest_after[line + NEIGHBOURS // 2]:
+            while power[line] * CLIFF > before:  # the median falls before the edge
+                line += 1
             return line
     return level.size
 

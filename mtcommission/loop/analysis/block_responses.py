@@ -39,8 +39,7 @@ class Blocks:
         Observer state one cycle later, shape (n_observed, n_observed), and per known force and
         per sensor, shape (n_observed, 1 + n_sensors).
     rows
-        Over the plant states: rate of the encoder, encoder, tool, then the sensors, shape
-        (3 + n_sensors, n).
+        Over the plant states: encoder, tool, then the sensors, shape (2 + n_sensors, n).
     """
 
     velocity_cycle: float
@@ -58,7 +57,8 @@ class PlantResponse:
     Parameters
     ----------
     rate, encoder, tool
-        Velocity and position of the encoder, position of the tool, shape (n,).
+        Velocity of the encoder, from differences of its position; its position, and that of the
+        tool, shape (n,).
     sensors
         Shape (n, n_sensors).
     """
@@ -115,7 +115,7 @@ def build_blocks(plant: Plant, controller: Controller) -> Blocks:
         entries=np.column_stack([B, discretise_disturbance(plant, T_v)]),
         observer=observer.A - observer.L @ observer.C,
         drives=np.column_stack([observer.B, observer.L]),
-        rows=np.array([plant.row("encoder") @ plant.A, *map(plant.row, names)]),
+        rows=np.array([plant.row(name) for name in names]),
     )
 
 
@@ -156,15 +156,20 @@ def scan_blocks(blocks: Blocks, omega: Array) -> BlockResponses:
         blocks=blocks,
         omega=omega,
         z=z,
-        moved=_read_outputs(blocks, states[:, :, 0]),
-        disturbed=_read_outputs(blocks, states[:, :, 1]),
+        moved=_read_outputs(blocks, states[:, :, 0], z),
+        disturbed=_read_outputs(blocks, states[:, :, 1], z),
         estimates=np.ascontiguousarray(estimates),
     )
 
 
-def _read_outputs(blocks: Blocks, states: ComplexArray) -> PlantResponse:
-    rate, encoder, tool, *_ = (states @ row for row in blocks.rows)
-    return PlantResponse(rate=rate, encoder=encoder, tool=tool, sensors=states @ blocks.rows[3:].T)
+def _read_outputs(blocks: Blocks, states: ComplexArray, z: ComplexArray) -> PlantResponse:
+    encoder, tool = states @ blocks.rows[0], states @ blocks.rows[1]
+    return PlantResponse(
+        rate=encoder * (1.0 - 1.0 / z) / blocks.velocity_cycle,
+        encoder=encoder,
+        tool=tool,
+        sensors=states @ blocks.rows[2:].T,
+    )
 
 
 def _grid(plant: Plant, controller: Controller) -> Array:

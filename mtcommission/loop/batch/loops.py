@@ -62,7 +62,7 @@ def discretise_variations(
 
 
 def hand_down(loop: SampledLoop, setpoint: Setpoint, cycles: int) -> Array:
-    """Return what the setpoint alone hands down at each position cycle, shape (cycles, 3).
+    """Return what the setpoint alone hands down at each position cycle.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def hand_down(loop: SampledLoop, setpoint: Setpoint, cycles: int) -> Array:
     Returns
     -------
     ndarray
-        Shape (cycles, 3), in the units of ``loop.handed_down``.
+        Shape (cycles, n_held), in the units of ``loop.handed_down``.
     """
     rows = loop.handed_down[:, loop.own_size :]
     kept = (rows.shape[1] - 4) // 4

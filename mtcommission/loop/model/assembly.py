@@ -2,16 +2,13 @@
 
 Which path carries which dead time:
 
-- The position controller samples the encoder at the position cycle and hands its velocity
-  setpoint down one position cycle later; it is held for that cycle (zero-order hold), so it
-  is T_p + (T_p - T_v)/2 old, on average, when the velocity controller samples it.
-- Feed-forward of velocity, force and reference state goes the same way. Velocity and
-  reference state are taken from the setpoint τ less that age ago, so that they arrive at their
-  comparison τ late, like the position that the position controller compares. The force by the
-  wanted state is handed down with its rate and interpolated at the velocity cycle: a held wanted
-  position would make the state feedback ripple even while coasting.
+- What the position cycle computes (``handed_down``) reaches the velocity controller one position
+  cycle later: held, or as polynomials. Wanted velocity and reference state are taken from the
+  setpoint τ less the age they have by then, so that they arrive at their comparison τ late, like
+  the position that is compared (the velocity T_v/2 later still, see below).
 - The velocity controller samples at the velocity cycle; its force acts one velocity cycle
-  later and is held.
+  later and is held. It knows the velocity from the difference of two positions of the encoder,
+  which is half a velocity cycle late.
 
 The same step advances numbers (a simulation, with saturation) and unit vectors (the matrices
 of the linear loop), so the two cannot differ. It takes half a millisecond, the diagram some
@@ -26,18 +23,14 @@ from math import exp, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.controller import Controller, reference_state
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.model.discrete import Stage, discretise, discretise_filter
-from mtcommission.loop.model.interpolation import delay_weights, kept_samples
+from mtcommission.loop.model.handed_down import HandedDown, hand_down
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 
 INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
-
-HELD = ("held_correction", "held_velocity", "held_force", "held_force_rate")
-"""What the position cycle hands down: position controller output, feed-forward of velocity and
-force, and how the force by the wanted state changes until the next one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,7 +75,12 @@ class SampledLoop:
     observation
         Outputs at a velocity cycle, shape (n_outputs, n).
     handed_down
-        What the position cycle computes (``HELD``), over (state, references), shape (4, n + 4).
+        What the position cycle computes, over (state, references), shape (n_held, n + 4).
+    sensed
+        What an error of the encoder adds to the state one velocity cycle later, and what, where a
+        position cycle begins, to the state one position cycle later, shape (2, n) [1/m].
+    held
+        Index of the first state that holds it; the kept setpoint samples follow them.
     states
         Names of the loop's states.
     outputs
@@ -98,6 +96,8 @@ class SampledLoop:
     integration: Array
     observation: Array
     handed_down: Array
+    sensed: Array
+    held: int
     states: tuple[str, ...]
     outputs: tuple[str, ...]
     lifted: LiftedLoop = field(init=False)
@@ -119,14 +119,9 @@ class SampledLoop:
         return self.plant.order
 
     @property
-    def held(self) -> int:
-        """Index of the first of ``HELD``; the kept setpoint samples follow them."""
-        return self.states.index("held_correction")
-
-    @property
     def own_size(self) -> int:
         """Number of states without the kept setpoint samples, which end it."""
-        return self.held + len(HELD)
+        return self.held + len(self.handed_down)
 
 
 def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> SampledLoop:
@@ -145,103 +140,106 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     -------
     SampledLoop
     """
-    delays = kept_samples(controller)
+    handed_down = hand_down(controller, model)
+    delays = handed_down.by_setpoint.shape[1] // len(INPUTS) - 1
     filters = tuple(discretise_filter(item, controller) for item in controller.force_filters)
     names = [f"plant.{name}" for name in plant.states]
-    names += ["integrator", "pending_force"]
+    names += ["integrator", "pending_force", "last_encoder"]
     names += ["reference_model"] if controller.reference_model_time else []
     names += [f"filter[{i}].{k}" for i, stage in enumerate(filters) for k in range(len(stage.B))]
     names += [f"observer.{model.states[i]}" for i in controller.observer.states]
-    names += list(HELD)
+    held = len(names)
+    names += handed_down.names
     names += [f"{name}[-{k}]" for k in range(1, delays + 1) for name in INPUTS]
-    step, demand, integration = _velocity_cycle(plant, controller, filters, size=len(names))
+    step, demand, integration = _velocity_cycle(
+        plant, controller, filters, handed_down, size=len(names)
+    )
     unit = np.eye(len(names))
     P = unit[: plant.order]
+    sensed = np.zeros((2, len(names)))
+    sensed[0] = step[:, -1]
+    sensed[0, plant.order : plant.order + 2] += integration[-1], demand[-1]
+    sensed[1, held : held + len(handed_down.names)] = handed_down.by_encoder
     return SampledLoop(
         plant=plant,
         controller=controller,
-        step=step,
-        demand=demand,
-        integration=integration,
+        step=step[:, :-1],
+        demand=demand[:-1],
+        integration=integration[:-1],
         observation=np.vstack(
             [plant.row("tcp") @ P, plant.row("encoder") @ P, unit[plant.order + 1], P]
         ),
-        handed_down=_position_cycle(plant, controller, model, delays=delays, size=len(names)),
+        handed_down=_position_cycle(plant, handed_down, size=len(names)),
+        sensed=sensed,
+        held=held,
         states=tuple(names),
         outputs=("tcp", "encoder", "force", *plant.states),
     )
 
 
 def _velocity_cycle(
-    plant: Plant, controller: Controller, filters: tuple[Stage, ...], *, size: int
+    plant: Plant,
+    controller: Controller,
+    filters: tuple[Stage, ...],
+    handed_down: HandedDown,
+    *,
+    size: int,
 ) -> tuple[Array, Array, Array]:
-    """Step matrix, demanded force and integrator increment, as rows over the state.
+    """Step matrix, demanded force and integrator increment, as rows over state and encoder error.
 
     The order of the state is that of ``SampledLoop.states``; only the kept setpoint samples
     at its end do not take part.
     """
-    observer, n = controller.observer, plant.order
-    unit = np.eye(size)
-    P, z, pending, rest = unit[:n], unit[n], unit[n + 1], n + 2
+    observer, n, T_v = controller.observer, plant.order, controller.velocity_cycle
+    unit = np.eye(size, size + 1)
+    P, z, pending, last, rest = unit[:n], unit[n], unit[n + 1], n + 2, n + 3
     if controller.reference_model_time:
         modelled, rest = rest, rest + 1
     step = unit.copy()
-    A, B = discretise(plant, controller.velocity_cycle)
+    A, B = discretise(plant, T_v)
     step[:n] = A @ P + np.outer(B, pending)
+    measured = np.array([plant.row(sensor) for sensor in controller.sensors]) @ P
+    measured[0, -1] = 1.0
+    encoder = measured[0]
+    step[last] = encoder
 
     first_observer = rest + sum(len(stage.B) for stage in filters)
     seen = slice(first_observer, first_observer + len(observer.states))
-    estimate, held = unit[seen], unit[seen.stop : seen.stop + len(HELD)]
-    measured = np.array([plant.row(sensor) for sensor in controller.sensors]) @ P
+    own = slice(seen.stop, seen.stop + len(handed_down.names))
+    estimate, held = unit[seen], unit[own]
     step[seen] = (
         observer.A @ estimate
         + np.outer(observer.B, pending)
         + observer.L @ (measured - observer.C @ estimate)
     )
+    step[own] = handed_down.advance @ held
 
-    error = held[0] + held[1] - plant.row("encoder") @ plant.A @ P
+    correction = handed_down.correction @ held - handed_down.drive_gain * encoder
+    error = correction + handed_down.velocity @ held - (encoder - unit[last]) / T_v
     integrated = error
     if controller.reference_model_time:
         # Only the correction passes the model: the fed-forward velocity already arrives in time.
-        share = 1.0 - exp(-controller.velocity_cycle / controller.reference_model_time)
-        step[modelled] += share * (held[0] - unit[modelled])
-        integrated = error + unit[modelled] - held[0]
-    step[seen.stop + 2] += controller.velocity_cycle * held[3]
+        share = 1.0 - exp(-T_v / controller.reference_model_time)
+        step[modelled] += share * (correction - unit[modelled])
+        integrated = error + unit[modelled] - correction
     gains = controller.state_gains[list(observer.states)]
-    demand = controller.velocity_gain * (error + z) + held[2] - gains @ estimate
+    force = handed_down.force @ held - gains @ estimate
+    demand = controller.velocity_gain * (error + z) + force
     for stage in filters:
-        own = slice(rest, rest + len(stage.B))
-        step[own] = stage.A @ unit[own] + np.outer(stage.B, demand)
-        demand = stage.C @ unit[own] + stage.D * demand
-        rest = own.stop
-    return step, demand, controller.velocity_cycle / controller.integral_time * integrated
+        part = slice(rest, rest + len(stage.B))
+        step[part] = stage.A @ unit[part] + np.outer(stage.B, demand)
+        demand = stage.C @ unit[part] + stage.D * demand
+        rest = part.stop
+    return step, demand, T_v / controller.integral_time * integrated
 
 
-def _position_cycle(
-    plant: Plant, controller: Controller, model: Plant, *, delays: int, size: int
-) -> Array:
-    """Correction, velocity, force and its rate handed down, as rows over (state, references)."""
-    T_p, m = controller.position_cycle, controller.feedforward_mass
-    delayed = delay_weights(controller.reference_age, cycle=T_p, delays=delays)
-    position = delay_weights(controller.reference_delay, cycle=T_p, delays=delays)[0]
-    wanted = controller.state_gains @ reference_state(model, controller)
-    # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
-    rate = wanted[:3] @ delayed[1:]
-    force = wanted @ delayed - 0.5 * (T_p - controller.velocity_cycle) * rate
-    force[2] += controller.acceleration_feedforward * m
-    force[3] += controller.jerk_feedforward * m * controller.force_lag
-    by_setpoint = np.vstack(
-        [
-            controller.position_gain * position,
-            controller.velocity_feedforward * delayed[1],
-            force,
-            rate,
-        ]
-    )
-    rows = np.zeros((len(HELD), size + 4))
-    rows[:, size:] = by_setpoint[:, :4]
-    rows[:, size - 4 * delays : size] = by_setpoint[:, 4:]
-    rows[0, : plant.order] = -controller.position_gain * plant.row("encoder")
+def _position_cycle(plant: Plant, handed_down: HandedDown, *, size: int) -> Array:
+    """What is handed down, as rows over (state, references)."""
+    kept = handed_down.by_setpoint.shape[1] - len(INPUTS)
+    rows = np.zeros((len(handed_down.names), size + len(INPUTS)))
+    rows[:, size:] = handed_down.by_setpoint[:, : len(INPUTS)]
+    rows[:, size - kept : size] = handed_down.by_setpoint[:, len(INPUTS) :]
+    rows[:, : plant.order] = np.outer(handed_down.by_encoder, plant.row("encoder"))
     return rows
 
 
@@ -268,7 +266,7 @@ def advance_cycle(
     outputs
         Shape (cycles, n_outputs, m).
     """
-    z, held = loop.integrator, loop.held
+    z, held, own = loop.integrator, loop.held, loop.own_size
     handed_down = loop.handed_down @ np.vstack([X, references])
     outputs = np.empty((loop.controller.cycles, len(loop.outputs), X.shape[1]))
     # One product a velocity cycle: a saturated simulation spends its time here.
@@ -281,7 +279,7 @@ def advance_cycle(
         force = np.minimum(np.maximum(demand, -force_limit), force_limit)
         X[z] += np.where(force == demand, increment, 0.0)
         X[z + 1] = force
-    kept = np.vstack([references, X[held + len(HELD) :]])[: len(X) - held - len(HELD)]
+    kept = np.vstack([references, X[own:]])[: len(X) - own]
     return np.vstack([X[:held], handed_down, kept]), outputs
 
 

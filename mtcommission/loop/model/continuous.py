@@ -9,6 +9,7 @@ from __future__ import annotations
 import control
 import numpy as np
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.assembly import INPUTS
 from mtcommission.loop.model.controller import (
     Controller,
@@ -36,7 +37,8 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
         4 inputs, 3 outputs.
     """
     held = controller.handing_down_delay
-    arrival = max(controller.reference_delay, held)
+    arrival = controller.reference_age + held
+    in_drive = controller.position_loop is PositionLoop.DRIVE
     m = controller.feedforward_mass
     state = controller.state_gains @ reference_state(model, controller)
     encoder = plant.row("encoder")
@@ -54,9 +56,10 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
             np.zeros((4, 1)),
             name="plant",
             inputs=["force"],
-            outputs=["tcp", "encoder", "rate", "feedback"],
+            outputs=["tcp", "encoder", "velocity", "feedback"],
         ),
-        _delay(controller.reference_delay, "x_ref", "x_late"),
+        _delay(0.5 * controller.velocity_cycle, "velocity", "rate"),
+        _delay(arrival if in_drive else controller.reference_delay, "x_ref", "x_late"),
         control.ss(
             [],
             [],
@@ -66,8 +69,8 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
             inputs=["x_late", "encoder"],
             outputs=["v_asked"],
         ),
-        _delay(held, "v_asked", "v_held"),
-        _delay(arrival, "v_ref", "v_late"),
+        _delay(_correction_delay(controller), "v_asked", "v_held"),
+        _delay(controller.velocity_age + held, "v_ref", "v_late"),
         _velocity_controller(controller),
         control.ss(
             [], [], [], [force], name="feedforward", inputs=list(INPUTS), outputs=["f_fed_forward"]
@@ -83,6 +86,12 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
     return control.interconnect(
         blocks, inputs=list(INPUTS), outputs=["tcp", "encoder", "force"], check_unused=False
     )
+
+
+def _correction_delay(controller: Controller) -> float:
+    """From the position controller to the velocity controller [s]."""
+    T_p, T_v = controller.position_cycle, controller.velocity_cycle
+    return 0.0 if controller.position_loop is PositionLoop.DRIVE else T_p + 0.5 * (T_p - T_v)
 
 
 def _velocity_controller(controller: Controller) -> control.StateSpace:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.machine.machine import FilterKind, ForceFilter
 from mtcommission.plant.plant import Plant
 
@@ -38,6 +39,8 @@ class Controller:
 
     Parameters
     ----------
+    position_loop
+        Where the position loop closes, and how the setpoint gets from cycle to cycle.
     position_gain, velocity_gain, integral_time
         Kv [1/s], Kp [N s/m], Tn [s].
     reference_model_time
@@ -48,7 +51,7 @@ class Controller:
     feedforward_mass, force_lag
         [kg], [s].
     reference_delay
-        τ [s].
+        τ [s]; at least ``handing_down_delay`` where the position loop closes in the drive.
     velocity_cycle
         T_v [s].
     cycles
@@ -63,6 +66,7 @@ class Controller:
         Where K gets its states from; without states if K is zero.
     """
 
+    position_loop: PositionLoop
     position_gain: float
     velocity_gain: float
     integral_time: float
@@ -87,20 +91,52 @@ class Controller:
 
     @property
     def handing_down_delay(self) -> float:
-        """How old what the position cycle hands down is, on average, when it is used [s].
-
-        One position cycle of dead time, and the hold as the velocity cycle samples it,
-        T_p + (T_p - T_v)/2.
-        """
-        return 0.5 * (3.0 * self.position_cycle - self.velocity_cycle)
+        """See the function of this name [s]."""
+        return handing_down_delay(
+            self.position_loop,
+            position_cycle=self.position_cycle,
+            velocity_cycle=self.velocity_cycle,
+        )
 
     @property
     def reference_age(self) -> float:
-        """How long ago the setpoint was from which velocity and wanted state are taken [s].
+        """How long ago the setpoint was from which the wanted motion is taken [s].
 
-        So that they are compared τ late, like the position; 0 where τ is shorter than the path.
+        So that it is compared τ late, like the position; 0 where τ is shorter than the path.
         """
         return max(self.reference_delay - self.handing_down_delay, 0.0)
+
+    @property
+    def velocity_age(self) -> float:
+        """How long ago the setpoint was from which a held velocity is taken [s].
+
+        It is compared with a difference, which is half a velocity cycle late.
+        """
+        arrival = self.reference_delay + 0.5 * self.velocity_cycle
+        return max(arrival - self.handing_down_delay, 0.0)
+
+
+def handing_down_delay(
+    position_loop: PositionLoop, *, position_cycle: float, velocity_cycle: float
+) -> float:
+    """Return how old what the position cycle computes is, on average, when it is used [s].
+
+    Parameters
+    ----------
+    position_loop
+        How it is handed down.
+    position_cycle, velocity_cycle
+        T_p, T_v [s].
+
+    Returns
+    -------
+    float
+        One position cycle of dead time, and then: held, T_p + (T_p - T_v)/2 as the velocity cycle
+        samples it; interpolated, 2 T_p, since between two setpoints both must be known.
+    """
+    if position_loop is PositionLoop.CONTROL:
+        return 0.5 * (3.0 * position_cycle - velocity_cycle)
+    return 2.0 * position_cycle
 
 
 def no_observer(*, n_sensors: int) -> Observer:
@@ -116,7 +152,7 @@ def no_observer(*, n_sensors: int) -> Observer:
 
 def feedforward_delay(
     *,
-    position_cycle: float,
+    handing_down: float,
     velocity_cycle: float,
     force_lag: float,
     jerk_feedforward: float,
@@ -126,7 +162,9 @@ def feedforward_delay(
 
     Parameters
     ----------
-    position_cycle, velocity_cycle, force_lag
+    handing_down
+        From ``handing_down_delay`` [s].
+    velocity_cycle, force_lag
         [s].
     jerk_feedforward
         Weight [-]; 1 cancels the lag.
@@ -136,21 +174,19 @@ def feedforward_delay(
     Returns
     -------
     float
-        T_p + (T_p - T_v)/2 (dead time, hold until the velocity cycle takes it) + 1.5 T_v (dead
-        time and hold of the force) + (1 - jerk_feedforward) T + the low-frequency delay of the
-        filters [s].
+        Handing down + 1.5 T_v (dead time and hold of the force) + (1 - jerk_feedforward) T + the
+        low-frequency delay of the filters [s].
 
     Source: first-order (low-frequency) delay of each block.
 
     Examples
     --------
-    >>> round(1e3 * feedforward_delay(position_cycle=2e-3, velocity_cycle=125e-6,
+    >>> round(1e3 * feedforward_delay(handing_down=2.9375e-3, velocity_cycle=125e-6,
     ...     force_lag=2.5e-3, jerk_feedforward=0.0, force_filters=()), 4)
     5.625
     """
     filters = sum(filter_delay(item) for item in force_filters)
-    own = 1.5 * position_cycle + velocity_cycle
-    return own + (1.0 - jerk_feedforward) * force_lag + filters
+    return handing_down + 1.5 * velocity_cycle + (1.0 - jerk_feedforward) * force_lag + filters
 
 
 def filter_delay(item: ForceFilter) -> float:

@@ -17,6 +17,7 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller, filter_polynomials, reference_state
 from mtcommission.loop.model.interpolation import delay_weights, kept_samples
 from mtcommission.plant.plant import Plant
@@ -25,15 +26,9 @@ Array = NDArray[np.float64]
 
 SETPOINT = ("x_ref", "v_ref", "a_ref", "j_ref")
 
-DRIVE = ("correction", "velocity", "feedforward", "push")
-"""What enters a velocity cycle: what was handed down, and a force on the line of the drive."""
-
-ASKED = ("asked_correction", "asked_velocity", "asked_force", "asked_force_rate")
-HELD = ("held_correction", "held_velocity", "held_force", "held_force_rate")
-"""What the position cycle computes, and hands down one cycle later."""
-
-LATE = ("x_late", "v_late", "a_late", "j_late")
-"""The setpoint as old as what is handed down is when it is used, so that it arrives τ late."""
+DRIVE = ("asked", "velocity", "feedforward", "push")
+"""What enters a velocity cycle: the output of the position controller, or the wanted position where
+the drive has that controller; velocity and force fed forward; a force on the line of the drive."""
 
 
 def build_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
@@ -88,7 +83,7 @@ def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) ->
         _blocks_of_the_velocity_cycle(plant, controller), inputs=DRIVE, outputs=outputs
     )
     return _connect(
-        [_lift(drive, controller.cycles), *_blocks_of_the_position_cycle(controller, model)],
+        [_lift(drive, controller.cycles), *_position_cycle(controller, model)],
         inputs=[*SETPOINT, "disturbance"],
         outputs=[f"{name}[{i}]" for i in range(controller.cycles) for name in outputs],
     )
@@ -100,8 +95,8 @@ def build_open_loop(plant: Plant, controller: Controller) -> control.StateSpace:
     Parameters
     ----------
     plant, controller
-        The loop. Its position path is taken in the base band: what is handed down is the mean of
-        the last N samples, N velocity cycles late.
+        The loop. A position loop that closes in the control is taken in the base band: what is
+        handed down is the mean of the last N samples, N velocity cycles late.
 
     Returns
     -------
@@ -109,16 +104,18 @@ def build_open_loop(plant: Plant, controller: Controller) -> control.StateSpace:
         From ``force`` to ``-force``.
     """
     N, T_v = controller.cycles, controller.velocity_cycle
+    blocks = _blocks_of_the_velocity_cycle(plant, controller, acting="acting")
+    if controller.position_loop is PositionLoop.DRIVE:
+        return -_connect(blocks, inputs=["acting"], outputs=["force"])
     base_band = _block(
         ["encoder"],
-        ["correction"],
+        ["asked"],
         A=np.eye(2 * N - 1, k=-1),
         B=np.eye(2 * N - 1)[:, :1],
         C=-controller.position_gain / N * (np.arange(2 * N - 1) >= N - 1),
         states=[f"encoder[-{k}]" for k in range(1, 2 * N)],
         dt=T_v,
     )
-    blocks = _blocks_of_the_velocity_cycle(plant, controller, acting="acting")
     return -_connect([*blocks, base_band], inputs=["acting"], outputs=["force"])
 
 
@@ -134,10 +131,10 @@ def _blocks_of_the_velocity_cycle(
     axis = control.ss(
         plant.A,
         np.column_stack([plant.B, push]),
-        np.vstack([plant.row("tcp"), encoder, encoder @ plant.A, np.eye(plant.order)]),
-        np.zeros((3 + plant.order, 2)),
+        np.vstack([plant.row("tcp"), encoder, np.eye(plant.order)]),
+        np.zeros((2 + plant.order, 2)),
         inputs=[acting, "push"],
-        outputs=["tcp", "encoder", "rate", *(f"state_{k}" for k in range(plant.order))],
+        outputs=["tcp", "encoder", *(f"state_{k}" for k in range(plant.order))],
         states=[f"plant.{name}" for name in plant.states],
     ).sample(T_v, "zoh")
     # Only the correction passes the reference model: the fed-forward velocity arrives in time.
@@ -151,6 +148,21 @@ def _blocks_of_the_velocity_cycle(
         dt=T_v,
     )
     dead_time = _delay(["filtered"], ["force"], states=["pending_force"], dt=T_v)
+    difference = _block(
+        ["encoder"],
+        ["rate"],
+        A=[[0.0]],
+        B=[[1.0]],
+        C=[[-1.0 / T_v]],
+        D=[[1.0 / T_v]],
+        states=["last_encoder"],
+        dt=T_v,
+    )
+    in_drive = controller.position_loop is PositionLoop.DRIVE
+    Kv = controller.position_gain
+    position = _block(
+        ["asked", "encoder"], ["correction"], D=[[Kv, -Kv] if in_drive else [1.0, 0.0]], dt=T_v
+    )
     demand = _block(
         ["correction", "velocity", "rate", "integral", "feedforward", "feedback"],
         ["demand"],
@@ -167,7 +179,8 @@ def _blocks_of_the_velocity_cycle(
         dt=T_v,
     )
     filters = _force_filters(controller)
-    return [axis, integral, dead_time, _reference_model(controller), demand, *filters, feedback]
+    model = _reference_model(controller)
+    return [axis, integral, dead_time, difference, position, model, demand, *filters, feedback]
 
 
 def _reference_model(controller: Controller) -> control.StateSpace:
@@ -209,56 +222,118 @@ def _force_filters(controller: Controller) -> list[control.StateSpace]:
     return found
 
 
-def _blocks_of_the_position_cycle(controller: Controller, model: Plant) -> list[control.StateSpace]:
-    """Hold, dead time, memory of the setpoint, position controller, feed-forward."""
-    T_p, T_v, N = controller.position_cycle, controller.velocity_cycle, controller.cycles
-    Kv, m = controller.position_gain, controller.feedforward_mass
-    count, n_memory = kept_samples(controller), 4 * kept_samples(controller)
-    # The force is handed down with its rate and interpolated at the velocity cycle.
-    held = [
-        row
-        for i in range(N)
-        for row in ([1, 0, 0, 0, 0], [0, 1, 0, 0, 0], [0, 0, 1, i * T_v, 0], [0, 0, 0, 0, 1])
-    ]
-    hold = _block(
-        [*HELD, "disturbance"], [f"{name}[{i}]" for i in range(N) for name in DRIVE], D=held, dt=T_p
-    )
-    dead_time = _delay(ASKED, HELD, states=HELD, dt=T_p)
-    weights = np.vstack(
-        [
-            delay_weights(controller.reference_delay, cycle=T_p, delays=count)[:1],
-            delay_weights(controller.reference_age, cycle=T_p, delays=count),
-        ]
-    )
+def _position_cycle(controller: Controller, model: Plant) -> list[control.StateSpace]:
+    """Memory of the setpoint, what is computed of it, dead time, and how the drive reads it."""
+    T_p, T_v, count = controller.position_cycle, controller.velocity_cycle, kept_samples(controller)
+    s = np.asarray(T_v * np.arange(controller.cycles), dtype=np.float64)
+    n = 4 * count
+    wanted = controller.state_gains @ reference_state(model, controller)
+    if controller.position_loop is PositionLoop.CONTROL:
+        weights, asked, reading = _hold(controller, wanted, s)
+    else:
+        weights, asked, reading = _interpolation(controller, wanted, s)
+    held = [f"held_{name}" for name in asked]
     memory = _block(
         SETPOINT,
-        ["x_delayed", *LATE],
-        A=np.eye(n_memory, k=-4),
-        B=np.eye(n_memory, 4),
+        [f"by_setpoint_{name}" for name in asked],
+        A=np.eye(n, k=-4),
+        B=np.eye(n, 4),
         C=weights[:, 4:],
         D=weights[:, :4],
         states=[f"{name}[-{k}]" for k in range(1, count + 1) for name in SETPOINT],
         dt=T_p,
     )
-    position = _block(["x_delayed", "encoder[0]"], ["asked_correction"], D=[[Kv, -Kv]], dt=T_p)
-    velocity = _block(["v_late"], ["asked_velocity"], D=[[controller.velocity_feedforward]], dt=T_p)
-    by_setpoint = [
-        controller.acceleration_feedforward * m,
-        controller.jerk_feedforward * m * controller.force_lag,
-    ]
-    by_state = controller.state_gains @ reference_state(model, controller)
-    rate = np.append(0.0, by_state[:3])
-    # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
-    force = _block(
-        ["a_ref", "j_ref", *LATE],
-        ["asked_force", "asked_force_rate"],
-        D=[
-            [*by_setpoint, *(by_state - 0.5 * (T_p - T_v) * rate)],
-            [0.0, 0.0, *rate],
-        ],
+    Kv = 0.0 if controller.position_loop is PositionLoop.DRIVE else controller.position_gain
+    compared = np.eye(len(asked), 1 + len(asked), k=1)
+    compared[0, 0] = -Kv
+    compare = _block(
+        ["encoder[0]", *(f"by_setpoint_{name}" for name in asked)],
+        [f"asked_{name}" for name in asked],
+        D=compared,
         dt=T_p,
     )
-    return [hold, dead_time, memory, position, velocity, force]
+    dead_time = _delay([f"asked_{name}" for name in asked], held, states=held, dt=T_p)
+    # Per velocity cycle the three signals that are read, and the disturbance as it is.
+    D = np.zeros((len(s), 4, len(held) + 1))
+    D[:, :3, :-1], D[:, 3, -1] = reading.transpose(1, 0, 2), 1.0
+    read = _block(
+        [*held, "disturbance"],
+        [f"{name}[{i}]" for i in range(len(s)) for name in DRIVE],
+        D=D.reshape(-1, len(held) + 1),
+        dt=T_p,
+    )
+    return [read, dead_time, memory, compare]
+
+
+def _hold(controller: Controller, wanted: Array, s: Array) -> tuple[Array, Sequence[str], Array]:
+    """Everything held, but the force by the wanted state, which goes on at its rate.
+
+    Returns the weights of the setpoint samples, names, and how they are read the time s later.
+    """
+    late = _late(controller, controller.reference_age)
+    # Setpoint and state belong to the middle of the cycle; the first sample comes earlier.
+    rate = np.append(0.0, wanted[:3]) @ late
+    force = _fed_forward(controller, 0) + wanted @ late - 0.5 * s[-1] * rate
+    weights = [
+        controller.position_gain * _late(controller, controller.reference_delay)[0],
+        _late(controller, controller.velocity_age)[1],
+        force,
+        rate,
+    ]
+    reading = np.zeros((3, len(s), 4))
+    reading[0, :, 0] = reading[2, :, 2] = 1.0
+    reading[1, :, 1] = controller.velocity_feedforward
+    reading[2, :, 3] = s
+    names = ("correction", "velocity", "force", "force_rate")
+    used = 4 if controller.state_gains.any() else 3
+    return np.array(weights[:used]), names[:used], reading[:, :, :used]
+
+
+def _interpolation(
+    controller: Controller, wanted: Array, s: Array
+) -> tuple[Array, Sequence[str], Array]:
+    """The wanted motion as a cubic between two setpoints, the force as a line between two forces.
+
+    Returns as ``_hold`` does.
+    """
+    T_p, T_v = controller.position_cycle, controller.velocity_cycle
+    in_drive = controller.position_loop is PositionLoop.DRIVE
+    start = _late(controller, controller.reference_age + T_p)
+    end = _late(controller, controller.reference_age)
+    ends = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, T_p, T_p**2 / 2, T_p**3 / 6]])
+    ends = np.vstack([ends, [0, 1, T_p, T_p**2 / 2]])
+    motion = np.linalg.solve(ends, np.vstack([start[:2], end[:2]]))
+    first = _fed_forward(controller, 1) + wanted @ start
+    last = _fed_forward(controller, 0) + wanted @ end
+    if not in_drive:
+        motion[0] = controller.position_gain * _late(controller, controller.reference_delay)[0]
+    ones, zeros = np.ones_like(s), np.zeros_like(s)
+    before = s - T_v
+    x = np.array([ones, s, s**2 / 2, s**3 / 6, zeros, zeros])
+    x_before = np.array([ones, before, before**2 / 2, before**3 / 6, zeros, zeros])
+    velocity = controller.velocity_feedforward * (x - x_before) / T_v
+    asked = x if in_drive else np.array([ones, *[zeros] * 5])
+    force = np.array([*[zeros] * 4, ones, s])
+    names = ("velocity", "acceleration", "jerk", "force", "force_rate")
+    return (
+        np.vstack([motion, first, (last - first) / T_p]),
+        ("position" if in_drive else "correction", *names),
+        np.array([asked.T, velocity.T, force.T]),
+    )
+
+
+def _late(controller: Controller, delay: float) -> Array:
+    """The setpoint some time ago, over the samples now and kept."""
+    count = kept_samples(controller)
+    return delay_weights(delay, cycle=controller.position_cycle, delays=count)
+
+
+def _fed_forward(controller: Controller, back: int) -> Array:
+    """Force by acceleration and jerk of a sample so many cycles ago, over the same samples."""
+    row = np.zeros((kept_samples(controller) + 1, 4))
+    row[back, 2] = controller.acceleration_feedforward * controller.feedforward_mass
+    row[back, 3] = controller.jerk_feedforward * controller.feedforward_mass * controller.force_lag
+    return row.ravel()
 
 
 def _lift(system: control.StateSpace, cycles: int) -> control.StateSpace:

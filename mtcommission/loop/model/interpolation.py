@@ -7,6 +7,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller
 
 Array = NDArray[np.float64]
@@ -14,7 +15,11 @@ Array = NDArray[np.float64]
 
 def kept_samples(controller: Controller) -> int:
     """Return how many samples of the setpoint before the current one the control keeps."""
-    oldest = max(controller.reference_delay, controller.reference_age)
+    oldest = controller.reference_delay
+    if controller.position_loop is not PositionLoop.CONTROL:
+        piece = controller.reference_age + controller.position_cycle
+        in_drive = controller.position_loop is PositionLoop.DRIVE
+        oldest = piece if in_drive else max(oldest, piece)
     return ceil(oldest / controller.position_cycle - 1e-9)
 
 
@@ -56,6 +61,27 @@ def delay_weights(delay: float, *, cycle: float, delays: int) -> Array:
         weights[row, back, row] = 1.0 - s
         weights[row, back - 1, row] = s
     return weights.reshape(4, -1)
+
+
+def motion_between(start: Array, end: Array, *, cycle: float) -> Array:
+    """Return the motion over a position cycle that has position and velocity at both ends.
+
+    Parameters
+    ----------
+    start, end
+        x, v, a, j at the ends, shape (4, n); of these x and v count.
+    cycle
+        Position cycle [s].
+
+    Returns
+    -------
+    ndarray, shape (4, n)
+        Position and its derivatives at the start, of a cubic; exact while the jerk is constant.
+    """
+    x, v = end[0] - start[0] - cycle * start[1], end[1] - start[1]
+    acceleration = 6.0 * x / cycle**2 - 2.0 * v / cycle
+    jerk = 6.0 * v / cycle**2 - 12.0 * x / cycle**3
+    return np.array([start[0], start[1], acceleration, jerk])
 
 
 # Coefficients of 1, s, ..., s^5 (rows) over x0, v0, a0, x1, v1, a1 (columns) on s in [0, 1].

@@ -8,7 +8,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.model.assembly import HELD, SampledLoop
+from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.model.discrete import discretise_disturbance
 
 Array = NDArray[np.float64]
@@ -59,6 +59,6 @@ def simulate_disturbance(loop: SampledLoop, *, duration: float) -> DisturbanceSt
         for _ in range(loop.controller.cycles):
             tool.append(float(loop.observation[0] @ X))
             X = cycle @ X + entry
-        X[held : held + len(HELD)] = handed_down
+        X[held : loop.own_size] = handed_down
     t = np.arange(len(tool), dtype=np.float64) * loop.controller.velocity_cycle
     return DisturbanceStep(t=t, deflection=np.array(tool))

@@ -1,6 +1,7 @@
 """Kp, Tn, Kv and τ of the cascade, by rules with a source.
 
-- Delay of the force path T_σ = T + 1.5 T_v + filters; Kp = f m / (2 T_σ) (symmetrical optimum).
+- Delay of the force path T_σ = T + 2 T_v + filters (dead time, half for the hold, half for the
+  velocity from differences); Kp = f m / (2 T_σ) (symmetrical optimum).
 - ω_v = Kp/m; Tn = 4/ω_v (Yaskawa: Tn >= 4/ω_v); Kv = ω_v/4 (speed loop damping 1).
 """
 
@@ -8,10 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import (
     Controller,
     feedforward_delay,
     filter_delay,
+    handing_down_delay,
     no_observer,
 )
 from mtcommission.machine.machine import Machine, TcpSensor, mid_payload, moving_mass
@@ -40,17 +43,25 @@ def build_cascade(machine: Machine, plant: Plant, *, fraction: float) -> Control
         Kp = fraction * symmetrical_optimum(machine)
     Tn = 4.0 * mass / Kp if given.integral_time is None else given.integral_time
     Kv = Kp / (4.0 * mass) if given.position_gain is None else given.position_gain
+    handing_down = handing_down_delay(
+        given.position_loop,
+        position_cycle=given.position_cycle,
+        velocity_cycle=given.velocity_cycle,
+    )
     tau = given.reference_delay
     if tau is None:
         tau = feedforward_delay(
-            position_cycle=given.position_cycle,
+            handing_down=handing_down,
             velocity_cycle=given.velocity_cycle,
             force_lag=drive.force_lag,
             jerk_feedforward=given.jerk_feedforward,
             force_filters=given.force_filters,
         )
+    if given.position_loop is PositionLoop.DRIVE:
+        tau = max(tau, handing_down)  # the drive knows no newer setpoint
     sensors = ("encoder", "tcp") if given.tcp_sensor is TcpSensor.POSITION else ("encoder",)
     return Controller(
+        position_loop=given.position_loop,
         position_gain=Kv,
         velocity_gain=Kp,
         integral_time=Tn,
@@ -85,7 +96,7 @@ def symmetrical_optimum(machine: Machine) -> float:
     Source: symmetrical optimum (Kessler 1958), T_σ as the sum of the small time constants.
     """
     given = machine.control
-    delay = machine.drive.force_lag + 1.5 * given.velocity_cycle
+    delay = machine.drive.force_lag + 2.0 * given.velocity_cycle
     delay += sum(filter_delay(item) for item in given.force_filters)
     return (moving_mass(machine) + mid_payload(machine)) / (2.0 * delay)
 

@@ -74,7 +74,20 @@ move-with-both = velocity_step und distance angegeben, genau eines angeben
 max-velocity-without-distance = gehört zu einer Bewegung mit distance; distance angeben oder den Schlüssel entfernen
 frequency-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss zwischen 0 und 0,5 (50 %) liegen
 damping-spread-large = { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %) angegeben, muss >= 0 und < 1 (100 %) sein
-damping-spread-beyond-one = { PLAIN($got, digits: 6) } angegeben, das hebt einen Dämpfungsgrad in der ungünstigsten Ecke auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben
+damping-spread-beyond-one = { PLAIN($got, digits: 6) } angegeben, das hebt einen Dämpfungsgrad in der ungünstigsten Ecke auf { PLAIN($largest, digits: 3) }; muss < 1 bleiben; höchstens { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %) angeben
 payload-reversed = { PLAIN($low, digits: 6) } { $unit } bis { PLAIN($high, digits: 6) } { $unit } angegeben, die kleinste kommt zuerst
 cycle-no-multiple = { PLAIN($got, digits: 6) } s angegeben, das { PLAIN($ratio, digits: 6) }-Fache von velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; muss ein ganzes Vielfaches sein
 schema-not-one = { $got } angegeben, muss 1 sein
+
+lead-of-rotary-axis = eine Rundachse hat keine Steigung; entfernen und drive.gear angeben (Motorumdrehungen je Umdrehung der Achse)
+gear-without-lead = ein Getriebe an einer Linearachse braucht drive.lead (Weg je Umdrehung von Spindel oder Ritzel) daneben; beide angeben oder den Schlüssel entfernen
+contour-feed-without-deviation = gehört zu contour_deviation; das angeben oder den Schlüssel entfernen
+control-closes-elsewhere = { $got } angegeben; kind = "{ $control }" schließt den Lageregelkreis anders: { $has } schreiben oder den Schlüssel weglassen
+control-without-feedforward = { $got } angegeben; kind = "{ $control }" hat nur { $has }; 0 schreiben oder den Schlüssel weglassen
+control-without-delay = { PLAIN($got, digits: 6) } s angegeben; kind = "{ $control }" kann den Sollwert nicht verzögern; den Schlüssel weglassen
+control-without-state-feedback = kind = "{ $control }" führt keine Zustände zurück; "off" schreiben, oder kind = "state-space" für einen freien Regler
+control-without-observer = kind = "{ $control }" hat keinen Beobachter, der einen Geber am Werkzeug nutzen könnte; "none" schreiben, oder kind = "state-space" für einen freien Regler
+control-without-filter = { $got } angegeben; kind = "{ $control }" hat kein solches Sollwertfilter; "none" schreiben
+control-with-fewer-filters = { $got } Filter angegeben; kind = "{ $control }" hat { $most } im Momentensollwert; nicht mehr angeben
+control-without-jerk-limit = kind = "{ $control }" begrenzt den Ruck nicht, also ist heute keiner eingestellt; den Schlüssel entfernen
+delay-below-drive = { PLAIN($got, digits: 6) } s angegeben; ein Antrieb, der den Lageregelkreis schließt, kennt keinen neueren Sollwert als den vor zwei Lagereglertakten: mindestens { PLAIN($least, digits: 6) } s schreiben oder den Schlüssel weglassen

@@ -48,15 +48,41 @@ verdict-met = Alle Anforderungen erfüllt
 verdict-not-met = Anforderungen NICHT erfüllt
 values-bound-by = Begrenzt durch: { $bound }
 obstacle = Im Weg steht: { $obstacle }
-result-caption = Ergebnis mit diesen Grenzwerten, ungünstigste Bewegung, ungünstigster Eckfall
-of-band = { $value }, { $percent } der zulässigen { $band }
-no-residual = nicht eingeschwungen; zulässig { $band }
+result-caption = Was die Werte ergeben, ungünstigste Bewegung, ungünstigster Eckfall
+today = Heute
+now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
+now = jetzt { $value }
+used = Genutzt vom Zulässigen: { $shares }.
+now-no-result = kein Ergebnis (siehe Warnung)
+basis-caption = Worauf das beruht (angenommen: im Profil nicht angegeben)
+basis = Annahme
+basis-control = Steuerung
+basis-frequencies = Frequenzen
+basis-damping = Dämpfungsgrade
+basis-reserve = Reserve
+assumed = { $value } (angenommen)
+spread = beurteilt bei ± { SHARE($spread) }
+spread-none = beurteilt wie angegeben, ohne Streuung
+all-kept-between = alle Anforderungen eingehalten von { $low } bis { $high }
+not-kept-nominally = Anforderungen schon wie angegeben nicht eingehalten
+reserve-kept = { $axis ->
+    [rotary] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } des Moments
+   *[linear] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } der Kraft
+}
+position-loop-control = Lageregler in der Steuerung, alle { $position_cycle }; Geschwindigkeitsregler alle { $velocity_cycle }
+position-loop-interpolated = Lageregler in der Steuerung, alle { $position_cycle }; Vorsteuerung interpoliert alle { $velocity_cycle }
+position-loop-drive = Lageregler im Antrieb (DSC), alle { $velocity_cycle }; Sollwert alle { $position_cycle }
+contour-judged = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung; muss es am Ende stillstehen, die Restabweichung.
+contour-judged-to-feed = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung bis { $feed }; muss es stillstehen, die Restabweichung.
+contour-not-judged = Beurteilt ab dem Stillstand. Während der Bewegung weicht das Werkzeug bis { $peak } ab; fährt es eine Bahn, contour_deviation angeben.
+share-used = Genutzt
+share-wanted = Reserve
+met-without-reserve = erfüllt, Reserve verbraucht
 reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling } ({ $more } mehr).
 reference-unsettled = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: nicht eingeschwungen.
 reference-faster = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling }, { $less } weniger, da am Band und nicht an exakter Ruhe gemessen.
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
 reference-composed = { $optimum } (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter { $bound })
-reference-note = Der Vergleichswert bringt die Nennmaschine mit idealer Steuerung in exakte Ruhe; die Empfehlung ist eingeschwungen, sobald das Werkzeug in der zulässigen Abweichung bleibt.
 first-look-caption = { $move }: Sollwert, Antwort und TCP-Abweichung, Nennmaschine
 first-look-alt = Beschleunigung von Sollwert und Antwort sowie TCP-Abweichung über der Zeit: höchstens { $peak }, eingeschwungen nach { $settling }.
 checks-caption = Anforderungen
@@ -156,7 +182,8 @@ meaning = Bedeutung
 rule-step = Schritt
 rule-how = Formel
 rules-heading = Vergleich mit Faustregeln
-rules-caption = Regeln von Herstellern und Lehrbüchern, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
+rules-caption = Regeln von Herstellern und Lehrbüchern, die alle Anforderungen erfüllen, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
+rules-missed = Nicht alle Anforderungen erfüllen: { $names }.
 rule = Regel
 meets = Alles erfüllt
 compare-caption = Einschwingzeit gegen Restabweichung: Empfehlung, Alternativen und Regeln
@@ -344,6 +371,33 @@ rms-force = { $axis ->
    *[linear] Effektivkraft
 }
 saturated = Gesättigt
+
+control-heading = Was diese Steuerung hat
+control-caption = { $control }: Namen in der Steuerung („(?)“: in keiner Herstellerschrift gelesen, prüfen)
+control-parameters = In der Steuerung
+control-has-all = Hat { $has }.
+control-has-and-lacks = Hat { $has }. Es fehlt: { $lacks }; weder eingestellt noch simuliert noch exportiert.
+has-acceleration = Beschleunigungsgrenze
+has-jerk = Ruckgrenze
+has-modes = Grenzwerte je Bearbeitungsart
+has-setpoint-filters = Sollwertfilter
+has-velocity-feedforward = Geschwindigkeitsvorsteuerung
+has-acceleration-feedforward = { $axis ->
+    [rotary] Momentenvorsteuerung
+   *[linear] Kraftvorsteuerung
+}
+has-jerk-feedforward = Ruckvorsteuerung
+has-reference-delay = Symmetrierung des Sollwerts
+has-position-loops = Ort des Lagereglers
+has-position-cycle = Lagereglertakt
+has-velocity-cycle = Geschwindigkeitsreglertakt
+has-position-gain = Lagereglerverstärkung Kv
+has-velocity-gain = Geschwindigkeitsreglerverstärkung Kp, Nachstellzeit Tn
+has-force-filters = { $axis ->
+    [rotary] Filter im Momentensollwert
+   *[linear] Filter im Kraftsollwert
+}
+has-state-feedback = Zustandsrückführung
 
 ## Robustness
 

@@ -87,8 +87,22 @@ move-with-both = got both of velocity_step and distance, give exactly one
 max-velocity-without-distance = belongs to a move with distance; give distance, or remove it
 frequency-spread-large = got { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %), must be from 0 to 0.5 (50 %)
 damping-spread-large = got { PLAIN($got, digits: 6) } ({ PLAIN($got, digits: 6, unit: "%") } %), must be >= 0 and < 1 (100 %)
-damping-spread-beyond-one = got { PLAIN($got, digits: 6) }, which raises a damping ratio to { PLAIN($largest, digits: 3) } in the worst corner; must stay < 1
+damping-spread-beyond-one = got { PLAIN($got, digits: 6) }, which raises a damping ratio to { PLAIN($largest, digits: 3) } in the worst corner, where it must stay < 1; state at most { PLAIN($allowed, digits: 3) } ({ PLAIN($allowed, digits: 3, unit: "%") } %)
 payload-reversed = got { PLAIN($low, digits: 6) } { $unit } to { PLAIN($high, digits: 6) } { $unit }, the least comes first
 # [s]
 cycle-no-multiple = got { PLAIN($got, digits: 6) } s, { PLAIN($ratio, digits: 6) } times velocity_cycle = { PLAIN($velocity_cycle, digits: 6) } s; must be a whole multiple
 schema-not-one = got { $got }, must be 1
+
+# What a kind of control does not have. $has: keys or words of the profile, or empty.
+lead-of-rotary-axis = a rotary axis has no lead; remove it, and give drive.gear (turns of the motor per turn of the axis)
+gear-without-lead = a gear on a linear axis needs drive.lead (travel per turn of screw or pinion) beside it; give both, or remove it
+contour-feed-without-deviation = belongs to contour_deviation; give that, or remove it
+control-closes-elsewhere = got { $got }; kind = "{ $control }" closes its position loop otherwise: write { $has }, or leave the key out
+control-without-feedforward = got { $got }; kind = "{ $control }" has only { $has }; write 0, or leave the key out
+control-without-delay = got { PLAIN($got, digits: 6) } s; kind = "{ $control }" cannot delay its setpoint; leave the key out
+control-without-state-feedback = kind = "{ $control }" cannot feed states back; write "off", or kind = "state-space" for a free controller
+control-without-observer = kind = "{ $control }" has no observer that could use a sensor at the tool; write "none", or kind = "state-space" for a free controller
+control-without-filter = got { $got }; kind = "{ $control }" has no such setpoint filter; write "none"
+control-with-fewer-filters = got { $got } filters; kind = "{ $control }" has { $most } in the torque setpoint; write no more
+control-without-jerk-limit = kind = "{ $control }" limits no jerk, so none can be set today; remove the key
+delay-below-drive = got { PLAIN($got, digits: 6) } s; a drive that closes the position loop knows no newer setpoint than that of two position cycles ago: write at least { PLAIN($least, digits: 6) } s, or leave the key out

@@ -48,15 +48,41 @@ verdict-met = All requirements met
 verdict-not-met = Requirements NOT met
 values-bound-by = Bound by: { $bound }
 obstacle = What stands in the way: { $obstacle }
-result-caption = Result with these limits, worst move and worst corner
-of-band = { $value }, { $percent } of the permitted { $band }
-no-residual = not settled; permitted { $band }
+result-caption = What the values give, worst move and worst corner
+today = Today
+now-and-then = Settling time / residual deviation: now { $now }, then { $then }.
+now = now { $value }
+used = Used of what is allowed: { $shares }.
+now-no-result = no result (see the warning)
+basis-caption = What this rests on (assumed: not stated in the profile)
+basis = Assumption
+basis-control = Control
+basis-frequencies = Frequencies
+basis-damping = Damping ratios
+basis-reserve = Reserve
+assumed = { $value } (assumed)
+spread = judged at ± { SHARE($spread) }
+spread-none = judged as stated, no spread
+all-kept-between = all requirements kept from { $low } to { $high }
+not-kept-nominally = requirements not kept even as stated
+reserve-kept = { $axis ->
+    [rotary] recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the torque
+   *[linear] recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the force
+}
+position-loop-control = position loop in the control, every { $position_cycle }; velocity loop every { $velocity_cycle }
+position-loop-interpolated = position loop in the control, every { $position_cycle }; feed-forward interpolated every { $velocity_cycle }
+position-loop-drive = position loop in the drive (DSC), every { $velocity_cycle }; setpoint every { $position_cycle }
+contour-judged = A tool working along a path is judged by the contour deviation, one that must be still at the end by the residual.
+contour-judged-to-feed = A tool working along a path is judged by the contour deviation at up to { $feed }, one that must be still by the residual.
+contour-not-judged = Judged once the tool must be still. During the move it is up to { $peak } off; if it works along a path, state contour_deviation.
+share-used = Used
+share-wanted = Reserve
+met-without-reserve = met, reserve used up
 reference = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling } ({ $more } more).
 reference-unsettled = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: not settled.
 reference-faster = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling }, { $less } less, since it is judged by the band and not by exact rest.
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
 reference-composed = { $optimum } (composed with a cruise; proved: not below { $bound })
-reference-note = The reference moves the nominal machine to exact rest with ideal control; the recommendation is settled when the tool stays within the permitted deviation.
 first-look-caption = { $move }: setpoint, response and TCP deviation, nominal machine
 first-look-alt = Acceleration of setpoint and response, and TCP deviation over time: at most { $peak }, settled after { $settling }.
 checks-caption = Requirements
@@ -153,7 +179,8 @@ meaning = Meaning
 rule-step = Step
 rule-how = Formula
 rules-heading = Comparison with rules of thumb
-rules-caption = Rules of makers and textbooks, in the same simulation (worst move, worst corner)
+rules-caption = Rules of makers and textbooks that meet all requirements, in the same simulation (worst move, worst corner)
+rules-missed = Not all requirements are met by: { $names }.
 rule = Rule
 meets = All met
 compare-caption = Settling time against residual deviation: recommendation, alternatives and rules
@@ -341,6 +368,33 @@ rms-force = { $axis ->
    *[linear] RMS force
 }
 saturated = Saturated
+
+control-heading = What this control has
+control-caption = { $control }: names in the control ("(?)": not read in a maker's text, verify)
+control-parameters = In the control
+control-has-all = Has { $has }.
+control-has-and-lacks = Has { $has }. Lacks { $lacks }: neither tuned nor simulated nor exported.
+has-acceleration = acceleration limit
+has-jerk = jerk limit
+has-modes = limits by machining mode
+has-setpoint-filters = setpoint filter
+has-velocity-feedforward = velocity feed-forward
+has-acceleration-feedforward = { $axis ->
+    [rotary] torque feed-forward
+   *[linear] force feed-forward
+}
+has-jerk-feedforward = jerk feed-forward
+has-reference-delay = balancing of the setpoint
+has-position-loops = place of the position loop
+has-position-cycle = position cycle
+has-velocity-cycle = velocity cycle
+has-position-gain = position gain Kv
+has-velocity-gain = velocity gain Kp, integral time Tn
+has-force-filters = { $axis ->
+    [rotary] filters in the torque setpoint
+   *[linear] filters in the force setpoint
+}
+has-state-feedback = state feedback
 
 ## Robustness
 

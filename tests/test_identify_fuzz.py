@@ -1,0 +1,103 @@
+"""Broken files of every format: evidence or an error with the file's name, soon, never a traceback.
+
+MTCOMMISSION_FUZZ sets how many mutated files are tried (default: 300).
+"""
+
+from __future__ import annotations
+
+import os
+import time
+import tracemalloc
+
+import numpy as np
+
+from mtcommission.errors import InputError
+from mtcommission.identify.gather import read_file
+from mtcommission.identify.given import Given
+from mtcommission.identify.measurement import FrequencyResponse, Output, Sensor, Spectrum
+from mtcommission.identify.responses.estimate import Finding
+from mtcommission.messages.catalogue import Catalogue
+from tests import identify_files as made
+from tests.test_identify_formats import ENCODER, GAMMA2, LINES, time_files
+
+COUNT = int(os.environ.get("MTCOMMISSION_FUZZ", "300"))
+LONGEST = 5.0
+"""CPU time of one file that counts as a hang [s]; a good one takes some 10 ms."""
+
+
+def files() -> list[tuple[bytes, Given]]:
+    f = np.arange(1.0, 150.0, 1.6)
+    peak = 1e4 / ((1 - (f / 60) ** 2) ** 2 + 0.01) + 1.0
+    given = Given(sensor=Sensor.TCP, input="force", output=Output.VELOCITY)
+    heads = ["f [Hz]", "re [m/s/N]", "im", "coherence"]
+    columns = [LINES, ENCODER.real, ENCODER.imag, GAMMA2]
+    raw = ["#time", "accel_x", "accel_y", "accel_z"]
+    t = np.arange(3000) / 3200
+    shaking = [t, 100 * np.sin(300 * t), np.cos(500 * t), 9810 + 0 * t]
+    response = made.uff_function(4, LINES, ENCODER)
+    made_here = [
+        (made.table(heads, columns), given),
+        (made.table(heads, columns, separator=";", decimal=","), given),
+        (made.table(["freq", "psd_x", "psd_y", "psd_z", "psd_xyz"], [f, *[peak] * 4]), given),
+        (made.table(raw, shaking), Given()),
+        (made.session(LINES, ENCODER, GAMMA2), Given()),
+        (made.measurement(LINES, ENCODER, GAMMA2), given),
+        (made.uff(response, made.uff_function(6, LINES, GAMMA2)), given),
+        (made.uff(response | {"binary": 1}), given),
+        ((made.REAL / "sinumerik" / "freq_trace.XML").read_bytes(), given),
+        ((made.REAL / "twincat-scope" / "scope-decimal-comma.csv").read_bytes(), Given()),
+    ]
+    return made_here + list(time_files().values())
+
+
+def attempt(data: bytes, given: Given) -> tuple[tuple[Finding, ...], InputError | None]:
+    try:
+        return read_file(data, given, name="broken.dat")[0], None
+    except InputError as error:
+        return (), error
+
+
+def test_broken_files_are_used_or_refused_by_name() -> None:
+    good, words = files(), Catalogue("de")
+    used = refused = 0
+    for seed in range(COUNT):
+        rng = np.random.default_rng([31, seed])
+        data, given = good[seed % len(good)]
+        broken = made.mutated(data, rng)
+        start = time.process_time()
+        findings, error = attempt(broken, given)
+        if error is not None:
+            refused += 1
+            assert all(fault.where for fault in error.faults), (seed, str(error))
+            assert "None" not in str(error), (seed, str(error))
+            assert error.text(words), seed
+        else:
+            used += 1
+        for one in findings:
+            if isinstance(one, FrequencyResponse):
+                assert np.isfinite(one.values).all(), seed
+                assert (np.diff(one.frequency_hz) > 0.0).all(), seed
+            if isinstance(one, Spectrum):
+                assert np.isfinite(one.density).all(), seed
+            assert all(words.say(remark) for remark in one.remarks), seed
+        assert time.process_time() - start < LONGEST, seed
+    assert used > 0.1 * COUNT  # else nothing beyond the readers was tried
+    assert refused > 0.2 * COUNT
+
+
+def test_reading_takes_time_and_space_in_proportion_to_the_file() -> None:
+    """Twenty times the rows, not four hundred times the time."""
+    rows = np.column_stack([np.arange(200_000) * 1e-4, np.sin(np.arange(200_000) * 0.1)] * 2)
+
+    def cost(count: int) -> tuple[float, int, int]:
+        data = made.table(["t [s]", "force [N]", "a [s]", "encoder [m]"], list(rows[:count].T))
+        tracemalloc.start()
+        start = time.process_time()
+        attempt(data, Given())
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return time.process_time() - start, peak, len(data)
+
+    short, long = cost(10_000), cost(200_000)
+    assert long[0] < 60 * short[0]
+    assert long[1] < 40 * long[2]

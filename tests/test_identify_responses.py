@@ -1,0 +1,219 @@
+"""Responses from time records: right within the errors they state, by every way of exciting."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from mtcommission.identify.gather import read_file
+from mtcommission.identify.given import Given
+from mtcommission.identify.measurement import (
+    FreeVibration,
+    FrequencyResponse,
+    Sensor,
+    Spectrum,
+)
+from tests import identify_files as made
+
+STEP = 1e-3
+NONE = Given()
+HEADS = ["t [s]", "force [N]", "encoder [m]"]
+
+
+def record(force: np.ndarray, noise: float, seed: int) -> list[np.ndarray]:
+    rng = np.random.default_rng(1000 + seed)
+    x, _ = made.Axis(STEP).positions(force)
+    rate = np.diff(x).std()
+    return [STEP * np.arange(force.size), force, x + noise * rate * rng.standard_normal(x.size)]
+
+
+def found(heads: list[str], columns: list[np.ndarray], given: Given = NONE) -> FrequencyResponse:
+    (one, *_), _ = read_file(made.table(heads, columns, digits=15), given, name="a")
+    assert isinstance(one, FrequencyResponse)
+    return one
+
+
+def kinds(one: FrequencyResponse | Spectrum | FreeVibration) -> set[str]:
+    return {remark.kind for remark in one.remarks}
+
+
+def score(one: FrequencyResponse, step: float = STEP) -> np.ndarray:
+    """Error of each line over the standard error that it states, real and imaginary part."""
+    truth = made.held(one.frequency_hz, step, derivative=one.output.derivative)
+    error = (one.values - truth) / one.standard_error
+    return np.concatenate([error.real, error.imag])
+
+
+def test_periods_are_found_and_the_errors_are_as_stated() -> None:
+    force = np.tile(made.multisine(1000, STEP, 5.0, 250.0), 13)
+    one = found(HEADS, record(force, 0.05, 1))
+    assert {"identify-by-periods"} <= kinds(one)
+    assert one.averages in (12.0, 13.0)
+    assert one.resolution_hz == 0.0
+    assert (one.frequency_hz[0], one.frequency_hz[-1]) == pytest.approx((5.0, 250.0), abs=4.0)
+    assert 0.9 < np.std(score(one)[20:]) < 1.2
+
+
+@pytest.mark.parametrize("lines", ["odd", "few per octave"])
+def test_lines_left_out_of_a_multisine_are_not_taken(lines: str) -> None:
+    """They hold what repeats besides: distortion, cogging."""
+    size = 2000
+    few = np.unique(np.round(np.geomspace(6, 400, 30)))
+    hertz = np.arange(3, 200, 2) if lines == "odd" else few
+    rng = np.random.default_rng(2)
+    t = np.arange(size)
+    force = np.cos(2 * np.pi * np.outer(t, hertz) / size + rng.uniform(0, 6.3, hertz.size)).sum(1)
+    force += 0.03 * np.cos(2 * np.pi * np.outer(t, np.arange(2, 300)) / size).sum(1)
+    one = found(HEADS, record(np.tile(force, 6), 0.01, 2))
+    assert set(np.round(one.frequency_hz * size * STEP)) <= set(hertz)
+    assert one.frequency_hz.size > 0.9 * hertz.size
+
+
+def test_welch_says_its_window_and_its_errors_are_as_stated() -> None:
+    rng = np.random.default_rng(3)
+    one = found(HEADS, record(rng.standard_normal(120_000), 0.05, 3))
+    assert {"identify-by-welch", "identify-no-reference"} <= kinds(one)
+    assert one.averages > 4
+    assert one.resolution_hz > 0.0
+    inside = np.abs(one.frequency_hz[:, None] - [38.0, 117.0]).min(axis=1) > 4.0
+    both = np.concatenate([inside, inside])
+    assert 0.7 < np.std(score(one)[both]) < 1.5  # away from the peaks, which the window smears
+    truth = made.held(one.frequency_hz, STEP, derivative=0)
+    assert np.abs(one.values / truth - 1)[~inside].max() < 0.3
+
+
+def test_too_short_a_record_is_said_to_be() -> None:
+    """Damping of 2 % at 38 Hz is 1.5 Hz wide: 4 s of noise cannot show it."""
+    rng = np.random.default_rng(4)
+    one = found(HEADS, record(rng.standard_normal(4_000), 0.001, 4))
+    assert "identify-window-too-short" in kinds(one)
+
+
+def closed_loop(seed: int, size: int = 60_000) -> list[np.ndarray]:
+    """A velocity loop with an excitation and a disturbance force, which the drive does not know."""
+    rng = np.random.default_rng(seed)
+    excitation, disturbance = rng.standard_normal((2, size))
+    disturbance = 0.3 * lfilter([1.0], [1.0, -0.9], disturbance)
+    A, B, C = made.Axis(STEP).discrete
+    state, last, force, v = np.zeros(len(A)), 0.0, np.zeros(size), np.zeros(size)
+    for k in range(size):
+        x = C[0] @ state
+        v[k], last = (x - last) / STEP, x
+        force[k] = excitation[k] - 15_000.0 * v[k]
+        state = A @ state + B[:, 0] * (force[k] + disturbance[k])
+    return [STEP * np.arange(size), force, v, excitation]
+
+
+def test_a_recorded_excitation_undoes_the_bias_of_a_closed_loop() -> None:
+    t, force, v, excitation = closed_loop(5)
+    heads = ["t [s]", "force [N]", "velocity [m/s]", "v_ref [m/s]"]
+    joint = found(heads, [t, force, v, excitation])
+    plain = found(heads[:3], [t, force, v])
+    assert "identify-joint-estimate" in kinds(joint)
+    assert "identify-no-reference" in kinds(plain)
+
+    def error(one: FrequencyResponse) -> float:
+        f = one.frequency_hz
+        # The rate over a sample: that of the position, so half a sample late.
+        lag = (1 - np.exp(-2j * np.pi * f * STEP)) / STEP
+        truth = made.held(f, STEP, derivative=0) * lag
+        inside = (f > 5) & (f < 30)
+        return float(np.abs(np.mean((one.values / truth)[inside]) - 1))
+
+    assert error(plain) > 0.4  # else there is nothing to undo
+    assert error(joint) < 0.2
+
+
+def test_blows_of_a_hammer() -> None:
+    rng = np.random.default_rng(6)
+    force = np.zeros(20_000)
+    pulse = np.sin(np.pi * np.arange(4) / 4)
+    for start in range(100, 20_000, 4000):
+        force[start : start + 4] = rng.uniform(50, 100) * pulse
+    _, tool = made.Axis(STEP).positions(force)
+    v = np.gradient(tool, STEP)
+    a = np.gradient(v, STEP)
+    heads = ["t [s]", "force [N]", "tool acceleration [m/s^2]"]
+    noisy = a + 1e-3 * rng.standard_normal(a.size)
+    one = found(heads, [STEP * np.arange(force.size), force, noisy])
+    assert "identify-by-blows" in kinds(one)
+    assert one.averages == 5
+    assert one.sensor is Sensor.TCP
+    f = one.frequency_hz
+    truth = made.held(f, STEP, sensor="tcp", derivative=0)
+    truth = truth * (1j * np.sin(2 * np.pi * f * STEP) / STEP) ** 2  # two central differences
+    inside = (f > 10) & (f < 150)
+    assert np.median(np.abs(one.values / truth - 1)[inside]) < 0.05
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.2])
+def test_free_vibration_after_a_move(offset: float) -> None:
+    """Truth lies within three stated sigma, in nearly all of twenty records."""
+    t = np.arange(0, 3, STEP)
+    good = 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        reference = offset + np.clip(t / 0.5, 0, 1)
+        y, late = reference.copy(), np.maximum(t - 0.5, 0.0)
+        for hertz, zeta, size in ((21.0, 0.03, 1e-3), (64.0, 0.01, 4e-4)):
+            omega = 2 * np.pi * hertz
+            damped = omega * np.sqrt(1 - zeta**2)
+            y += size * np.exp(-zeta * omega * late) * np.sin(damped * late)
+        y += 2e-5 * rng.standard_normal(t.size)
+        columns = [t, reference, y]
+        data = made.table(["t [s]", "x_ref [m]", "tcp [m]"], columns)
+        (one,), _ = read_file(data, NONE, name="a")
+        assert isinstance(one, FreeVibration)
+        assert {"identify-by-decay", "identify-loop-in-decay"} <= kinds(one)
+        first, second = one.modes[:2]
+        assert len(one.modes) == 2
+        off = [
+            (first.frequency_hz - 21.0) / first.frequency_sigma_hz,
+            (second.frequency_hz - 64.0) / second.frequency_sigma_hz,
+            (first.damping_ratio - 0.03) / first.damping_sigma,
+            (second.damping_ratio - 0.01) / second.damping_sigma,
+        ]
+        good += max(np.abs(off)) < 3.0
+    assert good >= 18
+
+
+def test_klipper_accelerations_become_a_spectrum() -> None:
+    """An uneven clock and gravity on one axis; the direction that shakes is taken."""
+    rng = np.random.default_rng(7)
+    t = np.cumsum(rng.uniform(0.85, 1.15, 20_000)) / 3200
+    sweep = np.cos(2 * np.pi * (5 * t + 10 * t**2))
+    omega, zeta = 2 * np.pi * 55.0, 0.05
+    dt = 1 / 3200
+    first, second = (
+        2 * np.exp(-zeta * omega * dt) * np.cos(omega * dt),
+        np.exp(-2 * zeta * omega * dt),
+    )
+    a = lfilter([0.0, dt**2], [1.0, -first, second], sweep)
+    columns = [t + 1000.0, 1e3 * omega**2 * a, 5 * sweep, 9810 + rng.standard_normal(t.size)]
+    data = made.table(["#time", "accel_x", "accel_y", "accel_z"], columns)
+    (one,), _ = read_file(data, NONE, name="a")
+    assert isinstance(one, Spectrum)
+    assert one.source.label == "accel_x"
+    assert {"identify-resampled", "identify-by-power"} <= kinds(one)
+    assert one.frequency_hz[np.argmax(one.density)] == pytest.approx(55.0, abs=2.5)
+
+
+def test_the_bench_gives_the_same_response_by_periods_as_its_makers_did() -> None:
+    """Current to angle by three periods here, over eighteen and with other tools there."""
+    bench = made.REAL / "fdi-motor-bench"
+    given = Given(constant=1.0)
+    ours, _ = read_file((bench / "multisine-3-periods.csv").read_bytes(), given, name="a")
+    assert [one.sensor for one in ours] == [Sensor.ENCODER, Sensor.TCP]
+    for one, name in zip(ours, ("motor", "load"), strict=True):
+        data = (bench / f"frf-current-to-{name}-velocity.csv").read_bytes()
+        (theirs,), _ = read_file(data, given, name="b")
+        assert isinstance(one, FrequencyResponse)
+        assert isinstance(theirs, FrequencyResponse)
+        rate = one.values * 2j * np.pi * one.frequency_hz
+        places = np.searchsorted(theirs.frequency_hz, one.frequency_hz - 0.01)
+        apart = np.abs(rate - theirs.values[places]) / np.abs(rate)
+        stated = one.standard_error / np.abs(one.values)
+        assert one.frequency_hz.size > 230
+        assert np.median(apart / stated) < 2.0
+        assert np.median(apart) < 0.01
