@@ -112,6 +112,7 @@ def test_several_responses_in_one_table() -> None:
     found, _ = read_file(made.table(heads, columns), FORCE, name="a")
     assert [one_.source.label for one_ in found] == ["encoder", "tool"]
     same(found[1], second)
+    assert [one_.sensor for one_ in found] == [Sensor.ENCODER, Sensor.TCP]
     assert [one_.coherence is None for one_ in found] == [False, True]
 
 
@@ -322,8 +323,12 @@ BROKEN = {
     "coherence above one": (
         made.table([*HEADS, "coherence"], [*MASS_LINE, 10 + GAMMA2]), Given(), "coherence of 10.9",
     ),
+    "time in the wrong unit": (
+        made.table(["t [s]", "force [N]", "encoder [m]"], [1e3 * T, F, X]), Given(), "samples 1 s",
+    ),
+    "frequency in kHz": (made.table(HEADS, [LINES / 1e3, *MASS_LINE[1:]]), Given(), "to 0.4 Hz"),
     "frequency in the wrong unit": (
-        made.table(["f [kHz]", *HEADS[1:]], MASS_LINE), Given(), "check its unit",
+        made.table(["f [kHz]", *HEADS[1:]], MASS_LINE), Given(), "check their unit",
     ),
     "nan": (
         made.table(HEADS, MASS_LINE).replace(b"\n4.", b"\nnan,", 1), Given(), "a.csv:",

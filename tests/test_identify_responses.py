@@ -87,7 +87,7 @@ def test_too_short_a_record_is_said_to_be() -> None:
     """Damping of 2 % at 38 Hz is 1.5 Hz wide: 4 s of noise cannot show it."""
     rng = np.random.default_rng(4)
     one = found(HEADS, record(rng.standard_normal(4_000), 0.001, 4))
-    assert "identify-window-too-short" in kinds(one)
+    assert "identify-welch-too-coarse" in kinds(one)
 
 
 def closed_loop(seed: int, size: int = 60_000) -> list[np.ndarray]:
