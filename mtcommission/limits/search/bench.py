@@ -52,6 +52,8 @@ class Bench:
         where they are bounded.
     tail
         Free motion in which force and peaks are looked at [s].
+    decisive
+        Corners in which force and peaks are looked at: no other asks for noticeably more.
     """
 
     machine: Machine
@@ -62,6 +64,7 @@ class Bench:
     bounds: Array
     requirements: tuple[Requirement, ...]
     tail: float
+    decisive: tuple[int, ...]
 
     @property
     def band(self) -> float:
@@ -109,6 +112,7 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
         bounds=np.array([machine.drive.motion_force, *(peak.bound for peak in needs.peaks)]),
         requirements=tuple(bounded),
         tail=tables[0].reference_delay + 1.5 * min(longest_period(plant), 0.2),
+        decisive=tuple(range(len(tuned.loops))),
     )
 
 
@@ -190,20 +194,25 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
     Returns
     -------
     ndarray
-        Force, peaks, and contour and RMS force where they are bounded.
+        Force, peaks, and contour and RMS force where they are bounded; in the decisive corners.
     """
+    return np.asarray(use_by_corner(bench, acceleration, jerk_time).max(axis=0))
+
+
+def use_by_corner(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
+    """Return the same for each decisive corner, shape (n_corners, n_limits, n_bounds) [-]."""
     needs, drive = bench.machine.requirements, bench.machine.drive
     is_limited, follows = isfinite(drive.continuous_force), isfinite(needs.contour_deviation)
-    used = np.zeros((len(acceleration), len(bench.requirements)))
+    used = np.zeros((len(bench.decisive), len(acceleration), len(bench.requirements)))
     for move in bench.machine.moves:
         slower = slow_to_feed(move, needs.contour_feed)
         steps, path = (
             plan_steps(bench.machine, item, acceleration, jerk_time) for item in (move, slower)
         )
-        for loop in bench.tuned.loops:
+        for place, corner in enumerate(bench.decisive):
             run = partial(
                 find_extremes,
-                loop,
+                bench.tuned.loops[corner],
                 signals=bench.signals,
                 order=bench.order,
                 tail=bench.tail,
@@ -220,5 +229,36 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
                 columns.append(own.deviation[:, None] / needs.contour_deviation)
             if is_limited:
                 columns.append(found.rms_force[:, None] / drive.continuous_force)
-            used = np.maximum(used, np.hstack(columns))
+            used[place] = np.maximum(used[place], np.hstack(columns))
     return used
+
+
+ALMOST = 0.999
+"""Share of the worst use of a bound, over all corners, that the decisive ones must show."""
+
+
+def find_decisive(used: Array) -> tuple[int, ...]:
+    """Return as few corners as show the worst use of every bound.
+
+    Parameters
+    ----------
+    used
+        From ``use_by_corner``, with all corners and enough limits.
+
+    Returns
+    -------
+    tuple of int
+        Found greedily: each time the corner is added that shows what is most missing.
+
+    Examples
+    --------
+    >>> find_decisive(np.array([[[0.5, 0.2]], [[0.9, 0.1]], [[0.9, 0.4]], [[0.8, 0.3]]]))
+    (1, 2)
+    """
+    flat = used.reshape(len(used), -1)
+    worst, leader = flat.max(axis=0), flat.argmax(axis=0)
+    chosen, shown = set[int](), np.zeros(flat.shape[1])
+    while np.any(shown < ALMOST * worst):
+        chosen.add(int(leader[np.argmin(shown / np.maximum(worst, 1e-300))]))
+        shown = flat[sorted(chosen)].max(axis=0)
+    return tuple(sorted(chosen))
