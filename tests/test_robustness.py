@@ -180,7 +180,9 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
         contour_feed=0.08,
     )
     machine = replace(
-        machine, requirements=needs, drive=replace(machine.drive, continuous_force=900.0)
+        machine,
+        requirements=needs,
+        drive=replace(machine.drive, continuous_force=900.0, encoder_resolution=1e-8),
     )
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)

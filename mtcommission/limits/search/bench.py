@@ -6,11 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from math import isfinite
+from math import isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.analysis.quantisation import SIGMAS, encoder_noise
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import Settling, settle
 from mtcommission.loop.batch.tables import ResponseTables, build_tables, sketch_tables
@@ -46,7 +47,9 @@ class Bench:
     signals
         Rows over the outputs of one velocity cycle; the first one is the set force.
     bounds
-        Largest allowed magnitude of each signal.
+        Largest allowed magnitude of each signal, without the encoder's noise.
+    band, contour, continuous
+        Allowed residual deviation, deviation along the path and RMS force, likewise [m, m, N].
     requirements
         All that bounds force and motion: what the signals come from, then contour and RMS force
         where they are bounded.
@@ -62,14 +65,12 @@ class Bench:
     sketches: tuple[ResponseTables, ...]
     signals: Array
     bounds: Array
+    band: float
+    contour: float
+    continuous: float
     requirements: tuple[Requirement, ...]
     tail: float
     decisive: tuple[int, ...]
-
-    @property
-    def band(self) -> float:
-        """Allowed residual deviation [m]."""
-        return self.machine.requirements.tcp_deviation
 
     @property
     def order(self) -> int:
@@ -103,17 +104,33 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
         bounded.append(CONTOUR_DEVIATION)
     if isfinite(machine.drive.continuous_force):
         bounded.append(RMS_FORCE)
+    drive = machine.drive
+    noises = [encoder_noise(loop, resolution=drive.encoder_resolution) for loop in tuned.loops]
+    tool, force = max(item.tool for item in noises), max(item.force for item in noises)
+    set_force = _left(drive.motion_force, force)
     return Bench(
         machine=machine,
         tuned=tuned,
         tables=tables,
         sketches=tuple(map(sketch_tables, tables, (loop.plant for loop in tuned.loops))),
         signals=np.array(rows),
-        bounds=np.array([machine.drive.motion_force, *(peak.bound for peak in needs.peaks)]),
+        bounds=np.array([set_force, *(peak.bound for peak in needs.peaks)]),
+        band=_left(needs.tcp_deviation, tool),
+        contour=_left(needs.contour_deviation, tool),
+        continuous=sqrt(_left(drive.continuous_force**2, (force / SIGMAS) ** 2)),
         requirements=tuple(bounded),
         tail=tables[0].reference_delay + 1.5 * min(longest_period(plant), 0.2),
         decisive=tuple(range(len(tuned.loops))),
     )
+
+
+def _left(bound: float, noise: float) -> float:
+    """What noise leaves of a bound; where that is nothing, so little that nothing meets it."""
+    return max(bound - noise, HARDLY * bound)
+
+
+HARDLY = 1e-3
+"""Share of a bound that stands for nothing left of it [-]."""
 
 
 def plan_steps(machine: Machine, move: Move, acceleration: Array, jerk_time: Array) -> JerkSteps:
@@ -226,9 +243,9 @@ def use_by_corner(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
             columns = [found.peaks / bench.bounds]
             if follows:
                 own = found if slower == move else run(path, dwell=None, with_deviation=True)
-                columns.append(own.deviation[:, None] / needs.contour_deviation)
+                columns.append(own.deviation[:, None] / bench.contour)
             if is_limited:
-                columns.append(found.rms_force[:, None] / drive.continuous_force)
+                columns.append(found.rms_force[:, None] / bench.continuous)
             used[place] = np.maximum(used[place], np.hstack(columns))
     return used
 
