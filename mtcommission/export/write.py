@@ -104,7 +104,7 @@ def export_record(
     loop = loop_of(subject)
     rows = complete(target.rows(subject, loop), loop, subject.machine.axis_units)
     entries = _choose(subject, target, rows, loop)
-    lines = _write(layout, entries, words)
+    lines = write_body(layout, entries, words)
     written = tuple(entry.row for entry in entries)
     held = hold(subject, read_text(layout, written, "\n".join(lines)))
     kept = [mode for mode in record.limits.modes if _holds(held.values, mode.name)]
@@ -234,8 +234,22 @@ def _holds(values: Values, mode: str) -> bool:
     return any(setting in LIMITS and index == mode for setting, index in values)
 
 
-def _write(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    """The text without its header."""
+def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> list[str]:
+    """Return the lines of a text without its header.
+
+    Parameters
+    ----------
+    layout
+        Its syntax.
+    entries
+        Every row, those that are only remarks last.
+    words
+        Of the remarks.
+
+    Returns
+    -------
+    list of str
+    """
     if layout is LIST:
         return layout.write(entries, words)
     elsewhere = [entry for entry in entries if entry.row.is_elsewhere]
