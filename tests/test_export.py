@@ -346,7 +346,7 @@ def test_header_says_what_an_export_must_say(control: str, linear_motor: Case) -
         "VERIFY BEFORE USE",
         "not an acceptance test (ISO 230)",
         "Simulated from this text, read back row by row",
-        "Judged for frequencies within 1 %",
+        "Judged for frequencies +- 1 %",
         "old",
     ):
         assert words in head
@@ -591,8 +591,8 @@ def test_neighbours_are_tried_where_the_nearest_pair_misses(linear_motor: Case) 
     loop = loop_of(subject)
     held = hold(subject, loop)
     rows = [
-        Row(setting=Setting.ACCELERATION, name="a", unit="m/s^2"),
-        Row(setting=Setting.JERK, name="j", unit="m/s^3"),
+        Row(Setting.ACCELERATION, "a", unit="m/s^2"),
+        Row(Setting.JERK, "j", unit="m/s^3"),
     ]
     for share in np.linspace(1.01, 1.2, 20):
         limits = replace(subject.limits, jerk=share * subject.limits.jerk)

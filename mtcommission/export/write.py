@@ -202,11 +202,7 @@ def _choose(
 
 
 def _choose_limits(
-    subject: Subject,
-    target: Control,
-    held: Held,
-    rows: Sequence[Row],
-    mode: ModeLimitsEntry | None,
+    subject: Subject, target: Control, held: Held, rows: Sequence[Row], mode: ModeLimitsEntry | None
 ) -> Chosen | None:
     """The limits of a machining mode, or of the recommendation; None where the mode has none."""
     if mode is None:
@@ -221,12 +217,7 @@ def _choose_limits(
     return found if found.verdict.assessment.is_met else None
 
 
-LIMITS = {
-    Setting.ACCELERATION,
-    Setting.RISE_TIME,
-    Setting.JERK,
-    Setting.JERK_TIME,
-}
+LIMITS = {Setting.ACCELERATION, Setting.RISE_TIME, Setting.JERK, Setting.JERK_TIME}
 """Settings that are chosen anew for each machining mode."""
 
 
@@ -280,11 +271,7 @@ class _Judged:
 
 
 def _header(
-    subject: Subject,
-    control: Control,
-    judged: _Judged,
-    rows: Sequence[Row],
-    words: Catalogue,
+    subject: Subject, control: Control, judged: _Judged, rows: Sequence[Row], words: Catalogue
 ) -> list[Message]:
     record = subject.record
     machine, profile, tool = record.machine, record.profile, record.tool
