@@ -65,6 +65,7 @@ terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
 terminal-mode-surface = Oberfläche ({ $band })
 terminal-mode-accuracy = Genauigkeit ({ $band })
 terminal-mode-speed = Geschwindigkeit ({ $band })
+terminal-today = heute
 terminal-recommended = empfohlen
 terminal-limits = Grenzwerte
 terminal-not-settled = schwingt noch
@@ -76,8 +77,7 @@ terminal-response = Antwort des Regelkreises
 terminal-nominal = nominell
 terminal-corner = { $payload }, Frequenz x { PLAIN($frequency, digits: 6) }, Dämpfung x { PLAIN($damping, digits: 6) }
 terminal-saturated = { $force } in der Begrenzung
-terminal-check-met = erfüllt: { $name } { $value }, erlaubt { $limit } ({ $where })
-terminal-check-not-met = NICHT ERFÜLLT: { $name } { $value }, erlaubt { $limit } ({ $where })
+terminal-check = { $verdict }: { $name } { $value }, { $share } von { $limit } ({ $where })
 
 -switching-law = Schaltgesetz F_set = -sign(lambda_F) F_max
 terminal-head-tool-per-force = { $axis ->

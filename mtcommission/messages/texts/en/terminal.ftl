@@ -67,6 +67,7 @@ terminal-more-touches = ... and { $count } touch points more: see --json
 terminal-mode-surface = surface ({ $band })
 terminal-mode-accuracy = accuracy ({ $band })
 terminal-mode-speed = speed ({ $band })
+terminal-today = today
 terminal-recommended = recommended
 terminal-limits = Limits
 terminal-not-settled = not settled
@@ -78,8 +79,7 @@ terminal-response = Response of the loop
 terminal-nominal = nominal
 terminal-corner = { $payload }, f x { PLAIN($frequency, digits: 6) }, zeta x { PLAIN($damping, digits: 6) }
 terminal-saturated = { $force } saturated
-terminal-check-met = met: { $name } { $value }, allowed { $limit } ({ $where })
-terminal-check-not-met = NOT MET: { $name } { $value }, allowed { $limit } ({ $where })
+terminal-check = { $verdict }: { $name } { $value }, { $share } of { $limit } ({ $where })
 
 -switching-law = Switching law F_set = -sign(lambda_F) F_max
 terminal-head-tool-per-force = { $axis ->
