@@ -9,7 +9,7 @@ import pytest
 
 from mtcommission.control_kinds.kind import FEATURES, ControlKind
 from mtcommission.control_kinds.kinds import GENERIC, KINDS, STATE_SPACE
-from mtcommission.export.catalogue import control_keys
+from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.machine.basis import describe_kind
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
@@ -56,4 +56,4 @@ def test_every_kind_of_control_can_be_named_in_a_profile_and_exported(key: str) 
     """Its own defaults fit together: cycles, position loop, feed-forward, delay."""
     control = parse_profile(f'{MANIPULATOR}[control]\nkind = "{key}"\n', where="p.toml").control
     assert control.kind is KINDS[key]
-    assert (key in control_keys()) == (control.kind is not STATE_SPACE)
+    assert (key in CONTROL_KEYS) == (control.kind is not STATE_SPACE)

@@ -52,8 +52,8 @@ def describe_kind(kind: ControlKind) -> Message:
             said = Message("feature-unread", feature=said)
         (has if count else lacks).append(said)
     if not lacks:
-        return Message("control-has-all", has=tuple(has))
-    return Message("control-has", has=tuple(has), lacks=tuple(lacks))
+        return Message("kind-has-all", has=tuple(has))
+    return Message("kind-has", has=tuple(has), lacks=tuple(lacks))
 
 
 def list_assumed(machine: Machine) -> Iterator[Message]:
