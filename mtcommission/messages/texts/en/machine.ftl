@@ -52,16 +52,6 @@ position-gain-without-unit = Kv = { ROUND($gain) } 1/s is only { ROUND($in_custo
 bandwidth-above-sampling = { ROUND($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz
 
 # On what results rest.
-feature-jerk = jerk limit
-feature-jerk-time = jerk limit as a time
-feature-modes = columns of limits
-feature-setpoint-filters = moving average
-feature-velocity-feedforward = velocity feed-forward
-feature-acceleration-feedforward = torque feed-forward
-feature-jerk-feedforward = jerk feed-forward
-feature-reference-delay = balanced setpoint
-feature-force-filters = torque filters
-feature-state-feedback = state feedback
 feature-counted = { $count } { $feature }
 feature-unread = { $feature } (?)
 kind-has-all = has { $has }
