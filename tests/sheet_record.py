@@ -382,6 +382,7 @@ def _alternative(name: str, scale: float) -> Any:
         "residual_deviation": 4.582e-6 * scale,
         "peak_deviation": 9.47e-6 * scale,
         "meets_requirements": scale < 1.1,
+        "keeps_reserve": scale < 0.9,
     }
 
 

@@ -221,13 +221,17 @@ class TodayEntry:
     residual_deviation: float | None
     peak_deviation: float | None
     meets_requirements: bool
+    keeps_reserve: bool
     frequency_range: list[float] | None
     valid_for: list[SizesEntry]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JudgedLimits:
-    """Limits and what they reach, worst over moves and corners."""
+    """Limits and what they reach, worst over moves and corners.
+
+    ``keeps_reserve``: they need no more of what is allowed than recommendations may use.
+    """
 
     acceleration: float
     jerk: float
@@ -235,6 +239,7 @@ class JudgedLimits:
     residual_deviation: float | None
     peak_deviation: float
     meets_requirements: bool
+    keeps_reserve: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

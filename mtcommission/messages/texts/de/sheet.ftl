@@ -77,6 +77,7 @@ contour-judged-to-feed = Fährt das Werkzeug eine Bahn ab, zählt die Konturabwe
 contour-not-judged = Beurteilt ab dem Stillstand. Während der Bewegung weicht das Werkzeug bis { $peak } ab; fährt es eine Bahn, contour_deviation angeben.
 share-used = Genutzt
 share-wanted = Reserve
+yes-without-reserve = ja, Reserve verbraucht
 met-without-reserve = erfüllt, Reserve verbraucht
 reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling } ({ $more } mehr).
 reference-unsettled = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: nicht eingeschwungen.

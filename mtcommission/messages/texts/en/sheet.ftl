@@ -77,6 +77,7 @@ contour-judged-to-feed = A tool working along a path is judged by the contour de
 contour-not-judged = Judged once the tool must be still. During the move it is up to { $peak } off; if it works along a path, state contour_deviation.
 share-used = Used
 share-wanted = Reserve
+yes-without-reserve = yes, reserve used
 met-without-reserve = met, reserve used up
 reference = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling } ({ $more } more).
 reference-unsettled = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: not settled.
