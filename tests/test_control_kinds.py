@@ -10,6 +10,8 @@ import pytest
 from mtcommission.control_kinds.kind import FEATURES, ControlKind
 from mtcommission.control_kinds.kinds import GENERIC, KINDS, STATE_SPACE
 from mtcommission.export.catalogue import control_keys
+from mtcommission.machine.basis import describe_kind
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
 from tests.controls_page import PAGE, number_sources, write_page
 from tests.test_profile import MANIPULATOR
@@ -37,6 +39,16 @@ def test_what_a_control_has_is_named_in_its_own_words(kind: ControlKind) -> None
 
 def test_the_page_says_what_the_tables_say() -> None:
     assert PAGE.read_text("utf-8") == write_page(), "run: python -m tests.controls_page"
+
+
+def test_what_was_not_read_is_marked_and_what_is_missing_is_said() -> None:
+    said = Catalogue().say(describe_kind(KINDS["fanuc"]))
+    assert said == (
+        "has jerk limit as a time, moving average (?), velocity feed-forward (?), torque "
+        "feed-forward (?), 5 torque filters (?); lacks jerk feed-forward (?), balanced "
+        "setpoint (?), state feedback (?)"
+    )
+    assert "lacks" not in Catalogue().say(describe_kind(STATE_SPACE))
 
 
 @pytest.mark.parametrize("key", KINDS)

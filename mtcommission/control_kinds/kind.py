@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 
@@ -119,7 +119,7 @@ class ControlKind:
     """
 
     key: str
-    features: Mapping[str, Feature]
+    features: Mapping[str, Feature] = field(repr=False, compare=False)
     follows_steps: bool = False
     jerk: Jerk = Jerk.LIMIT
     modes: tuple[str, ...] = ()

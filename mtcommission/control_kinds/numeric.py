@@ -68,11 +68,10 @@ SINUMERIK = ControlKind(
             "MD32300 MAX_AX_ACCEL[0..4] [m/s^2, rev/s^2]",
             "G0: times MD32434.",
         ),
-        "jerk": believed(
-            "MD32431 MAX_AX_JERK[0..4] [m/s^3, rev/s^3]",
-            "Path MD20600 above it; G0: times MD32435; JOG: MD32420, MD32430. The unit is the "
-            "unread part.",
-            beside=f"{EARLIER}; {AXES_2019}",
+        "jerk": read(
+            f"{EARLIER}; {AXES_2019}",
+            "MD32431 MAX_AX_JERK[0..4] [m/s^3, rev/s^3 (?)]",
+            "Path MD20600 above it; G0: times MD32435; JOG: MD32420, MD32430.",
         ),
         "modes": read(
             EARLIER,
@@ -90,10 +89,10 @@ SINUMERIK = ControlKind(
             "MD32620 FFW_MODE = 3, MD32610 VELO_FFW_WEIGHT[set] 0..1",
             "From the program by FFWON if MD32630 = 1 or 2.",
         ),
-        "acceleration_feedforward": believed(
-            "MD32620 FFW_MODE = 4, MD32650 AX_INERTIA [kg m^2], linear MD32652 AX_MASS [kg]",
-            "Units not read. Without spline telegrams it arrives in steps of a position cycle.",
-            beside=COMPENSATIONS,
+        "acceleration_feedforward": read(
+            COMPENSATIONS,
+            "MD32620 FFW_MODE = 4, MD32650 AX_INERTIA [kg m^2 (?)], MD32652 AX_MASS [kg (?)]",
+            "Without spline telegrams it arrives in steps of a position cycle.",
         ),
         "jerk_feedforward": read(COMPENSATIONS, note="In none of the sources."),
         "reference_delay": read(
@@ -117,20 +116,17 @@ SINUMERIK = ControlKind(
         "position_gain": read(
             f"{EARLIER}; {SIMODRIVE}", "MD32200 POSCTRL_GAIN[set] [(m/min)/mm]", "Double."
         ),
-        "velocity_gain": believed(
-            "p1460 [N m s/rad, linear N s/m], p1462 [ms], p1433 [Hz] to p1435",
-            "At the motor shaft; the reference model's numbers are not read.",
-            beside=f"{EARLIER}; {S210_FILTERS}",
+        "velocity_gain": read(
+            f"{EARLIER}; {S210_FILTERS}",
+            "p1460 [N m s/rad, linear N s/m (?)], p1462 [ms], p1433 to p1435 (?)",
+            "At the motor shaft.",
         ),
-        "force_filters": believed(
-            "p1656, p1657 to p1676",
-            "Four, ten with the extended module; count and limit of frequency are read, the order "
-            "of the parameters is not.",
-            beside=f"{S210_FILTERS}; {S120_FILTERS}",
+        "force_filters": read(
+            f"{S210_FILTERS}; {S120_FILTERS}",
+            "p1656, p1657 to p1676 (order (?))",
+            "Four, ten with the extended module; below half the current controller's rate.",
         ),
-        "state_feedback": believed(
-            note="None; Advanced Position Control is an option of the drive."
-        ),
+        "state_feedback": read(S210_FILTERS, note="None; APC is an option of the drive (?)."),
     },
 )
 
@@ -155,11 +151,11 @@ HEIDENHAIN = ControlKind(
             "roughing setting of the filter.",
             beside=f"{TECHNICAL}, p. 811",
         ),
-        "setpoint_filters": believed(
+        "setpoint_filters": read(
+            f"{TECHNICAL}, pp. 811, 1124; {ITNC}",
             "CfgFilter, CfgPositionFilter",
             "One of average (advised against), triangle, HSC, Advanced HSC; set by limit "
             "frequency and tolerance, not by a time.",
-            beside=f"{TECHNICAL}, pp. 811, 1124; {ITNC}",
         ),
         "velocity_feedforward": read(
             f"{TECHNICAL}, p. 840; {SERVICE}",

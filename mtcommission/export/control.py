@@ -159,9 +159,8 @@ def complete(rows: Sequence[Row], loop: Values, units: AxisUnits) -> tuple[Row, 
     tuple of Row
         None whose setting is not there or has a value that the control cannot hold.
     """
-    limits = [row for row in rows if row.key not in loop]
-    kept = [row for row in rows if row.key in loop and row.takes(loop[row.key])]
+    kept = [row for row in rows if row.key not in loop or row.takes(loop[row.key])]
     held = {row.key for row in kept}
     missing = (key for key in loop if key not in held and key[0] in NEUTRAL)
     remarks = (neutral_row(*key, units, is_elsewhere=True) for key in missing)
-    return (*limits, *kept, *remarks)
+    return (*kept, *remarks)
