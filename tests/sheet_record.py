@@ -523,6 +523,7 @@ def _loop() -> Any:
         "motion_force": 2010.0,
         "force_filters": [{"kind": "notch", "natural_frequency": 452.0, "damping": 0.1}],
         "encoder_resolution": 1e-8,
+        "encoder_noise": {"tool": 3.3e-8, "force": 21.2},
         "sensors": ["encoder"],
         "observer": {
             "states": ["x_b", "v_b"],

@@ -13,7 +13,6 @@ from math import inf
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.control_kinds.kinds import GENERIC
 from mtcommission.machine.mechanics import Mechanics
-from mtcommission.machine.requirement import Kind
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 
@@ -144,12 +143,6 @@ class Reserve:
 
     band: float = 0.8
     force: float = 0.95
-
-    def share_of(self, kind: Kind) -> float:
-        """Return the share of a requirement's limit that may be used [-]."""
-        if kind is Kind.SETTLING_TIME:
-            return 1.0
-        return self.force if kind in (Kind.SET_FORCE, Kind.RMS_FORCE) else self.band
 
 
 NO_RESERVE = Reserve(band=1.0, force=1.0)

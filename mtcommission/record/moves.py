@@ -137,7 +137,7 @@ def assessment_part(assessment: Assessment, reserve: Reserve) -> AssessmentPart:
                 Check,
                 check,
                 met=check.is_met,
-                reserve=reserve.share_of(check.requirement.kind),
+                reserve=check.requirement.usable_share(reserve),
             )
             for check in assessment.checks
         ],

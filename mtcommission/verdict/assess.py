@@ -85,7 +85,7 @@ class Assessment:
     def keeps(self, reserve: Reserve) -> bool:
         """Return whether no requirement needs more than a reserve leaves."""
         return all(
-            check.value <= (1.0 + ROUNDING) * reserve.share_of(check.requirement.kind) * check.limit
+            check.value <= (1.0 + ROUNDING) * check.requirement.usable_share(reserve) * check.limit
             for check in self.checks
         )
 
