@@ -32,6 +32,9 @@ def list_doubts(found: Identified) -> tuple[Message, ...]:
             doubts.append(
                 Message("identify-mode-not-everywhere", mode=mode.name, states=", ".join(missing))
             )
+    masses = [state.moving_mass.value for state in found.states if state.moving_mass]
+    if masses and max(masses) > (1.0 + MASS_TOLERANCE) * min(masses):
+        doubts.append(Message("identify-mass-by-state", low=min(masses), high=max(masses)))
     if not found.modes:
         doubts.append(Message("identify-no-mode"))
     if found.moving_mass is None:

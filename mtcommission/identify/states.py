@@ -27,7 +27,9 @@ from mtcommission.messages.message import Message
 SAME = 3.0
 """Responses whose poles differ by less, in standard errors, are of one state."""
 OUTLIER = 3.0
-"""Misfit of a point in the typical one beyond which it is left out."""
+"""Model error of a point in the typical one beyond which it is left out."""
+LARGEST_ERROR = 0.3
+"""Model error that a point may have in any case [-]."""
 
 
 def identify(
@@ -89,14 +91,36 @@ def fit_states(
     fits = [fit_state(group, band_hz=band_hz, count=count) for group in groups]
     if len(groups) < 2 or all(group[0].source.state for group in groups):
         return fits
-    pooled = [response for group in groups for response in group]
     is_hammer = not any(one.has_rigid_body for fit in fits for one in fit.responses)
     if not is_hammer and not _agree(fits):
         return fits
+    failed = _failed(fits) if is_hammer else []
+    pooled = [
+        response
+        for group, fit in zip(groups, fits, strict=True)
+        for response in group
+        if all(fit is not one for one in failed)
+    ]
     whole = fit_state(pooled, band_hz=band_hz, count=count)
-    if is_hammer:
-        return [_without_outliers(whole, pooled, band_hz, count)]
-    return [whole] if len(whole.modes) >= max(len(fit.modes) for fit in fits) else fits
+    notes = tuple(
+        Message("identify-point-left-out", file=one.response.source.name)
+        for fit in failed
+        for one in fit.responses
+    )
+    if is_hammer or len(whole.modes) >= max(len(fit.modes) for fit in fits):
+        return [replace(whole, notes=(*whole.notes, *notes))]
+    return fits
+
+
+def _failed(fits: Sequence[Fitted]) -> list[Fitted]:
+    """Points of a hammer test that alone obey no model while most do."""
+    errors = [fit.model_error if fit.modes else 1.0 for fit in fits]
+    most = OUTLIER * float(np.median(errors))
+    return [
+        fit
+        for fit, error in zip(fits, errors, strict=True)
+        if error > max(most, LARGEST_ERROR) and len(fits) > 2
+    ]
 
 
 def _group(responses: Sequence[FrequencyResponse]) -> list[list[FrequencyResponse]]:
@@ -127,31 +151,6 @@ def _agree(fits: Sequence[Fitted]) -> bool:
 
 def _same(one: Estimate, other: Estimate) -> bool:
     return abs(one.value - other.value) <= SAME * float(np.hypot(one.sigma, other.sigma))
-
-
-def _without_outliers(
-    whole: Fitted,
-    responses: Sequence[FrequencyResponse],
-    band_hz: tuple[float, float] | None,
-    count: int | None,
-) -> Fitted:
-    """Fit again without points that do not obey what the others show."""
-    misfits = []
-    for one in whole.responses:
-        missed = one.model(one.lines.frequency_hz) - one.lines.values
-        misfits.append(float(np.linalg.norm(missed) / np.linalg.norm(one.lines.values)))
-    typical = float(np.median(misfits))
-    bad = [
-        one.response
-        for one, misfit in zip(whole.responses, misfits, strict=True)
-        if len(misfits) > 2 and misfit > max(OUTLIER * typical, 0.5)
-    ]
-    if not bad:
-        return whole
-    kept = [one for one in responses if all(one is not other for other in bad)]
-    again = fit_state(kept, band_hz=band_hz, count=count)
-    notes = tuple(Message("identify-point-left-out", file=one.source.name) for one in bad)
-    return replace(again, notes=(*again.notes, *notes))
 
 
 def _best_of_files(spectra: Sequence[FittedSpectrum]) -> list[FittedSpectrum]:

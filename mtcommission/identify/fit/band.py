@@ -46,7 +46,7 @@ def coherent_band(responses: Sequence[FrequencyResponse]) -> Band:
     return min(lows), max(highs)
 
 
-def narrower_band(found: Ordered, base: Sequence[Lines]) -> Band | None:
+def narrower_band(found: Ordered, base: Sequence[Lines], *, by_drive: bool) -> Band | None:
     """Return a narrower band where the ends of a fit do not obey its model; None: all do.
 
     Parameters
@@ -55,10 +55,12 @@ def narrower_band(found: Ordered, base: Sequence[Lines]) -> Band | None:
         The fit in the present band.
     base
         The same lines with the errors of their coherence.
+    by_drive
+        Whether the drive shakes, against its friction; a hammer needs no rigid body.
     """
     low = min(float(lines.frequency_hz[0]) for lines in base)
     high = max(float(lines.frequency_hz[-1]) for lines in base)
-    friction = _friction_end(found, low)
+    friction = _friction_end(found, low) if by_drive else None
     if friction and np.log2(high / friction) >= LEAST_OCTAVES:
         return friction, high
     cut_low, cut_high = _misfit_ends(found, base, low, high)

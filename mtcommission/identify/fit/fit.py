@@ -19,7 +19,7 @@ from mtcommission.identify.fit.lines import Lines, see
 from mtcommission.identify.fit.noise import smooth_errors
 from mtcommission.identify.fit.order import Ordered, choose_modes
 from mtcommission.identify.fit.projection import Variances, find_variances
-from mtcommission.identify.measurement import FrequencyResponse, Input
+from mtcommission.identify.measurement import FrequencyResponse, Input, Sensor
 from mtcommission.messages.message import Message
 
 LEAST_LINES = 12
@@ -28,6 +28,8 @@ MOST_CUTS = 3
 """How often the band is narrowed."""
 RIGID_SHARE = 0.4
 """Least share of the mass in the response at the low end, for it to be a mass."""
+FREE_BODY = 0.4
+"""Largest relative distance from b/s² at the low end where no drive shakes."""
 CERTAIN = 4.0
 """Least value of a mass or gain in its standard error."""
 
@@ -61,7 +63,7 @@ def fit_state(
     used, base = _cut(responses, band)
     found = choose_modes(base, count=count)
     for _ in range(0 if band_hz else MOST_CUTS):
-        narrower = narrower_band(found, base)
+        narrower = narrower_band(found, base, by_drive=_by_drive(used))
         if narrower is None:
             break
         kept, fewer = _cut(responses, narrower)
@@ -110,6 +112,11 @@ def _cut(
     return kept, lines
 
 
+def _by_drive(responses: Sequence[FrequencyResponse]) -> bool:
+    """Whether the drive shakes, as far as one can tell: an encoder was recorded."""
+    return any(one.sensor is Sensor.ENCODER for one in responses)
+
+
 def _inside(response: FrequencyResponse, band: Band) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     f = response.frequency_hz
     slack = 1e-9 * band[1]
@@ -130,16 +137,11 @@ def _collect(
     reduced = fit.cost / max(size - parameters, 1)
     factor = float(np.sqrt(max(reduced, 1.0) * found.correlation))
     variances = find_variances(found.lines, fit)
+    by_drive = _by_drive(responses)
     fitted = tuple(
-        _response(response, lines, found, place, variances, factor, band)
+        _response(response, lines, found, place, variances, factor, band, by_drive=by_drive)
         for place, (response, lines) in enumerate(zip(responses, found.lines, strict=True))
     )
-    squares = [
-        np.sum(np.abs(residual * own.error / lines.error) ** 2)
-        for residual, own, lines in zip(
-            fit.residuals, found.lines, smooth_errors(base), strict=True
-        )
-    ]
     first = 0.0 if fit.poles.drag == 0.0 else fit.poles.drag
     return Fitted(
         responses=fitted,
@@ -149,10 +151,35 @@ def _collect(
             min(float(lines.frequency_hz[0]) for lines in base),
             max(float(lines.frequency_hz[-1]) for lines in base),
         ),
-        misfit=float(np.sqrt(sum(squares) / max(size - parameters, 1))),
+        misfit=_misfit(responses, base, found, spare=max(size - parameters, 1) / size),
         model_error=found.model_error,
         notes=tuple(notes),
     )
+
+
+def _misfit(
+    responses: Sequence[FrequencyResponse],
+    base: Sequence[Lines],
+    found: Ordered,
+    *,
+    spare: float,
+) -> float:
+    """Weighted rms of the residuals by their noise; ``spare`` is the share of free lines.
+
+    The noise is what coherence and averages tell; where a file lacks them it is what neighbouring
+    residuals differ by, which no smooth error of the model can make small.
+    """
+    squares = count = 0.0
+    for response, residual, own, lines in zip(
+        responses, found.fit.residuals, found.lines, smooth_errors(base), strict=True
+    ):
+        if response.standard_error is None:
+            scatter = 0.25 * float(np.mean(np.abs(np.diff(residual)) ** 2))
+            squares += float(np.sum(np.abs(residual) ** 2)) / max(scatter, 1e-300)
+        else:
+            squares += float(np.sum(np.abs(residual * own.error / lines.error) ** 2))
+        count += 2.0 * lines.size
+    return float(np.sqrt(squares / (count * spare)))
 
 
 def _response(
@@ -163,13 +190,22 @@ def _response(
     variances: Variances,
     factor: float,
     band: Band,
+    *,
+    by_drive: bool,
 ) -> FittedResponse:
     gains, sigmas = found.fit.gains[place], factor * variances.gains[place]
+    delay = float(found.fit.poles.delays[place])
     size = np.abs(lines.values / lines.s**lines.derivative)[: max(3, lines.size // 50)]
     share = abs(gains[0]) / np.abs(lines.s[: size.size]) ** 2 / size
     is_rigid = abs(gains[0]) > CERTAIN * sigmas[0] and float(np.median(share)) > RIGID_SHARE
-    largest = 1 + int(np.argmax(np.abs(gains[1:-1]))) if gains.size > 2 else 0
-    polarity = -1 if gains[0 if is_rigid else largest] < 0.0 else 1
+    if not by_drive:
+        # A hammer's response has a slope of its own; a mass must make nearly all of it.
+        low = lines.keep_first(size.size)
+        position = low.values * np.exp(low.s * delay) / low.s**low.derivative
+        apart = np.abs(position * low.s**2 / gains[0] - 1.0)
+        is_rigid = is_rigid and float(np.median(apart)) < FREE_BODY
+    # Of a hammer test only the struck point tells the sign: nothing is turned.
+    polarity = -1 if is_rigid and gains[0] < 0.0 else 1
     return FittedResponse(
         response=response,
         is_used=_inside(response, band),
@@ -178,7 +214,7 @@ def _response(
         inverse_mass=Estimate(value=polarity * float(gains[0]), sigma=float(sigmas[0])),
         has_rigid_body=is_rigid and response.input is Input.FORCE,
         delay=Estimate(
-            value=float(found.fit.poles.delays[place]),
+            value=delay,
             sigma=factor * float(np.sqrt(variances.poles[1 + place, 1 + place])),
         ),
         residual=Estimate(value=polarity * float(gains[-1]), sigma=float(sigmas[-1])),

@@ -51,6 +51,15 @@ class Lines:
         """Number of lines."""
         return int(self.frequency_hz.size)
 
+    def keep_first(self, count: int) -> Lines:
+        """Return the lowest lines."""
+        return Lines(
+            frequency_hz=self.frequency_hz[:count],
+            values=self.values[:count],
+            error=self.error[:count],
+            derivative=self.derivative,
+        )
+
     def weigh(self, error: Array) -> Lines:
         """Return the lines with other standard errors."""
         return Lines(

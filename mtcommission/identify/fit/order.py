@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mtcommission.identify.fit.delay import align, slope_of_phase
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.noise import correlation_length, judge_errors, smooth_errors
 from mtcommission.identify.fit.projection import Poles, Projected, project, refine
 from mtcommission.identify.fit.search import Candidates
+
+Array = NDArray[np.float64]
 
 LEAST_GAIN = 10.0
 """A mode stays if the Bayesian information criterion falls by more than this.
@@ -28,6 +31,10 @@ SEPARATION = 0.75
 to one sum, and two estimates within one peak are one mode and the error of the model."""
 BROADEST = 0.2
 """Damping ratio beyond which a term is background, no mode."""
+SUSPICIOUS = 5e-3
+"""Error of the model beyond which a second start is worth its time."""
+WHITE = 1.25
+"""Correlation length below which residuals have no shape left."""
 MOST = 10
 """Terms of a fit, background and modes."""
 
@@ -67,27 +74,35 @@ def choose_modes(responses: Sequence[Lines], *, count: int | None = None) -> Ord
     count
         Number of modes; None: by evidence.
     """
-    found = _choose(responses, count, holds_delay=False)
-    if all(found.is_mode) and found.model_error < SUSPICIOUS:
+    slopes = np.array([slope_of_phase(lines) for lines in responses])
+    found = _choose(responses, count, slopes, holds_delay=False)
+    if _is_good(found):
         return found
     # Background, or more misfit than noise: the search may have gone astray with the delay.
-    other = _choose(responses, count, holds_delay=True)
+    tried = [found]
+    for delays in (slopes, np.zeros_like(slopes)):
+        tried.append(_choose(responses, count, delays, holds_delay=True))
+        if _is_good(tried[-1]):
+            break
     smooth = smooth_errors(responses)
 
     def worth(one: Ordered) -> float:
         again = refine(smooth, one.fit.poles, steps=5)
         return criterion(smooth, again, correlation=found.correlation)
 
-    return min(found, other, key=worth)
+    return min(tried, key=worth)
 
 
-SUSPICIOUS = 5e-3
-"""Error of the model beyond which a second start is worth its time."""
+def _is_good(found: Ordered) -> bool:
+    """Only modes, and residuals that are noise: small, or white."""
+    is_noise = found.model_error < SUSPICIOUS or found.correlation < WHITE
+    return all(found.is_mode) and is_noise
 
 
-def _choose(responses: Sequence[Lines], count: int | None, *, holds_delay: bool) -> Ordered:
+def _choose(
+    responses: Sequence[Lines], count: int | None, delays: Array, *, holds_delay: bool
+) -> Ordered:
     smooth = smooth_errors(responses)
-    delays = np.array([slope_of_phase(lines) for lines in responses])
     start = Poles(0.0, delays, np.zeros(0), np.zeros(0))
     most = MOST if count is None else count
     even = _per_octave(smooth)

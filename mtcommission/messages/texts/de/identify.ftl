@@ -45,6 +45,7 @@ identify-friction-small-amplitude = Die viskose Reibung eines Frequenzgangs ist 
 identify-no-tool-sensor = Kein Sensor am Werkzeug: tcp_gain ist nicht gemessen. { GAIN($bound) } ist der ungünstigste Fall eines Werkzeugs auf der anderen Seite der Eigenform, oder deren Anteil am Geber, falls er größer ist. Ein Beschleunigungssensor am Werkzeug bei derselben Anregung, DATEI@tcp, ersetzt das; ebenso --tool-ratio, Spitze am Werkzeug durch Spitze am Motor.
 identify-polarity-reversed = { $file }: Das Vorzeichen ist vertauscht (die Masse wurde negativ); es wurde gedreht.
 identify-masses-differ = { $file } zeigt { MASS($mass) }, der erste Sensor { MASS($other) }: Eine der Konstanten oder Einheiten stimmt nicht, und damit auch ihre Verstärkungen nicht.
+identify-mass-by-state = Die Zustände bewegen { MASS($low) } bis { MASS($high) }: Das Profil enthält die Mitte. Ist das die Zuladung, die kleinste als moving_mass und den Unterschied als payload angeben.
 # $spacing, $wanted [Hz], $window [s]
 identify-window-too-short = Bei { FREQUENCY($frequency) } liegen die Linien { FREQUENCY($spacing) } auseinander, mehr als 0,8 ζ f = { FREQUENCY($wanted) }: Die Dämpfung wird zu groß. Mit Fenstern von { TIME($window) } oder länger aufzeichnen.
 identify-model-error = Messpunkte und Modell weichen über das Rauschen hinaus um { SHARE($share) } des Betrags ab (nichtlineare Reibung, eine Eigenform außerhalb des Bereichs); die Intervalle enthalten das.

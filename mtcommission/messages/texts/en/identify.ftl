@@ -45,6 +45,7 @@ identify-friction-small-amplitude = The viscous friction of a response is not th
 identify-no-tool-sensor = No sensor at the tool: tcp_gain is not measured. { GAIN($bound) } is the worst case of a tool on the far side of the mode, or its share at the encoder if that is larger. An accelerometer at the tool during the same excitation, FILE@tcp, replaces it; so does --tool-ratio, peak at the tool by peak at the motor.
 identify-polarity-reversed = { $file }: the sign is reversed (the mass came out negative); it was turned.
 identify-masses-differ = { $file } shows { MASS($mass) }, the first sensor { MASS($other) }: one of the constants or units is off, and so are its gains.
+identify-mass-by-state = The states move { MASS($low) } to { MASS($high) }: the profile has the middle. If that is the payload, give the least one as moving_mass and the difference as payload.
 # $spacing, $wanted [Hz], $window [s]
 identify-window-too-short = At { FREQUENCY($frequency) } lines are { FREQUENCY($spacing) } apart, more than 0.8 ζ f = { FREQUENCY($wanted) }: the damping comes out too large. Record with windows of { TIME($window) } or longer.
 identify-model-error = Measured points and model differ by { SHARE($share) } of the magnitude beyond the noise (nonlinear friction, a mode outside the band); the intervals contain it.
