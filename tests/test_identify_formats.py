@@ -156,6 +156,13 @@ def test_sinumerik_session() -> None:
     assert (found.output, found.sensor, found.rotary) == (Output.VELOCITY, Sensor.ENCODER, True)
 
 
+def test_a_session_may_lack_the_line_at_zero() -> None:
+    """0 / 0 there is no reason to refuse the rest."""
+    f = np.concatenate(([0.0], LINES))
+    H, gamma2 = np.concatenate(([np.nan], ENCODER)), np.concatenate(([np.nan], GAMMA2))
+    same(one(made.session(f, H, gamma2), Given()), ENCODER, close=1e-12)
+
+
 def test_sinumerik_measurement_by_its_spectra() -> None:
     given = Given(input="torque", output=Output.VELOCITY)
     found = one(made.measurement(LINES, ENCODER, GAMMA2), given)

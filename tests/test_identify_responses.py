@@ -107,7 +107,7 @@ def closed_loop(seed: int, size: int = 60_000) -> list[np.ndarray]:
 
 def test_a_recorded_excitation_undoes_the_bias_of_a_closed_loop() -> None:
     t, force, v, excitation = closed_loop(5)
-    heads = ["t [s]", "force [N]", "velocity [m/s]", "v_ref [m/s]"]
+    heads = ["t [s]", "force [N]", "velocity [m/s]", "excitation [N]"]
     joint = found(heads, [t, force, v, excitation])
     plain = found(heads[:3], [t, force, v])
     assert "identify-joint-estimate" in kinds(joint)

@@ -38,8 +38,9 @@ _OWN = {
 
 _AT_TCP = ("tcp", "tool", "load", "last", "spindle", "spindel", "werkzeug", "table", "tisch")
 _AT_ENCODER = ("encoder", "motor", "geber", "drive", "antrieb")
-_REFERENCES = ("ref", "reference", "setpoint", "cmd", "command", "excitation", "disturbance")
-_GERMAN_REFERENCES = ("soll", "anregung", "störung", "stoerung")
+_SETPOINTS = ("ref", "reference", "setpoint", "cmd", "command")
+_EXCITATIONS = ("excitation", "disturbance", "anregung", "störung", "stoerung")
+_GERMAN_SETPOINT = "soll"
 _WORDS = {
     Signal.POSITION: ("position", "pos", "angle", "winkel", "lage", "weg", "displacement"),
     Signal.VELOCITY: ("velocity", "vel", "speed", "drehzahl", "geschwindigkeit"),
@@ -159,8 +160,8 @@ def _meaning(column: Column, own: str, unit: str, *, where: str) -> _Meaning | N
         return None
     if by_name and not any(_same_kind(one, measured.signal) for one in by_name):
         raise _contradiction(column, unit, measured.signal, where=where)
-    is_setpoint = _is_reference(words)
-    if is_setpoint and measured.signal in _OUTPUTS:
+    is_setpoint = _is_setpoint(words)
+    if _any(words, _EXCITATIONS) or (is_setpoint and measured.signal in _OUTPUTS):
         return _Meaning(Signal.REFERENCE, None, measured.rotary, measured.scale)
     sensor = column.sensor
     if sensor is None and measured.signal in _OUTPUTS:
@@ -188,9 +189,8 @@ def _any(words: Sequence[str], known: Iterable[str]) -> bool:
     return bool(set(words) & set(known))
 
 
-def _is_reference(words: Sequence[str]) -> bool:
-    german = any(part in word for part in _GERMAN_REFERENCES for word in words)
-    return german or _any(words, _REFERENCES)
+def _is_setpoint(words: Sequence[str]) -> bool:
+    return _any(words, _SETPOINTS) or any(_GERMAN_SETPOINT in word for word in words)
 
 
 def _same_kind(one: Signal, other: Signal) -> bool:
