@@ -86,7 +86,7 @@ def middle_of(estimates: Sequence[Estimate | None]) -> Estimate | None:
         return None
     low, high = min(one.value for one in known), max(one.value for one in known)
     typical = float(np.sqrt(np.mean([one.sigma**2 for one in known])))
-    return Estimate(value=0.5 * (low + high), sigma=float(np.hypot(typical, 0.25 * (high - low))))
+    return Estimate(value=0.5 * (low + high), sigma=typical + 0.25 * (high - low))
 
 
 def find_spread(states: Sequence[State], modes: Sequence[IdentifiedMode]) -> Spread:

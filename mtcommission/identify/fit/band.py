@@ -21,6 +21,10 @@ LOW_END = 3.0
 """A mode below so many times the lowest line must show a rigid body below it."""
 FRICTION_RATIO = 0.12
 """Damping beyond which a mode at the low end is taken for friction: sticking bodies spring."""
+BELOW = 0.5
+"""Friction lies below the lowest sharp mode times this."""
+TOLERANCE = 1.05
+"""Relative distance within which a pole sits on the end of the band."""
 ABOVE = 1.8
 """Where a band begins whose lower end friction governs, in that false mode's frequency."""
 LEAST_OCTAVES = 2.0
@@ -71,25 +75,45 @@ def narrower_band(found: Ordered, base: Sequence[Lines], *, by_drive: bool) -> B
 
 def _friction_end(found: Ordered, low: float) -> float | None:
     """Where the band should begin if a pole at its low end is friction, no mode."""
-    ends = []
-    for omega, zeta in zip(found.fit.poles.omega, found.fit.poles.zeta, strict=True):
-        f = float(omega) / (2 * np.pi)
-        if f < LOW_END * low and (
-            zeta > FRICTION_RATIO or f < 1.05 * low or not _rigid_below(found, f)
-        ):
-            ends.append(ABOVE * f)
-    return max(ends, default=None)
+    f = found.fit.poles.omega / (2 * np.pi)
+    ends = [ABOVE * float(f[k]) for k in friction_poles(found, low)]
+    return max(ends) if ends and max(ends) > low * TOLERANCE else None
 
 
-def _rigid_below(found: Ordered, frequency_hz: float) -> bool:
-    """Whether position lags force by half a turn below a frequency, as that of a free mass does."""
+def friction_poles(found: Ordered, low: float) -> list[int]:
+    """Return which poles stand for sticking friction, no mode.
+
+    They lie below all sharp modes, and are strongly damped or show no free mass below them.
+
+    Parameters
+    ----------
+    found
+        The fit.
+    low
+        Lowest line [Hz].
+    """
+    f, zeta = found.fit.poles.omega / (2 * np.pi), found.fit.poles.zeta
+    sharp = f[np.array(found.is_mode, dtype=bool) & (zeta < FRICTION_RATIO) & (f > LOW_END * low)]
+    ceiling = min(LOW_END * low, BELOW * float(sharp.min()) if sharp.size else np.inf)
+    return [
+        k
+        for k in range(f.size)
+        if f[k] < ceiling
+        and (zeta[k] > FRICTION_RATIO or f[k] < TOLERANCE * low or not _rigid_below(found, k))
+    ]
+
+
+def _rigid_below(found: Ordered, pole: int) -> bool:
+    """Whether position lags force by half a turn below a pole, as that of a free mass does."""
+    frequency_hz = float(found.fit.poles.omega[pole]) / (2 * np.pi)
     signs = []
     for lines, gains, delay in zip(
         found.lines, found.fit.gains, found.fit.poles.delays.tolist(), strict=True
     ):
         below = lines.frequency_hz < 0.8 * frequency_hz
         position = lines.values * np.exp(lines.s * delay) / lines.s**lines.derivative
-        turned = np.sign(gains[0]) * position[below]
+        # Whether the sensor counts backwards shows above the pole, where friction has let go.
+        turned = np.sign(gains[0] + gains[1 + pole]) * position[below]
         signs += (turned.real / np.abs(turned)).tolist()
     return len(signs) >= 3 and float(np.median(signs)) < -0.5
 

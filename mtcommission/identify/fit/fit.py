@@ -11,6 +11,7 @@ from mtcommission.identify.fit.band import (
     Band,
     broad_poles,
     coherent_band,
+    friction_poles,
     narrower_band,
 )
 from mtcommission.identify.fit.estimate import Estimate
@@ -102,7 +103,7 @@ def _cut(
     if not kept:
         first = responses[0]
         message = Message(
-            "identify-too-few-lines",
+            "identify-too-few-in-band",
             lines=int(np.count_nonzero(_inside(first, band))),
             least=LEAST_LINES,
             low=band[0],
@@ -193,25 +194,31 @@ def _response(
     *,
     by_drive: bool,
 ) -> FittedResponse:
-    gains, sigmas = found.fit.gains[place], factor * variances.gains[place]
+    gains = found.fit.gains[place]
+    sigmas = factor * np.sqrt(np.maximum(np.diag(variances.gains[place]), 0.0))
+    # Above the frequency at which friction lets go, its pole is part of the free mass.
+    body = np.zeros(gains.size)
+    body[[0, *(1 + k for k in friction_poles(found, float(lines.frequency_hz[0])) if by_drive)]] = 1
+    inverse_mass = float(body @ gains)
+    mass_sigma = factor * variances.of_gains(place, body)
     delay = float(found.fit.poles.delays[place])
     size = np.abs(lines.values / lines.s**lines.derivative)[: max(3, lines.size // 50)]
-    share = abs(gains[0]) / np.abs(lines.s[: size.size]) ** 2 / size
-    is_rigid = abs(gains[0]) > CERTAIN * sigmas[0] and float(np.median(share)) > RIGID_SHARE
+    share = abs(inverse_mass) / np.abs(lines.s[: size.size]) ** 2 / size
+    is_rigid = abs(inverse_mass) > CERTAIN * mass_sigma and float(np.median(share)) > RIGID_SHARE
     if not by_drive:
         # A hammer's response has a slope of its own; a mass must make nearly all of it.
         low = lines.keep_first(size.size)
         position = low.values * np.exp(low.s * delay) / low.s**low.derivative
-        apart = np.abs(position * low.s**2 / gains[0] - 1.0)
+        apart = np.abs(position * low.s**2 / inverse_mass - 1.0)
         is_rigid = is_rigid and float(np.median(apart)) < FREE_BODY
     # Of a hammer test only the struck point tells the sign: nothing is turned.
-    polarity = -1 if is_rigid and gains[0] < 0.0 else 1
+    polarity = -1 if is_rigid and inverse_mass < 0.0 else 1
     return FittedResponse(
         response=response,
         is_used=_inside(response, band),
         lines=lines,
         polarity=polarity,
-        inverse_mass=Estimate(value=polarity * float(gains[0]), sigma=float(sigmas[0])),
+        inverse_mass=Estimate(value=polarity * inverse_mass, sigma=mass_sigma),
         has_rigid_body=is_rigid and response.input is Input.FORCE,
         delay=Estimate(
             value=delay,
@@ -228,16 +235,19 @@ def _modes(
     found: Ordered, fitted: Sequence[FittedResponse], variances: Variances, factor: float
 ) -> tuple[FittedMode, ...]:
     poles = found.fit.poles
+    low = min(float(lines.frequency_hz[0]) for lines in found.lines)
+    by_drive = _by_drive([one.response for one in fitted])
+    friction = friction_poles(found, low) if by_drive else []
     modes = []
     for k in np.argsort(poles.omega).tolist():
-        if not found.is_mode[k]:
+        if not found.is_mode[k] or k in friction:
             continue
         by_omega, by_zeta = variances.of_mode(k, poles.omega.size)
         f, zeta = float(poles.omega[k]) / (2 * np.pi), float(poles.zeta[k])
         gains = tuple(
             Estimate(
                 value=one.polarity * float(one.gains[1 + k]),
-                sigma=factor * float(variances.gains[one.place, 1 + k]),
+                sigma=factor * float(np.sqrt(variances.gains[one.place, 1 + k, 1 + k])),
             )
             for one in fitted
         )

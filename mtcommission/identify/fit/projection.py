@@ -287,11 +287,15 @@ class Variances:
     poles
         Of c, delays, ln ω_k, ln ζ_k, square.
     gains
-        Standard errors of b, g_k and R, shape (n_responses, n_modes + 2).
+        Of b, g_k and R, shape (n_responses, n_modes + 2, n_modes + 2).
     """
 
     poles: Array
     gains: Array
+
+    def of_gains(self, place: int, chosen: Array) -> float:
+        """Return the standard error of a weighed sum of b, g_k and R of a response."""
+        return float(np.sqrt(max(chosen @ self.gains[place] @ chosen, 0.0)))
 
     def of_mode(self, mode: int, n_modes: int) -> tuple[float, float]:
         """Return the standard errors of ln ω and ln ζ of a mode."""
@@ -312,13 +316,13 @@ def find_variances(responses: Sequence[Lines], fit: Projected) -> Variances:
     scale = np.sqrt(np.maximum(np.diag(square), 1e-300))
     inverse = np.linalg.pinv(square / np.outer(scale, scale), rcond=1e-13, hermitian=True)
     poles = inverse / np.outer(scale, scale)
-    gains = np.empty_like(fit.gains)
+    gains = np.empty((n, fit.gains.shape[1], fit.gains.shape[1]))
     for place, (lines, basis) in enumerate(zip(responses, bases, strict=True)):
         rate = _slopes(lines, fit.poles, basis)
         along = basis.inverse @ (_inner(basis.columns, rate) / basis.scale[:, None])
         own = _own(place, n, fit.poles.omega.size)
         total = basis.inverse + along @ poles[np.ix_(own, own)] @ along.T
-        gains[place] = np.sqrt(np.maximum(np.diag(total), 0.0)) / basis.scale
+        gains[place] = total / np.outer(basis.scale, basis.scale)
     return Variances(poles, gains)
 
 

@@ -5,7 +5,7 @@
 identify-band-given = Fitted from { FREQUENCY($low) } to { FREQUENCY($high) } as --band asks.
 identify-band-cut = Of { FREQUENCY($low) } to { FREQUENCY($high) } only { FREQUENCY($new_low) } to { FREQUENCY($new_high) } was fitted: beyond it the lines do not obey a rigid mass with modes (friction at the low end, current loop or sensor at the high end). --band sets another.
 identify-no-lines-in-band = { $file } has too few lines between { FREQUENCY($low) } and { FREQUENCY($high) } and was left out.
-identify-too-few-lines = { $lines } usable lines between { FREQUENCY($low) } and { FREQUENCY($high) }, at least { $least } are needed; measure a wider band or give another --band
+identify-too-few-in-band = { $lines } usable lines between { FREQUENCY($low) } and { FREQUENCY($high) }, at least { $least } are needed; measure a wider band or give another --band
 identify-background = A broad term about { FREQUENCY($frequency) } was needed for a good fit; it is too strongly damped to be a mode and stays out of the profile.
 identify-point-left-out = { $file } does not obey the poles that the other points show and was left out: strike that point again.
 

@@ -1,0 +1,263 @@
+"""What the fit finds in responses whose axis is known, and on a bench that others have fitted.
+
+If one of these fails, a mode is missing or invented in a profile, or an interval promises too much.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import approx_fprime
+
+from benchmarks.identify_survey import GRIDS, Axis, measure, survey
+from mtcommission.errors import InputError
+from mtcommission.identify.fit.fit import fit_state
+from mtcommission.identify.fit.lines import Lines
+from mtcommission.identify.fit.peaks import fit_spectrum
+from mtcommission.identify.fit.projection import (
+    Poles,
+    find_variances,
+    predict,
+    project,
+    refine,
+)
+from mtcommission.identify.gather import gather
+from mtcommission.identify.given import Given
+from mtcommission.identify.measurement import (
+    Evidence,
+    FrequencyResponse,
+    Input,
+    Output,
+    Sensor,
+    Source,
+    Spectrum,
+)
+from mtcommission.identify.states import identify
+from mtcommission.messages.message import Message
+
+BENCH = Path(__file__).parent / "data" / "identify" / "fdi-motor-bench"
+SOURCE = Source(file="made", sha256="0" * 64, format=Message("identify-format-response-table"))
+
+
+def _axis(**changes) -> Axis:
+    known = {
+        "mass": 320.0,
+        "drag": 3.0,
+        "delay": 4e-4,
+        "frequency_hz": np.array([37.5, 81.0]),
+        "damping_ratio": np.array([0.02, 0.035]),
+        "gain": np.array([2e-3, -1.2e-3]),
+        "hidden_hz": 1500.0,
+        "hidden_gain": 0.0,
+    }
+    return Axis(**(known | changes))
+
+
+def _measured(axis: Axis, *, seed: int = 0, noise: float = 0.02, **changes) -> FrequencyResponse:
+    clean = measure(np.random.default_rng(seed), axis, GRIDS["log"], noise=noise)
+    return replace(clean, source=replace(SOURCE, file=f"made-{seed}"), **changes)
+
+
+def _exact(poles: Poles, gains, frequency_hz, *, derivative: int) -> Lines:
+    delay = float(poles.delays[0])
+    values = predict(frequency_hz, poles, np.array(gains), delay=delay, derivative=derivative)
+    return Lines(
+        frequency_hz=frequency_hz,
+        values=values,
+        error=0.01 * np.abs(values),
+        derivative=derivative,
+    )
+
+
+def test_least_squares_finds_exact_poles_again() -> None:
+    true = Poles(2.0, np.array([3e-4]), np.array([200.0, 600.0]), np.array([0.02, 0.05]))
+    lines = _exact(true, [0.01, 0.02, -0.01, 1e-9], np.geomspace(2, 300, 200), derivative=1)
+    near = Poles(1.0, np.array([2e-4]), np.array([210.0, 570.0]), np.array([0.03, 0.03]))
+    found = refine([lines], near, steps=60, tolerance=1e-14)
+    np.testing.assert_allclose(found.poles.omega, true.omega, rtol=1e-6)
+    np.testing.assert_allclose(found.poles.zeta, true.zeta, rtol=1e-5)
+    np.testing.assert_allclose(found.gains[0], [0.01, 0.02, -0.01, 1e-9], rtol=1e-3)
+    assert found.poles.delays[0] == pytest.approx(3e-4, rel=1e-6)
+
+
+def test_variances_are_those_of_the_full_jacobian_by_finite_differences() -> None:
+    poles = Poles(2.0, np.array([3e-4]), np.array([200.0, 600.0]), np.array([0.02, 0.05]))
+    gains = [0.01, 0.02, -0.01, 1e-9]
+    lines = _exact(poles, gains, np.geomspace(2, 300, 120), derivative=1)
+    found = find_variances([lines], project([lines], poles))
+    scale = np.array([1.0, 1e-3, 1.0, 1.0, 1.0, 1.0, *np.abs(gains)])
+
+    def weighed(theta):
+        at = theta * scale
+        moved = Poles(at[0], at[1:2], np.exp(at[2:4]), np.exp(at[4:6]))
+        values = predict(lines.frequency_hz, moved, at[6:], delay=float(at[1]), derivative=1)
+        misfit = (values - lines.values) / lines.error
+        return np.concatenate([misfit.real, misfit.imag])
+
+    packed = np.array([2.0, 3e-4, *np.log(poles.omega), *np.log(poles.zeta), *gains]) / scale
+    jacobian = approx_fprime(packed, weighed, 1e-7)
+    covariance = np.linalg.inv(jacobian.T @ jacobian) * np.outer(scale, scale)
+    np.testing.assert_allclose(np.diag(found.poles), np.diag(covariance)[:6], rtol=1e-2)
+    np.testing.assert_allclose(np.diag(found.gains[0]), np.diag(covariance)[6:], rtol=1e-2)
+
+
+@pytest.mark.parametrize("grid", ["log", "linear"])
+def test_random_axes_come_out_without_false_or_missing_modes(grid: str) -> None:
+    tally = survey(grid, 12, first=300, tells=False)
+    assert tally.right >= 11
+    assert tally.false <= 1
+    held = np.concatenate([tally.held[name] for name in ("f", "zeta", "gain")])
+    assert np.mean(held) >= 0.88
+
+
+def test_near_modes_are_told_apart_at_the_sum_of_their_half_power_widths() -> None:
+    f, zeta = np.array([60.0, 63.7]), np.array([0.015, 0.015])
+    axis = _axis(frequency_hz=f, damping_ratio=zeta, gain=np.array([2e-3, 1.5e-3]))
+    fit = fit_state([_measured(axis)])
+    assert [mode.frequency_hz.value for mode in fit.modes] == pytest.approx(f, rel=5e-3)
+
+
+def test_a_line_of_the_mains_is_no_mode() -> None:
+    response = _measured(_axis())
+    hum = response.values.copy()
+    hum[np.argmin(np.abs(response.frequency_hz - 50.0))] *= 1.8
+    fit = fit_state([replace(response, values=hum)])
+    assert len(fit.modes) == 2
+
+
+def test_a_sensor_that_counts_backwards_is_turned_and_told() -> None:
+    encoder = _measured(_axis())
+    tool = _measured(_axis(gain=np.array([3e-3, 2e-3])), seed=1, sensor=Sensor.TCP)
+    tool = replace(tool, values=-tool.values)
+    found = identify(Evidence(responses=(encoder, tool), spectra=(), vibrations=(), records=()))
+    kinds = {message.kind for message in found.warnings}
+    assert "identify-polarity-reversed" in kinds
+    assert [mode.tcp_gain.value for mode in found.modes] == pytest.approx([3e-3, 2e-3], rel=0.05)
+    assert [mode.measured_gain.value for mode in found.modes] == pytest.approx(
+        [2e-3, -1.2e-3], rel=0.05
+    )
+
+
+def test_payloads_make_the_spread_and_the_interval_holds_both() -> None:
+    light = _measured(_axis())
+    heavy = _measured(_axis(frequency_hz=np.array([35.0, 80.0]), mass=360.0), seed=1)
+    found = identify(Evidence(responses=(light, heavy), spectra=(), vibrations=(), records=()))
+    assert len(found.states) == 2
+    assert found.spread.frequency == pytest.approx(0.035)
+    assert found.spread.because[0].kind == "identify-frequency-range"
+    first = found.modes[0].frequency_hz
+    assert abs(first.value - 37.5) < 2 * first.sigma
+    assert abs(first.value - 35.0) < 2 * first.sigma
+
+
+@pytest.mark.parametrize("ratio", [0.06, 0.3])
+def test_sticking_friction_at_the_low_end_is_no_mode_and_no_mass(ratio: float) -> None:
+    """The body sticks to a spring of 5 Hz instead of moving freely, as at small amplitude."""
+    response = _measured(_axis())
+    s = 2j * np.pi * response.frequency_hz
+    omega = 2 * np.pi * 5.0
+    free = s * np.exp(-4e-4 * s) / (320.0 * (s**2 + 3.0 * s))
+    stuck = s * np.exp(-4e-4 * s) / (320.0 * (s**2 + 2 * ratio * omega * s + omega**2))
+    found = fit_state([replace(response, values=response.values + stuck - free)])
+    assert [mode.frequency_hz.value for mode in found.modes] == pytest.approx(
+        [37.5, 81.0], rel=0.02
+    )
+    assert 1.0 / found.responses[0].inverse_mass.value == pytest.approx(320.0, rel=0.1)
+    assert any(note.kind == "identify-band-cut" for note in found.notes)
+
+
+def test_points_of_a_hammer_test_share_poles_and_a_failed_one_is_left_out() -> None:
+    rng = np.random.default_rng(5)
+    f = np.arange(1.0, 513.0)
+    s = 2j * np.pi * f
+    omega, zeta = 2 * np.pi * np.array([92.0, 224.0]), np.array([0.04, 0.02])
+    shapes = np.array([[1.0, 0.7], [0.5, -0.9], [-0.8, 0.4], [0.3, 0.6]])
+    responses = []
+    for place, shape in enumerate(shapes):
+        H = sum(
+            1e-2 * shapes[0, k] * shape[k] / (s**2 + 2 * zeta[k] * omega[k] * s + omega[k] ** 2)
+            for k in range(2)
+        )
+        H = H * s**2
+        noise = 0.03 * np.median(np.abs(H))
+        H = H + noise * (rng.normal(size=f.size) + 1j * rng.normal(size=f.size)) / np.sqrt(2)
+        if place == 3:
+            H = H[::-1] * np.exp(2j * np.pi * rng.uniform(size=f.size))
+        responses.append(
+            FrequencyResponse(
+                source=replace(SOURCE, file=f"point-{place}"),
+                frequency_hz=f,
+                values=H,
+                coherence=1 / (1 + 5 * (noise / np.abs(H)) ** 2),
+                averages=5,
+                resolution_hz=None,
+                input=Input.FORCE,
+                output=Output.ACCELERATION,
+                sensor=Sensor.TCP,
+                rotary=False,
+            )
+        )
+    evidence = Evidence(responses=tuple(responses), spectra=(), vibrations=(), records=())
+    found = identify(evidence)
+    assert [mode.frequency_hz.value for mode in found.modes] == pytest.approx(
+        [92.0, 224.0], rel=3e-3
+    )
+    assert [mode.damping_ratio.value for mode in found.modes] == pytest.approx(zeta, rel=0.05)
+    assert found.moving_mass is None
+    out = [m for m in found.warnings if m.kind == "identify-point-left-out"]
+    assert [m.values["file"] for m in out] == ["point-3"]
+
+
+def test_too_few_lines_are_refused_by_name() -> None:
+    with pytest.raises(InputError, match=r"made-0: 3 usable lines between 500"):
+        fit_state([_measured(_axis())], band_hz=(500.0, 520.0))
+
+
+def test_a_sweep_on_held_motors_shows_frequency_and_damping_without_force() -> None:
+    rng = np.random.default_rng(2)
+    rate, duration = 3200.0, 60.0
+    t = np.arange(0.0, duration, 1 / rate)
+    swept = 5.0 + 128.0 * t / duration
+    shaken = 75.0 * swept * np.sin(2 * np.pi * np.cumsum(swept) / rate)
+    f = np.fft.rfftfreq(t.size, 1 / rate)
+    s, omega, zeta = 2j * np.pi * f, 2 * np.pi * 47.0, 0.06
+    transfer = (2 * zeta * omega * s + omega**2) / (s**2 + 2 * zeta * omega * s + omega**2)
+    seen = np.fft.irfft(np.fft.rfft(shaken) * transfer, t.size) + 500 * rng.normal(size=t.size)
+    from scipy.signal import welch
+
+    lines, density = welch(seen, rate, window=("kaiser", 6.0), nperseg=2048)
+    spectrum = Spectrum(
+        source=SOURCE,
+        frequency_hz=lines[1:],
+        density=density[1:],
+        resolution_hz=None,
+        averages=None,
+        output=Output.ACCELERATION,
+        sensor=Sensor.TCP,
+        rotary=False,
+    )
+    (mode,) = fit_spectrum(spectrum).modes
+    assert mode.frequency_hz.value == pytest.approx(47.0, rel=0.01)
+    assert mode.damping_ratio.value == pytest.approx(zeta, rel=0.1)
+    found = identify(Evidence(responses=(), spectra=(spectrum,), vibrations=(), records=()))
+    assert found.moving_mass is None
+    assert found.modes[0].tcp_gain is None
+    assert "identify-no-force" in {message.kind for message in found.warnings}
+
+
+def test_motor_bench_of_fditools_has_the_mode_that_is_trusted() -> None:
+    """FdiTools (MIT), motor and load: 76.2 Hz, zeta 0.019, gain x inertia +1.00 and -0.99."""
+    files = [
+        str(next(BENCH.glob("*motor-velocity*"))),
+        f"{next(BENCH.glob('*load-velocity*'))}@tcp",
+    ]
+    found = identify(gather(files, Given(constant=1.0, sensor=Sensor.ENCODER)))
+    (mode,) = found.modes
+    assert mode.frequency_hz.value == pytest.approx(76.2, abs=0.15)
+    assert abs(mode.damping_ratio.value - 0.019) < 2 * mode.damping_ratio.sigma
+    inertia = found.moving_mass.value
+    assert mode.measured_gain.value * inertia == pytest.approx(1.0, abs=0.03)
+    assert mode.tcp_gain.value * inertia == pytest.approx(-0.99, abs=0.03)
