@@ -112,6 +112,7 @@ def test_several_responses_in_one_table() -> None:
     found, _ = read_file(made.table(heads, columns), FORCE, name="a")
     assert [one_.source.label for one_ in found] == ["encoder", "tool"]
     same(found[1], second)
+    assert [one_.sensor for one_ in found] == [Sensor.ENCODER, Sensor.TCP]
     assert [one_.coherence is None for one_ in found] == [False, True]
 
 
@@ -153,6 +154,13 @@ def test_sinumerik_session() -> None:
     same(found, ENCODER, close=1e-12)
     assert found.coherence == pytest.approx(GAMMA2, rel=1e-12)
     assert (found.output, found.sensor, found.rotary) == (Output.VELOCITY, Sensor.ENCODER, True)
+
+
+def test_a_session_may_lack_the_line_at_zero() -> None:
+    """0 / 0 there is no reason to refuse the rest."""
+    f = np.concatenate(([0.0], LINES))
+    H, gamma2 = np.concatenate(([np.nan], ENCODER)), np.concatenate(([np.nan], GAMMA2))
+    same(one(made.session(f, H, gamma2), Given()), ENCODER, close=1e-12)
 
 
 def test_sinumerik_measurement_by_its_spectra() -> None:
@@ -322,8 +330,12 @@ BROKEN = {
     "coherence above one": (
         made.table([*HEADS, "coherence"], [*MASS_LINE, 10 + GAMMA2]), Given(), "coherence of 10.9",
     ),
+    "time in the wrong unit": (
+        made.table(["t [s]", "force [N]", "encoder [m]"], [1e3 * T, F, X]), Given(), "samples 1 s",
+    ),
+    "frequency in kHz": (made.table(HEADS, [LINES / 1e3, *MASS_LINE[1:]]), Given(), "to 0.4 Hz"),
     "frequency in the wrong unit": (
-        made.table(["f [kHz]", *HEADS[1:]], MASS_LINE), Given(), "check its unit",
+        made.table(["f [kHz]", *HEADS[1:]], MASS_LINE), Given(), "check their unit",
     ),
     "nan": (
         made.table(HEADS, MASS_LINE).replace(b"\n4.", b"\nnan,", 1), Given(), "a.csv:",

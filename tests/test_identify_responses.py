@@ -87,7 +87,7 @@ def test_too_short_a_record_is_said_to_be() -> None:
     """Damping of 2 % at 38 Hz is 1.5 Hz wide: 4 s of noise cannot show it."""
     rng = np.random.default_rng(4)
     one = found(HEADS, record(rng.standard_normal(4_000), 0.001, 4))
-    assert "identify-window-too-short" in kinds(one)
+    assert "identify-welch-too-coarse" in kinds(one)
 
 
 def closed_loop(seed: int, size: int = 60_000) -> list[np.ndarray]:
@@ -107,7 +107,7 @@ def closed_loop(seed: int, size: int = 60_000) -> list[np.ndarray]:
 
 def test_a_recorded_excitation_undoes_the_bias_of_a_closed_loop() -> None:
     t, force, v, excitation = closed_loop(5)
-    heads = ["t [s]", "force [N]", "velocity [m/s]", "v_ref [m/s]"]
+    heads = ["t [s]", "force [N]", "velocity [m/s]", "excitation [N]"]
     joint = found(heads, [t, force, v, excitation])
     plain = found(heads[:3], [t, force, v])
     assert "identify-joint-estimate" in kinds(joint)

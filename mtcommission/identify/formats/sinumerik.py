@@ -14,6 +14,7 @@ from math import pi
 from xml.etree.ElementTree import Element, ParseError, fromstring
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mtcommission.errors import Refused
 from mtcommission.identify.formats.base85 import decode_doubles
@@ -21,7 +22,6 @@ from mtcommission.identify.formats.contents import (
     NO_LINES,
     Column,
     FileContents,
-    Item,
     ResponseContents,
     TimeContents,
     refuse,
@@ -32,6 +32,9 @@ from mtcommission.messages.message import Message
 MEASUREMENT, SESSION, TRACE = "ResponseTestCustom", "DynamicModelAxisController", "traceData"
 SETPOINT = "setpoint"
 """Input of a response that is measured from the setpoint of a loop, not from a force."""
+
+MOSTLY_GOOD = 0.9
+"""Share of lines with numbers that a response must have."""
 
 UNITY = 0.25
 """How far a loop's response from its setpoint may be from 1 at low frequency."""
@@ -101,8 +104,6 @@ def _series(parent: Element, name: str, *, where: str) -> Array:
         )
         if values.size != length:
             raise refuse(where, "identify-series-short", name=name, got=values.size, wanted=length)
-        if not np.isfinite(values).all():
-            raise refuse(where, "identify-series-not-finite", name=name)
         return values
     length, end = int(_number(parent, f"{name}.length")), _number(parent, f"{name}.end")
     if 1 < length <= 10**7:
@@ -163,7 +164,8 @@ def _measurement(root: Element, *, where: str) -> FileContents:
     with np.errstate(all="ignore"):
         values = spectrum.conj() / inner[0]  # the file has input times the output's conjugate
         coherence = np.abs(spectrum) ** 2 / (inner[0] * inner[1])
-    good = np.isfinite(values) & np.isfinite(coherence) & (frequency > 0.0)
+    good = _good_lines(frequency, values * coherence, name="CrossSpectrum", where=where)
+    good &= frequency > 0.0
     is_setpoint = abs(float(np.median(np.abs(values[good][:8]))) - 1.0) < UNITY if good.any() else 0
     response = ResponseContents(
         label=f"{names[0]} → {names[1]}",
@@ -211,6 +213,8 @@ def _time_series(first: Element, last: Element, names: list[str], *, where: str)
         if series is None:
             raise refuse(where, "identify-series-missing", name="TimeSeries")
         values = _series(series, "m_ValueVector", where=where)
+        if not np.isfinite(values).all():
+            raise refuse(where, "identify-series-not-finite", name="TimeSeries")
         step = _number(series, "m_TimeVector.end") / max(values.size - 1, 1)
         columns.append(Column(name=name, unit="", values=values))
     if columns[0].values.size != columns[1].values.size:
@@ -221,47 +225,51 @@ def _time_series(first: Element, last: Element, names: list[str], *, where: str)
 
 
 def _session(root: Element, *, where: str) -> FileContents:
-    plants = list(_named(root, "m_pPlant"))
-    coherences = list(_named(root, "m_pMeasCoherence"))
-    averages = max((_as_float(e) for e in _named(root, "m_uNumberOfAverages")), default=0.0)
-    found: list[ResponseContents] = []
-    for place, plant in enumerate(plants):
-        if plant.find(".//raw") is None:
-            continue
-        frequency, values = _complex_series(plant, where=where)
-        if not values.size or any(np.array_equal(values, one.values) for one in found):
-            continue
-        coherence = None
-        if place < len(coherences) and coherences[place].find(".//raw") is not None:
-            _, gamma = _complex_series(coherences[place], where=where)
-            coherence = np.clip(gamma.real, 0.0, 1.0) if gamma.size == values.size else None
-        linear = not _is_rotary(root)
-        found.append(
-            ResponseContents(
-                label=f"m_pPlant {place + 1}" if len(plants) > 1 else "m_pPlant",
-                frequency_hz=frequency / (2 * pi),
-                values=values,
-                scale=1.0,
-                input="force" if linear else "torque",
-                output=Output.VELOCITY,
-                sensor=Sensor.ENCODER,
-                rotary=not linear,
-                motor_turn=_motor_turn(root),
-                coherence=coherence,
-                averages=averages or None,
-                lines=NO_LINES,
-            )
-        )
-    if not found:
+    # Both sets of gains, before and after tuning, hold what was measured once; the last is current.
+    speed = next(_named(root, "m_SpeedControllerList"), root)
+    plants = [one for one in _named(speed, "m_pPlant") if one.findtext(".//raw")]
+    if not plants:
         raise refuse(where, "identify-series-missing", name="m_pPlant")
-    items: tuple[Item, ...] = tuple(found)
+    frequency, values = _complex_series(plants[-1], where=where)
+    coherence = None
+    for one in _named(speed, "m_pMeasCoherence"):
+        if one.findtext(".//raw"):
+            _, gamma = _complex_series(one, where=where)
+            if gamma.size == values.size:
+                coherence = np.nan_to_num(np.clip(gamma.real, 0.0, 1.0))
+    good = _good_lines(frequency, values, name="m_pPlant", where=where)
+    linear = not _is_rotary(root)
+    averages = max((_as_float(e) for e in _named(root, "m_uNumberOfAverages")), default=0.0)
+    response = ResponseContents(
+        frequency_hz=frequency[good] / (2 * pi),
+        values=values[good],
+        scale=1.0,
+        input="force" if linear else "torque",
+        output=Output.VELOCITY,
+        sensor=Sensor.ENCODER,
+        rotary=not linear,
+        motor_turn=_motor_turn(root),
+        coherence=coherence[good] if coherence is not None else None,
+        averages=averages or None,
+        lines=NO_LINES,
+    )
     axis = _text(root, "m_szAxisName")
     return FileContents(
         format=Message("identify-format-sinumerik-session"),
-        items=items,
+        items=(response,),
         measured_on=_measured_on(root),
         remarks=(Message("identify-axis-of-file", axis=axis),) if axis else (),
     )
+
+
+def _good_lines(
+    frequency: Array, values: ComplexArray, *, name: str, where: str
+) -> NDArray[np.bool_]:
+    """Lines with numbers: 0 / 0 at 0 Hz is one without."""
+    good = np.isfinite(values) & np.isfinite(frequency)
+    if not good.size or good.mean() < MOSTLY_GOOD:
+        raise refuse(where, "identify-series-not-finite", name=name)
+    return good
 
 
 def _as_float(element: Element) -> float:

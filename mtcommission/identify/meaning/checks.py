@@ -11,7 +11,8 @@ from mtcommission.identify.measurement import Array, ComplexArray
 from mtcommission.messages.message import Message
 
 LEAST_LINES = 12
-HIGHEST_HZ = 200_000.0
+LOWEST_HZ, HIGHEST_HZ = 5.0, 50_000.0
+"""The last line of a response lies between, or its unit is wrong."""
 SLACK = 1e-3
 """How far a coherence may leave 0 to 1 by rounding."""
 
@@ -79,7 +80,9 @@ def _runs(flags: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64
 def find_bad_frequency(frequency_hz: Array, lines: Lines, *, where: str) -> Fault | None:
     """Return the fault of frequencies that do not rise, are too few, or out of all range."""
     if frequency_hz.size < LEAST_LINES:
-        message = Message("identify-too-few-lines", got=frequency_hz.size, least=LEAST_LINES)
+        message = Message(
+            "identify-fewer-lines-than-needed", got=frequency_hz.size, least=LEAST_LINES
+        )
         return Fault(where=where, message=message)
     steps = np.diff(frequency_hz)
     if (steps <= 0.0).any():
@@ -90,9 +93,10 @@ def find_bad_frequency(frequency_hz: Array, lines: Lines, *, where: str) -> Faul
             after=frequency_hz[row],
         )
         return Fault(where=where, line=int(lines[row]) if lines.size else 0, message=message)
-    if frequency_hz[-1] > HIGHEST_HZ or frequency_hz[0] < 0.0:
-        wrong = float(frequency_hz[-1] if frequency_hz[0] >= 0.0 else frequency_hz[0])
-        message = Message("identify-frequency-out-of-range", got=wrong, most=HIGHEST_HZ)
+    first, last = float(frequency_hz[0]), float(frequency_hz[-1])
+    if not LOWEST_HZ <= last <= HIGHEST_HZ or first < 0.0:
+        kind, most = "identify-frequency-out-of-range", HIGHEST_HZ
+        message = Message(kind, first=first, last=last, least=LOWEST_HZ, most=most)
         return Fault(where=where, message=message)
     return None
 
@@ -103,7 +107,7 @@ def find_bad_coherence(coherence: Array, lines: Lines, *, where: str) -> Fault |
     if not out.any():
         return None
     row = int(np.argmax(out))
-    message = Message("identify-no-coherence", got=float(coherence[row]))
+    message = Message("identify-coherence-out-of-range", got=float(coherence[row]))
     return Fault(where=where, line=int(lines[row]) if lines.size else 0, message=message)
 
 
@@ -141,8 +145,10 @@ def find_rising(
     return Fault(where=where, message=Message("identify-rising", slope=slope))
 
 
-def find_unit_slip(position: Array, velocity: Array, step: float, *, where: str) -> Fault | None:
-    """Return the fault of a velocity that is not the position's rate.
+def find_unit_slip(
+    position: Array, velocity: Array, step: float, *, name: str, where: str
+) -> Fault | None:
+    """Return the fault of a velocity that is not the position's rate, or so for acceleration.
 
     Parameters
     ----------
@@ -150,6 +156,8 @@ def find_unit_slip(position: Array, velocity: Array, step: float, *, where: str)
         Of one sensor, shape (n,) [SI].
     step
         Of the clock [s].
+    name
+        Of the velocity's column.
     where
         Name of the file.
     """
@@ -164,4 +172,4 @@ def find_unit_slip(position: Array, velocity: Array, step: float, *, where: str)
     ratio = float(np.linalg.norm(mean) / np.linalg.norm(rate))
     if 0.7 < ratio < 1.4:
         return None
-    return Fault(where=where, message=Message("identify-unit-slip", ratio=ratio))
+    return Fault(where=where, message=Message("identify-unit-slip", name=name, ratio=ratio))

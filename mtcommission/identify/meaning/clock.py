@@ -19,8 +19,8 @@ ROUNDING = 0.02
 JITTER = 0.5
 """Spread of the steps up to which values may be interpolated; beyond it samples are missing."""
 
-LONGEST_STEP = 10.0
-"""A longer step is no sampling of a vibration [s]."""
+SHORTEST_STEP, LONGEST_STEP = 2e-6, 0.05
+"""Other steps are no sampling of an axis but a wrong unit [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,8 +71,14 @@ def even_clock(contents: TimeContents, sample_time: float, *, where: str) -> Eve
         step = contents.sample_time or sample_time
         if step <= 0.0:
             return Fault(where=where, message=Message("identify-no-sample-time"))
-        return EvenClock(step=step)
+        return _in_range(EvenClock(step=step), where=where)
     return _of_times(contents.clock, contents.lines, where=where)
+
+
+def _in_range(clock: EvenClock, *, where: str) -> EvenClock | Fault:
+    if SHORTEST_STEP <= clock.step <= LONGEST_STEP:
+        return clock
+    return Fault(where=where, message=Message("identify-step-out-of-range", step=clock.step))
 
 
 def _of_times(clock: Array, lines: Lines, *, where: str) -> EvenClock | Fault:
@@ -82,15 +88,16 @@ def _of_times(clock: Array, lines: Lines, *, where: str) -> EvenClock | Fault:
         message = Message("identify-time-does-not-rise", before=clock[at], after=clock[at + 1])
         return Fault(where=where, line=_line(lines, at + 1), message=message)
     step = float(clock[-1] - clock[0]) / steps.size
-    if step > LONGEST_STEP:
-        return Fault(where=where, message=Message("identify-step-too-long", step=step))
+    found = _in_range(EvenClock(step=step), where=where)
+    if isinstance(found, Fault):
+        return found
     middle = float(np.median(steps))
     worst = int(np.argmax(np.abs(steps - middle)))
     spread = abs(float(steps[worst]) - middle) / middle
     even = clock[0] + step * np.arange(clock.size)
     off = float(np.abs(clock - even).max()) / step
     if spread <= ROUNDING or off <= ROUNDING:
-        return EvenClock(step=step)
+        return found
     if spread > JITTER:
         message = Message(
             "identify-uneven", usual=middle, got=float(steps[worst]), at=float(clock[worst])

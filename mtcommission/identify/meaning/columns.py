@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.identify.formats.contents import Column, TimeContents
@@ -37,8 +38,9 @@ _OWN = {
 
 _AT_TCP = ("tcp", "tool", "load", "last", "spindle", "spindel", "werkzeug", "table", "tisch")
 _AT_ENCODER = ("encoder", "motor", "geber", "drive", "antrieb")
-_REFERENCES = ("ref", "reference", "setpoint", "cmd", "command", "excitation", "disturbance")
-_GERMAN_REFERENCES = ("soll", "anregung", "störung", "stoerung")
+_SETPOINTS = ("ref", "reference", "setpoint", "cmd", "command")
+_EXCITATIONS = ("excitation", "disturbance", "anregung", "störung", "stoerung")
+_GERMAN_SETPOINT = "soll"
 _WORDS = {
     Signal.POSITION: ("position", "pos", "angle", "winkel", "lage", "weg", "displacement"),
     Signal.VELOCITY: ("velocity", "vel", "speed", "drehzahl", "geschwindigkeit"),
@@ -158,16 +160,25 @@ def _meaning(column: Column, own: str, unit: str, *, where: str) -> _Meaning | N
         return None
     if by_name and not any(_same_kind(one, measured.signal) for one in by_name):
         raise _contradiction(column, unit, measured.signal, where=where)
-    is_setpoint = _is_reference(words)
-    if is_setpoint and measured.signal in _OUTPUTS:
+    is_setpoint = _is_setpoint(words)
+    if _any(words, _EXCITATIONS) or (is_setpoint and measured.signal in _OUTPUTS):
         return _Meaning(Signal.REFERENCE, None, measured.rotary, measured.scale)
     sensor = column.sensor
     if sensor is None and measured.signal in _OUTPUTS:
-        sensor = (
-            Sensor.TCP if _any(words, _AT_TCP)
-            else Sensor.ENCODER if _any(words, _AT_ENCODER) else None
-        )  # fmt: skip
+        sensor = place_in(words)
     return _Meaning(measured.signal, sensor, measured.rotary, measured.scale, is_setpoint)
+
+
+def place_in(words: Sequence[str]) -> Sensor | None:
+    """Return where the words of a name say that it was measured; None if they do not.
+
+    Examples
+    --------
+    >>> place_in(("motor", "speed"))
+    <Sensor.ENCODER: 'encoder'>
+    """
+    at_encoder = Sensor.ENCODER if _any(words, _AT_ENCODER) else None
+    return Sensor.TCP if _any(words, _AT_TCP) else at_encoder
 
 
 def _signals_in(words: Sequence[str]) -> list[Signal]:
@@ -178,9 +189,8 @@ def _any(words: Sequence[str], known: Iterable[str]) -> bool:
     return bool(set(words) & set(known))
 
 
-def _is_reference(words: Sequence[str]) -> bool:
-    german = any(part in word for part in _GERMAN_REFERENCES for word in words)
-    return german or _any(words, _REFERENCES)
+def _is_setpoint(words: Sequence[str]) -> bool:
+    return _any(words, _SETPOINTS) or any(_GERMAN_SETPOINT in word for word in words)
 
 
 def _same_kind(one: Signal, other: Signal) -> bool:
@@ -284,13 +294,16 @@ def _channels(
 
 
 def _faults(channels: Sequence[Channel], step: float, *, where: str) -> list[Fault]:
-    """Velocities that are not the rate of the position of the same sensor."""
+    """Velocities and accelerations that are not the rate of what the same sensor shows."""
     pairs = (
         (one, other)
         for one in channels
         for other in channels
-        if one.signal is Signal.POSITION and other.signal is Signal.VELOCITY
+        if (one.signal, other.signal) in tuple(pairwise(_OUTPUTS))
         if one.sensor is other.sensor and one.rotary == other.rotary
     )
-    slips = (find_unit_slip(one.values, other.values, step, where=where) for one, other in pairs)
+    slips = (
+        find_unit_slip(one.values, other.values, step, name=other.name, where=where)
+        for one, other in pairs
+    )
     return [fault for fault in slips if fault]

@@ -8,6 +8,7 @@ import numpy as np
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.identify.formats.contents import Lines, ResponseContents, SpectrumContents
+from mtcommission.identify.formats.heads import words_of
 from mtcommission.identify.formats.sinumerik import SETPOINT
 from mtcommission.identify.given import Given
 from mtcommission.identify.meaning.checks import (
@@ -15,6 +16,7 @@ from mtcommission.identify.meaning.checks import (
     find_bad_frequency,
     find_rising,
 )
+from mtcommission.identify.meaning.columns import place_in
 from mtcommission.identify.meaning.units import read_response_unit
 from mtcommission.identify.measurement import (
     FrequencyResponse,
@@ -55,7 +57,7 @@ def read_response(
     unit = read_response_unit(contents.unit) if contents.unit else None
     word = given.input or contents.input or (unit.input if unit else "")
     output = given.output or contents.output or (unit.output if unit else None)
-    sensor = given.sensor or contents.sensor
+    sensor = place_in(words_of(contents.label)) or given.sensor or contents.sensor
     if word == SETPOINT:
         raise InputError([Fault(where=where, message=Message("identify-setpoint-response"))])
     if sensor is None and output is Output.VELOCITY:

@@ -35,6 +35,9 @@ _MOTIONS = (Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION)
 LEAST_COHERENCE = 0.3
 """Median coherence below which a record has not measured the response of the input."""
 
+HOLD = 0.078
+"""Share of the sampling frequency at which a hold takes 1 %: sin(π x)/(π x) = 0.99."""
+
 BIASED_BELOW = 0.9
 """Coherence below which a closed loop could bias a line by more than a tenth."""
 
@@ -145,6 +148,7 @@ def _lines(signals: Signals, reference: Array | None) -> tuple[Lines, list[Messa
         if impact.blows == 1:
             said.append(Message("identify-single-blow"))
         return impact.lines, said
+    hold = Message("identify-hold", limit=HOLD / signals.step)
     period = find_period(signals.input)
     if not period and signals.reference is not None:
         period = find_period(signals.reference)
@@ -153,7 +157,7 @@ def _lines(signals: Signals, reference: Array | None) -> tuple[Lines, list[Messa
         said = [Message("identify-by-periods", count=periodic.periods, period=periodic.period)]
         if periodic.left_out:
             said.append(Message("identify-period-left-out"))
-        return periodic.lines, said
+        return periodic.lines, [*said, hold]
     welch = estimate_by_welch(signals)
     lines = welch.lines
     said = [
@@ -168,7 +172,7 @@ def _lines(signals: Signals, reference: Array | None) -> tuple[Lines, list[Messa
     if not welch.is_resolved:
         said.append(
             Message(
-                "identify-window-too-short", spacing=1.0 / welch.window, width=welch.narrowest_hz
+                "identify-welch-too-coarse", spacing=1.0 / welch.window, width=welch.narrowest_hz
             )
         )
     if welch.is_joint:
@@ -177,7 +181,7 @@ def _lines(signals: Signals, reference: Array | None) -> tuple[Lines, list[Messa
         doubtful = float((lines.coherence < BIASED_BELOW).mean()) if lines.coherence.size else 1.0
         kind = "identify-reference-silent" if reference is not None else "identify-no-reference"
         said.append(Message(kind, share=doubtful))
-    return lines, said
+    return lines, [*said, hold]
 
 
 def _best_of_each_sensor(found: Sequence[FrequencyResponse]) -> Iterator[FrequencyResponse]:
