@@ -34,7 +34,7 @@ LINES = 600
 HIGHEST_HZ = 1000.0
 GRIDS: dict[str, Array] = {
     "log": np.geomspace(2.0, HIGHEST_HZ, LINES),
-    "linear": HIGHEST_HZ / LINES * np.arange(1, LINES + 1),
+    "linear": np.linspace(HIGHEST_HZ / LINES, HIGHEST_HZ, LINES),
 }
 
 

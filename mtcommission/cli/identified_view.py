@@ -56,5 +56,5 @@ def describe_identified(found: Identified, checks: Sequence[Checked]) -> Group:
     parts: list[RenderableType] = [heading(say("identify-title")), *map(Text, facts)]
     if found.modes:
         parts += [Text(), modes]
-    parts.append(Text(say("identify-page-note")))
-    return Group(*parts, *warn(spoken, found.warnings))
+    parts += [Text(say("identify-page-note")), *(Text(spoken.say(one)) for one in found.notes)]
+    return Group(*parts, *warn(spoken, found.doubts))

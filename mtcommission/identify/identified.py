@@ -16,6 +16,9 @@ from mtcommission.identify.measurement import (
 )
 from mtcommission.messages.message import Message
 
+INFORMATION = ("identify-by-", "identify-hold", "identify-band-given", "identify-loudest-axis")
+"""How the kinds of messages begin that warn of nothing."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
@@ -132,6 +135,16 @@ class Identified:
         """Everything that was measured, in the order of the files within each kind."""
         evidence = self.evidence
         return (*evidence.responses, *evidence.spectra, *evidence.vibrations)
+
+    @property
+    def notes(self) -> tuple[Message, ...]:
+        """Those of the warnings that only say how something was done."""
+        return tuple(one for one in self.warnings if one.kind.startswith(INFORMATION))
+
+    @property
+    def doubts(self) -> tuple[Message, ...]:
+        """The other warnings: what to mind, and what to measure better."""
+        return tuple(one for one in self.warnings if not one.kind.startswith(INFORMATION))
 
     @property
     def rotary(self) -> bool:

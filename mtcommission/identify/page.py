@@ -72,12 +72,16 @@ def print_identified(
         Section(key="fits", heading=say("identify-part-fits"), blocks=_plots(found, words)),
     ]
     if found.warnings:
-        told = tuple(words.say(message) for message in found.warnings)
+        notes = tuple(words.say(message) for message in found.notes)
+        doubts = tuple(words.say(message) for message in found.doubts)
         sections.append(
             Section(
                 key="doubts",
                 heading=say("identify-part-doubts"),
-                blocks=(Bullets(items=told, tone=Tone.WARNING),),
+                blocks=(
+                    *([Bullets(items=doubts, tone=Tone.WARNING)] if doubts else []),
+                    *([Bullets(items=notes, tone=Tone.NOTE)] if notes else []),
+                ),
             )
         )
     if checks:

@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from mtcommission.identify.fit.delay import align, slope_of_phase
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.noise import correlation_length, judge_errors, smooth_errors
-from mtcommission.identify.fit.projection import Poles, Projected, project, refine
+from mtcommission.identify.fit.projection import (
+    Poles,
+    Projected,
+    find_variances,
+    project,
+    refine,
+)
 from mtcommission.identify.fit.search import Candidates
 
 Array = NDArray[np.float64]
@@ -29,6 +35,10 @@ CLEAR_GAIN = 50.0
 SEPARATION = 0.75
 """Least distance of two modes, in the sum of their half-power widths; true modes are found down
 to one sum, and two estimates within one peak are one mode and the error of the model."""
+LEAST_CERTAINTY = 4.0
+"""Least gain of a mode, in its standard errors."""
+SHARPEST = 1e-3
+"""Damping ratio below which a mode narrower than half the lines' distance is a single bad line."""
 BROADEST = 0.2
 """Damping ratio beyond which a term is background, no mode."""
 SUSPICIOUS = 5e-3
@@ -111,6 +121,8 @@ def _choose(
     fit = _prune(smooth, fit, count)
     lines, share = judge_errors(responses, fit)
     fit = _prune(lines, refine(lines, fit.poles), count)
+    while count is None and (doubtful := _doubtful(lines, fit)) is not None:
+        fit = refine(lines, fit.poles.drop(doubtful))
     return Ordered(lines, fit, _modes(lines, fit), share, correlation_length(fit))
 
 
@@ -214,6 +226,37 @@ def _prune(responses: Sequence[Lines], best: Projected, count: int | None) -> Pr
             weakest = int(np.argmin(shown))
         best = refine(responses, less[weakest].poles)
     return best
+
+
+def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
+    """The least sure pole that nothing determines; None if all are determined.
+
+    Its frequency is less sure than its half-power width, no response has a gain beyond its error,
+    or it is a spike between two lines, sharper than any structure.
+    """
+    n = fit.poles.omega.size
+    if not n:
+        return None
+    variances = find_variances(responses, fit)
+    size = _size(responses)
+    spare = max(size - (1 + len(responses) * (n + 3) + 2 * n), 1)
+    factor = np.sqrt(max(fit.cost / spare, 1.0) * correlation_length(fit))
+    by_omega = factor * np.array([variances.of_mode(k, n)[0] for k in range(n)])
+    own = np.sqrt(np.maximum(np.diagonal(variances.gains, axis1=1, axis2=2), 1e-300))[:, 1:-1]
+    surest = np.max(np.abs(fit.gains[:, 1:-1]) / (factor * own), axis=0)
+    f = fit.poles.omega / (2 * np.pi)
+    spacing = np.array([min(_spacing(lines, one) for lines in responses) for one in f])
+    is_spike = (fit.poles.zeta < SHARPEST) & (2 * fit.poles.zeta * f < 0.5 * spacing)
+    is_unsure = (by_omega > 2.0 * fit.poles.zeta) | (surest < LEAST_CERTAINTY) | is_spike
+    if not is_unsure.any():
+        return None
+    return int(np.argmin(np.where(is_unsure, surest, np.inf)))
+
+
+def _spacing(lines: Lines, frequency_hz: float) -> float:
+    f = lines.frequency_hz
+    at = int(np.clip(np.searchsorted(f, frequency_hz), 1, f.size - 1))
+    return float(f[at] - f[at - 1])
 
 
 def _too_near(poles: Poles) -> bool:
