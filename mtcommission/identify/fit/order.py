@@ -229,7 +229,7 @@ def _prune(responses: Sequence[Lines], best: Projected, count: int | None) -> Pr
 
 
 def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
-    """The least sure pole that nothing determines; None if all are determined.
+    """The least sure mode that nothing determines; None if all are determined.
 
     Its frequency is less sure than its half-power width, no response has a gain beyond its error,
     or it is a spike between two lines, sharper than any structure.
@@ -248,6 +248,8 @@ def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     spacing = np.array([min(_spacing(lines, one) for lines in responses) for one in f])
     is_spike = (fit.poles.zeta < SHARPEST) & (2 * fit.poles.zeta * f < 0.5 * spacing)
     is_unsure = (by_omega > 2.0 * fit.poles.zeta) | (surest < LEAST_CERTAINTY) | is_spike
+    # Background need not be sure: it only stands for what lies about the band.
+    is_unsure &= np.array(_modes(responses, fit), dtype=bool)
     if not is_unsure.any():
         return None
     return int(np.argmin(np.where(is_unsure, surest, np.inf)))

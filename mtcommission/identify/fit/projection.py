@@ -301,7 +301,9 @@ class Variances:
         """Return the standard errors of ln ω and ln ζ of a mode."""
         first = self.poles.shape[0] - 2 * n_modes + mode
         variances = self.poles[first, first], self.poles[first + n_modes, first + n_modes]
-        return float(np.sqrt(variances[0])), float(np.sqrt(variances[1]))
+        # A negative one is rounding of a huge one: nothing determines that pole.
+        omega, zeta = (float(np.sqrt(one)) if one > 0.0 else np.inf for one in variances)
+        return omega, zeta
 
 
 def find_variances(responses: Sequence[Lines], fit: Projected) -> Variances:
