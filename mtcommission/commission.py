@@ -32,8 +32,6 @@ from mtcommission.verdict.evaluate import (
     Candidate,
     MoveResult,
     evaluate,
-    evaluate_moves,
-    simulate_moves,
 )
 
 Progress = Callable[[Message], None]
@@ -149,8 +147,7 @@ def commission(
     progress(Message("stage-limits"))
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
     progress(Message("stage-responses"))
-    moves = simulate_moves(machine, tuned, choice.limits)
-    recommended = evaluate_moves(machine, plant, tuned, moves)
+    moves, recommended = choice.moves, choice.candidate
     alternatives = tuple(
         evaluate(machine, plant, tuned, limits, name=name) for name, limits in condensed
     )
