@@ -44,8 +44,8 @@ def test_the_page_says_what_the_tables_say() -> None:
 def test_what_was_not_read_is_marked_and_what_is_missing_is_said() -> None:
     said = Catalogue().say(describe_kind(KINDS["fanuc"]))
     assert said == (
-        "has jerk limit as a time, moving average (?), velocity feed-forward (?), torque "
-        "feed-forward (?), 5 torque filters (?); lacks jerk feed-forward (?), balanced "
+        "has jerk limit, setpoint filter (?), velocity feed-forward (?), force feed-forward (?), "
+        "5 filters in the force setpoint (?); lacks jerk feed-forward (?), balancing of the "
         "setpoint (?), state feedback (?)"
     )
     assert "lacks" not in Catalogue().say(describe_kind(STATE_SPACE))

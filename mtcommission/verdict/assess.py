@@ -8,7 +8,7 @@ from math import hypot, isfinite
 
 from mtcommission.loop.analysis.quantisation import SIGMAS
 from mtcommission.loop.simulate.response import LoopResponse
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.machine.requirement import (
     CONTOUR_DEVIATION,
     RESIDUAL_DEVIATION,
@@ -21,6 +21,9 @@ from mtcommission.machine.requirement import (
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
+
+ROUNDING = 1e-6
+"""Relative difference that search and simulation may have where a reserve is just kept."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,6 +82,13 @@ class Assessment:
         missed = [check for check in self.checks if not check.is_met]
         worst = max(missed, key=lambda check: check.value / check.limit, default=None)
         return worst.requirement if worst else None
+
+    def keeps(self, reserve: Reserve) -> bool:
+        """Return whether no requirement needs more than a reserve leaves."""
+        return all(
+            check.value <= (1.0 + ROUNDING) * check.requirement.usable_share(reserve) * check.limit
+            for check in self.checks
+        )
 
     def check_of(self, requirement: Requirement) -> Check:
         """Return the check of one requirement."""
