@@ -9,7 +9,6 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError, Fault, InputError
 from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
-from mtcommission.loop.model.controller import handing_down_delay
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (
     Control,
@@ -54,14 +53,8 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
         SI. What the control has but the loop does not use is there with 0.
     """
     kind, loop, control = subject.kind, subject.controller, subject.machine.control
-    place = control.position_loop
-    place = place if place in kind.position_loops else kind.position_loops[0]
-    delay = loop.reference_delay
-    if place is PositionLoop.DRIVE:  # the drive knows no newer setpoint
-        cycles = {"position_cycle": loop.position_cycle, "velocity_cycle": loop.velocity_cycle}
-        delay = max(delay, handing_down_delay(place, **cycles))
     values: dict[Key, float | str] = {
-        (Setting.POSITION_LOOP, ""): place.value,
+        (Setting.POSITION_LOOP, ""): subject.position_loop.value,
         (Setting.POSITION_CYCLE, ""): loop.position_cycle,
         (Setting.VELOCITY_CYCLE, ""): loop.velocity_cycle,
         (Setting.POSITION_GAIN, ""): loop.position_gain,
@@ -83,7 +76,11 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
             loop.jerk_feedforward * mass * loop.force_lag,
             kind.jerk_feedforward,
         ),
-        (Setting.REFERENCE_DELAY, delay, kind.reference_delay),
+        (
+            Setting.REFERENCE_DELAY,
+            max(loop.reference_delay, subject.own_delay),
+            kind.reference_delay,
+        ),
         (Setting.AVERAGE, control.moving_average_time, "moving_average" in kind.setpoint_filters),
         (Setting.FILTERS, min(len(loop.force_filters), kind.force_filters), kind.force_filters > 0),
     ):
