@@ -38,9 +38,7 @@ def is_seen(mode: PlantMode, sensors: tuple[str, ...]) -> bool:
     return mode.measured_gain != 0.0 or ("tcp" in sensors and mode.tcp_gain != 0.0)
 
 
-def most_resonant_mode(
-    plant: Plant, sensors: tuple[str, ...], damping: tuple[float, ...]
-) -> PlantMode | None:
+def most_resonant_mode(plant: Plant, sensors: tuple[str, ...]) -> PlantMode | None:
     """Return the visible mode that resonates most at the tool; None if none is visible.
 
     Parameters
@@ -49,20 +47,20 @@ def most_resonant_mode(
         Nominal.
     sensors
         Names of measured outputs.
-    damping
-        Damping ratio of each mode under the cascade alone [-].
 
     Returns
     -------
     PlantMode or None
-        The one with the largest |tcp_gain| / (2 ζ ω²), its peak deflection per newton.
+        The one with the largest |tcp_gain| / (2 ζ ω²), its peak deflection per newton without
+        control.
     """
-    peaks = {
-        index: abs(mode.tcp_gain) / (mode.natural_frequency**2 * max(zeta, LEAST_DAMPING))
-        for index, (mode, zeta) in enumerate(zip(plant.modes, damping, strict=True))
-        if is_seen(mode, sensors)
-    }
-    return plant.modes[max(peaks, key=peaks.__getitem__)] if peaks else None
+
+    def peak(mode: PlantMode) -> float:
+        zeta = max(mode.damping_ratio, LEAST_DAMPING)
+        return abs(mode.tcp_gain) / (mode.natural_frequency**2 * zeta)
+
+    visible = [mode for mode in plant.modes if is_seen(mode, sensors)]
+    return max(visible, key=peak, default=None)
 
 
 def add_state_feedback(
@@ -95,6 +93,42 @@ def add_state_feedback(
     Controller
     """
     gains = _mode_gains(machine, plant, cascade, mode, weight, observer.states)
+    return replace(cascade, state_gains=gains, observer=observer)
+
+
+def given_state_feedback(
+    machine: Machine, plant: Plant, cascade: Controller, *, settings: TuningSettings
+) -> Controller:
+    """Return the cascade with the state gains that the profile gives.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal machine and its plant.
+    cascade
+        Without state feedback.
+    settings
+        Assumed noises of the observer.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    ComputationError
+        NOT_OBSERVABLE if a gain needs a state that the sensors do not see;
+        FEEDBACK_DESIGN_FAILED if the observer cannot be computed.
+    """
+    gains = np.zeros(plant.order)
+    for item in machine.control.state_gains:
+        gains[plant.states.index(item.state)] = item.value
+    observer = design_observer(machine, plant, cascade, settings=settings)
+    hidden = [plant.states[i] for i in np.flatnonzero(gains) if i not in observer.states]
+    if hidden:
+        raise ComputationError(
+            Outcome.NOT_OBSERVABLE, Message("loop-hidden-states", states=tuple(hidden))
+        )
     return replace(cascade, state_gains=gains, observer=observer)
 
 
