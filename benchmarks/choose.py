@@ -157,11 +157,10 @@ def keeps_bounds(machine: Machine, plant: Plant, tuned: TunedLoop, pairs: np.nda
                 order=4 if machine.control.moving_average_time else 3,
                 dwell=move.dwell,
                 tail=0.1,
+                static_load=drive.static_load,
             )
-            load = abs(drive.static_load)
-            square = found.mean_square_force + load**2 + 2.0 * load * np.abs(found.mean_force)
             fits &= np.all(found.peaks <= bounds, axis=1)
-            fits &= np.sqrt(square) <= drive.continuous_force
+            fits &= found.rms_force <= drive.continuous_force
     return fits
 
 

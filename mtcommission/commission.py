@@ -26,6 +26,7 @@ from mtcommission.study.machining_modes import ModeLimits, find_limits_by_mode
 from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
 from mtcommission.study.robustness import Robustness, examine_robustness
 from mtcommission.study.settings import Settings
+from mtcommission.study.today import TodaysValues, judge_today
 from mtcommission.verdict.assess import Assessment
 from mtcommission.verdict.evaluate import (
     Candidate,
@@ -77,6 +78,8 @@ class Commissioning:
     attainable
         What could be met in place of the requirements that stand in the way; empty if all are
         met, or if the force itself does not suffice.
+    today
+        What the values now in the control do; None where the profile states none.
     """
 
     machine: Machine
@@ -96,6 +99,7 @@ class Commissioning:
     robustness: Robustness
     move_sizes: tuple[MoveSizes, ...]
     attainable: tuple[Attainable, ...]
+    today: TodaysValues | None
 
     @property
     def tuned(self) -> TunedLoop:
@@ -168,6 +172,7 @@ def commission(
     robustness = examine_robustness(
         machine, plant, tuned, choice.limits, settings=settings.robustness
     )
+    today = judge_today(machine, plant, tuned, settings.robustness)
     loop_study = study_loop(machine, loop, choice.limits)
     move_sizes = compare_move_sizes(machine, plant, tuned, choice.limits, rule.limits)
     return Commissioning(
@@ -188,4 +193,5 @@ def commission(
         robustness=robustness,
         move_sizes=move_sizes,
         attainable=attainable,
+        today=today,
     )

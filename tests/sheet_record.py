@@ -91,12 +91,15 @@ def _unsealed_record() -> Json:
             "kind": "manipulator",
         },
         "data": [
+            _datum("control.kind", "state-space", "") | {"source": said("source-default")},
             _datum("plant.base_mass", 451.0, "kg"),
             _datum("plant.base_stiffness", 44.41e6, "N/m"),
             _datum("drive.max_force", 2010.0, "N"),
             _datum("moves[1].velocity_step", 0.102, "m/s"),
             _datum("requirements.tcp_deviation", 5.1e-6, "m"),
             _datum("requirements.frequency_spread", 0.052, "-"),
+            _datum("requirements.reserve.band", 0.93, "-"),
+            _datum("requirements.reserve.force", 0.97, "-"),
             _datum("requirements.peaks.v_phi", 0.0053, "SI"),
         ],
         "settings": {"tuning.gain_margin_db": 6.1, "tuning.mode_weights": "0.2, 0.1"},
@@ -133,6 +136,7 @@ def _unsealed_record() -> Json:
                     "name": "residual deviation",
                     "value": 4.582e-6,
                     "limit": 5.1e-6,
+                    "reserve": 0.93,
                     "unit": "m",
                     "met": True,
                     "where": said(
@@ -192,6 +196,7 @@ def unsettled_record() -> Json:
                 "name": "settling time",
                 "value": None,
                 "limit": 0.2,
+                "reserve": 1.0,
                 "unit": "s",
                 "met": False,
                 "where": said("place", parts=(Message("place-move", number=1),)),
@@ -298,7 +303,7 @@ def rotary_record() -> Json:
     return record
 
 
-def _datum(key: str, value: float, unit: str) -> Any:
+def _datum(key: str, value: float | str, unit: str) -> Any:
     return {"key": key, "value": value, "unit": unit, "source": "Table 1"}
 
 
@@ -391,7 +396,11 @@ def _limits() -> Any:
             "settling_time": best["settling_time"],
             "residual_deviation": best["residual_deviation"],
             "peak_deviation": best["peak_deviation"],
+            "setpoint_filter": None,
+            "frequency_range": [0.9475, 1.0525],
+            "valid_for": [{"smallest": 0.102, "largest": 0.102}],
         },
+        "today": None,
         "modes": [_mode("surface", 2e-6), _mode("accuracy", 5e-6), _mode("speed", 2e-5)],
         "attainable": [],
         "move_sizes": [
@@ -444,6 +453,7 @@ def _limits() -> Any:
             "usage": [[0.4, 0.4, 0.4, 0.4], [0.8, 0.8, 0.7, 0.7], [1.2, 1.2, 1.1, 1.1]],
         },
         "search": {"evaluations": 12.0},
+        "warnings": [],
     }
 
 
@@ -489,14 +499,24 @@ def _move_sizes(way: str, jerk: float | None, moving_average: float) -> Any:
 def _loop() -> Any:
     f = [0.1 * 10 ** (k / 20) for k in range(81)]
     return {
+        "kind": "state-space",
+        "jerk": "limit",
+        "position_loop": "control",
+        "features": [],
         "Kv": 42.79,
         "Kp": 128400.0,
         "Tn": 0.02337,
+        "reference_model_time": 0.0,
         "reference_delay": 0.005625,
+        "reference_age": 0.0026875,
         "state_feedback": {"v_b": 1236.4},
         "feedforward": {"velocity": 1.0, "acceleration": 1.0, "jerk": 0.0, "mass": 752.0},
         "position_cycle": 0.002,
         "velocity_cycle": 0.000125,
+        "force_lag": 0.0025,
+        "motion_force": 2010.0,
+        "force_filters": [{"kind": "notch", "natural_frequency": 452.0, "damping": 0.1}],
+        "encoder_resolution": 1e-8,
         "sensors": ["encoder"],
         "observer": {
             "states": ["x_b", "v_b"],

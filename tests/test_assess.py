@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 
 from mtcommission.loop.simulate.response import LoopResponse
-from mtcommission.machine.machine import Machine, Motion, Peak
-from mtcommission.machine.requirement import SET_FORCE
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Machine, Motion, Peak, VelocityStep
+from mtcommission.machine.requirement import CONTOUR_DEVIATION, SET_FORCE
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verdict.assess import Assessment, Check, assess, describe_place
+from mtcommission.verdict.evaluate import simulate_moves
 from tests.machines import paper_machine
 
 
@@ -34,6 +37,7 @@ def response(**changes: object) -> LoopResponse:
         settling_time=0.1,
         residual_deviation=4e-6,
         peak_deviation=5e-5,
+        contour_deviation=2e-5,
         mode_amplitudes=np.zeros(2),
         peaks=np.full(10, 1e-3),
         max_force=1500.0,
@@ -46,7 +50,10 @@ def response(**changes: object) -> LoopResponse:
 def demanding(**changes: object) -> Machine:
     machine = paper_machine()
     needs = replace(
-        machine.requirements, max_settling_time=0.2, peaks=(Peak(name="v_phi", bound=5e-3),)
+        machine.requirements,
+        max_settling_time=0.2,
+        contour_deviation=3e-5,
+        peaks=(Peak(name="v_phi", bound=5e-3),),
     )
     drive = replace(machine.drive, continuous_force=1000.0)
     return replace(machine, requirements=needs, drive=drive, **changes)  # type: ignore[arg-type]
@@ -67,6 +74,7 @@ def test_every_requirement_has_a_check_with_its_limit() -> None:
     assert limits == {
         "residual deviation": (5e-6, "m"),
         "settling time": (0.2, "s"),
+        "contour deviation": (3e-5, "m"),
         "peak v_phi": (5e-3, "rad/s"),
         "set force": (2000.0, "N"),
         "RMS force": (1000.0, "N"),
@@ -90,6 +98,7 @@ peaks[5] = 6e-3
         ({"residual_deviation": 5.1e-6}, "residual deviation"),
         ({"settling_time": 0.21}, "settling time"),
         ({"settling_time": inf}, "settling time"),
+        ({"contour_deviation": 3.1e-5}, "contour deviation"),
         ({"peaks": peaks}, "peak v_phi"),
         ({"max_force": 2001.0}, "set force"),
         ({"rms_force": 1001.0}, "RMS force"),
@@ -145,3 +154,20 @@ def test_places_are_described_in_words() -> None:
         == "payload 50 kg, frequencies × 1.05, damping × 0.7"
     )
     assert say(describe_place(2, NOMINAL, 3)) == "move 2, nominal"
+
+
+def test_a_contour_is_judged_at_its_feed_and_the_rest_at_the_velocity_of_the_move() -> None:
+    """A rapid move would be slowed down to keep a contour that nobody cuts at that velocity."""
+    machine = paper_machine()
+    needs = replace(machine.requirements, contour_deviation=1e-3, contour_feed=0.03)
+    machine = replace(machine, requirements=needs)
+    tuned, limits = tune_loop(machine), MotionLimits(acceleration=1.5, jerk=50.0)
+    (fast,) = simulate_moves(machine, tuned, limits)
+    (slow,) = simulate_moves(
+        replace(machine, moves=(VelocityStep(velocity_step=0.03),)), tuned, limits
+    )
+    for ours, path in zip(fast.responses, slow.responses, strict=True):
+        assert ours.contour_deviation == path.peak_deviation < 0.9 * ours.peak_deviation
+    found = assess(machine, build_plant(machine), tuned.corners, [fast.responses])
+    worst = max(response.peak_deviation for response in slow.responses)
+    assert found.check_of(CONTOUR_DEVIATION).value == worst

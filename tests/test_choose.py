@@ -12,6 +12,7 @@ from benchmarks.population import random_machine
 from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
+from mtcommission.limits.search.bench import build_bench, settle_exactly, use_of_bounds
 from mtcommission.limits.search.region import narrow_region, widest_region
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import settle
@@ -27,11 +28,12 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
-from mtcommission.machine.requirement import RMS_FORCE, SETTLING_TIME
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION, RMS_FORCE, SETTLING_TIME
 from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (
     JerkSteps,
     jerk_steps,
@@ -59,6 +61,8 @@ CASES: dict[str, Machine] = {
     "settling time": require(PAPER, max_settling_time=0.3),
     "impossible settling time": require(PAPER, max_settling_time=0.005),
     "two moves": replace(PAPER, moves=(*PAPER.moves, Positioning(distance=0.01, max_velocity=0.2))),
+    "dwell": replace(PAPER, moves=tuple(replace(move, dwell=1.5) for move in PAPER.moves)),
+    "contour": require(PAPER, contour_deviation=6e-5, contour_feed=0.05),
     "moving average": quiet_copy(PAPER, moving_average_time=20e-3),
     "tiny step": replace(PAPER, moves=(VelocityStep(velocity_step=2e-3),)),
     "narrow band": require(PAPER, tcp_deviation=5e-7),
@@ -174,7 +178,7 @@ def first_within_force(
                 )
                 fits &= np.all(found.peaks <= bounds, axis=1)
                 if isfinite(drive.continuous_force):
-                    fits &= np.sqrt(found.mean_square_force) <= drive.continuous_force
+                    fits &= found.rms_force <= drive.continuous_force
         if fits.any():
             return float(settling[part[fits][0]])
     return inf
@@ -191,6 +195,31 @@ def test_recommendation_is_judged_by_simulation_as_by_the_search(name: str) -> N
     limits = case.choice.limits
     for value in (limits.acceleration, limits.jerk):
         assert float(f"{value:.4g}") == value
+
+
+@pytest.mark.parametrize("name", ["five corners", "moving average", "dwell", "two moves"])
+def test_search_and_verdict_compute_the_same(name: str) -> None:
+    """What the search takes for 100 % of force, peaks, contour or RMS must be that on the sheet."""
+    machine = require(
+        CASES[name],
+        peaks=(Peak(name="v_phi", bound=5e-3),),
+        contour_deviation=1e-4,
+        contour_feed=0.05,
+    )
+    drive = replace(machine.drive, continuous_force=900.0, static_load=-200.0)
+    machine = replace(machine, drive=drive)
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    bench = build_bench(machine, plant, tuned, longest=0.3)
+    a, t = np.array([0.7, 1.4, 1.4]), np.array([0.05, 0.01, 0.03])
+    used = use_of_bounds(bench, a, t)
+    residual = settle_exactly(bench, a, t).residual_deviation / bench.band
+    for i in range(len(a)):
+        limits = MotionLimits(acceleration=a[i], jerk=a[i] / t[i])
+        checks = evaluate(machine, plant, tuned, limits).assessment.checks
+        shares = {check.requirement: check.value / check.limit for check in checks}
+        for requirement, share in zip(bench.requirements, used[i], strict=True):
+            assert share == pytest.approx(shares[requirement], rel=1e-6), requirement
+        assert residual[i] == pytest.approx(shares[RESIDUAL_DEVIATION], rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["paper", "peak of v_phi", "moving average", "narrow band"])

@@ -339,7 +339,8 @@ def test_drive_train_contour_and_todays_values_reach_the_machine() -> None:
     machine = parse_profile(text, where="p.toml")
     assert (machine.drive.lead, machine.drive.gear) == (0.01, 2.0)
     needs = machine.requirements
-    assert (needs.contour_deviation, needs.contour_feed) == (20e-6, pytest.approx(0.05))
+    assert needs.contour_deviation == 20e-6
+    assert needs.contour_feed == pytest.approx(0.05)
     assert needs.reserve == Reserve(band=0.7, force=0.95)
     assert machine.today == Today(
         acceleration=2.0,

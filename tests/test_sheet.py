@@ -452,7 +452,15 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia_on_the_terminal_too():
     """Its table said kg·m² and N·m, the verdict below "set force" and "payload 0.2 kg"."""
     parts = Message("place-payload", payload=0.2), Message("place-frequencies", factor=0.97)
     where = Message("place", parts=parts)
-    check = Check(name="set force", value=21.7, limit=800.0, unit="N m", met=True, where=where)
+    check = Check(
+        name="set force",
+        value=21.7,
+        limit=800.0,
+        reserve=0.95,
+        unit="N m",
+        met=True,
+        where=where,
+    )
     part = SimpleNamespace(
         moves=[],
         assessment=AssessmentPart(met=True, checks=[check], obstacle=""),

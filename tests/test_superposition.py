@@ -124,14 +124,15 @@ def test_peaks_and_forces_agree_with_the_full_simulation(name: str) -> None:
             order=4 if machine.control.moving_average_time else 3,
             dwell=move.dwell,
             tail=0.3,
+            static_load=machine.drive.static_load,
+            with_deviation=True,
         )
         for i in range(len(a)):
             full = linear_response(machine, tuned, move, a[i], j[i])
             assert found.peaks[i, 0] == pytest.approx(full.max_force, rel=1e-6)
             assert found.peaks[i, 1:] == pytest.approx(full.peaks[watched], rel=1e-6)
-            if full.t_end > 0.03:  # below that the window ends while the dead time still runs
-                rms = np.sqrt(found.mean_square_force[i])
-                assert rms == pytest.approx(full.rms_force, rel=2e-3)
+            assert found.rms_force[i] == pytest.approx(full.rms_force, rel=1e-6)
+            assert found.deviation[i] == pytest.approx(full.peak_deviation, rel=1e-6)
 
 
 def test_doubling_every_limit_and_the_move_doubles_the_deviation() -> None:

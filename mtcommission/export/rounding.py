@@ -16,10 +16,11 @@ from math import inf
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.shaping import TypedShaper
-from mtcommission.export.subject import Subject, Verdict, judge_setpoints, plan_moves
+from mtcommission.export.subject import Subject, Verdict, judge_plan
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-from mtcommission.study.shapers import shape_setpoint
+from mtcommission.setpoint.setpoint import Plan, plan_within
+from mtcommission.study.shapers import Shaper, shape_setpoint
 
 DIGITS = 4
 """Significant digits of what is typed in: a tenth of the digits by which valleys differ."""
@@ -236,18 +237,18 @@ def _ramp(subject: Subject, pair: _Pair) -> float:
 
 
 def _judge(subject: Subject, pair: _Pair) -> Typed:
-    average = subject.machine.control.moving_average_time
-    setpoints = plan_moves(subject, pair.limits, moving_average=average)
-    if pair.shaper:
-        shaper = pair.shaper.impulses
-        setpoints = tuple(shape_setpoint(setpoint, shaper) for setpoint in setpoints)
+    plan = plan_within(subject.machine, pair.limits)
     return Typed(
         acceleration=pair.acceleration,
         jerk=pair.jerk,
         limits=pair.limits,
         shaper=pair.shaper,
-        verdict=judge_setpoints(subject, setpoints),
+        verdict=judge_plan(subject, _shaped(plan, pair.shaper.impulses) if pair.shaper else plan),
     )
+
+
+def _shaped(plan: Plan, shaper: Shaper) -> Plan:
+    return lambda move: shape_setpoint(plan(move), shaper)
 
 
 def _pairs(subject: Subject, coding: Coding) -> Iterator[_Pair]:

@@ -21,10 +21,11 @@ from mtcommission.export.rounding import (
     round_up_digits,
     type_number,
 )
-from mtcommission.export.subject import Subject, judge_setpoints, plan_moves
+from mtcommission.export.subject import Subject, judge_plan
 from mtcommission.export.wording import MILLI, TURN, name_mode, show_value
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import without_jerk_limit
+from mtcommission.setpoint.setpoint import plan_setpoint
 
 GAIN_PER_MINUTE = 1000.0 / 60.0
 """(m/min)/mm = 1000/min in 1/s."""
@@ -145,7 +146,7 @@ def _jerk_filter(subject: Subject, values: Values) -> tuple[Block, ...]:
         return (Block(title=title, entries=(), notes=(note,)),)
     time = count * cycle
     limits = without_jerk_limit(subject.machine, typed.limits.acceleration)
-    verdict = judge_setpoints(subject, plan_moves(subject, limits, moving_average=time))
+    verdict = judge_plan(subject, partial(plan_setpoint, limits=limits, moving_average=time))
     notes = (
         Message("sinumerik-filter-instead"),
         Message(

@@ -6,7 +6,6 @@ as it was, in every corner, without tuning or optimising anything.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite
 
@@ -22,9 +21,9 @@ from mtcommission.plant.plant import Plant, PlantMode, build_plant, dominant_mod
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
-from mtcommission.verdict.assess import Assessment, assess
-from mtcommission.verdict.evaluate import simulate_setpoints
+from mtcommission.setpoint.setpoint import Plan
+from mtcommission.verdict.assess import Assessment
+from mtcommission.verdict.evaluate import evaluate_moves, simulate_planned
 
 REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what
@@ -227,50 +226,27 @@ def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
     )
 
 
-def plan_moves(
-    subject: Subject, limits: MotionLimits, *, moving_average: float
-) -> tuple[Setpoint, ...]:
-    """Return the setpoint of every move.
+def judge_plan(subject: Subject, plan: Plan) -> Verdict:
+    """Return what planned setpoints do in every corner.
 
     Parameters
     ----------
     subject
         The axis.
-    limits
-        Acceleration and jerk.
-    moving_average
-        Length of the control's moving-average setpoint filter [s]; 0 = none.
-
-    Returns
-    -------
-    tuple of Setpoint
-    """
-    return tuple(
-        plan_setpoint(move, limits, moving_average=moving_average) for move in subject.machine.moves
-    )
-
-
-def judge_setpoints(subject: Subject, setpoints: Sequence[Setpoint]) -> Verdict:
-    """Return what setpoints do in every corner.
-
-    Parameters
-    ----------
-    subject
-        The axis.
-    setpoints
-        One for each move.
+    plan
+        Setpoint of a move, filters included.
 
     Returns
     -------
     Verdict
     """
     machine, tuned = subject.machine, subject.tuned
-    rows = [result.responses for result in simulate_setpoints(machine, tuned, setpoints)]
-    everywhere = [response for row in rows for response in row]
+    moves = simulate_planned(machine, tuned, plan)
+    found = evaluate_moves(machine, subject.plant, tuned, moves)
     return Verdict(
-        settling_time=max(response.settling_time for response in everywhere),
-        residual_deviation=max(response.residual_deviation for response in everywhere),
-        assessment=assess(machine, subject.plant, tuned.corners, rows),
+        settling_time=found.settling_time,
+        residual_deviation=found.residual_deviation,
+        assessment=found.assessment,
     )
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
+from mtcommission.machine.machine import Move, VelocityStep
 from mtcommission.messages.message import Message
 
 
@@ -75,3 +76,28 @@ def read_requirement(value: str) -> Requirement:
     """
     kind, _, signal = value.partition(" ")
     return peak_of(signal) if kind == "peak" and signal else Requirement(Kind(value))
+
+
+def slow_to_feed(move: Move, feed: float) -> Move:
+    """Return the move as it is where contours are followed: no faster than a feed.
+
+    Parameters
+    ----------
+    move
+        Velocity step or positioning.
+    feed
+        Largest velocity at which the contour deviation must hold [m/s]; inf: that of the move.
+
+    Returns
+    -------
+    Move
+        The same one where it is not faster.
+
+    Examples
+    --------
+    >>> slow_to_feed(VelocityStep(velocity_step=0.5), 0.1)
+    VelocityStep(velocity_step=0.1, dwell=0.0)
+    """
+    if isinstance(move, VelocityStep):
+        return replace(move, velocity_step=min(move.velocity_step, feed))
+    return replace(move, max_velocity=min(move.max_velocity, feed))

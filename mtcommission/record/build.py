@@ -54,6 +54,7 @@ def build_record(
     """
     machine, plant = commissioning.machine, commissioning.plant
     robustness = robustness_part(machine, commissioning.robustness)
+    limits = limits_part(commissioning)
     record = Record(
         schema=SCHEMA,
         checksum="",
@@ -66,10 +67,15 @@ def build_record(
         data=list_data(machine, plant, profile.text),
         settings=_settings_entry(commissioning),
         assumptions=[*list_assumptions(machine)],
-        warnings=[*warnings, *commissioning.tuned.warnings, *robustness.warnings],
+        warnings=[
+            *warnings,
+            *limits.warnings,
+            *commissioning.tuned.warnings,
+            *robustness.warnings,
+        ],
         plant=_plant_entry(plant),
         optima=[_optima_entry(plant, item) for item in commissioning.optima],
-        limits=limits_part(commissioning),
+        limits=limits,
         loop=loop_part(commissioning),
         moves=[move_entry(plant, commissioning.tuned, result) for result in commissioning.moves],
         comparisons=[
@@ -77,7 +83,7 @@ def build_record(
             for item, result in zip(commissioning.comparisons, commissioning.moves, strict=True)
         ],
         robustness=robustness,
-        assessment=assessment_part(commissioning.assessment),
+        assessment=assessment_part(commissioning.assessment, machine.requirements.reserve),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
 

@@ -11,7 +11,7 @@ from mtcommission.plant.plant import Plant
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
 from mtcommission.record.schema import Datum
 
-Row = tuple[str, float, str]
+Row = tuple[str, float | str, str]
 """Key, value and SI unit."""
 
 ILLUSTRATIVE = Message("source-illustrative")
@@ -63,6 +63,7 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
         itself, but for what ``machine.assumed`` names.
     """
     rows = [
+        *_control_rows(machine),
         *list_quantities(machine.mechanics, "plant", machine.axis_units),
         *_drive_rows(machine),
         *_move_rows(machine),
@@ -74,17 +75,32 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
     return [
         Datum(key=key, value=value, unit=unit, source=_source(machine, key, given, assumed))
         for key, value, unit in rows
-        if isfinite(value)
+        if isinstance(value, str) or isfinite(value)
+    ]
+
+
+def _control_rows(machine: Machine) -> list[Row]:
+    control = machine.control
+    return [
+        ("control.kind", control.kind.key, ""),
+        ("control.position_loop", control.position_loop.value, ""),
     ]
 
 
 def _drive_rows(machine: Machine) -> list[Row]:
     drive, force = machine.drive, machine.axis_units.force.si
+    length = machine.axis_units.length.si
+    stated = [
+        ("drive.lead", drive.lead or 0.0, length),
+        ("drive.gear", drive.gear if drive.lead else 0.0, ""),
+        ("drive.encoder_resolution", drive.encoder_resolution, length),
+    ]
     return [
         ("drive.force_lag", drive.force_lag, "s"),
         ("drive.max_force", drive.max_force, force),
         ("drive.continuous_force", drive.continuous_force, force),
         ("drive.static_load", drive.static_load, force),
+        *(row for row in stated if row[1]),
     ]
 
 
@@ -109,6 +125,10 @@ def _requirement_rows(machine: Machine, plant: Plant) -> list[Row]:
     return [
         ("requirements.tcp_deviation", needs.tcp_deviation, machine.axis_units.length.si),
         ("requirements.max_settling_time", needs.max_settling_time, "s"),
+        ("requirements.contour_deviation", needs.contour_deviation, machine.axis_units.length.si),
+        ("requirements.contour_feed", needs.contour_feed, machine.axis_units.velocity.si),
+        ("requirements.reserve.band", needs.reserve.band, "-"),
+        ("requirements.reserve.force", needs.reserve.force, "-"),
         ("requirements.frequency_spread", needs.frequency_spread, "-"),
         ("requirements.damping_spread", needs.damping_spread, "-"),
         ("requirements.payload (least)", needs.payload[0], mass),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import TypeVar
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
-from mtcommission.machine.machine import VelocityStep
+from mtcommission.machine.machine import Machine, VelocityStep
 from mtcommission.record.data import describe_move
 from mtcommission.record.schema import (
     Alternative,
@@ -24,12 +25,17 @@ from mtcommission.record.schema import (
     RuleResult,
     RuleStepEntry,
     RuleText,
+    SetpointFilterEntry,
+    SizesEntry,
+    TodayEntry,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.study.attainable import Attainable
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
+from mtcommission.study.robustness import FrequencyError
+from mtcommission.study.today import TodaysValues
 from mtcommission.verdict.evaluate import Candidate
 
 Array = NDArray[np.float64]
@@ -38,10 +44,19 @@ Judged = TypeVar("Judged", bound=JudgedLimits)
 
 def limits_part(commissioning: Commissioning) -> LimitsPart:
     """Return all about the limits, as ``limits --json`` prints it."""
-    choice, best = commissioning.choice, commissioning.recommended
-    seen = choice.landscape
+    choice, best, machine = commissioning.choice, commissioning.recommended, commissioning.machine
+    seen, today = choice.landscape, commissioning.today
     return LimitsPart(
-        recommended=entry_of(LimitsEntry, best, best.limits, bound_by=choice.bound_by),
+        recommended=entry_of(
+            LimitsEntry,
+            best,
+            best.limits,
+            setpoint_filter=_filter_entry(machine.control.moving_average_time),
+            bound_by=choice.bound_by,
+            frequency_range=_range(commissioning.robustness.frequency_error),
+            valid_for=_sizes(machine),
+        ),
+        today=_today_entry(machine, today) if today else None,
         modes=[_mode_entry(mode) for mode in commissioning.modes],
         attainable=[_attainable_entry(item) for item in commissioning.attainable],
         move_sizes=[_move_sizes_entry(item) for item in commissioning.move_sizes],
@@ -56,6 +71,48 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
             usage=_plotted(seen.usage),
         ),
         search={"evaluations": choice.evaluations},
+        warnings=[today.failure] if today and today.failure else [],
+    )
+
+
+def _filter_entry(time: float) -> SetpointFilterEntry | None:
+    return SetpointFilterEntry(kind="moving_average", time=time) if time else None
+
+
+def _range(error: FrequencyError) -> list[float] | None:
+    ends = [error.kept_from, error.kept_to]
+    return ends if all(map(isfinite, ends)) else None
+
+
+def _sizes(machine: Machine) -> list[SizesEntry]:
+    """Of each move the one size that is listed; no other was judged."""
+    sizes = [
+        move.velocity_step if isinstance(move, VelocityStep) else move.distance
+        for move in machine.moves
+    ]
+    return [SizesEntry(smallest=size, largest=size) for size in sizes]
+
+
+def _today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
+    today, judged, loop = found.today, found.judged, found.controller
+    limiting = judged and judged.assessment.limiting_requirement
+    return TodayEntry(
+        acceleration=today.acceleration,
+        jerk=today.jerk,
+        jerk_time=found.limits.jerk_time,
+        setpoint_filter=_filter_entry(today.moving_average_time),
+        Kv=loop.position_gain,
+        Kp=loop.velocity_gain,
+        Tn=loop.integral_time,
+        basis=found.basis,
+        failure=found.failure,
+        bound_by=limiting.message if limiting else None,
+        settling_time=finite_or_none(judged.settling_time) if judged else None,
+        residual_deviation=finite_or_none(judged.residual_deviation) if judged else None,
+        peak_deviation=finite_or_none(judged.peak_deviation) if judged else None,
+        meets_requirements=judged is not None and judged.assessment.is_met,
+        frequency_range=_range(found.frequency_error) if found.frequency_error else None,
+        valid_for=_sizes(machine),
     )
 
 

@@ -20,6 +20,7 @@ from mtcommission.record.schema import (
     ClosedLoop,
     DelayEntry,
     FeedforwardEntry,
+    ForceFilterEntry,
     JerkFeedforwardEntry,
     LoopCornerEntry,
     LoopPart,
@@ -42,12 +43,23 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant = commissioning.tuned, commissioning.plant
     controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.loops[0].lifted
+    machine, control = commissioning.machine, commissioning.machine.control
     mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return entry_of(
         LoopPart,
         nominal,
         controller,
         tuned,
+        kind=control.kind.key,
+        jerk=control.kind.jerk.value,
+        position_loop=control.position_loop.value,
+        features=[],
+        motion_force=machine.drive.motion_force,
+        encoder_resolution=machine.drive.encoder_resolution,
+        force_filters=[
+            entry_of(ForceFilterEntry, item, kind=item.kind.value)
+            for item in controller.force_filters
+        ],
         Kv=controller.position_gain,
         Kp=controller.velocity_gain,
         Tn=controller.integral_time,

@@ -8,7 +8,8 @@ import numpy as np
 
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, Reserve
+from mtcommission.machine.requirement import Kind
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
@@ -123,15 +124,24 @@ def simulation_part(
         corners=entries[0].corners,
         moves=entries,
         warnings=list(tuned.warnings),
-        assessment=assessment_part(verdict),
+        assessment=assessment_part(verdict, machine.requirements.reserve),
     )
 
 
-def assessment_part(assessment: Assessment) -> AssessmentPart:
-    """Return the verdict as the record holds it."""
+def assessment_part(assessment: Assessment, reserve: Reserve) -> AssessmentPart:
+    """Return the verdict as the record holds it, with the share that recommendations may use."""
     limiting = assessment.limiting_requirement
+    shares = {Kind.SETTLING_TIME: 1.0, Kind.SET_FORCE: reserve.force, Kind.RMS_FORCE: reserve.force}
     return AssessmentPart(
         met=assessment.is_met,
-        checks=[entry_of(Check, check, met=check.is_met) for check in assessment.checks],
+        checks=[
+            entry_of(
+                Check,
+                check,
+                met=check.is_met,
+                reserve=shares.get(check.requirement.kind, reserve.band),
+            )
+            for check in assessment.checks
+        ],
         obstacle=limiting.value if limiting else "",
     )

@@ -13,7 +13,7 @@ from typing import TypeAlias
 from mtcommission.messages.formula import Expression
 from mtcommission.messages.message import Message
 
-SCHEMA = 2
+SCHEMA = 3
 
 Words: TypeAlias = Message | str
 """What the catalogue says, or the user's own words."""
@@ -163,16 +163,66 @@ class OptimaEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SetpointFilterEntry:
+    """A filter of the control in the setpoint; ``time`` is its length [s]."""
+
+    kind: str
+    time: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SizesEntry:
+    """Between which sizes of a move all requirements were judged [m/s or m, as the move]."""
+
+    smallest: float
+    largest: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LimitsEntry:
-    """Recommended limits with what bound them."""
+    """Limits for the control, what binds them, and where they were judged.
+
+    ``frequency_range``: every requirement is kept where all eigenfrequencies are off by a factor
+    between these two [-]; null: not even at those of the profile. ``valid_for``: by move.
+    """
 
     acceleration: float
     jerk: float
     jerk_time: float
+    setpoint_filter: SetpointFilterEntry | None
     bound_by: Words
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float
+    frequency_range: list[float] | None
+    valid_for: list[SizesEntry]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TodayEntry:
+    """The values now in the control, judged like the recommended ones.
+
+    ``jerk`` is null where the control has no limit of the jerk; ``jerk_time`` is then the ramp
+    that was simulated. ``basis`` says whose gains the loop has. All that was to be judged is null
+    where ``failure`` says why it cannot be told, e.g. that the loop is unstable.
+    """
+
+    acceleration: float
+    jerk: float | None
+    jerk_time: float
+    setpoint_filter: SetpointFilterEntry | None
+    Kv: float
+    Kp: float
+    Tn: float
+    basis: Words
+    failure: Words | None
+    bound_by: Words | None
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float | None
+    meets_requirements: bool
+    frequency_range: list[float] | None
+    valid_for: list[SizesEntry]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -324,9 +374,12 @@ class LimitsPart:
     """All about the limits.
 
     ``attainable`` is empty if all requirements are met, or if no single one is the obstacle.
+    ``today`` is null where the profile does not state the values now in the control.
+    ``warnings`` are part of the record's warnings, too.
     """
 
     recommended: LimitsEntry
+    today: TodayEntry | None
     modes: list[ModeLimitsEntry]
     attainable: list[AttainableEntry]
     move_sizes: list[MoveSizesEntry]
@@ -335,6 +388,7 @@ class LimitsPart:
     rule: RuleText
     landscape: Landscape
     search: dict[str, float]
+    warnings: list[Words]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -445,8 +499,40 @@ class JerkFeedforwardEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ForceFilterEntry:
+    """A filter in the set-force path: (s² + 2 ζ ω s + ω²) / (s² + 2 d ω s + ω²), or the low-pass.
+
+    ``natural_frequency`` is ω [rad/s], ``damping`` ζ [-].
+    """
+
+    kind: str
+    natural_frequency: float
+    damping: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FeatureEntry:
+    """What the kind of control has, or that it lacks it, and where that was read.
+
+    ``parameters`` are its names in the control; not ``verified``: printed with "(?)".
+    """
+
+    name: Message
+    value: Message
+    parameters: str
+    source: str
+    verified: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LoopPart:
     """The controller and how good its loop is; margins with the loop cut at F_set.
+
+    From ``kind`` to ``observer`` it is all that a second program needs beside ``plant``, defined
+    in docs/feedback-loop.md. ``kind`` names the control, ``jerk`` how it limits the jerk
+    (``limit``, ``time``, ``none``), ``position_loop`` where its position loop closes
+    (``control``, ``interpolated``, ``drive``), ``features`` what it has. ``motion_force`` is the
+    bound of F_set [N]; ``encoder_resolution`` 0: not stated.
 
     ``gain_margin_up_db`` and ``gain_margin_down_db`` say by how much the gain may rise and fall
     (null: by any amount), ``gain_margin_db`` is the smaller one. ``worst_corner`` and
@@ -456,14 +542,24 @@ class LoopPart:
     is poor about the loop, and are part of the record's warnings, too.
     """
 
+    kind: str
+    jerk: str
+    position_loop: str
+    features: list[FeatureEntry]
     Kv: float
     Kp: float
     Tn: float
+    reference_model_time: float
     reference_delay: float
+    reference_age: float
     state_feedback: dict[str, float]
     feedforward: FeedforwardEntry
     position_cycle: float
     velocity_cycle: float
+    force_lag: float
+    motion_force: float
+    force_filters: list[ForceFilterEntry]
+    encoder_resolution: float
     sensors: list[str]
     observer: ObserverEntry
     closed_loop: ClosedLoop
@@ -593,11 +689,15 @@ class ComparisonEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """One requirement against what was found; ``value`` null = not settled."""
+    """One requirement against what was found; ``value`` null = not settled.
+
+    ``reserve`` is the share of the limit that a recommendation may use [-]; 1: all of it.
+    """
 
     name: str
     value: float | None
     limit: float
+    reserve: float
     unit: str
     met: bool
     where: Words

@@ -9,14 +9,16 @@ snap) steps at the knots. It is therefore exact at any time, not only at the pos
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -147,6 +149,15 @@ def plan_setpoint(move: Move, limits: MotionLimits, *, moving_average: float = 0
     durations, jerks = np.array(profile.t), np.array(profile.j)
     used = durations > 0.0
     return _assemble(move, limits, durations[used], jerks[used], moving_average)
+
+
+Plan = Callable[[Move], Setpoint]
+"""What the control sends for a move."""
+
+
+def plan_within(machine: Machine, limits: MotionLimits) -> Plan:
+    """Return how a machine's control plans moves within limits, behind its setpoint filter."""
+    return partial(plan_setpoint, limits=limits, moving_average=machine.control.moving_average_time)
 
 
 def _assemble(

@@ -132,7 +132,7 @@ def datum(item: Datum, units: dict[str, str], words: Catalogue) -> str:
     key, value = item.key, item.value
     if isinstance(value, str):
         return value
-    if key.endswith(("_spread", "damping_ratio")):
+    if key.endswith(("_spread", "damping_ratio")) or key.startswith("requirements.reserve."):
         return f.percent(value)
     if key.startswith("requirements.peaks."):
         return f.quantity(value, units.get(key.rpartition(".")[2], item.unit))

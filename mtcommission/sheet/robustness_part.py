@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import DistributionEntry, MonteCarloEntry, MoveEntry, Record
+from mtcommission.sheet.basis_part import kept_sentence
 from mtcommission.sheet.model import (
     Block,
     Column,
@@ -85,21 +86,6 @@ def _corners(move: MoveEntry, title: str, force_unit: str, words: Catalogue) -> 
             i for i, corner in enumerate(move.corners) if corner.settling_time is None
         ),
     )
-
-
-def kept_sentence(record: Record, words: Catalogue) -> str:
-    """Return between which frequency errors every requirement is kept."""
-    text, f, error = words.text, words.format, record.robustness.frequency_error
-    low, high = error.kept_from, error.kept_to
-    if low is None or high is None:
-        return text("kept-nowhere")
-    ends = zip((low, high), (error.factor[0], error.factor[-1]), strict=True)
-    shown = []
-    for end, tried in ends:
-        value = f.signed_percent(end - 1.0)
-        # Beyond the last one tried nothing is known.
-        shown.append(text("at-least", value=value) if end == tried else value)
-    return text("kept-between", low=shown[0], high=shown[1])
 
 
 def _frequency_error(record: Record, words: Catalogue) -> tuple[Block, ...]:

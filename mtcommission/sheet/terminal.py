@@ -12,15 +12,14 @@ from rich.text import Text
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
-from mtcommission.record.schema import Record
-from mtcommission.sheet.robustness_part import drawn_sentence, kept_sentence
-from mtcommission.sheet.values import say_limiting, say_requirement, settling
+from mtcommission.record.schema import LimitsEntry, Record, TodayEntry
+from mtcommission.sheet.basis_part import basis_rows
+from mtcommission.sheet.robustness_part import drawn_sentence
+from mtcommission.sheet.values import residual, say_limiting, say_requirement, settling
 from mtcommission.sheet.verdict_part import (
-    acceleration,
-    jerk,
     move_title,
     reference_sentence,
-    residual_against_band,
+    share_used,
     slowest_move,
 )
 
@@ -95,31 +94,54 @@ class Summary:
             obstacle = say_requirement(record.assessment.obstacle, words)
             yield plain(text("obstacle", obstacle=obstacle))
         table = Table.grid(padding=(0, 2))
-        for name, value in summary_rows(record, words):
-            table.add_row(plain(name), plain(value, "bold"))
+        for name, value, *before in summary_rows(record, words):
+            table.add_row(plain(name), plain(value, "bold"), *map(plain, before))
         yield table
         yield plain(text("values-bound-by", bound=words.say(record.limits.recommended.bound_by)))
+        yield plain(text("used", shares=_shares(record, words)))
+        for name, value in basis_rows(record, words):
+            yield plain(f"{name}: {value}.")
         for sentence in further_sentences(record, words):
             yield plain(sentence)
         yield from (plain(line) for line in _small_plot(record, words, is_ascii=options.ascii_only))
         yield plain(text("disclaimer"), "dim")
 
 
-def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, str]]:
-    """Return the values of the summary, as the sheet prints them."""
+def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, ...]]:
+    """Return the values of the summary as the sheet prints them, with today's behind them."""
     text, f, limits = words.text, words.format, record.limits.recommended
-    return [
-        (text("acceleration"), acceleration(record, words)),
-        (text("jerk"), jerk(record, words)),
-        (text("jerk-time"), f.quantity(limits.jerk_time, "s")),
-        (text("settling-time"), settling(limits.settling_time, words)),
-        (text("residual"), residual_against_band(record, words)),
-    ]
+    today = record.limits.today
+
+    def values(item: LimitsEntry | TodayEntry) -> tuple[str, ...]:
+        return (
+            f.axis(item.acceleration, "m/s^2"),
+            f.axis(item.jerk, "m/s^3", missing=text("no-jerk-limit")),
+            f.quantity(item.jerk_time, "s"),
+            settling(item.settling_time, words),
+            residual(item.residual_deviation, words),
+        )
+
+    names = ("acceleration", "jerk", "jerk-time", "settling-time", "residual")
+    columns = [[text(name) for name in names], values(limits)]
+    if today:
+        before = values(today)
+        found = ("–", "–") if today.failure else before[3:]
+        columns.append([text("now", value=value) for value in (*before[:3], *found)])
+    return list(zip(*columns, strict=True))
+
+
+def _shares(record: Record, words: Catalogue) -> str:
+    """Return what is used of each requirement."""
+    return ", ".join(
+        f"{say_requirement(check.name, words)} {share_used(check, words)}"
+        for check in record.assessment.checks
+    )
 
 
 def further_sentences(record: Record, words: Catalogue) -> list[str]:
     """Return what could be met instead, the reference, and the robustness, as on the sheet."""
     text, f, drawn = words.text, words.format, record.robustness.monte_carlo
+    today = record.limits.today
     could_be_met = [
         text(
             "could-be-met",
@@ -129,12 +151,10 @@ def further_sentences(record: Record, words: Catalogue) -> list[str]:
         )
         for item in record.limits.attainable
     ]
-    # A warning of a narrow range has said already how far the frequencies may be off.
-    is_said = bool(record.robustness.warnings)
     return [
+        *([words.say(today.basis)] if today else []),
         *could_be_met,
         reference_sentence(record, slowest_move(record), words),
-        *([] if is_said else [kept_sentence(record, words)]),
         *([] if drawn is None else [drawn_sentence(drawn, words)]),
     ]
 

@@ -5,24 +5,30 @@ from __future__ import annotations
 from math import inf
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Check, Record
+from mtcommission.record.schema import Check, LimitsEntry, Record, TodayEntry
+from mtcommission.sheet.basis_part import basis_rows
 from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Section, Table, Tone
 from mtcommission.sheet.plot_model import LinePlot
-from mtcommission.sheet.values import say_requirement, settling
+from mtcommission.sheet.values import residual, say_requirement, settling
+
+CONTOUR = "requirements.contour_deviation"
+
+ROUNDING = 1e-6
+"""Relative difference that search and check may have where the reserve is just kept."""
 
 
 def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
     """Return verdict, values to enter, result and checks, with a picture of the first move."""
     text, f, limits = words.text, words.format, record.limits.recommended
     assessment = record.assessment
-    detail = text("values-bound-by", bound=words.say(limits.bound_by))
+    detail = f"{text('values-bound-by', bound=words.say(limits.bound_by))}."
     if assessment.obstacle:
         obstacle = say_requirement(assessment.obstacle, words)
         detail = f"{text('obstacle', obstacle=obstacle)}. {detail}"
     headline = Headline(
         is_met=assessment.met,
         verdict=text("verdict-met") if assessment.met else text("verdict-not-met"),
-        detail=detail,
+        detail=" ".join([*now_and_then(record, words), detail]),
         values=(
             BigValue(label=text("acceleration"), value=acceleration(record, words), aside="a"),
             BigValue(label=text("jerk"), value=jerk(record, words), aside="j"),
@@ -44,9 +50,13 @@ def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
             headline,
             *_warnings(record, words),
             _result(record, words),
-            Paragraph(text=reference_sentence(record, slowest_move(record), words)),
-            Paragraph(text=text("reference-note"), tone=Tone.NOTE),
             _checks(assessment.checks, words),
+            Paragraph(text=_judged_during(record, words), tone=Tone.NOTE),
+            Table(
+                caption=text("basis-caption"),
+                columns=(Column(head=text("basis")), Column(head=text("value"), width=4.0)),
+                rows=basis_rows(record, words),
+            ),
             picture,
         ),
     )
@@ -139,18 +149,17 @@ def slowest_move(record: Record) -> int:
     return 1 + max(range(len(times)), key=lambda i: inf if times[i] is None else times[i] or 0.0)
 
 
-def residual_against_band(record: Record, words: Catalogue) -> str:
-    """Return the worst residual deviation as a share of the band."""
-    text, f, permitted = words.text, words.format, band(record)
-    residual = record.limits.recommended.residual_deviation
-    shown = f.axis(permitted, "m")
-    if residual is None:
-        return text("no-residual", band=shown)
-    if permitted is None:
-        return f.axis(residual, "m")
-    return text(
-        "of-band", value=f.axis(residual, "m"), percent=f.percent(residual / permitted), band=shown
-    )
+def now_and_then(record: Record, words: Catalogue) -> list[str]:
+    """Return what today's values give beside the recommended ones; nothing if none are stated."""
+    today, limits = record.limits.today, record.limits.recommended
+    if today is None:
+        return []
+
+    def shown(item: TodayEntry | LimitsEntry) -> str:
+        return f"{settling(item.settling_time, words)} / {residual(item.residual_deviation, words)}"
+
+    now = words.text("now-no-result") if today.failure else shown(today)
+    return [words.text("now-and-then", now=now, then=shown(limits)), words.say(today.basis)]
 
 
 def capitalised(words: str) -> str:
@@ -161,7 +170,7 @@ def capitalised(words: str) -> str:
 def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
     """Return the warnings on which the verdict hangs, and how many more there are."""
     text = words.text
-    told = (*record.loop.warnings, *record.robustness.warnings)
+    told = (*record.limits.warnings, *record.loop.warnings, *record.robustness.warnings)
     lines = [words.say(line) for line in told]
     others = [line for line in record.warnings if line not in told]
     if others:
@@ -170,16 +179,69 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 
 
 def _result(record: Record, words: Catalogue) -> Table:
-    text, f, limits = words.text, words.format, record.limits.recommended
+    """Return the recommended values, and today's before them, with what each gives."""
+    text, f, today = words.text, words.format, record.limits.today
+
+    def row(name: str, item: TodayEntry | LimitsEntry, *, is_met: bool) -> tuple[str, ...]:
+        found = (
+            settling(item.settling_time, words),
+            residual(item.residual_deviation, words),
+            f.axis(item.peak_deviation, "m"),
+        )
+        is_known = item is record.limits.recommended or today is None or not today.failure
+        return (
+            name,
+            f.axis(item.acceleration, "m/s^2"),
+            f.axis(item.jerk, "m/s^3", missing=text("no-jerk-limit")),
+            *(found if is_known else ("–", "–", "–")),
+            text("yes") if is_met else text("no"),
+        )
+
+    best = row(text("recommended"), record.limits.recommended, is_met=record.assessment.met)
+    rows = [row(text("today"), today, is_met=today.meets_requirements)] if today else []
+    heads = ("acceleration", "jerk", "settling-time", "residual", "peak-deviation")
     return Table(
         caption=text("result-caption"),
-        columns=(Column(head=text("quantity")), Column(head=text("value"), width=2.0)),
-        rows=(
-            (text("settling-time"), settling(limits.settling_time, words)),
-            (text("residual"), residual_against_band(record, words)),
-            (text("peak-deviation"), f.axis(limits.peak_deviation, "m")),
+        columns=(
+            Column(head=text("limits-name"), width=1.3),
+            *(
+                Column(head=text(head), width=1.8 if head == "residual" else 1.4, is_number=True)
+                for head in heads
+            ),
+            Column(head=text("meets"), width=0.8),
         ),
+        rows=(*rows, best),
+        strong_rows=(len(rows),),
     )
+
+
+def share_used(check: Check, words: Catalogue) -> str:
+    """Return the share of what is allowed that is used."""
+    if check.value is None:
+        return "–"
+    return words.format.percent(check.value / check.limit)
+
+
+def verdict_on(check: Check, words: Catalogue) -> str:
+    """Return whether a requirement is met, and whether that takes the reserve."""
+    if not check.met:
+        return words.text("not-met")
+    wanted = (1.0 + ROUNDING) * check.reserve * check.limit
+    is_kept = check.value is not None and check.value <= wanted
+    return words.text("met" if is_kept else "met-without-reserve")
+
+
+def _judged_during(record: Record, words: Catalogue) -> str:
+    """Return whether the tool is judged during the move, and what that means for the user."""
+    text, f = words.text, words.format
+    needs = {item.key: item.value for item in record.data}
+    if CONTOUR not in needs:
+        peak = f.axis(record.limits.recommended.peak_deviation, "m")
+        return text("contour-not-judged", peak=peak)
+    feed = needs.get("requirements.contour_feed")
+    if isinstance(feed, float | int):
+        return text("contour-judged-to-feed", feed=f.axis(feed, "m/s"))
+    return text("contour-judged")
 
 
 def _checks(checks: list[Check], words: Catalogue) -> Table:
@@ -189,19 +251,21 @@ def _checks(checks: list[Check], words: Catalogue) -> Table:
             capitalised(say_requirement(check.name, words)),
             f.quantity(check.value, check.unit, missing=text("not-settled")),
             f.quantity(check.limit, check.unit),
-            text("met") if check.met else text("not-met"),
+            share_used(check, words),
+            f.percent(1.0 - check.reserve) if check.reserve < 1.0 else "–",
+            verdict_on(check, words),
             words.say(check.where),
         )
         for check in checks
     )
+    heads = ("found", "permitted", "share-used", "share-wanted")
     return Table(
         caption=text("checks-caption"),
         columns=(
-            Column(head=text("check"), width=1.6),
-            Column(head=text("found"), is_number=True),
-            Column(head=text("permitted"), is_number=True),
-            Column(head=text("verdict"), width=0.8),
-            Column(head=text("where"), width=2.0),
+            Column(head=text("check"), width=1.8),
+            *(Column(head=text(head), is_number=True) for head in heads),
+            Column(head=text("verdict"), width=1.8),
+            Column(head=text("where"), width=2.9),
         ),
         rows=rows,
         strong_rows=tuple(i for i, check in enumerate(checks) if not check.met),

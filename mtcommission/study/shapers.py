@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from math import exp, inf, pi, sqrt
 
 import numpy as np
@@ -17,13 +18,13 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine, Move, moving_mass
+from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.variations import as_variations
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, PlantMode, dominant_mode
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits, without_jerk_limit
-from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
-from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_setpoints
+from mtcommission.setpoint.setpoint import Plan, Setpoint, plan_setpoint
+from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_planned
 
 Array = NDArray[np.float64]
 
@@ -203,7 +204,7 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[C
                 "shaper-for-mode", shaper=shaper.name, mode=mode.name, frequency=mode.frequency_hz
             ),
             source=shaper.source,
-            plan=_shaped_by(machine, shaper),
+            plan_with=partial(_shaped_by, machine, shaper),
             jerk_time=machine.control.position_cycle,
         )
         for shaper in design_shapers(mode)
@@ -215,22 +216,21 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[C
             tuned,
             name=Message("moving-average-for-mode", mode=mode.name, frequency=mode.frequency_hz),
             source=Message("source-jerk-filter"),
-            plan=lambda move, a: _filtered(move, a, period),
+            plan_with=partial(_filtered, period),
             jerk_time=period,
         )
     )
     return tuple(candidates)
 
 
-def _shaped_by(machine: Machine, shaper: Shaper) -> Callable[[Move, float], Setpoint]:
-    return lambda move, a: shape_setpoint(
-        plan_setpoint(move, without_jerk_limit(machine, a)), shaper
-    )
+def _shaped_by(machine: Machine, shaper: Shaper, acceleration: float) -> Plan:
+    limits = without_jerk_limit(machine, acceleration)
+    return lambda move: shape_setpoint(plan_setpoint(move, limits), shaper)
 
 
-def _filtered(move: Move, acceleration: float, time: float) -> Setpoint:
+def _filtered(time: float, acceleration: float) -> Plan:
     trapezoid = MotionLimits(acceleration=acceleration, jerk=acceleration / NO_JERK_LIMIT)
-    return plan_setpoint(move, trapezoid, moving_average=time)
+    return partial(plan_setpoint, limits=trapezoid, moving_average=time)
 
 
 def _best_candidate(
@@ -240,7 +240,7 @@ def _best_candidate(
     *,
     name: Message,
     source: Message,
-    plan: Callable[[Move, float], Setpoint],
+    plan_with: Callable[[float], Plan],
     jerk_time: float,
 ) -> Candidate:
     """The acceleration that settles soonest and meets all; else soonest within force and peaks.
@@ -249,30 +249,25 @@ def _best_candidate(
     """
     largest = machine.drive.motion_force / moving_mass(machine)
     places, band = as_variations(tuned.corners), machine.requirements.tcp_deviation
-    ranked: list[tuple[bool, float, float, list[Setpoint]]] = []
+    ranked: list[tuple[bool, float, float]] = []
     soonest = inf
     for a in largest * np.geomspace(1.0, LEAST_ACCELERATION, ACCELERATIONS):
-        setpoints = [plan(move, float(a)) for move in machine.moves]
-        if max(setpoint.duration for setpoint in setpoints) > soonest:
+        plan = plan_with(float(a))
+        if max(plan(move).duration for move in machine.moves) > soonest:
             break
-        found = simulate_batched(machine, plant, tuned, setpoints, variations=places)
+        found = simulate_batched(machine, plant, tuned, plan, variations=places)
         # What saturates settles otherwise than it seems here, and takes long to simulate.
         if np.all(found.usage <= 1.0):
             is_outside = bool(np.any(found.residual_deviation > band))
-            ranked.append((is_outside, float(found.settling_time.max()), float(a), setpoints))
+            ranked.append((is_outside, float(found.settling_time.max()), float(a)))
             soonest = min([item[1] for item in ranked if not item[0]], default=inf)
-    if not ranked:
-        setpoints = [plan(move, largest) for move in machine.moves]
-        ranked.append((True, inf, largest, setpoints))
-    ranked.sort(key=lambda item: item[:2])
     outside: list[Candidate] = []
-    for is_outside, _, a, setpoints in ranked:
+    for is_outside, _, a in sorted(ranked) or [(True, inf, largest)]:
         if is_outside and outside:
             break
-        limits = MotionLimits(acceleration=a, jerk=a / jerk_time)
-        moves = simulate_setpoints(machine, tuned, setpoints)
+        moves = simulate_planned(machine, tuned, plan_with(a))
         shaped = evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
-        candidate = replace(shaped, limits=limits)
+        candidate = replace(shaped, limits=MotionLimits(acceleration=a, jerk=a / jerk_time))
         if candidate.assessment.is_met:
             return candidate
         outside.append(candidate)

@@ -9,6 +9,7 @@ from math import isfinite
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import (
+    CONTOUR_DEVIATION,
     RESIDUAL_DEVIATION,
     RMS_FORCE,
     SET_FORCE,
@@ -131,6 +132,9 @@ def assess(
     if isfinite(needs.max_settling_time):
         settling = [response.settling_time for response, _ in found]
         checks.append(worst(SETTLING_TIME, needs.max_settling_time, "s", settling))
+    if isfinite(needs.contour_deviation):
+        contours = [response.contour_deviation for response, _ in found]
+        checks.append(worst(CONTOUR_DEVIATION, needs.contour_deviation, length, contours))
     for peak in needs.peaks:
         column = plant.signals.index(peak.name)
         values = [float(response.peaks[column]) for response, _ in found]

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from math import isfinite
 
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import slow_to_feed
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
+from mtcommission.setpoint.setpoint import Plan, Setpoint, plan_within
 from mtcommission.verdict.assess import Assessment, assess
 
 
@@ -74,39 +77,39 @@ def simulate_moves(
     -------
     tuple of MoveResult
     """
-    time = machine.control.moving_average_time
-    setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
-    return simulate_setpoints(machine, tuned, setpoints)
+    return simulate_planned(machine, tuned, plan_within(machine, limits))
 
 
-def simulate_setpoints(
-    machine: Machine, tuned: TunedLoop, setpoints: Sequence[Setpoint]
-) -> tuple[MoveResult, ...]:
-    """Return given setpoints, simulated in every corner.
+def simulate_planned(machine: Machine, tuned: TunedLoop, plan: Plan) -> tuple[MoveResult, ...]:
+    """Return every move, simulated in every corner.
 
     Parameters
     ----------
     machine
-        Nominal; its band and drive count.
+        Nominal; its moves, requirements and drive count.
     tuned
         The loop in every corner.
-    setpoints
-        One for each move, filters included.
+    plan
+        Setpoint of a move, filters included.
 
     Returns
     -------
     tuple of MoveResult
     """
-    drive, band = machine.drive, machine.requirements.tcp_deviation
-    return tuple(
-        MoveResult(
-            setpoint=setpoint,
-            responses=tuple(
-                simulate(loop, setpoint, drive=drive, band=band) for loop in tuned.loops
-            ),
-        )
-        for setpoint in setpoints
-    )
+    drive, needs = machine.drive, machine.requirements
+    found = []
+    for move in machine.moves:
+        setpoint, slower = plan(move), slow_to_feed(move, needs.contour_feed)
+        run = partial(simulate, drive=drive, band=needs.tcp_deviation)
+        responses = [run(loop, setpoint) for loop in tuned.loops]
+        if isfinite(needs.contour_deviation) and slower != move:
+            path = [run(loop, plan(slower)).peak_deviation for loop in tuned.loops]
+            responses = [
+                replace(response, contour_deviation=deviation)
+                for response, deviation in zip(responses, path, strict=True)
+            ]
+        found.append(MoveResult(setpoint=setpoint, responses=tuple(responses)))
+    return tuple(found)
 
 
 def evaluate(
@@ -153,7 +156,7 @@ def evaluate_moves(
     machine, plant, tuned
         Nominal machine, its plant, and the loop that the moves went through.
     moves
-        From ``simulate_moves`` or ``simulate_setpoints``; the first one's limits are the
+        From ``simulate_moves`` or ``simulate_planned``; the first one's limits are the
         candidate's.
     name, source
         Of the limits, where they are shown beside others.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import isfinite
 
@@ -15,7 +16,14 @@ from mtcommission.loop.batch.settling import Settling, settle
 from mtcommission.loop.batch.tables import ResponseTables, build_tables, sketch_tables
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move
-from mtcommission.machine.requirement import RMS_FORCE, SET_FORCE, Requirement, peak_of
+from mtcommission.machine.requirement import (
+    CONTOUR_DEVIATION,
+    RMS_FORCE,
+    SET_FORCE,
+    Requirement,
+    peak_of,
+    slow_to_feed,
+)
 from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
 
@@ -37,8 +45,11 @@ class Bench:
         The response in each corner, exactly and for a first look.
     signals
         Rows over the outputs of one velocity cycle; the first one is the set force.
-    bounds, requirements
-        Largest allowed magnitude of each signal, and the requirement that it comes from.
+    bounds
+        Largest allowed magnitude of each signal.
+    requirements
+        All that bounds force and motion: what the signals come from, then contour and RMS force
+        where they are bounded.
     tail
         Free motion in which force and peaks are looked at [s].
     """
@@ -85,6 +96,8 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
     outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
     rows = [np.eye(n + 3)[2], *(outputs @ plant.row(peak.name) for peak in needs.peaks)]
     bounded = [SET_FORCE, *(peak_of(peak.name) for peak in needs.peaks)]
+    if isfinite(needs.contour_deviation):
+        bounded.append(CONTOUR_DEVIATION)
     if isfinite(machine.drive.continuous_force):
         bounded.append(RMS_FORCE)
     return Bench(
@@ -177,26 +190,35 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
     Returns
     -------
     ndarray
-        Force, peaks, and RMS force where it is limited.
+        Force, peaks, and contour and RMS force where they are bounded.
     """
-    drive = bench.machine.drive
-    is_limited = isfinite(drive.continuous_force)
+    needs, drive = bench.machine.requirements, bench.machine.drive
+    is_limited, follows = isfinite(drive.continuous_force), isfinite(needs.contour_deviation)
     used = np.zeros((len(acceleration), len(bench.requirements)))
     for move in bench.machine.moves:
-        steps = plan_steps(bench.machine, move, acceleration, jerk_time)
+        slower = slow_to_feed(move, needs.contour_feed)
+        steps, path = (
+            plan_steps(bench.machine, item, acceleration, jerk_time) for item in (move, slower)
+        )
         for loop in bench.tuned.loops:
-            found = find_extremes(
+            run = partial(
+                find_extremes,
                 loop,
-                steps,
                 signals=bench.signals,
                 order=bench.order,
-                dwell=move.dwell if is_limited else None,
                 tail=bench.tail,
+                static_load=drive.static_load,
             )
-            share = found.peaks / bench.bounds
+            found = run(
+                steps,
+                dwell=move.dwell if is_limited else None,
+                with_deviation=follows and slower == move,
+            )
+            columns = [found.peaks / bench.bounds]
+            if follows:
+                own = found if slower == move else run(path, dwell=None, with_deviation=True)
+                columns.append(own.deviation[:, None] / needs.contour_deviation)
             if is_limited:
-                load = abs(drive.static_load)
-                square = found.mean_square_force + load**2 + 2 * load * np.abs(found.mean_force)
-                share = np.column_stack([share, np.sqrt(square) / drive.continuous_force])
-            used = np.maximum(used, share)
+                columns.append(found.rms_force[:, None] / drive.continuous_force)
+            used = np.maximum(used, np.hstack(columns))
     return used

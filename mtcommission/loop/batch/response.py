@@ -5,8 +5,8 @@ The loops of all samples advance together, driven by the same setpoint (``run``)
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,16 @@ from mtcommission.loop.batch.run import bounded_signals, run_batch, shares_of_bo
 from mtcommission.loop.model.assembly import lift_on_plants
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
+from mtcommission.machine.requirement import (
+    RESIDUAL_DEVIATION,
+    SETTLING_TIME,
+    Requirement,
+    slow_to_feed,
+)
 from mtcommission.machine.variations import Variations
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint
+from mtcommission.setpoint.setpoint import Plan, plan_within
 
 Array = NDArray[np.float64]
 
@@ -42,7 +47,7 @@ class BatchedResponse:
         Share of every bound that is used, worst move, shape (n_samples, n_bounds) [-]. Above 1
         the force would saturate, and the motion differs.
     bounds
-        Requirements that these come from: set force, peaks, RMS force.
+        Requirements that these come from: set force, peaks, contour, RMS force.
     """
 
     settling_time: Array
@@ -97,20 +102,19 @@ def simulate_limits_batched(
     -------
     BatchedResponse
     """
-    time = machine.control.moving_average_time
-    setpoints = [plan_setpoint(move, limits, moving_average=time) for move in machine.moves]
-    return simulate_batched(machine, plant, tuned, setpoints, variations=variations)
+    plan = plan_within(machine, limits)
+    return simulate_batched(machine, plant, tuned, plan, variations=variations)
 
 
 def simulate_batched(
     machine: Machine,
     plant: Plant,
     tuned: TunedLoop,
-    setpoints: Sequence[Setpoint],
+    plan: Plan,
     *,
     variations: Variations,
 ) -> BatchedResponse:
-    """Return what given setpoints do on many machines, worst over the setpoints.
+    """Return what planned setpoints do on many machines, worst over the moves.
 
     Parameters
     ----------
@@ -118,8 +122,8 @@ def simulate_batched(
         The nominal machine and its plant.
     tuned
         Its loop; the force is not saturated here.
-    setpoints
-        One for each move, filters included.
+    plan
+        Setpoint of a move, filters included.
     variations
         The machines.
 
@@ -137,8 +141,12 @@ def simulate_batched(
             machine, plant, loop.controller.velocity_cycle, variations=variations, part=part
         )
         rows = lift_on_plants(loop, A, B, signals=signals.rows)
-        for setpoint in setpoints:
+        for move in machine.moves:
+            setpoint, slower = plan(move), slow_to_feed(move, machine.requirements.contour_feed)
             run = run_batch(machine, loop, rows, signals, setpoint)
+            if isfinite(signals.contour) and slower != move:
+                path = run_batch(machine, loop, rows, signals, plan(slower))
+                run = replace(run, contour=path.contour)
             used = shares_of_bounds(run, signals, setpoint)
             settling[part] = np.maximum(settling[part], run.settling)
             residual[part] = np.maximum(residual[part], run.residual)

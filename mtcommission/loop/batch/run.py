@@ -14,9 +14,16 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.batch.loops import hand_down
 from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.loop.simulate.mean_force import rms_force, window_shares
 from mtcommission.loop.simulate.response import DECAYED, HORIZON
 from mtcommission.machine.machine import Machine
-from mtcommission.machine.requirement import RMS_FORCE, SET_FORCE, Requirement, peak_of
+from mtcommission.machine.requirement import (
+    CONTOUR_DEVIATION,
+    RMS_FORCE,
+    SET_FORCE,
+    Requirement,
+    peak_of,
+)
 from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
@@ -42,6 +49,8 @@ class Signals:
         Largest allowed magnitude of the others [own units].
     names
         Of everything that is bounded here, as in the verdict.
+    contour
+        Bound on the tool's deviation along the path [m].
     continuous, static_load
         Bound on the RMS force, and the load that adds to it [N].
     """
@@ -49,12 +58,13 @@ class Signals:
     rows: Array
     bounds: Array
     names: tuple[Requirement, ...]
+    contour: float
     continuous: float
     static_load: float
 
 
 def bounded_signals(machine: Machine, plant: Plant, loop: SampledLoop) -> Signals:
-    """Return set force, bounded peaks, and the motor force where its RMS is bounded.
+    """Return set force, bounded peaks, contour, and the motor force where its RMS is bounded.
 
     Parameters
     ----------
@@ -65,18 +75,24 @@ def bounded_signals(machine: Machine, plant: Plant, loop: SampledLoop) -> Signal
     -------
     Signals
     """
-    drive, peaks, size = machine.drive, machine.requirements.peaks, loop.own_size
+    drive, needs, size = machine.drive, machine.requirements, loop.own_size
     outputs = loop.observation[:, :size]
     states = outputs[-plant.order :]
-    rows = [outputs[loop.outputs.index("force")], *(plant.row(p.name) @ states for p in peaks)]
-    names = [SET_FORCE, *(peak_of(peak.name) for peak in peaks)]
+    rows = [
+        outputs[loop.outputs.index("force")],
+        *(plant.row(p.name) @ states for p in needs.peaks),
+    ]
+    names = [SET_FORCE, *(peak_of(peak.name) for peak in needs.peaks)]
+    if isfinite(needs.contour_deviation):
+        names.append(CONTOUR_DEVIATION)
     if isfinite(drive.continuous_force):
         rows.append(states[plant.force])
         names.append(RMS_FORCE)
     return Signals(
         rows=np.array(rows),
-        bounds=np.array([drive.motion_force, *(peak.bound for peak in peaks)]),
+        bounds=np.array([drive.motion_force, *(peak.bound for peak in needs.peaks)]),
         names=tuple(names),
+        contour=needs.contour_deviation,
         continuous=drive.continuous_force,
         static_load=drive.static_load,
     )
@@ -92,6 +108,8 @@ class BatchRun:
         Shape (n_samples,) [s, m].
     peaks
         Of the signals with a bound, shape (n_samples, n_bounds).
+    contour
+        Largest |e| of the tool, where its path is bounded, shape (n_samples,) [m].
     first, square
         Integrals of the motor force and of its square over [0, t_e + dwell], (n_samples,).
     X
@@ -105,6 +123,7 @@ class BatchRun:
     settling: Array
     residual: Array
     peaks: Array
+    contour: Array
     first: Array
     square: Array
     X: Array
@@ -156,10 +175,16 @@ def run_batch(
     fed = hand_down(loop, setpoint, last + stretch)
     course = _Course(loop=loop, signals=signals, setpoint=setpoint, fed=fed)
     run = _at_rest(rows, signals, until=until)
-    tool = loop.controller.cycles
-    _advance(run, course, np.ascontiguousarray(rows[:, :-tool]), 0, first)
+    if isfinite(signals.contour):
+        for start in range(0, first, BLOCK):
+            tip = _advance(run, course, rows, start, min(start + BLOCK, first))
+            _note_contour(run, course, tip, start)
+    else:
+        tool = loop.controller.cycles
+        _advance(run, course, np.ascontiguousarray(rows[:, :-tool]), 0, first)
     for start in range(first, last, stretch):
         tip = _advance(run, course, rows, start, start + stretch)
+        _note_contour(run, course, tip, start)
         t, e = _deviation(course, tip, start, until=until)
         size = _note(run, t, np.abs(e), band=band)
         moving = size > DECAYED * band
@@ -182,6 +207,7 @@ def _at_rest(rows: Array, signals: Signals, *, until: float) -> BatchRun:
         settling=np.full(count, until),
         residual=np.zeros(count),
         peaks=np.zeros((count, len(signals.bounds))),
+        contour=np.zeros(count),
         first=np.zeros(count),
         square=np.zeros(count),
         X=np.zeros((count, n, 1)),
@@ -218,10 +244,10 @@ def _note_signals(run: BatchRun, course: _Course, values: Array, begin: int) -> 
     peaks = np.abs(values[:, :, : len(signals.bounds)]).max(axis=(1, 3))
     run.peaks[alive] = np.maximum(run.peaks[alive], peaks)
     if isfinite(signals.continuous):
-        # Each sample stands for the velocity cycle about it; the window cuts the last one.
-        t = begin * controller.position_cycle + step * np.arange(values.shape[1] * cycles)
+        t: Array = step * np.arange(values.shape[1] * cycles, dtype=np.float64)
+        t += begin * controller.position_cycle
         window = setpoint.duration + setpoint.move.dwell
-        share = np.clip((window - t) / step + 0.5, 0.0, 1.0) * step
+        share = window_shares(t, window, step=step)
         force = values[:, :, -1].reshape(len(alive), -1)
         run.first[alive] += force @ share
         run.square[alive] += force**2 @ share
@@ -242,12 +268,27 @@ def shares_of_bounds(run: BatchRun, signals: Signals, setpoint: Setpoint) -> Arr
     ndarray
     """
     used = run.peaks / signals.bounds
-    if not isfinite(signals.continuous):
-        return np.asarray(used)
-    window, load = setpoint.duration + setpoint.move.dwell, abs(signals.static_load)
-    mean, square = run.first / window, run.square / window
-    rms = np.sqrt(square + load**2 + 2.0 * load * np.abs(mean))
-    return np.column_stack([used, rms / signals.continuous])
+    if isfinite(signals.contour):
+        used = np.column_stack([used, run.contour / signals.contour])
+    if isfinite(signals.continuous):
+        window, load = setpoint.duration + setpoint.move.dwell, signals.static_load
+        rms = rms_force(run.first, run.square, window=window, static_load=load)
+        used = np.column_stack([used, rms / signals.continuous])
+    return np.asarray(used)
+
+
+def _note_contour(run: BatchRun, course: _Course, tip: Array, start: int) -> None:
+    """Add what the tool deviates along the path, from a position cycle on."""
+    e = tip - _delayed_reference(course, tip.shape[1], start)[1]
+    run.contour[run.alive] = np.maximum(run.contour[run.alive], np.abs(e).max(axis=1))
+
+
+def _delayed_reference(course: _Course, count: int, start: int) -> tuple[Array, Array]:
+    """Instants of velocity cycles from a position cycle on, and where the tool should be."""
+    controller = course.loop.controller
+    t: Array = controller.velocity_cycle * np.arange(count, dtype=np.float64)
+    t += start * controller.position_cycle
+    return t, sample_setpoint(course.setpoint, t - controller.reference_delay)[:, 0]
 
 
 def _deviation(course: _Course, tip: Array, start: int, *, until: float) -> tuple[Array, Array]:
@@ -256,10 +297,9 @@ def _deviation(course: _Course, tip: Array, start: int, *, until: float) -> tupl
     t_e + τ lies between two samples: there the tool is interpolated against the setpoint that by
     then rests or coasts.
     """
-    controller, setpoint = course.loop.controller, course.setpoint
-    t: Array = controller.velocity_cycle * np.arange(tip.shape[1], dtype=np.float64)
-    t += start * controller.position_cycle
-    e = tip - sample_setpoint(setpoint, t - controller.reference_delay)[:, 0]
+    setpoint = course.setpoint
+    t, reference = _delayed_reference(course, tip.shape[1], start)
+    e = tip - reference
     begin = int(np.argmax(t >= until - 1e-12))
     if begin == 0:
         return t, e

@@ -225,7 +225,7 @@ def _force_filters(controller: Controller) -> list[control.StateSpace]:
 def _position_cycle(controller: Controller, model: Plant) -> list[control.StateSpace]:
     """Memory of the setpoint, what is computed of it, dead time, and how the drive reads it."""
     T_p, T_v, count = controller.position_cycle, controller.velocity_cycle, kept_samples(controller)
-    s: Array = np.arange(controller.cycles) * T_v
+    s = np.asarray(T_v * np.arange(controller.cycles), dtype=np.float64)
     n = 4 * count
     wanted = controller.state_gains @ reference_state(model, controller)
     if controller.position_loop is PositionLoop.CONTROL:

@@ -10,7 +10,7 @@ can leave the band no more; else it is "not settled".
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, inf, sqrt
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop, advance_cycle
 from mtcommission.loop.simulate.decay import find_decay
+from mtcommission.loop.simulate.mean_force import rms_force, sum_free_force, window_shares
 from mtcommission.machine.machine import Drive
 from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
@@ -55,6 +56,8 @@ class LoopResponse:
         [s]; inf means "not settled".
     residual_deviation, peak_deviation
         [m]; residual inf if the response may leave the band even after the horizon.
+    contour_deviation
+        Largest |e| along the path [m]: its own peak, unless contours are followed more slowly.
     mode_amplitudes
         Amplitude of each plant mode at the tool at t_e + τ, about its quasi-static
         deflection, shape (n_modes,) [m].
@@ -76,6 +79,7 @@ class LoopResponse:
     settling_time: float
     residual_deviation: float
     peak_deviation: float
+    contour_deviation: float
     mode_amplitudes: Array
     peaks: Array
     max_force: float
@@ -103,13 +107,12 @@ def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float
     """
     tau = loop.controller.reference_delay
     until = setpoint.duration + tau
-    outputs, decayed = _run_linear(loop, setpoint, until=until, band=band)
-    max_force = float(np.max(np.abs(outputs[:, 2])))
+    motion = _run_linear(loop, setpoint, until=until, band=band)
+    max_force = float(np.max(np.abs(motion.outputs[:, 2])))
     saturated = max_force > drive.motion_force
     if saturated:
-        outputs, decayed = _run_saturated(
-            loop, setpoint, limit=drive.motion_force, until=until, band=band
-        )
+        motion = _run_saturated(loop, setpoint, limit=drive.motion_force, until=until, band=band)
+    outputs, decayed = motion.outputs, motion.decayed
     t: Array = np.arange(len(outputs), dtype=np.float64) * loop.controller.velocity_cycle
     reference = sample_setpoint(setpoint, t - tau)[:, 0]
     deviation = outputs[:, 0] - reference
@@ -125,6 +128,7 @@ def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float
     at_end = before + share * (deviation[begin] - before)
     judged_t = np.concatenate([[until], t[begin:]])
     judged = np.abs(np.concatenate([[at_end], deviation[begin:]]))
+    peak = float(np.max(np.abs(deviation)))
     return LoopResponse(
         t=t,
         deviation=deviation,
@@ -133,11 +137,12 @@ def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float
         t_end=until,
         settling_time=_settling_time(judged_t, judged, band) if decayed else inf,
         residual_deviation=float(np.max(judged)) if decayed else inf,
-        peak_deviation=float(np.max(np.abs(deviation))),
+        peak_deviation=peak,
+        contour_deviation=peak,
         mode_amplitudes=_mode_amplitudes(loop, states[begin]),
         peaks=np.max(np.abs(signals), axis=0),
         max_force=max_force,
-        rms_force=_rms_force(t, states[:, -1], setpoint, drive.static_load),
+        rms_force=_rms_force(loop, motion, setpoint, drive.static_load),
         saturated=saturated,
     )
 
@@ -162,20 +167,37 @@ def steady_state(lifted: LiftedLoop) -> Array:
     return np.column_stack([at_rest, coasting])
 
 
-def _run_linear(
-    loop: SampledLoop, setpoint: Setpoint, *, until: float, band: float
-) -> tuple[Array, bool]:
-    """Outputs at every velocity cycle, shape (n_samples, n_outputs), and whether they decayed."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Motion:
+    """What was simulated.
+
+    Parameters
+    ----------
+    outputs
+        At every velocity cycle, shape (n_samples, n_outputs).
+    decayed
+        Whether the free motion can leave the band no more.
+    left
+        Loop state less that of rest or coasting after the last sample, shape (n,).
+    """
+
+    outputs: Array
+    decayed: bool
+    left: Array
+
+
+def _run_linear(loop: SampledLoop, setpoint: Setpoint, *, until: float, band: float) -> _Motion:
     lifted = loop.lifted
     first = ceil(until / lifted.dt) + 1
     X, moving = _advance_linear(lifted, np.zeros(len(lifted.A)), setpoint, 0, first)
-    tail, decayed = _run_free(loop, X, setpoint, start=first, band=band)
-    return np.vstack([moving, tail]).reshape(-1, len(loop.outputs)), decayed
+    free = _run_free(loop, X, setpoint, start=first, band=band)
+    outputs = np.vstack([moving.reshape(-1, len(loop.outputs)), free.outputs])
+    return replace(free, outputs=outputs)
 
 
 def _run_saturated(
     loop: SampledLoop, setpoint: Setpoint, *, limit: float, until: float, band: float
-) -> tuple[Array, bool]:
+) -> _Motion:
     """The same with saturation, cycle by cycle, until the free motion stays within the limit."""
     lifted = loop.lifted
     X = np.zeros((len(lifted.A), 1))
@@ -187,23 +209,27 @@ def _run_saturated(
         for r in references:
             X, Y = advance_cycle(loop, X, r[:, None], force_limit=limit)
             pieces.append(Y[:, :, 0])
-        tail, decayed = _run_free(loop, X[:, 0], setpoint, start=stop, band=band)
-        samples = tail.reshape(-1, len(loop.outputs))
-        if np.max(np.abs(samples[:, 2])) <= limit:
-            return np.vstack([*pieces, samples]), decayed
+        free = _run_free(loop, X[:, 0], setpoint, start=stop, band=band)
+        if np.max(np.abs(free.outputs[:, 2])) <= limit:
+            return replace(free, outputs=np.vstack([*pieces, free.outputs]))
         k, stop = stop, min(2 * stop, last)
-    return np.vstack(pieces), False
+    return _Motion(outputs=np.vstack(pieces), decayed=False, left=np.zeros(len(lifted.A)))
 
 
 def _run_free(
     loop: SampledLoop, X: Array, setpoint: Setpoint, *, start: int, band: float
-) -> tuple[Array, bool]:
-    """Lifted outputs from a cycle on until all modes have decayed, and whether they are settled."""
+) -> _Motion:
+    """The motion from a cycle on until all modes have decayed."""
     lifted = loop.lifted
-    reference = sample_setpoint(setpoint, np.array([start * lifted.dt]))[0]
-    decay = find_decay(lifted, X - steady_state(lifted) @ reference[:2])
+
+    def transient(X: Array, cycle: int) -> Array:
+        reference = sample_setpoint(setpoint, np.array([cycle * lifted.dt]))[0]
+        return np.asarray(X - steady_state(lifted) @ reference[:2])
+
+    decay = find_decay(lifted, transient(X, start))
     cycles = decay.cycles(DECAYED * band, longest=HORIZON)
-    X, outputs = _advance_linear(lifted, X, setpoint, start, start + cycles)
+    middle = stop = start + cycles
+    X, outputs = _advance_linear(lifted, X, setpoint, start, middle)
     tool = outputs.reshape(-1, len(loop.outputs))[:, 0]
     cycle: Array = np.arange(len(tool), dtype=np.float64) * loop.controller.velocity_cycle
     t = start * lifted.dt + cycle
@@ -211,10 +237,15 @@ def _run_free(
     size = max(float(np.max(np.abs(tool - delayed))), LEAST_SIZE * band)
     if cycles * lifted.dt > HORIZON:
         # A soft mode with little damping dies out slowly; its largest swing has been seen.
-        return outputs, decay.left(cycles) <= min(band, size)
-    stop = start + decay.cycles(DECAYED * size, longest=HORIZON)
-    _, rest = _advance_linear(lifted, X, setpoint, start + cycles, max(stop, start + cycles))
-    return np.vstack([outputs, rest]), True
+        decayed = decay.left(cycles) <= min(band, size)
+    else:
+        decayed = True
+        stop = max(start + decay.cycles(DECAYED * size, longest=HORIZON), middle)
+        X, rest = _advance_linear(lifted, X, setpoint, middle, stop)
+        outputs = np.vstack([outputs, rest])
+    return _Motion(
+        outputs=outputs.reshape(-1, len(loop.outputs)), decayed=decayed, left=transient(X, stop)
+    )
 
 
 def _advance_linear(
@@ -256,12 +287,19 @@ def _mode_amplitudes(loop: SampledLoop, state: Array) -> Array:
     return np.array(amplitudes)
 
 
-def _rms_force(t: Array, force: Array, setpoint: Setpoint, static_load: float) -> float:
-    """RMS over [0, t_e + dwell]; the motion may go either way against the static load."""
-    window = setpoint.duration + setpoint.move.dwell
-    # The window ends between two samples; after the last one the force has decayed.
-    end = np.interp(window, t, force, right=0.0)
-    times, inside = np.append(t[t < window], window), np.append(force[t < window], end)
-    square = float(np.trapezoid(inside**2, times)) / window
-    mean = float(np.trapezoid(inside, times)) / window
-    return sqrt(square + static_load**2 + 2.0 * abs(static_load * mean))
+def _rms_force(loop: SampledLoop, motion: _Motion, setpoint: Setpoint, static_load: float) -> float:
+    """RMS over [0, t_e + dwell]."""
+    step, cycles = loop.controller.velocity_cycle, loop.controller.cycles
+    force, window = motion.outputs[:, -1], setpoint.duration + setpoint.move.dwell
+    times: Array = step * np.arange(len(force), dtype=np.float64)
+    share = window_shares(times, window, step=step)
+    left = np.array([window - step * len(force)])
+    after = sum_free_force(loop.lifted, motion.left[:, None], left, cycles=cycles)
+    return float(
+        rms_force(
+            share @ force + after.first,
+            share @ force**2 + after.square,
+            window=window,
+            static_load=static_load,
+        )[0]
+    )

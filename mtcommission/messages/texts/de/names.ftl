@@ -38,6 +38,18 @@ name-Kv = Lagereglerverstärkung Kv
 name-Kp = Geschwindigkeitsreglerverstärkung Kp
 name-Tn = Nachstellzeit Tn
 name-encoder = Lagegeber
+name-kind = Art der Steuerung
+name-position-loop = Lageregelung geschlossen in
+name-lead = Weg je Umdrehung der Spindel
+name-gear = Motorumdrehungen je Umdrehung der Spindel
+name-encoder-resolution = Auflösung des Gebers
+name-contour-deviation = Zulässige Konturabweichung
+name-contour-feed = Größter Vorschub dafür
+name-band = Reserve: nutzbarer Anteil am Band
+name-force = { $axis ->
+    [rotary] Reserve: nutzbarer Anteil am Moment
+   *[linear] Reserve: nutzbarer Anteil an der Kraft
+}
 name-base-mass = Gestellmasse
 name-slider-mass = Schlittenmasse
 name-rotary-inertia = Drehträgheit

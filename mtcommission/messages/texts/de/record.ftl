@@ -30,7 +30,7 @@ assumption-linear = { $axis ->
     [rotary] Die Achse gilt als lineares System: starrer Körper, ein Momentenregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastmomente und Momente der Energieführung bleiben außer Betracht.
    *[linear] Die Achse ist linear: eine starre Masse, ein Kraftregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen. Reibung, Umkehrspiel, Rastkräfte und Kräfte der Energieführung bleiben außer Betracht.
 }
-assumption-encoder = Der Lagegeber misst fehlerfrei; die Geschwindigkeit ist die exakte Ableitung der Geberlage in jedem Takt des Geschwindigkeitsreglers.
+assumption-encoder = Die Geschwindigkeit ist die Differenz der Geberlage über einen Takt des Geschwindigkeitsreglers, wie Antriebe sie bilden; abgesehen von einer angegebenen Auflösung misst der Lagegeber fehlerfrei.
 assumption-cycles = Lageregler und Vorsteuerung wirken einen Lagereglertakt verspätet und werden einen Takt lang gehalten; { $axis ->
     [rotary] das Drehmoment
    *[linear] die Kraft

@@ -66,3 +66,11 @@ why-controls-take-limits = Das Band ist { LENGTH($band, digits: 3) }, die Maschi
     [rotary] kein Drehmoment
    *[linear] keine Kraft
 } in jedem Geschwindigkeitsreglertakt.
+
+# the values now in the control; $stated, $others: Kv, Kp, Tn
+today-in-recommended-loop = Die heutigen Verstärkungen sind nicht angegeben: die heutigen Grenzwerte wurden mit dem empfohlenen Regelkreis simuliert, verglichen werden also nur Beschleunigung, Ruck und Filter.
+today-in-own-loop = Simuliert mit heutigem Kv, Kp und Tn; Vorsteuerung und Takte wie empfohlen.
+today-in-mixed-loop = Simuliert mit heutigem { $stated }; { $others }, nicht angegeben, sowie Vorsteuerung und Takte wie empfohlen.
+today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
+budget-today-is = die heutigen Werte sind
+budget-check-today = die Einheiten in [today] prüfen

@@ -38,6 +38,18 @@ name-Kv = Position gain Kv
 name-Kp = Velocity gain Kp
 name-Tn = Integral time Tn
 name-encoder = Encoder
+name-kind = Kind of control
+name-position-loop = Position loop closes in
+name-lead = Travel per turn of the screw
+name-gear = Turns of the motor per turn of the screw
+name-encoder-resolution = Resolution of the encoder
+name-contour-deviation = Permitted contour deviation
+name-contour-feed = Largest feed for that
+name-band = Reserve: usable share of the band
+name-force = { $axis ->
+    [rotary] Reserve: usable share of the torque
+   *[linear] Reserve: usable share of the force
+}
 name-base-mass = { $axis ->
     [rotary] Base moment of inertia
    *[linear] Base mass

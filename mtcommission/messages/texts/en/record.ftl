@@ -35,7 +35,7 @@ assumption-linear = { $axis ->
     [rotary] The axis is taken as a linear system: a rigid body, a first-order torque lag and decoupled flexible modes. Friction, backlash, cogging and cable drag are left out.
    *[linear] The axis is linear: a rigid mass, a first-order force lag and decoupled flexible modes. Friction, backlash, cogging and cable forces are left out.
 }
-assumption-encoder = The encoder measures without error; velocity is the exact rate of the encoder position at each velocity cycle.
+assumption-encoder = Velocity is the difference of the encoder position over one velocity cycle, as drives form it; beyond a stated resolution the encoder measures without error.
 assumption-cycles = Position controller and feed-forward act one position cycle late and are held for one cycle; the { $axis ->
     [rotary] torque
    *[linear] force

@@ -1,0 +1,90 @@
+"""On what the verdict rests: the control, what was allowed for, and what was only assumed."""
+
+from __future__ import annotations
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.record.schema import Record
+
+NOT_STATED = {"source-default", "source-illustrative", "source-accepted-default"}
+"""Sources of values that nobody stated for this machine."""
+
+
+def basis_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
+    """Return the control and its loop, the spreads, the range really kept, and the reserve."""
+    text = words.text
+    return (
+        (text("basis-control"), _control(record, words)),
+        (text("basis-frequencies"), _frequencies(record, words)),
+        (text("basis-damping"), _spread(record, "damping_spread", words)),
+        (text("basis-reserve"), _reserve(record, words)),
+    )
+
+
+def _control(record: Record, words: Catalogue) -> str:
+    f, loop = words.format, record.loop
+    where = words.text(
+        f"position-loop-{loop.position_loop}",
+        position_cycle=f.quantity(loop.position_cycle, "s"),
+        velocity_cycle=f.quantity(loop.velocity_cycle, "s"),
+    )
+    name = words.known(f"control-kind-{loop.kind}", loop.kind)
+    return _marked(record, "control.kind", f"{name}; {where}", words)
+
+
+def _frequencies(record: Record, words: Catalogue) -> str:
+    return f"{_spread(record, 'frequency_spread', words)}; {_kept(record, words)}"
+
+
+def _spread(record: Record, name: str, words: Catalogue) -> str:
+    key = f"requirements.{name}"
+    spread = _number(record, key)
+    if not spread:
+        return words.text("spread-none")
+    return _marked(record, key, words.text("spread", spread=spread), words)
+
+
+def _reserve(record: Record, words: Catalogue) -> str:
+    band, force = (_number(record, f"requirements.reserve.{name}") for name in ("band", "force"))
+    return _marked(
+        record, "requirements.reserve", words.text("reserve-kept", band=band, force=force), words
+    )
+
+
+def _number(record: Record, key: str) -> float:
+    values = (item.value for item in record.data if item.key == key)
+    value = next(values, 0.0)
+    return value if isinstance(value, float | int) else 0.0
+
+
+def _marked(record: Record, key: str, shown: str, words: Catalogue) -> str:
+    """A value, and that nobody stated it where that is so."""
+    sources = [item.source for item in record.data if item.key.startswith(key)]
+    is_assumed = any(isinstance(s, Message) and s.kind in NOT_STATED for s in sources)
+    return words.text("assumed", value=shown) if is_assumed else shown
+
+
+def kept_sentence(record: Record, words: Catalogue) -> str:
+    """Return between which frequency errors every requirement is kept, as a sentence."""
+    kept = _kept_ends(record, words)
+    return words.text("kept-between", **kept) if kept else words.text("kept-nowhere")
+
+
+def _kept(record: Record, words: Catalogue) -> str:
+    """The same in few words."""
+    kept = _kept_ends(record, words)
+    return words.text("all-kept-between", **kept) if kept else words.text("not-kept-nominally")
+
+
+def _kept_ends(record: Record, words: Catalogue) -> dict[str, str]:
+    """Both ends of the range that is kept; empty if not even the profile's frequencies are."""
+    text, f, error = words.text, words.format, record.robustness.frequency_error
+    low, high = error.kept_from, error.kept_to
+    if low is None or high is None:
+        return {}
+    shown = {}
+    for name, end, tried in (("low", low, error.factor[0]), ("high", high, error.factor[-1])):
+        value = f.signed_percent(end - 1.0)
+        # Beyond the last one tried nothing is known.
+        shown[name] = text("at-least", value=value) if end == tried else value
+    return shown
