@@ -9,7 +9,7 @@ import pytest
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
-from mtcommission.loop.tuning.tuning import check_loop, tune_loop, tune_variants
+from mtcommission.loop.tuning.tuning import check_loop, tune_loop
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, StateFeedback
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.messages.catalogue import Catalogue
@@ -87,10 +87,10 @@ def test_gains_that_no_single_change_cures_are_said_so() -> None:
 
 def test_poor_gains_never_hide_behind_a_sooner_settling_loop() -> None:
     """State feedback "auto" beside given gains keeps the margins or is left out."""
-    found = tune_variants(
-        quiet_copy(paper_machine(), velocity_gain=180e3, position_gain=30.0), settings=WANTED
-    )
-    assert found.feedback is None or has_all_margins(found.feedback)
+    machine = quiet_copy(paper_machine(), velocity_gain=180e3, position_gain=30.0)
+    chosen = settle_on_loop(machine, build_plant(machine), Settings()).tuned
+    assert has_all_margins(chosen) is (chosen.warnings == ())
+    assert has_all_margins(chosen) or not chosen.controller.state_gains.any()
 
 
 def test_bandwidth_that_given_gains_miss_is_a_warning_and_not_an_end() -> None:

@@ -14,6 +14,7 @@ from math import isclose, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.analysis.block_responses import BlockResponses
 from mtcommission.loop.model.controller import Controller, Observer
 from mtcommission.loop.tuning.cascade import CLASSIC, Shape, build_cascade
@@ -32,6 +33,7 @@ from mtcommission.loop.tuning.tuned import (
     scan_corners,
 )
 from mtcommission.machine.machine import Machine, StateFeedback
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import PlantMode
 
 Array = NDArray[np.float64]
@@ -103,12 +105,15 @@ class Proposals:
         Those that keep what the classic one has, that one first.
     fastest_hz
         Largest bandwidth of all loops with the margins [Hz]; 0 if there is none.
+    remark
+        Why there is no loop with state feedback, if that was sought in vain.
     """
 
     family: LoopFamily
     classic: TunedLoop | None
     loops: tuple[Proposal, ...]
     fastest_hz: float
+    remark: Message | None = None
 
 
 def cascade_family(
@@ -262,39 +267,58 @@ def propose_cascades(family: LoopFamily) -> Proposals:
     return _propose(family, classic, shapes)
 
 
-def propose_feedback(cascades: Proposals, near: Shape) -> Proposals | None:
-    """Return loops with state feedback, of a given shape and with the shortest integral times.
+def propose_feedback(
+    cascades: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]
+) -> Proposals:
+    """Return loops with state feedback.
 
     Parameters
     ----------
-    cascades
+    cascades, classic
         Without state feedback.
-    near
-        The shape that serves best without it.
+    shapes
+        Of the cascade in it; each is tried with each of the settings' weights.
 
     Returns
     -------
-    Proposals or None
-        None if the sensors see no mode.
-
-    Raises
-    ------
-    ComputationError
-        FEEDBACK_DESIGN_FAILED.
+    Proposals
+        With a remark why there is none, if so.
     """
-    family = feedback_family(cascades.family)
-    if family is None:
-        return None
-    settings = family.settings
+    try:
+        family = feedback_family(cascades)
+        if family is None:
+            raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, Message("loop-sees-no-mode"))
+        weighted = product(shapes, family.settings.mode_weights)
+        found = _propose(
+            family, classic, [replace(shape, mode_weight=weight) for shape, weight in weighted]
+        )
+    except ComputationError as error:
+        remark = Message("loop-no-state-feedback", detail=error.detail)
+        return Proposals(family=cascades, classic=classic, loops=(), fastest_hz=0.0, remark=remark)
+    loops = tuple(item for item in found.loops if item.shape.mode_weight)
+    lost = Message("loop-no-state-feedback", detail=Message("loop-state-feedback-loses"))
+    return replace(found, loops=loops, remark=None if loops else lost)
+
+
+def feedback_shapes(settings: TuningSettings, *, near: Shape) -> tuple[Shape, ...]:
+    """Return the shapes for which state feedback is worth a try.
+
+    Parameters
+    ----------
+    settings
+        With the shapes tried.
+    near
+        That which serves best without it.
+
+    Returns
+    -------
+    tuple of Shape
+        That one, and those with the shortest integral time: state feedback damps what a short
+        integral time shakes.
+    """
     shortest = min(settings.integral_ratios)
-    ratios = [(position, shortest) for position in settings.position_ratios]
-    shapes = [
-        Shape(position_ratio=position, integral_ratio=integral, mode_weight=weight)
-        for position, integral in (*ratios, (near.position_ratio, near.integral_ratio))
-        for weight in settings.mode_weights
-    ]
-    found = _propose(family, cascades.classic, shapes)
-    return replace(found, loops=tuple(item for item in found.loops if item.shape.mode_weight))
+    quick = [Shape(position_ratio=r, integral_ratio=shortest) for r in settings.position_ratios]
+    return tuple(dict.fromkeys((near, *quick)))
 
 
 def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:
@@ -324,9 +348,7 @@ def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:
     return tuple(item for item in found.loops if item.tuned is not proposals.classic)
 
 
-def _propose(
-    family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]
-) -> Proposals:
+def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]) -> Proposals:
     """The loops of some shapes, as far as they keep what the classic loop has."""
     control, largest = family.machine.control, family.settings.largest_fraction
     found = [Proposal(shape=CLASSIC, tuned=classic)] if classic else []
@@ -387,7 +409,7 @@ def integral_gain(controller: Controller) -> float:
     float
         [N/(m s)].
 
-    Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4: the integrated error after a step of
-    load is one over the integral gain.
+    Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4: the integrated error after a
+    step of load is one over the integral gain.
     """
     return controller.velocity_gain * controller.position_gain / controller.integral_time
