@@ -35,7 +35,7 @@ import numpy as np
 from benchmarks.mutations import dice_of, mutated, mutated_values, shipped_texts
 from mtcommission import cli
 from mtcommission.errors import ComputationError
-from mtcommission.export.catalogue import control_keys
+from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.profile.shipped import read_shipped, shipped_names
 
 COMMANDS = ("check", "wizard", "optimal", "simulate", "limits", "run", "export", "sheet")
@@ -138,7 +138,7 @@ def arguments_of(command: str, profile: Path, dice: np.random.Generator) -> list
         case "run":
             return [command, str(profile), "-o", folder, "--no-pdf"]
         case "export":
-            return [command, str(profile), "--control", str(dice.choice(control_keys()))]
+            return [command, str(profile), "--control", str(dice.choice(CONTROL_KEYS))]
         case "sheet":
             return [command, str(profile), "-o", folder, "--no-pdf"]
     return [command, str(profile)]

@@ -255,10 +255,13 @@ def run(
     samples: int,
     force_limit: float = float("inf"),
     push: float = 0.0,
+    resolution: float = 0.0,
+    phase: float = 0.0,
 ) -> Run:
     """The machine under the cascade; ``nominal`` is what the controller believes it to be.
 
-    ``push`` is a force beside the motor from the beginning on.
+    ``push`` is a force beside the motor from the beginning on. The encoder rounds to whole steps of
+    ``resolution``; at the start it stands ``phase`` of a step beside one.
     """
     axis, h, T_p = axis_of(machine), gains.velocity_cycle, gains.position_cycle
     tau, K = gains.reference_delay, gains.state_gains
@@ -270,6 +273,8 @@ def run(
     for i in range(samples):
         cycle, step = divmod(i, gains.cycles)
         seen = axis.encoder
+        if resolution:
+            seen = resolution * (round(seen / resolution + phase) - phase)
         if step == 0:
             error = delayed(profile, i * h - tau, T_p)[0] - seen
             corrections = [corrections[1], gains.position_gain * error]

@@ -502,13 +502,18 @@ def _loop() -> Any:
         "kind": "state-space",
         "jerk": "limit",
         "position_loop": "control",
-        "features": [],
+        "features": [
+            _feature("jerk", True, "MD32431", "A manual, p. 3", True),
+            _feature("force_filters", True, "p1656", "", False),
+            _feature("jerk_feedforward", False, "", "A manual, p. 3", True),
+        ],
         "Kv": 42.79,
         "Kp": 128400.0,
         "Tn": 0.02337,
         "reference_model_time": 0.0,
         "reference_delay": 0.005625,
         "reference_age": 0.0026875,
+        "velocity_age": 0.00275,
         "state_feedback": {"v_b": 1236.4},
         "feedforward": {"velocity": 1.0, "acceleration": 1.0, "jerk": 0.0, "mass": 752.0},
         "position_cycle": 0.002,
@@ -588,6 +593,16 @@ def _loop() -> Any:
         },
         "remarks": [said("loop-tn-yaskawa")],
         "warnings": [],
+    }
+
+
+def _feature(name: str, has: bool, parameters: str, source: str, verified: bool) -> Any:
+    return {
+        "name": name,
+        "has": has,
+        "parameters": parameters,
+        "source": source,
+        "verified": verified,
     }
 
 

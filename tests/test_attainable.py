@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import pytest
 
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Peak
 from mtcommission.machine.requirement import SETTLING_TIME, peak_of
 from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import without_jerk_limit
 from mtcommission.study.attainable import Attainable, find_attainable, find_least_residual
 from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
@@ -44,15 +46,15 @@ def is_met(machine: Machine, item: Attainable) -> bool:
 
 def test_impossible_settling_time() -> None:
     """If it failed, the user would not learn what settling time, or what band, to ask for."""
-    machine = asked(settling=0.07)
+    machine = asked(settling=0.075)
     found = attainable(machine)
     assert set(found) == {"settling time", "residual deviation"}
     slower, wider = found["settling time"], found["residual deviation"]
-    assert slower.limit == 0.07
-    assert slower.value > 0.07
+    assert slower.limit == 0.075
+    assert slower.value > 0.075
     assert is_met(asked(settling=1.0001 * slower.value), slower)
     assert wider.value > 5e-6
-    assert is_met(asked(settling=0.07, band=1.0001 * wider.value), wider)
+    assert is_met(asked(settling=0.075, band=1.0001 * wider.value), wider)
 
 
 def test_impossible_peak() -> None:
@@ -63,6 +65,27 @@ def test_impossible_peak() -> None:
     assert item.limit == bound.bound < item.value
     eased = asked(settling=0.12, peaks=(replace(bound, bound=1.0001 * item.value),))
     assert is_met(eased, item)
+
+
+def test_impossible_contour() -> None:
+    """If it failed, the user would not learn how far the tool must be allowed to leave its path."""
+    machine = asked(settling=0.15)
+    machine = replace(machine, requirements=replace(machine.requirements, contour_deviation=1e-6))
+    item = attainable(machine)["contour deviation"]
+    assert item.limit == 1e-6 < item.value
+    needs = replace(machine.requirements, contour_deviation=1.0001 * item.value)
+    assert is_met(replace(machine, requirements=needs), item)
+
+
+def test_least_acceleration_without_a_jerk_limit() -> None:
+    """If it failed, limits with a jerk would be named for a control that cannot limit it."""
+    machine = asked(band=1e-9)
+    machine = replace(machine, control=replace(machine.control, kind=KINDS["klipper"]))
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    choice = choose_limits(machine, plant, tuned, settings=COARSE)
+    found = find_least_residual(machine, plant, tuned, choice)
+    assert found is not None
+    assert found.limits == without_jerk_limit(machine, found.limits.acceleration)
 
 
 def test_impossible_rms_force() -> None:
@@ -112,7 +135,7 @@ def test_least_residual_is_less_than_all_but_the_slowest_limits_leave() -> None:
 
 def test_no_worse_than_the_recommendation_itself() -> None:
     """If it failed, the sheet would ask for more time than the limits printed beside it take."""
-    machine = asked(settling=0.07)
+    machine = asked(settling=0.075)
     plant, tuned = build_plant(machine), tune_loop(machine)
     choice = choose_limits(machine, plant, tuned)
     poor = SearchSettings(grid=6, coarse_grid=5, seeds=1, refinements=1)

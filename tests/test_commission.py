@@ -13,27 +13,35 @@ import pytest
 from mtcommission.cli.results_view import describe_limits
 from mtcommission.cli.terminal import show
 from mtcommission.commission import Commissioning, commission
-from mtcommission.machine.machine import Motion
+from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.loop.model.controller import Controller, Observer
+from mtcommission.machine.machine import FilterKind, ForceFilter, Motion
 from mtcommission.messages.quantities import Formatter
-from mtcommission.profile.read import read_profile
+from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json, load_record
 from mtcommission.record.limits import limits_part
 from mtcommission.record.schema import Profile, Record
+from tests.independent_loop import judge, profile_of, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
 
 @pytest.fixture(scope="module", params=PROFILES, ids=lambda path: path.stem)
-def found(request: pytest.FixtureRequest) -> Commissioning:
-    return commission(read_profile(request.param))
+def path(request: pytest.FixtureRequest) -> Path:
+    return Path(request.param)
 
 
 @pytest.fixture(scope="module")
-def record(found: Commissioning) -> Record:
+def found(path: Path) -> Commissioning:
+    return commission(read_profile(path))
+
+
+@pytest.fixture(scope="module")
+def record(found: Commissioning, path: Path) -> Record:
     return build_record(
         found,
-        profile=Profile(name="p.toml", sha256="0" * 64, text=""),
+        profile=Profile(name="p.toml", sha256="0" * 64, text=path.read_text("utf-8")),
         created="2026-01-01T00:00:00+00:00",
         warnings=[],
     )
@@ -56,6 +64,58 @@ def test_optima_are_certified_and_faster_than_the_recommendation(found: Commissi
 def test_record_simulated_again_by_an_outsider(record: Record) -> None:
     """Closed-loop matrices and Ruckig's segments alone must give what the record claims."""
     _simulate_again(json.loads(dump_json(record)))
+
+
+def test_record_alone_gives_a_second_program_the_loop(record: Record) -> None:
+    """What a loop does must follow from its record: gains, cycles, delays, filters, observer."""
+    machine = parse_profile(record.profile.text, where="record.json")
+    data = json.loads(dump_json(record))
+    gains = _controller_of(data["loop"], states=data["plant"]["states"])
+    for entry, move in zip(record.moves, machine.moves, strict=True):
+        best = record.limits.recommended
+        mean = best.setpoint_filter.time if best.setpoint_filter else 0.0
+        profile = profile_of(move, best.acceleration, best.jerk, mean=mean)
+        tau, T_v = gains.reference_delay, gains.velocity_cycle
+        samples = ceil((profile.end + tau + 0.4) / T_v)
+        motion = run(machine, gains, profile, nominal=machine, samples=samples)
+        found = judge(motion, profile, tau=tau, band=machine.requirements.tcp_deviation, dwell=0.0)
+        claimed = entry.response
+        assert found.residual == pytest.approx(claimed.residual_deviation, rel=1e-5)
+        assert found.settling_time == pytest.approx(claimed.settling_time, rel=1e-5)
+        assert np.max(np.abs(motion.force)) == pytest.approx(claimed.max_force, rel=1e-5)
+
+
+def _controller_of(loop: dict[str, Any], *, states: list[str]) -> Controller:
+    """The controller from the record's numbers and nothing else."""
+    observer, ahead = loop["observer"], loop["feedforward"]
+    return Controller(
+        position_loop=PositionLoop(loop["position_loop"]),
+        position_gain=loop["Kv"],
+        velocity_gain=loop["Kp"],
+        integral_time=loop["Tn"],
+        reference_model_time=loop["reference_model_time"],
+        velocity_feedforward=ahead["velocity"],
+        acceleration_feedforward=ahead["acceleration"],
+        jerk_feedforward=ahead["jerk"],
+        feedforward_mass=ahead["mass"],
+        force_lag=loop["force_lag"],
+        reference_delay=loop["reference_delay"],
+        velocity_cycle=loop["velocity_cycle"],
+        cycles=round(loop["position_cycle"] / loop["velocity_cycle"]),
+        force_filters=tuple(
+            ForceFilter(**{**item, "kind": FilterKind(item["kind"])})
+            for item in loop["force_filters"]
+        ),
+        sensors=tuple(loop["sensors"]),
+        state_gains=np.array([loop["state_feedback"].get(state, 0.0) for state in states]),
+        observer=Observer(
+            states=tuple(map(states.index, observer["states"])),
+            A=np.array(observer["A"]),
+            B=np.array(observer["B"]),
+            C=np.array(observer["C"]),
+            L=np.array(observer["L"]).reshape(len(observer["states"]), len(loop["sensors"])),
+        ),
+    )
 
 
 def _simulate_again(record: dict[str, Any]) -> None:

@@ -150,7 +150,7 @@ def test_continuous_loop_with_stiff_delays_does_not_grow() -> None:
 def test_continuous_difference_on_the_paper_machine_is_as_documented(
     machine: Machine, plant: Plant, tuned: TunedLoop
 ) -> None:
-    """docs/feedback-loop.md states 0.1 to 1.4 % for the settling time."""
+    """docs/feedback-loop.md states 1.5 % for the settling time."""
     setpoint = plan_setpoint(machine.moves[0], LIMITS)
     sampled = simulate(tuned.loops[0], setpoint, drive=machine.drive, band=5e-6)
     found = simulate_continuous(

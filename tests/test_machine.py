@@ -10,8 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtcommission.machine.machine import Drive, mid_payload, moving_mass
+from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.machine.basis import list_assumed, list_neglected
+from mtcommission.machine.machine import Control, Drive, mid_payload, moving_mass
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
@@ -128,3 +131,31 @@ def test_random_machines_are_plausible() -> None:
         for mode in machine.mechanics.modes:
             assert 15.0 <= mode.frequency_hz <= 300.0
             assert 0.005 <= mode.damping_ratio <= 0.1
+
+
+def test_what_nobody_stated_is_said_in_one_sentence_each() -> None:
+    """A profile of the least keys rests on all of it; one that states everything on none."""
+    machine = replace(
+        paper_machine(),
+        assumed=("drive.force_lag", "requirements.reserve", "requirements.frequency_spread"),
+        requirements=replace(paper_machine().requirements, frequency_spread=0.05),
+    )
+    words = Catalogue()
+    said = [words.say(one) for one in list_assumed(machine)]
+    assert said[0].startswith("frequencies off by up to ±5")
+    assert said[1].startswith("limits may use ")
+    assert said[2].startswith("tcp_height: the tool stands above the rotary joint")
+    assert said[3:] == ["not measured: drive.force_lag"]
+    modal = random_modal_machine(1, n_modes=2)
+    assert list(list_assumed(modal)) == []
+
+
+def test_the_encoder_is_neglected_until_its_resolution_is_stated() -> None:
+    machine = paper_machine()
+    fine = replace(machine, drive=replace(machine.drive, encoder_resolution=1e-7))
+    gone = {one.kind for one in list_neglected(machine)} - {
+        one.kind for one in list_neglected(fine)
+    }
+    assert gone == {"neglected-encoder"}
+    klipper = replace(machine, control=Control(kind=KINDS["klipper"]))
+    assert "neglected-steps" in {one.kind for one in list_neglected(klipper)}

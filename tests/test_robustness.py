@@ -320,7 +320,7 @@ def _kept(low: float, high: float) -> FrequencyError:
 
 
 @pytest.mark.parametrize(
-    ("acceleration", "jerk", "is_narrow"), [(1.3, 20.4, False), (1.83, 63.4, True)]
+    ("acceleration", "jerk", "is_narrow"), [(1.3, 20.4, False), (1.75, 65.0, True)]
 )
 def test_the_warning_is_about_the_machine_that_was_simulated(
     acceleration: float, jerk: float, is_narrow: bool
@@ -332,9 +332,9 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
     settings = RobustnessSettings(frequency_points=10)
     error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
     warnings = warn_of_narrow_range(machine, error)
-    assert [
-        "set force (where they are lower). " in Catalogue().say(warning) for warning in warnings
-    ] == ([True] if is_narrow else [])
+    assert ["(where they are lower)" in Catalogue().say(warning) for warning in warnings] == (
+        [True] if is_narrow else []
+    )
     (move,) = machine.moves
     for factor, is_kept in ((1.0, True), (0.98, not is_narrow)):
         varied = build_plant(vary(machine, Corner(frequency_factor=factor)))
@@ -345,5 +345,5 @@ def test_the_warning_is_about_the_machine_that_was_simulated(
             drive=replace(machine.drive, max_force=1e9),
             band=machine.requirements.tcp_deviation,
         )
-        assert response.residual_deviation <= machine.requirements.tcp_deviation
-        assert (response.max_force <= machine.drive.motion_force) is is_kept
+        in_band = response.residual_deviation <= machine.requirements.tcp_deviation
+        assert (in_band and response.max_force <= machine.drive.motion_force) is is_kept

@@ -48,6 +48,7 @@ from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.schema import AssessmentPart, Check, Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf, summarise
+from mtcommission.sheet.basis_part import basis_rows
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.diagram import text_size
 from mtcommission.sheet.figures import draw_svg
@@ -75,7 +76,9 @@ ENGLISH, GERMAN = Catalogue("en"), Catalogue("de")
 compose, print_html, print_pdf, summarise = map(
     on_json, (compose, print_html, print_pdf, summarise)
 )
-further_sentences, summary_rows = map(on_json, (further_sentences, summary_rows))
+basis_rows, further_sentences, summary_rows = map(
+    on_json, (basis_rows, further_sentences, summary_rows)
+)
 
 RECORDS = {
     "example": example_record,
@@ -352,9 +355,8 @@ def test_what_did_not_settle_is_said_and_never_a_number():
     assert not headline.is_met
     assert headline.verdict == "Requirements NOT met"
     assert "settling time" in headline.detail
-    result = next(table for table in tables(document) if "Result" in table.caption)
-    assert result.rows[0] == ("Settling time", "not settled")
-    assert "not settled; permitted 5.1" in result.rows[1][1]
+    result = table_of(record, "verdict")
+    assert result.rows[-1][3:5] == ("not settled", "not settled")
     assert not [plot for plot in plots(document) if plot.key == "comparison"]
     everything = "\n".join(text_cells(document))
     assert "None" not in everything
@@ -453,13 +455,7 @@ def test_a_rotary_axis_has_torques_and_moments_of_inertia_on_the_terminal_too():
     parts = Message("place-payload", payload=0.2), Message("place-frequencies", factor=0.97)
     where = Message("place", parts=parts)
     check = Check(
-        name="set force",
-        value=21.7,
-        limit=800.0,
-        reserve=0.95,
-        unit="N m",
-        met=True,
-        where=where,
+        name="set force", value=21.7, limit=800.0, reserve=0.95, unit="N m", met=True, where=where
     )
     part = SimpleNamespace(
         moves=[],
@@ -496,15 +492,17 @@ def test_a_long_source_stands_once_with_a_number_and_a_short_one_in_its_row():
     record = example_record()
     long, other = ("Measured by the maker of the machine, report 12 of 2026", "Data sheet " * 4)
     record["machine"]["source"] = long
-    for item, source in zip(record["data"], (long, long, other), strict=False):
+    _, *rest = record["data"]
+    for item, source in zip(rest, (long, long, other), strict=False):
         item["source"] = source
     section = next(s for s in compose(record).sections if s.key == "machine")
     title, data, _ = (block for block in section.blocks if isinstance(block, Table))
     assert dict(title.rows)["Source"] == f"[1] {long}"
-    assert [row[3] for row in data.rows] == ["[1]", "[1]", "[2]"]
+    assert [row[3] for row in data.rows] == ["default", "[1]", "[1]", "[2]"]
     notes = [block.text for block in section.blocks if isinstance(block, Paragraph)]
     assert notes == [f"[2] {other}"]
-    assert {row[3] for row in table_of(example_record(), "machine", which=1).rows} == {"Table 1"}
+    sources = {row[3] for row in table_of(example_record(), "machine", which=1).rows}
+    assert sources == {"default", "Table 1"}
 
 
 def test_the_first_page_says_each_warning_once():
@@ -711,7 +709,7 @@ def test_every_arrow_of_the_diagram_points_at_a_block_or_leaves_the_picture():
 def test_terminal_record_page_and_pdf_agree(name, pages, pdfs):
     record = RECORDS[name]()
     words = Catalogue(rotary=name == "rotary")
-    rows = dict(summary_rows(record, words))
+    rows = {name: value for name, value, *_ in summary_rows(record, words)}
     limits = record["limits"]["recommended"]
     shown = rows["Acceleration"].replace("°", " deg").replace(THIN_SPACE, " ")
     number, unit = shown.split(" ", 1)
@@ -722,7 +720,8 @@ def test_terminal_record_page_and_pdf_agree(name, pages, pdfs):
     terminal = squeeze(render(record))
     further = further_sentences(record, words)
     told = [text for text in further if not text.startswith("Could be met")]
-    assert len(told) >= 2
+    told += [value for _, value in basis_rows(record, words)]
+    assert len(told) >= 5
     for value in [*rows.values(), *told]:
         for medium in (page, pdf, terminal):
             assert squeeze(value) in medium
@@ -1129,3 +1128,115 @@ def test_the_changes_are_printed_on_page_and_paper(tmp_path):
     for words in ("Changes since the earlier record", "+20 %", "10.2 µm", "not stated"):
         assert squeeze(words) in page
         assert squeeze(words) in paper
+
+
+# today's values beside the recommended ones
+
+
+def _with_today(**changes):
+    record = example_record()
+    record["limits"]["today"] = {
+        "acceleration": 2.03,
+        "jerk": 17.1,
+        "jerk_time": 2.03 / 17.1,
+        "setpoint_filter": None,
+        "Kv": 31.0,
+        "Kp": 128400.0,
+        "Tn": 0.02337,
+        "basis": said("today-in-mixed-loop", stated=("Kv",), others=("Kp", "Tn")),
+        "failure": None,
+        "bound_by": None,
+        "settling_time": 0.3101,
+        "residual_deviation": 45.2e-6,
+        "peak_deviation": 61.3e-6,
+        "meets_requirements": False,
+        "frequency_range": None,
+        "valid_for": [{"smallest": 0.102, "largest": 0.102}],
+    } | changes
+    return record
+
+
+def test_todays_values_stand_beside_the_recommended_ones_with_what_each_gives():
+    """Whoever types new values in must see what he replaces and what he gains."""
+    record = _with_today()
+    table = table_of(record, "verdict")
+    now, then = ([cell.replace(THIN_SPACE, " ") for cell in row] for row in table.rows)
+    assert now == ["Today", "2.03 m/s²", "17.1 m/s³", "310.1 ms", "45.2 µm", "61.3 µm", "no"]
+    assert then[:4] == ["Recommended", "2.41 m/s²", "41.2 m/s³", "105.6 ms"]
+    told = "now 310.1 ms / 45.2 µm, then 105.6 ms / 4.582 µm"
+    page, paper = print_html(record), " ".join(pdf_pages(print_pdf(record))[:1])
+    for text in (Page(page).text, paper):
+        assert squeeze(told) in squeeze(text)
+        assert squeeze("Simulated with today's Kv; Kp, Tn, not stated") in squeeze(text)
+    terminal = render(record).replace(THIN_SPACE, " ")
+    assert "now 310.1 ms" in terminal
+    assert "now 45.2 µm" in terminal
+
+
+def test_an_unstable_loop_of_today_is_said_and_has_no_numbers():
+    """A number beside "today" would be taken for what the machine does."""
+    unstable = said("today-unstable", Kv=31.0, Kp=9e5, Tn=0.02, corner=Message("place-nominal"))
+    nothing = dict.fromkeys(("settling_time", "residual_deviation", "peak_deviation"))
+    record = _with_today(failure=unstable, **nothing)
+    record["limits"]["warnings"] = [unstable]
+    record["warnings"] = [*record["warnings"], unstable]
+    blocks = compose(record).sections[0].blocks
+    sentence = ENGLISH.say(from_json(unstable))
+    assert sentence in [b.text for b in blocks if isinstance(b, Paragraph)]
+    assert table_of(record, "verdict").rows[0][3:] == ("–", "–", "–", "no")
+    assert squeeze(sentence) in squeeze(render(record))
+
+
+# reserve and what was assumed
+
+
+@pytest.mark.parametrize(
+    ("value", "verdict"),
+    [(4.7e-6, "met"), (4.8e-6, "met, reserve used up"), (5.2e-6, "NOT MET")],
+)
+def test_the_reserve_counts_in_the_verdict_of_each_requirement(value, verdict):
+    """Limits that use up the reserve break as soon as the machine is not quite as calculated."""
+    record = example_record()
+    (check,) = record["assessment"]["checks"]
+    check |= {"value": value, "met": value <= check["limit"]}
+    row = table_of(record, "verdict", which=1).rows[0]
+    share = f"{100 * value / 5.1e-6:.3g}{THIN_SPACE}%"
+    assert row[3:6] == (share, f"7{THIN_SPACE}%", verdict)
+
+
+def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
+    record = example_record()
+    rows = dict(basis_rows(record, ENGLISH))
+    assert rows["Control"].startswith("state-space; position loop in the control, every 2")
+    assert rows["Control"].endswith("(assumed)")
+    assert rows["Frequencies"].replace(THIN_SPACE, " ") == (
+        "judged at ± 5.2 %; all requirements kept from −1 % to +1 %"
+    )
+    assert rows["Damping ratios"] == "judged as stated, no spread"
+    spread = next(item for item in record["data"] if item["key"].endswith("frequency_spread"))
+    spread["source"] = said("source-default")
+    assert "(assumed); all requirements" in dict(basis_rows(record, ENGLISH))["Frequencies"]
+    error = record["robustness"]["frequency_error"]
+    error["kept_from"], error["kept_to"] = 1.0, error["factor"][-1]
+    assert "from 0" in dict(basis_rows(record, ENGLISH))["Frequencies"]
+    assert "at least +10" in dict(basis_rows(record, ENGLISH))["Frequencies"]
+    error["kept_from"] = error["kept_to"] = None
+    assert "not kept even as stated" in dict(basis_rows(record, ENGLISH))["Frequencies"]
+
+
+def test_a_tool_on_a_path_is_told_that_the_contour_counts():
+    """Who reads only the residual believes that a path is kept as exactly as the standstill."""
+    record = example_record()
+
+    def told():
+        blocks = compose(record).sections[0].blocks
+        notes = [b.text for b in blocks if isinstance(b, Paragraph) and b.tone is Tone.NOTE]
+        return notes[-1].replace(THIN_SPACE, " ")
+
+    assert "up to 9.47 µm off; if it works along a path, state contour_deviation" in told()
+    datum = {"key": "requirements.contour_deviation", "value": 2e-5, "unit": "m", "source": "x"}
+    record["data"].append(datum)
+    assert "judged by the contour deviation, one that" in told()
+    feed = {"key": "requirements.contour_feed", "value": 0.05, "unit": "m/s", "source": "x"}
+    record["data"].append(feed)
+    assert "contour deviation at up to 0.05 m/s" in told()

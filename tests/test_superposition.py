@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import settle
 from mtcommission.loop.batch.tables import build_tables, sketch_tables
@@ -43,6 +44,10 @@ MACHINES = {
     "paper": paper_machine(),
     "filtered": quiet_copy(paper_machine(), moving_average_time=17e-3),
     "two encoders": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
+    "interpolated": quiet_copy(paper_machine(), position_loop=PositionLoop.INTERPOLATED),
+    "drive": quiet_copy(
+        paper_machine(), position_loop=PositionLoop.DRIVE, moving_average_time=7e-3
+    ),
     "short delay": quiet_copy(paper_machine(), reference_delay=0.6e-3),
     "four modes": random_modal_machine(7, n_modes=4),
 }
@@ -106,7 +111,7 @@ def test_settling_and_residual_agree_with_the_full_simulation(name: str) -> None
     assert checked >= 12
 
 
-@pytest.mark.parametrize("name", ["paper", "filtered", "four modes"])
+@pytest.mark.parametrize("name", ["paper", "filtered", "drive", "four modes"])
 def test_peaks_and_forces_agree_with_the_full_simulation(name: str) -> None:
     """Limits beyond the force or a bounded peak would be recommended."""
     machine = MACHINES[name]

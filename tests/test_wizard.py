@@ -19,6 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mtcommission.commission import commission
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings
 from mtcommission.messages.catalogue import Catalogue
@@ -50,7 +51,7 @@ from mtcommission.wizard.session import Ending, Session, run_wizard
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 ENGLISH = Catalogue("en")
-SHIPPED = read_profile(PROFILES / "milling-manipulator.toml")
+SHIPPED = replace(read_profile(PROFILES / "milling-manipulator.toml"), assumed=())
 
 PAPER = """\
 Milling machine workpiece manipulator
@@ -76,6 +77,12 @@ Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1
 
 
 5 um
+
+
+
+
+
+state-space
 
 
 
@@ -218,7 +225,7 @@ def test_measured_frequencies_give_stiffness_and_damping(tmp_path: Path) -> None
     talk(
         tmp_path / "tower.toml",
         "Tower\nX\n\n\n2 kN\n\n\n\n2\n450\n750\n40\n0.25\n0.21\n"
-        "50 Hz\n3 %\n60 N/um\n72\n0,05\n\n1\n20 mm\n30 m/min\n\n\n5 um\n" + "\n" * 12,
+        "50 Hz\n3 %\n60 N/um\n72\n0,05\n\n1\n20 mm\n30 m/min\n\n\n5 um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "tower.toml")
     found = [(m.frequency_hz, m.damping_ratio) for m in machine.mechanics.modes]
@@ -265,7 +272,7 @@ def test_pair_of_masses_from_a_file_of_answers(tmp_path: Path) -> None:
     machine = read_profile(tmp_path / "pair.toml")
     (mode,) = machine.mechanics.modes
     assert mode.frequency_hz == pytest.approx(30.0 * sqrt(1.0 + 6.0 / 2.0))
-    assert machine.requirements.frequency_spread == 0.0  # as a profile that leaves it out
+    assert machine.requirements.frequency_spread == 0.05  # as a profile that leaves it out
     assert build_plant(machine).order == 5
 
 
@@ -273,7 +280,7 @@ def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "table.toml",
         "Table\nC\nrotary\n\n800 N m\n\n420 N m\n\n1\n1.9\n6.4 kg m^2\n0.971e6\n\n"
-        "1\n90°\n60 rpm\n0.5\n\n10 arcsec\n\n\n\n0.2\n" + "\n" * 7,
+        "1\n90°\n60 rpm\n0.5\n\n10 arcsec\n\n\n\n0.2\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "table.toml")
     assert isinstance(machine.mechanics, Modal)
@@ -282,6 +289,32 @@ def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
     assert machine.requirements.payload == (0.0, 0.2)
     assert "rad/s^2 (800 N m on 8.3 kg m^2)" in said
     assert "tower" not in said
+
+
+def test_control_contour_and_todays_values_are_asked_in_turn(tmp_path: Path) -> None:
+    """Each opens what belongs to it: a feed, a gear, a jerk where the control limits one."""
+    path = tmp_path / "table.toml"
+    begin = "Table\nX\n\n\n2 kN\n\n\n\n3\n20\n300\n20 N/um\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
+    talk(
+        path,
+        begin
+        + "20 um\n2 m/min\nsinumerik\n\n\n10 mm\n2\n0.1 um\n\n\n\n2\n40\n1 (m/min)/mm\n"
+        + "\n" * 9,
+    )
+    machine = read_profile(path)
+    assert machine.control.kind is KINDS["sinumerik"]
+    assert (machine.drive.lead, machine.drive.gear) == (0.01, 2.0)
+    assert machine.drive.encoder_resolution == 1e-7
+    needs, today = machine.requirements, machine.today
+    assert needs.contour_deviation == 20e-6
+    assert needs.contour_feed == pytest.approx(1 / 30)
+    assert today is not None
+    assert (today.acceleration, today.jerk, today.integral_time) == (2.0, 40.0, None)
+    assert today.position_gain == pytest.approx(1000 / 60)
+    assert not machine.is_assumed("control.kind")
+    keys = {q.key for q in list_questions({"today.acceleration": "2", "control.kind": "fluidnc"})}
+    assert "today.jerk" not in keys
+    assert "drive.gear" not in keys
 
 
 def test_every_shipped_profile_survives_the_wizard(tmp_path: Path) -> None:
@@ -389,7 +422,7 @@ def test_back_help_and_slips(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "m.toml",
         "A\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n2 km\n-5 N\n2 kN\n" + "\n" * 3 + "5\n"
-        "800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n" + "\n" * 12,
+        "800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n" + "\n" * 20,
     )
     assert read_profile(tmp_path / "m.toml").name == "B"
     assert 'got "2 km"' in said
@@ -402,7 +435,7 @@ def test_fault_of_the_whole_leads_back_to_its_question(tmp_path: Path) -> None:
     """A static load above the force is seen only when both are known."""
     begin = "A\nX\n\n\n2 kN\n\n\n3 kN\n5\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
     _, said = talk(
-        tmp_path / "m.toml", begin + "\n" * 11 + "1 kN\n" + "\n" * 40, is_interactive=True
+        tmp_path / "m.toml", begin + "\n" * 15 + "1 kN\n" + "\n" * 40, is_interactive=True
     )
     assert "Not possible: drive.static_load" in said
     assert read_profile(tmp_path / "m.toml").drive.static_load == 1000.0
@@ -420,9 +453,7 @@ def test_leaving_at_any_point_keeps_the_answers_and_goes_on_from_there(
     assert not path.exists()
     tomllib.loads((tmp_path / "p.toml.answers").read_text("utf-8"))
     talk(path, "".join(lines[count:]))
-    assert replace(read_profile(path), assumed=()) == read_profile(
-        PROFILES / "milling-manipulator.toml"
-    )
+    assert replace(read_profile(path), assumed=()) == SHIPPED
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -506,9 +537,7 @@ def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
     text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
     path.write_text(text.replace('"450 kg"', '"450 m"').replace('"2 kN"', '"much"'), "utf-8")
     _, said = talk(path, "\n" * 4 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
-    assert replace(read_profile(path), assumed=()) == read_profile(
-        PROFILES / "milling-manipulator.toml"
-    )
+    assert replace(read_profile(path), assumed=()) == SHIPPED
     assert "mode base at 50 Hz" in said
 
 
@@ -607,7 +636,9 @@ def _all_questions() -> list[tuple[Question, bool]]:
         for way in WAYS:
             answers = {"machine.motion": motion, "wizard.way": way, "wizard.experts": "yes",
                        "plant.modes.0.more": "yes", "moves.0.more": "yes",
-                       "moves.0.kind": "acceleration to a velocity"}  # fmt: skip
+                       "moves.0.kind": "acceleration to a velocity", "drive.lead": "10 mm",
+                       "requirements.contour_deviation": "1 um", "control.kind": "state-space",
+                       "today.acceleration": "1"}  # fmt: skip
             for question in list_questions(answers):
                 found[(motion, question.key)] = (question, motion == "rotary")
     return list(found.values())
@@ -794,7 +825,7 @@ def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
     talk(
         tmp_path / "m.toml",
         "A\nX\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n-2.4e-3\n\n\n"
-        "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 12,
+        "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "m.toml")
     assert [mode.name for mode in machine.mechanics.modes] == ["beam", "ram"]

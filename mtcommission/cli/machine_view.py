@@ -5,17 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rich.console import Group, RenderableType
+from rich.table import Table
 from rich.text import Text
 
 from mtcommission.cli.terminal import empty_table, heading, warn, words_for
+from mtcommission.machine.basis import describe_kind, list_assumed, list_neglected
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.rigid_body import least_motion_time
+from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, kalman_rank
 
+LOOP_KEYS = ("control.position_loop", "control.position_cycle", "control.velocity_cycle")
+
 
 def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message | str]) -> Group:
-    """Return modes, rigid-body limits and warnings of a profile.
+    """Return modes, rigid-body limits, what results rest on, and warnings of a profile.
 
     Parameters
     ----------
@@ -65,9 +70,35 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message 
         Text(spoken.text("terminal-source", source=machine.source)),
         modes,
         limits,
+        _basis(machine, spoken),
         Text(spoken.text("terminal-controllable", rank=rank, order=plant.order)),
     ]
     parts += warn(spoken, warnings)
     if not warnings:
         parts.append(Text(spoken.text("terminal-no-warnings")))
     return Group(*parts)
+
+
+def _basis(machine: Machine, spoken: Catalogue) -> Table:
+    """The control with its loop, what is assumed, and what is neglected."""
+    control, printed = machine.control, spoken.format
+    name = spoken.text(f"control-kind-{control.kind.key}")
+    loop = spoken.text(
+        f"position-loop-{control.position_loop.value}",
+        position_cycle=printed.quantity(control.position_cycle, "s"),
+        velocity_cycle=printed.quantity(control.velocity_cycle, "s"),
+    )
+    if any(map(machine.is_assumed, LOOP_KEYS)):
+        loop = spoken.text("assumed", value=loop)
+    has = spoken.say(describe_kind(control.kind))
+    table = empty_table(spoken, "basis")
+    table.add_column(overflow="fold")
+    for label, sentences in (
+        ("control", [f"{name}: {has}"]),
+        ("loop", [loop]),
+        ("assumed", [spoken.say(one) for one in list_assumed(machine)]),
+        ("neglected", [spoken.say(one) for one in list_neglected(machine)]),
+    ):
+        for first, sentence in enumerate(sentences):
+            table.add_row("" if first else spoken.text(f"terminal-basis-{label}"), sentence)
+    return table

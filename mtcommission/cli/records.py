@@ -77,9 +77,9 @@ def export(
     key = find_control_key(control)
     require_writable(output)
 
-    from mtcommission.export.write import export_record, parameter_list
+    from mtcommission.export.write import export_record
     from mtcommission.record.files import load_record
 
-    found = export_record(load_record(record), control=key, language=language)
-    write_text(output, parameter_list(found) if as_csv else found.text)
+    found = export_record(load_record(record), control=key, language=language, as_list=as_csv)
+    write_text(output, found.text)
     raise typer.Exit(0 if found.meets_requirements else 1)

@@ -21,8 +21,10 @@ from mtcommission.record.schema import (
     MoveSizesEntry,
     RuleResult,
     SimulationPart,
+    TodayEntry,
 )
 from mtcommission.sheet.values import say_limiting, say_requirement
+from mtcommission.sheet.verdict_part import share_used, verdict_on
 
 
 def describe_limits(
@@ -31,10 +33,15 @@ def describe_limits(
     """Return the recommendation, the optima's bounds, the rules of thumb, and the warnings."""
     spoken, length = words_for(machine), machine.axis_units.length.si
     printed, said, best = spoken.format, spoken.say, part.recommended
-    unsettled = spoken.text("terminal-not-settled")
+    unsettled, no_limit = spoken.text("terminal-not-settled"), spoken.text("no-jerk-limit")
     table = empty_table(spoken, "limits", "a", "j", "settling", "residual", "peak", "met")
-    entries: list[tuple[str, LimitsEntry | ModeLimitsEntry | Alternative | RuleResult, bool]]
+    entries: list[
+        tuple[str, LimitsEntry | TodayEntry | ModeLimitsEntry | Alternative | RuleResult, bool]
+    ]
     entries = [(spoken.text("terminal-recommended"), best, met)]
+    today = part.today
+    if today:
+        entries.insert(0, (spoken.text("terminal-today"), today, today.meets_requirements))
     for mode in part.modes:
         band = printed.quantity(mode.band, length)
         name = spoken.text(f"terminal-mode-{mode.name}", band=band)
@@ -45,7 +52,9 @@ def describe_limits(
         table.add_row(
             escape(name),
             printed.quantity(entry.acceleration, f"{length}/s^2"),
-            printed.quantity(entry.jerk, f"{length}/s^3"),
+            printed.quantity(
+                entry.jerk, f"{length}/s^3", missing=no_limit if entry is today else "–"
+            ),
             printed.quantity(entry.settling_time, "s", missing=unsettled),
             printed.quantity(entry.residual_deviation, length, missing=unsettled),
             printed.quantity(entry.peak_deviation, length),
@@ -56,6 +65,7 @@ def describe_limits(
         heading(spoken.text("terminal-limits")),
         Text(spoken.text("terminal-bound-by", what=said(best.bound_by))),
         table,
+        *([Text(said(today.basis))] if today else []),
         Text(
             spoken.text(
                 "terminal-by-hand",
@@ -137,10 +147,12 @@ def _verdict(spoken: Catalogue, assessment: AssessmentPart) -> list[RenderableTy
     unsettled = spoken.text("terminal-not-settled")
     for check in assessment.checks:
         line = spoken.text(
-            "terminal-check-met" if check.met else "terminal-check-not-met",
+            "terminal-check",
+            verdict=verdict_on(check, spoken),
             name=say_requirement(check.name, spoken),
             value=printed.quantity(check.value, check.unit, missing=unsettled),
             limit=printed.quantity(check.limit, check.unit),
+            share=share_used(check, spoken),
             where=spoken.say(check.where),
         )
         lines.append(Text(line, style="green" if check.met else "red"))

@@ -36,16 +36,54 @@ class Feature:
     Parameters
     ----------
     parameters
-        Names in the control, with unit and resolution where known; "" where there are none.
+        Names in the control, with unit, range and resolution where known; "" where there are none.
+    note
+        What else an engineer must know, in English: for docs/controls.md.
     source
-        Maker's text or source file.
+        Maker's texts or source files, by title, separated by "; ".
     is_verified
         Whether it was read there; what was not is printed with "(?)".
     """
 
-    parameters: str
+    parameters: str = ""
+    note: str = ""
     source: str = ""
     is_verified: bool = True
+
+    @property
+    def mark(self) -> str:
+        """What is printed behind it: "(?)" unless it was read."""
+        return "" if self.is_verified else "(?)"
+
+
+FEATURES = (
+    "acceleration",
+    "jerk",
+    "modes",
+    "setpoint_filters",
+    "velocity_feedforward",
+    "acceleration_feedforward",
+    "jerk_feedforward",
+    "reference_delay",
+    "position_loops",
+    "position_cycle",
+    "velocity_cycle",
+    "position_gain",
+    "velocity_gain",
+    "force_filters",
+    "state_feedback",
+)
+"""What there is evidence for, of every kind of control, in the order in which it is listed."""
+
+
+def read(source: str, parameters: str = "", note: str = "") -> Feature:
+    """Return a feature that was read in a source."""
+    return Feature(parameters=parameters, note=note, source=source)
+
+
+def believed(parameters: str = "", note: str = "", *, beside: str = "") -> Feature:
+    """Return a feature that was not read; ``beside`` is a source for part of it."""
+    return Feature(parameters=parameters, note=note, source=beside, is_verified=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,10 +94,14 @@ class ControlKind:
     ----------
     key
         For ``control.kind`` and ``export --control``.
+    features
+        Evidence for each of these, and for more, by name: one for each of ``FEATURES``.
+    follows_steps
+        Whether steps go out open loop, so that the position loop only stands in for the motor.
     jerk
         How it takes a limit of the jerk.
     modes
-        Its names for the columns of limits by machining mode; empty: one set of limits.
+        Its columns of limits by machining mode; empty: one set of limits.
     setpoint_filters
         Kinds of setpoint filter, as in profiles; one at a time.
     velocity_feedforward, acceleration_feedforward, jerk_feedforward
@@ -74,11 +116,11 @@ class ControlKind:
         How many filters (notch, low-pass) it has in the torque setpoint.
     state_feedback
         Whether it feeds plant states back.
-    features
-        Evidence for each of these, by the name of the field.
     """
 
     key: str
+    features: Mapping[str, Feature] = field(repr=False, compare=False)
+    follows_steps: bool = False
     jerk: Jerk = Jerk.LIMIT
     modes: tuple[str, ...] = ()
     setpoint_filters: tuple[str, ...] = ()
@@ -91,7 +133,6 @@ class ControlKind:
     velocity_cycle: float = 125e-6
     force_filters: int = 0
     state_feedback: bool = False
-    features: Mapping[str, Feature] = field(default_factory=dict)
 
     @property
     def has_jerk_limit(self) -> bool:

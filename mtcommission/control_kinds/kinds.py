@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from mtcommission.control_kinds.kind import ControlKind, Jerk, PositionLoop
+from mtcommission.control_kinds import numeric, open_source, plc
+from mtcommission.control_kinds.kind import FEATURES, ControlKind, PositionLoop, read
 
-CONTROL, INTERPOLATED, DRIVE = (
-    PositionLoop.CONTROL,
-    PositionLoop.INTERPOLATED,
-    PositionLoop.DRIVE,
-)
-ANYWHERE = (CONTROL, INTERPOLATED, DRIVE)
+DEFINED = "defined here, not a product"
+
+ANYWHERE = (PositionLoop.CONTROL, PositionLoop.INTERPOLATED, PositionLoop.DRIVE)
 
 GENERIC = ControlKind(
     key="generic",
     setpoint_filters=("moving_average",),
     position_loops=ANYWHERE,
     force_filters=8,
+    features=dict.fromkeys(FEATURES, read(DEFINED)),
 )
-"""The cascade that any of them can be set to."""
+"""The cascade that any of them can be set to; no single product has all of it."""
 
 STATE_SPACE = ControlKind(
     key="state-space",
@@ -28,91 +27,30 @@ STATE_SPACE = ControlKind(
     position_loops=ANYWHERE,
     force_filters=8,
     state_feedback=True,
+    features=dict.fromkeys(FEATURES, read(DEFINED)),
 )
 """A free controller."""
 
 KINDS: Mapping[str, ControlKind] = {
     kind.key: kind
     for kind in (
-        ControlKind(
-            key="sinumerik",
-            modes=("DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH"),
-            setpoint_filters=("moving_average",),
-            position_loops=(DRIVE, CONTROL, INTERPOLATED),
-            force_filters=4,
-        ),
-        ControlKind(
-            key="heidenhain",
-            modes=("axPathJerk", "axPathJerkHi"),
-            setpoint_filters=("moving_average",),
-            position_loops=(INTERPOLATED, CONTROL),
-            position_cycle=3e-3,
-            force_filters=5,
-        ),
-        ControlKind(
-            key="fanuc",
-            jerk=Jerk.TIME,
-            setpoint_filters=("moving_average",),
-            reference_delay=False,
-            position_loops=(DRIVE,),
-            position_cycle=1e-3,
-            force_filters=4,
-        ),
-        ControlKind(
-            key="isg",
-            jerk=Jerk.TIME,
-            setpoint_filters=("moving_average",),
-            jerk_feedforward=True,
-            position_loops=(DRIVE, CONTROL),
-        ),
-        ControlKind(
-            key="twincat", reference_delay=False, position_loops=(CONTROL, DRIVE), force_filters=4
-        ),
-        ControlKind(key="plcopen", position_loops=(DRIVE, CONTROL)),
+        numeric.SINUMERIK,
+        numeric.HEIDENHAIN,
+        numeric.FANUC,
+        numeric.ISG,
+        plc.TWINCAT,
+        plc.PLCOPEN,
         GENERIC,
         STATE_SPACE,
-        ControlKind(
-            key="linuxcnc",
-            jerk_feedforward=True,
-            reference_delay=False,
-            position_cycle=1e-3,
-            position_loops=(CONTROL, DRIVE),
-            force_filters=4,
-        ),
-        ControlKind(
-            key="klipper",
-            jerk=Jerk.NONE,
-            acceleration_feedforward=False,
-            reference_delay=False,
-            position_loops=(DRIVE,),
-        ),
-        ControlKind(
-            key="grblhal",
-            acceleration_feedforward=False,
-            reference_delay=False,
-            position_loops=(DRIVE,),
-        ),
-        ControlKind(
-            key="fluidnc",
-            jerk=Jerk.NONE,
-            acceleration_feedforward=False,
-            reference_delay=False,
-            position_loops=(DRIVE,),
-        ),
-        ControlKind(
-            key="marlin",
-            jerk=Jerk.NONE,
-            acceleration_feedforward=False,
-            reference_delay=False,
-            position_loops=(DRIVE,),
-        ),
-        ControlKind(
-            key="ros2",
-            acceleration_feedforward=False,
-            reference_delay=False,
-            position_cycle=1e-3,
-            position_loops=(CONTROL, DRIVE),
-        ),
+        open_source.LINUXCNC,
+        open_source.KLIPPER,
+        open_source.GRBLHAL,
+        open_source.FLUIDNC,
+        open_source.MARLIN,
+        open_source.ROS2,
     )
 }
 """All of them, in the order in which they are listed."""
+
+ADDRESSES: Mapping[str, str] = numeric.ADDRESSES | plc.ADDRESSES | open_source.ADDRESSES
+"""Where each source was read, by its title."""

@@ -4,37 +4,13 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 
+from mtcommission.control_kinds.kinds import KINDS, STATE_SPACE
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 
-CONTROL_KEYS = (
-    "sinumerik",
-    "heidenhain",
-    "fanuc",
-    "isg",
-    "twincat",
-    "plcopen",
-    "generic",
-    "linuxcnc",
-    "klipper",
-    "grblhal",
-    "fluidnc",
-    "marlin",
-    "ros2",
-)
-"""What ``--control`` takes."""
-
-
-def control_keys() -> tuple[str, ...]:
-    """Return the names that ``--control`` takes.
-
-    Examples
-    --------
-    >>> control_keys()[:3]
-    ('sinumerik', 'heidenhain', 'fanuc')
-    """
-    return CONTROL_KEYS
+CONTROL_KEYS = tuple(key for key in KINDS if key != STATE_SPACE.key)
+"""What ``--control`` takes: every kind but the free controller, which has no syntax of its own."""
 
 
 def name_control(key: str) -> Message:

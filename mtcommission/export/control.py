@@ -1,236 +1,166 @@
-"""What an export is made of: parameters in a control's own words, and how they are laid out."""
+"""What a control is to an export: its rows, its syntax, and what there is to say about it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from mtcommission.export.gains import NO_GAINS, GainUnits
-from mtcommission.export.modes import Values
-from mtcommission.export.rounding import Coding
+from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.export.choose import Chosen
+from mtcommission.export.layout import Layout
+from mtcommission.export.row import Row, Setting, Values
 from mtcommission.export.subject import Subject
-from mtcommission.messages.catalogue import Catalogue
+from mtcommission.export.wording import MICRO, MILLI
+from mtcommission.machine.machine import FilterKind
 from mtcommission.messages.message import Message
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
-    """One parameter to be typed in.
-
-    Parameters
-    ----------
-    name
-        As the control spells it.
-    value, unit
-        Number and the control's unit.
-    meaning
-        What it limits, in a few words; None where the name says it.
-    section
-        Where it stands in a structured file, parts separated by "/".
-    is_verified
-        Whether name and unit were read in a maker's text or source file.
-    """
-
-    name: str
-    value: str
-    unit: str
-    meaning: Message | None
-    section: str = ""
-    is_verified: bool = True
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Block:
-    """Parameters that belong together.
-
-    Parameters
-    ----------
-    title
-        None for the recommendation itself, else what the alternative is.
-    entries
-        In the order of entry.
-    notes
-        Sentences about them.
-    """
-
-    title: Message | None
-    entries: tuple[Entry, ...]
-    notes: tuple[Message, ...] = ()
+from mtcommission.units.axis_units import AxisUnits
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
-    """A control and how it takes limits.
+    """A control and its parameters.
 
     Parameters
     ----------
     key
-        For ``--control``; one of ``catalogue.CONTROL_KEYS``.
-    coding
-        How limits are stored.
-    describe
-        The parameters for typed limits.
+        For ``--control``.
+    rows
+        Its rows, given what the loop needs; of those whose setting is not there, nothing is
+        written. Settings of the loop that it has no row for are written as remarks.
     layout
-        The parameters in the control's syntax, as lines, with remarks in a language.
-    comment
-        A line of text as a comment of that syntax.
-    gains
-        Units of the gains that are exported with the limits.
-    has_modes
-        Whether it takes limits by machining mode.
+        Its syntax.
+    shapers
+        Its input shapers, each as settings.
+    notes
+        Sentences for the header, given the limits as typed.
     in_degrees
         Whether its angles are degrees, not radians.
-    alternatives
-        Further blocks, e.g. with the control's jerk filter.
-    notes
-        Sentences for the header: what the control itself adds, and what to mind.
     """
 
     key: str
-    coding: Callable[[Subject], Coding]
-    describe: Callable[[Subject, Values], tuple[Entry, ...]]
-    layout: Callable[[Sequence[Entry], Catalogue], list[str]]
-    comment: Callable[[str], str]
-    gains: GainUnits = NO_GAINS
-    has_modes: bool = False
+    rows: Callable[[Subject, Values], Sequence[Row]]
+    layout: Layout
+    shapers: Callable[[Subject], Sequence[Values]] = lambda _subject: ()
+    notes: Callable[[Subject, Chosen], tuple[Message, ...]] = lambda _subject, _chosen: ()
     in_degrees: bool = True
-    alternatives: Callable[[Subject, Values], tuple[Block, ...]] = lambda _subject, _values: ()
-    notes: Callable[[Subject, Values], tuple[Message, ...]] = lambda _subject, _values: ()
 
 
-BLANK = "__________"
-"""Room for the old value, to be filled in by hand."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Neutral:
+    """A setting in neutral words."""
 
-DOUBT = "(?)"
-"""Mark of what was not read in a maker's text; the header says what it means."""
-
-
-def say_meaning(entry: Entry, words: Catalogue) -> str:
-    """Return what a parameter limits, or nothing."""
-    return words.say(entry.meaning) if entry.meaning else ""
-
-
-def remark(entry: Entry, words: Catalogue) -> str:
-    """Return unit, room for the old value and meaning of a parameter, for a comment."""
-    doubt = "" if entry.is_verified else f" {DOUBT}"
-    unit = f"[{entry.unit}] " if entry.unit else ""
-    return f"{unit}{words.text('export-old')}: {BLANK}  {say_meaning(entry, words)}{doubt}"
+    name: str
+    unit: Callable[[AxisUnits], str] = lambda _units: ""
+    scale: float = 1.0
+    digits: int = 4
+    words: tuple[str, ...] = ()
+    meaning: str
 
 
-def line_layout(
-    pattern: str, comment: Callable[[str], str], entries: Sequence[Entry], words: Catalogue
-) -> list[str]:
-    """Return one line for each parameter, with its remark behind it.
+NEUTRAL = {
+    Setting.ACCELERATION: _Neutral(
+        name="acceleration", unit=lambda u: u.acceleration.si, meaning="limit-itself"
+    ),
+    Setting.JERK: _Neutral(name="jerk", unit=lambda u: u.jerk.si, meaning="limit-itself"),
+    Setting.RAPID: _Neutral(name="rapid", unit=lambda u: u.velocity.si, meaning="limit-rapid"),
+    Setting.AVERAGE: _Neutral(
+        name="moving average", unit=lambda _: "ms", scale=MILLI, digits=9, meaning="filter-average"
+    ),
+    Setting.POSITION_LOOP: _Neutral(
+        name="position loop", words=tuple(loop.value for loop in PositionLoop), meaning="loop-place"
+    ),
+    Setting.POSITION_CYCLE: _Neutral(
+        name="position cycle", unit=lambda _: "us", scale=MICRO, digits=9, meaning="cycle-position"
+    ),
+    Setting.VELOCITY_CYCLE: _Neutral(
+        name="velocity cycle", unit=lambda _: "us", scale=MICRO, digits=9, meaning="cycle-velocity"
+    ),
+    Setting.POSITION_GAIN: _Neutral(name="Kv", unit=lambda _: "1/s", meaning="gain-position"),
+    Setting.VELOCITY_GAIN: _Neutral(
+        name="Kp", unit=lambda u: u.damping.si, meaning="gain-kp-at-axis"
+    ),
+    Setting.INTEGRAL_TIME: _Neutral(
+        name="Tn", unit=lambda _: "us", scale=MICRO, meaning="gain-integral-time"
+    ),
+    Setting.REFERENCE_MODEL: _Neutral(
+        name="reference model", unit=lambda _: "us", scale=MICRO, meaning="gain-reference-model"
+    ),
+    Setting.VELOCITY_FEEDFORWARD: _Neutral(
+        name="velocity feed-forward", meaning="row-feedforward-velocity"
+    ),
+    Setting.FORCE_FEEDFORWARD: _Neutral(
+        name="force feed-forward", unit=lambda u: u.mass.si, meaning="row-feedforward-force"
+    ),
+    Setting.JERK_FEEDFORWARD: _Neutral(
+        name="jerk feed-forward", unit=lambda u: f"{u.mass.si} s", meaning="row-feedforward-jerk"
+    ),
+    Setting.REFERENCE_DELAY: _Neutral(
+        name="reference delay", unit=lambda _: "us", scale=MICRO, meaning="delay-of-reference"
+    ),
+    Setting.FILTERS: _Neutral(name="force filters", meaning="filter-count"),
+    Setting.FILTER_KIND: _Neutral(
+        name="filter {} kind", words=tuple(kind.value for kind in FilterKind), meaning="filter-kind"
+    ),
+    Setting.FILTER_FREQUENCY: _Neutral(
+        name="filter {} frequency", unit=lambda _: "Hz", digits=5, meaning="filter-frequency"
+    ),
+    Setting.FILTER_DAMPING: _Neutral(name="filter {} damping", meaning="filter-damping"),
+}
+"""Every setting as one would say it of any control: rows of ``generic``, and of what another
+control's text can only say in a remark."""
 
-    Parameters
-    ----------
-    pattern
-        With fields ``name`` and ``value``.
-    comment
-        A text as a comment.
-    entries
-        The parameters.
-    words
-        Of the remarks.
 
-    Returns
-    -------
-    list of str
-    """
-    heads = [pattern.format(name=entry.name, value=entry.value) for entry in entries]
-    width = max(map(len, heads))
-    return [
-        f"{head:<{width}}  {comment(remark(entry, words))}"
-        for head, entry in zip(heads, entries, strict=True)
-    ]
-
-
-def table_layout(entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    """Return a table for entry by hand: parameter, new value, unit, old value, meaning."""
-    head = Entry(
-        name=words.text("export-head-parameter"),
-        value=words.text("export-head-new-value"),
-        unit=words.text("export-head-unit"),
-        meaning=Message("export-head-meaning"),
-    )
-    names, values, units = (
-        max(len(getattr(entry, field)) for entry in (head, *entries))
-        for field in ("name", "value", "unit")
-    )
-    lines = []
-    for entry in (head, *entries):
-        old = words.text("export-head-old-value") if entry is head else BLANK
-        doubt = "" if entry.is_verified else f" {DOUBT}"
-        lines.append(
-            f"{entry.name:<{names}} | {entry.value:>{values}} | {entry.unit:<{units}} | "
-            f"{old:<{len(BLANK)}} | {say_meaning(entry, words)}{doubt}"
-        )
-    lines.insert(1, "-" * max(map(len, lines)))
-    return lines
-
-
-def ini_layout(mark: str, entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    """Return sections with one parameter per line; remarks stand on lines of their own.
+def neutral_row(
+    setting: Setting, index: str, units: AxisUnits, *, is_elsewhere: bool = False
+) -> Row:
+    """Return the row of a setting in neutral words.
 
     Parameters
     ----------
-    mark
-        Between name and value, with its blanks.
-    entries
-        The parameters; their section is the header in brackets.
-    words
-        Of the remarks.
+    setting, index
+        What it holds.
+    units
+        Of the axis.
+    is_elsewhere
+        Whether it is to be written as a remark.
 
     Returns
     -------
-    list of str
+    Row
     """
-    lines: list[str] = []
-    for section in dict.fromkeys(entry.section for entry in entries):
-        lines.append(f"[{section}]")
-        for entry in entries:
-            if entry.section == section:
-                lines += [hash_comment(remark(entry, words)), f"{entry.name}{mark}{entry.value}"]
-        lines.append("")
-    return lines[:-1]
+    neutral = NEUTRAL[setting]
+    return Row(
+        setting=setting,
+        index=index,
+        name=neutral.name.format(index),
+        unit=neutral.unit(units),
+        scale=neutral.scale,
+        digits=neutral.digits,
+        codes={word: word for word in neutral.words},
+        meaning=Message(neutral.meaning),
+        is_elsewhere=is_elsewhere,
+    )
 
 
-def yaml_layout(entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    """Return nested mappings, one level for each part of the section."""
-    lines: list[str] = []
-    open_parts: list[str] = []
-    for entry in entries:
-        parts = entry.section.split("/")
-        shared = 0
-        while shared < min(len(parts), len(open_parts)) and parts[shared] == open_parts[shared]:
-            shared += 1
-        lines += [f"{'  ' * i}{part}:" for i, part in enumerate(parts) if i >= shared]
-        open_parts = parts
-        indent = "  " * len(parts)
-        lines.append(f"{indent}{entry.name}: {entry.value}  {hash_comment(remark(entry, words))}")
-    return lines
+def complete(rows: Sequence[Row], loop: Values, units: AxisUnits) -> tuple[Row, ...]:
+    """Return the rows of a control with a remark for each setting that it has no row for.
 
+    Parameters
+    ----------
+    rows
+        What the control has.
+    loop
+        All settings of its loop.
+    units
+        Of the axis.
 
-def semicolon_comment(text: str) -> str:
-    """Return a comment of G-code and machine data files."""
-    return f"; {text}".rstrip()
-
-
-def hash_comment(text: str) -> str:
-    """Return a comment of INI, YAML and table files."""
-    return f"# {text}".rstrip()
-
-
-def bracket_comment(text: str) -> str:
-    """Return a comment behind a value of an ISG list: everything from the parenthesis on."""
-    return f"( {text}".rstrip()
-
-
-def structured_text_comment(text: str) -> str:
-    """Return a comment of IEC 61131-3 Structured Text."""
-    return f"(* {text.replace('*)', '* )')} *)"
-
-
-def unverified(entry: Entry) -> Entry:
-    """Return the parameter marked as not verified."""
-    return replace(entry, is_verified=False)
+    Returns
+    -------
+    tuple of Row
+        None whose setting is not there or has a value that the control cannot hold.
+    """
+    kept = [row for row in rows if row.key not in loop or row.takes(loop[row.key])]
+    held = {row.key for row in kept}
+    missing = (key for key in loop if key not in held and key[0] in NEUTRAL)
+    remarks = (neutral_row(*key, units, is_elsewhere=True) for key in missing)
+    return (*kept, *remarks)

@@ -1,177 +1,320 @@
-"""Numerical controls: HEIDENHAIN, FANUC, ISG kernel.
+"""Numerical controls: SINUMERIK, HEIDENHAIN, FANUC, ISG kernel.
 
 Names and units as the makers' manuals give them; what was not read there is marked.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 from math import ceil
 
-from mtcommission.export.control import (
-    Block,
-    Control,
-    Entry,
-    bracket_comment,
-    hash_comment,
-    line_layout,
-    table_layout,
-    unverified,
-)
-from mtcommission.export.gains import GainUnits
-from mtcommission.export.modes import Values, explain_left_out
-from mtcommission.export.rounding import (
-    AccelerationForm,
-    Coding,
-    JerkForm,
-    Typed,
-    round_down,
-    type_number,
-)
-from mtcommission.export.sinumerik import SINUMERIK
+from mtcommission.export.choose import Chosen
+from mtcommission.export.control import Control
+from mtcommission.export.held import read_limits
+from mtcommission.export.layout import MACHINE_DATA, NAMED_LIST, TABLE
+from mtcommission.export.row import Row, Setting, Values, fixed
 from mtcommission.export.subject import Subject
-from mtcommission.export.wording import DEGREE, MICRO, MILLI, name_mode, show_value
+from mtcommission.export.wording import DEGREE, MICRO, MILLI, TURN, name_mode, show_value
+from mtcommission.machine.machine import FilterKind
 from mtcommission.messages.message import Message
 
 HUNDREDTH = 0.01
 """Unit of the position gain in FANUC's and ISG's parameters [1/s]."""
 
+GAIN_PER_MINUTE = 1000.0 / 60.0
+"""(m/min)/mm = 1000/min in 1/s."""
 
-def _whole_cycle(subject: Subject, unit: float) -> int:
-    """Return the position cycle in whole units of time [unit in s], at least one."""
-    return max(1, ceil(subject.machine.control.position_cycle / unit - 1e-9))
+DYNAMIC_MODES = (
+    ("DYNNORM", ""),
+    ("DYNPOS", ""),
+    ("DYNROUGH", "speed"),
+    ("DYNSEMIFIN", "accuracy"),
+    ("DYNFINISH", "surface"),
+)
+"""SINUMERIK's dynamic modes in the order of their index, and the machining mode of each; ""
+takes the recommendation."""
 
-
-def _position_gain(subject: Subject, unit: float, *, is_whole: bool = False) -> str:
-    """Return Kv as typed, in its unit [1/s]."""
-    return type_number(round_down(subject.gains.position / unit, is_whole=is_whole))
-
-
-def _heidenhain_coding(subject: Subject) -> Coding:
-    unit = DEGREE if subject.is_rotary else 1.0
-    return Coding(acceleration_unit=unit, jerk_unit=unit)
-
-
-def _heidenhain_limits(subject: Subject, typed: Typed) -> tuple[Entry, ...]:
-    unit = "deg" if subject.is_rotary else "m"
-    entries = (
-        Entry(
-            name="maxAcceleration",
-            value=typed.acceleration,
-            unit=f"{unit}/s^2",
-            meaning=Message("limit-acceleration"),
-        ),
-        Entry(
-            name="axPathJerk",
-            value=typed.jerk,
-            unit=f"{unit}/s^3",
-            meaning=Message("limit-axis-jerk"),
-        ),
-        Entry(
-            name="axPathJerkHi",
-            value=typed.jerk,
-            unit=f"{unit}/s^3",
-            meaning=Message("limit-axis-jerk-at-rapid"),
-        ),
-    )
-    # The manual states m/s^2 for linear axes; degrees for rotary ones are inferred.
-    return tuple(map(unverified, entries)) if subject.is_rotary else entries
+doubted = partial(Row, is_verified=False)
+"""A row whose name or unit was not read in a maker's text."""
 
 
-def _heidenhain_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    gain = Entry(
-        name="kvFactor", value=_position_gain(subject, 1.0), unit="1/s", meaning=Message("gain-kv")
-    )
-    return (*_heidenhain_limits(subject, values.recommended), gain)
+def _place(loop: Values) -> float | str:
+    return loop[Setting.POSITION_LOOP, ""]
 
 
-def _heidenhain_modes(subject: Subject, values: Values) -> tuple[Block, ...]:
-    """The same parameters for each machining mode; HEIDENHAIN's own names for the three."""
-    blocks = []
-    for mode in values.modes:
-        band = show_value(mode.band, subject.length, in_degrees=True)
-        note = Message("heidenhain-judged", band=band)
-        if mode.typed is None:
-            note = Message("heidenhain-left-out", why=explain_left_out(subject, mode))
-        entries = _heidenhain_limits(subject, mode.typed) if mode.typed else ()
-        blocks.append(
-            Block(
-                title=Message("heidenhain-mode", mode=name_mode(mode.name)),
-                entries=entries,
-                notes=(note,),
-            )
+def _cycles(subject: Subject, unit: float) -> int:
+    """The position cycle in whole units of time [unit in s], at least one."""
+    return max(1, ceil(subject.controller.position_cycle / unit - 1e-9))
+
+
+def _of_mode(subject: Subject, mode: str) -> Message:
+    for entry in subject.record.limits.modes:
+        if entry.name == mode:
+            band = show_value(entry.band, subject.length, in_degrees=True)
+            return Message("limit-of-mode", mode=name_mode(mode), band=band)
+    return Message("limit-recommended")
+
+
+def _sinumerik(subject: Subject, loop: Values) -> list[Row]:
+    length, size = ("rev", TURN) if subject.is_rotary else ("m", 1.0)
+    rows = [
+        Row(
+            setting=Setting.ACCELERATION,
+            index=mode,
+            name=f"N32300 $MA_MAX_AX_ACCEL[{index}]",
+            unit=f"{length}/s^2",
+            scale=size,
+            meaning=Message("sinumerik-mode", dynamic=dynamic, about=_of_mode(subject, mode)),
         )
-    return tuple(blocks)
+        for index, (dynamic, mode) in enumerate(DYNAMIC_MODES)
+    ]
+    rows += [
+        doubted(
+            setting=Setting.JERK,
+            index=mode,
+            name=f"N32431 $MA_MAX_AX_JERK[{index}]",
+            unit=f"{length}/s^3",
+            scale=size,
+            meaning=Message("sinumerik-mode-unit", dynamic=dynamic),
+        )
+        for index, (dynamic, mode) in enumerate(DYNAMIC_MODES)
+    ]
+    return [
+        *rows,
+        *_sinumerik_average(loop),
+        Row(
+            setting=Setting.POSITION_GAIN,
+            name="N32200 $MA_POSCTRL_GAIN[0]",
+            unit="1000/min",
+            scale=GAIN_PER_MINUTE,
+            meaning=Message("gain-kv"),
+        ),
+        *_sinumerik_feedforward(subject, loop),
+        doubted(
+            setting=Setting.POSITION_LOOP,
+            name="N32640 $MA_STIFFNESS_CONTROL_ENABLE[0]",
+            codes={"drive": "1", "control": "0"},
+            meaning=Message("sinumerik-dsc"),
+        ),
+        *_sinamics(subject, loop),
+    ]
 
 
-def _heidenhain_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
+def _sinumerik_average(loop: Values) -> Iterator[Row]:
+    """The jerk filter, on as moving average or off."""
+    if not loop.get((Setting.AVERAGE, "")):
+        yield Row(
+            setting=Setting.AVERAGE,
+            name="N32400 $MA_AX_JERK_ENABLE",
+            codes={0.0: "0"},
+            meaning=Message("sinumerik-filter-off"),
+        )
+        return
+    yield fixed("N32400 $MA_AX_JERK_ENABLE", "1", Message("sinumerik-filter-on"))
+    yield fixed("N32402 $MA_AX_JERK_MODE", "2", Message("sinumerik-moving-average"))
+    yield Row(
+        setting=Setting.AVERAGE,
+        name="N32410 $MA_AX_JERK_TIME",
+        unit="s",
+        digits=6,
+        meaning=Message("filter-average"),
+    )
+
+
+def _sinumerik_feedforward(subject: Subject, loop: Values) -> Iterator[Row]:
+    which = loop[Setting.FEEDFORWARD, ""]
+    yield Row(
+        setting=Setting.FEEDFORWARD,
+        name="N32620 $MA_FFW_MODE",
+        codes={"none": "0", "velocity": "3", "force": "4"},
+        meaning=Message("sinumerik-ffw-mode"),
+    )
+    yield Row(
+        setting=Setting.VELOCITY_FEEDFORWARD,
+        name="N32610 $MA_VELO_FFW_WEIGHT[0]",
+        meaning=Message("row-feedforward-velocity"),
+    )
+    if subject.shaft:
+        yield doubted(
+            setting=Setting.FORCE_FEEDFORWARD,
+            name="N32650 $MA_AX_INERTIA",
+            unit="kg m^2",
+            scale=subject.shaft**-2,
+            meaning=Message("row-feedforward-inertia"),
+        )
+    if which != "none":
+        data = "32800 $MA_EQUIV_CURRCTRL" if which == "force" else "32810 $MA_EQUIV_SPEEDCTRL"
+        yield doubted(
+            setting=Setting.REFERENCE_DELAY,
+            name=f"N{data}_TIME[0]",
+            unit="s",
+            digits=6,
+            meaning=Message("sinumerik-delay"),
+        )
+
+
+def _sinamics(subject: Subject, loop: Values) -> Iterator[Row]:
+    """Parameters of the drive; five for each of its four filters of the torque setpoint."""
+    if subject.shaft:
+        yield Row(
+            setting=Setting.VELOCITY_GAIN,
+            name="p1460",
+            unit="N m s/rad",
+            scale=subject.shaft**-2,
+            meaning=Message("gain-kp-at-shaft"),
+        )
+    yield doubted(
+        setting=Setting.INTEGRAL_TIME,
+        name="p1462",
+        unit="ms",
+        scale=MILLI,
+        meaning=Message("gain-tn-unit"),
+    )
+    yield doubted(
+        setting=Setting.FILTERS,
+        name="p1656",
+        codes={float(count): str(2**count - 1) for count in range(5)},
+        meaning=Message("sinumerik-filters"),
+    )
+    for number in range(1, 5):
+        index, first = str(number), 1652 + 5 * number
+        is_notch = loop.get((Setting.FILTER_KIND, index)) == FilterKind.NOTCH.value
+        yield doubted(
+            setting=Setting.FILTER_KIND,
+            index=index,
+            name=f"p{first}",
+            codes={"low_pass": "1", "notch": "2"},
+            meaning=Message("sinumerik-filter-kind"),
+        )
+        for place in (first + 1, first + 3) if is_notch else (first + 1,):
+            yield doubted(
+                setting=Setting.FILTER_FREQUENCY,
+                index=index,
+                name=f"p{place}",
+                unit="Hz",
+                digits=5,
+                meaning=Message("filter-frequency"),
+            )
+        yield doubted(
+            setting=Setting.FILTER_DAMPING,
+            index=index,
+            name=f"p{first + 4 if is_notch else first + 2}",
+            meaning=Message("filter-damping"),
+        )
+
+
+def _sinumerik_notes(subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
+    return (
+        Message("sinumerik-dynamic-modes"),
+        Message("sinumerik-path-jerk"),
+        *((Message("sinumerik-turns"),) if subject.is_rotary else ()),
+    )
+
+
+def _heidenhain(subject: Subject, _loop: Values) -> list[Row]:
+    length, size = ("deg", DEGREE) if subject.is_rotary else ("m", 1.0)
+    # The manual states m/s^2 for linear axes; degrees for rotary ones are inferred, and so are
+    # columns for the machining modes.
+    rows = []
+    for mode in ("", "surface", "accuracy", "speed"):
+        row = partial(Row, index=mode, is_verified=not (subject.is_rotary or mode), scale=size)
+        for_mode = f", {mode}" if mode else ""
+        rows += [
+            row(
+                setting=Setting.ACCELERATION,
+                name=f"maxAcceleration{for_mode}",
+                unit=f"{length}/s^2",
+                meaning=_of_mode(subject, mode),
+            ),
+            row(
+                setting=Setting.JERK,
+                name=f"axPathJerk{for_mode}",
+                unit=f"{length}/s^3",
+                meaning=Message("limit-axis-jerk"),
+            ),
+            row(
+                setting=Setting.JERK,
+                name=f"axPathJerkHi{for_mode}",
+                unit=f"{length}/s^3",
+                meaning=Message("limit-axis-jerk-at-rapid"),
+            ),
+        ]
+    return [
+        *rows,
+        Row(setting=Setting.POSITION_GAIN, name="kvFactor", unit="1/s", meaning=Message("gain-kv")),
+        Row(
+            setting=Setting.VELOCITY_FEEDFORWARD,
+            name="feedForwardFactor",
+            meaning=Message("row-feedforward-velocity"),
+        ),
+    ]
+
+
+def _heidenhain_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("heidenhain-path"),
         Message("heidenhain-filters"),
+        Message("heidenhain-speed-gains"),
         Message("heidenhain-itnc"),
     )
 
 
-def _fanuc_coding(subject: Subject) -> Coding:
-    return Coding(
-        acceleration_form=AccelerationForm.RISE_TIME,
-        acceleration_unit=MILLI,
-        jerk_form=JerkForm.TIME,
-        jerk_unit=MILLI,
-        time_step=_whole_cycle(subject, MILLI),
-        rapid=_fanuc_rapid(subject)[1],
-    )
-
-
-def _fanuc_rapid(subject: Subject) -> tuple[str, float]:
-    """Rapid traverse as typed, per minute, and what it is [m/s]."""
-    unit = subject.small_unit[1] / 60.0
-    number = round_down(subject.fastest / unit)
-    return type_number(number), float(number) * unit
-
-
-def _fanuc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    unit = f"{subject.small_unit[0]}/min"
-    typed = values.recommended
-    return (
-        Entry(
-            name="1620",
-            value=typed.acceleration,
-            unit="ms",
-            meaning=Message("fanuc-rise-time", rapid=_fanuc_rapid(subject)[0], unit=unit),
-        ),
-        Entry(name="1774", value=typed.jerk, unit="ms", meaning=Message("fanuc-bell-time")),
-        unverified(
-            Entry(
-                name="1825",
-                value=_position_gain(subject, HUNDREDTH, is_whole=True),
-                unit="0.01/s",
-                meaning=Message("gain-kv-name-and-unit"),
-            )
-        ),
-    )
-
-
-def _fanuc_notes(subject: Subject, values: Values) -> tuple[Message, ...]:
+def _fanuc(subject: Subject, _loop: Values) -> list[Row]:
     length, size = subject.small_unit
-    rapid = _fanuc_rapid(subject)[0]
-    rise = values.recommended.acceleration
-    a = values.recommended.limits.acceleration / size
+    return [
+        Row(
+            setting=Setting.RISE_TIME,
+            name="1620",
+            unit="ms",
+            scale=MILLI,
+            step=1,
+            meaning=Message("fanuc-rise-time"),
+        ),
+        Row(
+            setting=Setting.JERK_TIME,
+            name="1774",
+            unit="ms",
+            scale=MILLI,
+            step=_cycles(subject, MILLI),
+            meaning=Message("fanuc-bell-time"),
+        ),
+        doubted(
+            setting=Setting.POSITION_GAIN,
+            name="1825",
+            unit="0.01/s",
+            scale=HUNDREDTH,
+            step=1,
+            meaning=Message("gain-kv-name-and-unit"),
+        ),
+        doubted(
+            setting=Setting.VELOCITY_FEEDFORWARD,
+            name="2068",
+            unit="0.01 %",
+            scale=1e-4,
+            step=1,
+            meaning=Message("row-feedforward-velocity"),
+        ),
+        Row(
+            setting=Setting.RAPID,
+            name="1420",
+            unit=f"{length}/min",
+            scale=size / 60.0,
+            meaning=Message("limit-rapid"),
+            is_elsewhere=True,
+        ),
+    ]
+
+
+def _fanuc_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
+    length, size = subject.small_unit
+    a = read_limits(chosen.values).acceleration / size
     return (
         Message("fanuc-no-jerk", length=length),
-        Message("fanuc-rapid", rapid=rapid, length=length, rise=rise, acceleration=a),
+        Message("fanuc-rapid", length=length, acceleration=a),
+        Message("fanuc-gain"),
         Message("fanuc-nano"),
         Message("fanuc-look-ahead"),
-    )
-
-
-def _isg_coding(subject: Subject) -> Coding:
-    return Coding(
-        acceleration_unit=subject.small_unit[1],
-        is_whole=True,
-        jerk_form=JerkForm.TIME,
-        jerk_unit=MICRO,
-        time_step=_whole_cycle(subject, MICRO),
     )
 
 
@@ -185,69 +328,82 @@ RAMPS = (
 """P-AXIS-00196, 195, 198, 197 and 200 of the kernel."""
 
 
-def _isg_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    unit = f"{subject.small_unit[0]}/s^2"
-    place, typed = "getriebe[0].slope_profil", values.recommended
-    accelerations = (
+def _isg(subject: Subject, loop: Values) -> Iterator[Row]:
+    length, size = subject.small_unit
+    for name, meaning in (
         ("a_beschl", Message("limit-acceleration")),
         ("a_brems", Message("limit-deceleration")),
         ("a_grenz", Message("isg-acceleration-at-rapid")),
+    ):
+        yield Row(
+            setting=Setting.ACCELERATION,
+            name=f"getriebe[0].slope_profil.{name}",
+            unit=f"{length}/s^2",
+            scale=size,
+            step=1,
+            meaning=meaning,
+        )
+    for name, meaning in RAMPS:
+        yield Row(
+            setting=Setting.JERK_TIME,
+            name=f"getriebe[0].slope_profil.{name}",
+            unit="us",
+            scale=MICRO,
+            step=_cycles(subject, MICRO),
+            meaning=meaning,
+        )
+    yield Row(
+        setting=Setting.POSITION_LOOP,
+        name="antr.operation_mode",
+        codes={"drive": "DSC_POSITION_CONTROL", "control": "CNC_POSITION_CONTROL"},
+        meaning=Message("isg-operation-mode"),
     )
-    gain = Entry(
-        name="getriebe[0].kv",
-        value=_position_gain(subject, HUNDREDTH, is_whole=True),
-        unit="0.01/s",
-        meaning=Message("gain-kv"),
+    if _place(loop) != "drive":
+        yield Row(
+            setting=Setting.POSITION_GAIN,
+            name="getriebe[0].kv",
+            unit="0.01/s",
+            scale=HUNDREDTH,
+            step=1,
+            meaning=Message("gain-kv"),
+        )
+    yield doubted(
+        setting=Setting.FEEDFORWARD,
+        name="vorsteuer.vorsteuerung",
+        codes={"none": "0", "velocity": "0x101", "force": "0x303"},
+        meaning=Message("isg-feedforward"),
     )
-    return (
-        *(
-            Entry(name=f"{place}.{name}", value=typed.acceleration, unit=unit, meaning=meaning)
-            for name, meaning in accelerations
-        ),
-        *(
-            Entry(name=f"{place}.{name}", value=typed.jerk, unit="us", meaning=meaning)
-            for name, meaning in RAMPS
-        ),
-        gain,
-    )
+    if subject.shaft:
+        yield Row(
+            setting=Setting.FORCE_FEEDFORWARD,
+            name="getriebe[0].load",
+            unit="kg m^2",
+            scale=subject.shaft**-2,
+            meaning=Message("row-feedforward-inertia"),
+        )
+    if loop.get((Setting.AVERAGE, "")):
+        yield fixed("filter_fir.type", "1", Message("isg-moving-average"))
+        yield doubted(
+            setting=Setting.AVERAGE,
+            name="filter_fir.order_time",
+            unit="us",
+            scale=MICRO,
+            digits=9,
+            meaning=Message("filter-average"),
+        )
 
 
-def _isg_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
+def _isg_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("isg-gear-sets"),
         Message("isg-own-limits"),
+        Message("isg-slope"),
     )
 
 
 NUMERIC_CONTROLS = (
-    SINUMERIK,
-    Control(
-        key="heidenhain",
-        coding=_heidenhain_coding,
-        describe=_heidenhain_entries,
-        layout=table_layout,
-        comment=hash_comment,
-        gains=GainUnits(position=1.0),
-        has_modes=True,
-        alternatives=_heidenhain_modes,
-        notes=_heidenhain_notes,
-    ),
-    Control(
-        key="fanuc",
-        coding=_fanuc_coding,
-        describe=_fanuc_entries,
-        layout=table_layout,
-        comment=hash_comment,
-        gains=GainUnits(position=HUNDREDTH, is_whole=True),
-        notes=_fanuc_notes,
-    ),
-    Control(
-        key="isg",
-        coding=_isg_coding,
-        describe=_isg_entries,
-        layout=partial(line_layout, "{name}  {value}", bracket_comment),
-        comment=hash_comment,
-        gains=GainUnits(position=HUNDREDTH, is_whole=True),
-        notes=_isg_notes,
-    ),
+    Control(key="sinumerik", rows=_sinumerik, layout=MACHINE_DATA, notes=_sinumerik_notes),
+    Control(key="heidenhain", rows=_heidenhain, layout=TABLE, notes=_heidenhain_notes),
+    Control(key="fanuc", rows=_fanuc, layout=TABLE, notes=_fanuc_notes),
+    Control(key="isg", rows=lambda *of: tuple(_isg(*of)), layout=NAMED_LIST, notes=_isg_notes),
 )

@@ -5,20 +5,12 @@ from __future__ import annotations
 from functools import partial
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.export.control import (
-    Control,
-    Entry,
-    hash_comment,
-    ini_layout,
-    line_layout,
-    semicolon_comment,
-    unverified,
-    yaml_layout,
-)
-from mtcommission.export.modes import Values
-from mtcommission.export.plc import identifier, si_coding
-from mtcommission.export.rounding import Coding, JerkForm, Typed
-from mtcommission.export.shaping import TypedShaper
+from mtcommission.export.choose import Chosen
+from mtcommission.export.control import Control
+from mtcommission.export.held import SHAPERS, read_limits
+from mtcommission.export.layout import CONFIG, G_CODE, INI, MACHINE_DATA, YAML
+from mtcommission.export.plc import identifier
+from mtcommission.export.row import Row, Setting, Values, fixed
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import MILLI
 from mtcommission.messages.message import Message
@@ -26,11 +18,13 @@ from mtcommission.messages.message import Message
 LETTERS = "XYZABCUVW"
 """Axis letters in the order in which these controls number them."""
 
-FREQUENCY_DIGITS, DAMPING_DIGITS = 2, 3
-"""Decimals of a shaper's frequency [Hz] and damping ratio; Klipper and Marlin print as many."""
+NANO = 1e-9
 
-LEAST_DAMPING = 0.01
-"""Smallest damping ratio that Marlin accepts."""
+LEAST_DAMPING, MOST_DAMPING = 0.01, 0.25
+"""What Marlin accepts as the damping ratio of a shaper."""
+
+FREQUENCY_STEP, DAMPING_STEP = 0.01, 0.001
+"""Decimals of a shaper's frequency [Hz] and damping ratio; Klipper and Marlin print as many."""
 
 
 def _letter(subject: Subject, allowed: str, control: str) -> str:
@@ -50,58 +44,86 @@ def _require_linear(subject: Subject, control: str) -> None:
         raise InputError([Fault(where="--control", message=message)])
 
 
-def _jerk_coding(subject: Subject) -> Coding:
-    size = subject.small_unit[1]
-    return Coding(acceleration_unit=size, jerk_unit=size)
+def _acceleration(subject: Subject, name: str, *, section: str = "") -> Row:
+    length, size = subject.small_unit
+    return Row(
+        setting=Setting.ACCELERATION,
+        name=name,
+        unit=f"{length}/s^2",
+        scale=size,
+        meaning=Message("limit-acceleration"),
+        section=section,
+    )
 
 
-def _plain_coding(subject: Subject) -> Coding:
-    return Coding(acceleration_unit=subject.small_unit[1], jerk_form=JerkForm.NONE)
+def _jerk(subject: Subject, name: str, meaning: Message, *, section: str = "") -> Row:
+    length, size = subject.small_unit
+    return Row(
+        setting=Setting.JERK,
+        name=name,
+        unit=f"{length}/s^3",
+        scale=size,
+        meaning=meaning,
+        section=section,
+    )
 
 
-def _shaped_coding(subject: Subject, *, control: str) -> Coding:
-    _require_linear(subject, control)
+def _shapers(subject: Subject) -> tuple[Values, ...]:
+    """Zero-vibration shapers on the mode that a setpoint excites most."""
     mode = subject.mode
-    shapers = tuple(
-        TypedShaper(
-            order=order,
-            frequency_hz=round(mode.frequency_hz, FREQUENCY_DIGITS),
-            damping_ratio=max(LEAST_DAMPING, round(mode.damping_ratio, DAMPING_DIGITS)),
-        )
-        for order in (1, 2)
+    return tuple(
+        {
+            (Setting.SHAPER, ""): name,
+            (Setting.SHAPER_FREQUENCY, ""): mode.frequency_hz,
+            (Setting.SHAPER_DAMPING, ""): min(max(LEAST_DAMPING, mode.damping_ratio), MOST_DAMPING),
+        }
+        for name in SHAPERS
     )
-    return Coding(acceleration_unit=MILLI, jerk_form=JerkForm.NONE, shapers=shapers)
 
 
-def _linuxcnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    typed = values.recommended
+def _linuxcnc(subject: Subject, loop: Values) -> list[Row]:
     letter = _letter(subject, LETTERS, "LinuxCNC")
-    unit = subject.small_unit[0]
     joint = f"JOINT_{LETTERS.index(letter)}"
-    limits = tuple(
-        Entry(name=name, value=value, unit=power, meaning=meaning, section=section)
-        for section in (joint, f"AXIS_{letter}")
-        for name, value, power, meaning in (
-            ("MAX_ACCELERATION", typed.acceleration, f"{unit}/s^2", Message("limit-acceleration")),
-            ("MAX_JERK", typed.jerk, f"{unit}/s^3", Message("linuxcnc-jerk")),
+    rows = [fixed("PLANNER_TYPE", "1", Message("linuxcnc-planner"), section="TRAJ")]
+    if not subject.is_rotary:
+        path = Message("linuxcnc-path-jerk")
+        rows.append(_jerk(subject, "MAX_LINEAR_JERK", path, section="TRAJ"))
+    rows.append(
+        Row(
+            setting=Setting.POSITION_CYCLE,
+            name="SERVO_PERIOD",
+            unit="ns",
+            scale=NANO,
+            step=1,
+            meaning=Message("cycle-position"),
+            section="EMCMOT",
         )
     )
-    planner = Entry(
-        name="PLANNER_TYPE", value="1", unit="", meaning=Message("linuxcnc-planner"), section="TRAJ"
-    )
-    if subject.is_rotary:
-        return (planner, *limits)
-    path = Entry(
-        name="MAX_LINEAR_JERK",
-        value=typed.jerk,
-        unit="mm/s^3",
-        meaning=Message("linuxcnc-path-jerk"),
-        section="TRAJ",
-    )
-    return (planner, path, *limits)
+    for section in (joint, f"AXIS_{letter}"):
+        rows.append(_acceleration(subject, "MAX_ACCELERATION", section=section))
+        rows.append(_jerk(subject, "MAX_JERK", Message("linuxcnc-jerk"), section=section))
+    if loop[Setting.POSITION_LOOP, ""] == "control":
+        rows.append(
+            Row(
+                setting=Setting.POSITION_GAIN,
+                name="P",
+                unit="1/s",
+                meaning=Message("linuxcnc-gain"),
+                section=joint,
+            )
+        )
+        rows.append(
+            Row(
+                setting=Setting.VELOCITY_FEEDFORWARD,
+                name="FF1",
+                meaning=Message("row-feedforward-velocity"),
+                section=joint,
+            )
+        )
+    return rows
 
 
-def _linuxcnc_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
+def _linuxcnc_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("linuxcnc-units"),
         Message("linuxcnc-joints"),
@@ -109,211 +131,177 @@ def _linuxcnc_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
     )
 
 
-def _grblhal_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    typed = values.recommended
+def _grblhal(subject: Subject, _loop: Values) -> list[Row]:
     index = LETTERS.index(_letter(subject, LETTERS[:6], "grblHAL"))
-    unit = subject.small_unit[0]
-    return (
-        Entry(
-            name=f"${120 + index}",
-            value=typed.acceleration,
-            unit=f"{unit}/s^2",
-            meaning=Message("limit-acceleration"),
-        ),
-        Entry(
-            name=f"${800 + index}",
-            value=typed.jerk,
-            unit=f"{unit}/s^3",
-            meaning=Message("limit-jerk"),
-        ),
-    )
+    return [
+        _acceleration(subject, f"${120 + index}"),
+        _jerk(subject, f"${800 + index}", Message("limit-jerk")),
+    ]
 
 
-def _grblhal_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
+def _grblhal_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("grblhal-builds"),
         Message("grblhal-corners"),
+        Message("export-segments"),
     )
 
 
-def _fluidnc_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    typed = values.recommended
+def _fluidnc(subject: Subject, _loop: Values) -> list[Row]:
     letter = _letter(subject, LETTERS[:6], "FluidNC").lower()
-    entry = Entry(
-        name="acceleration_mm_per_sec2",
-        value=typed.acceleration,
-        unit=f"{subject.small_unit[0]}/s^2",
-        meaning=Message("limit-acceleration"),
-        section=f"axes/{letter}",
-    )
-    return (entry,)
+    return [_acceleration(subject, "acceleration_mm_per_sec2", section=f"axes/{letter}")]
 
 
-def _fluidnc_notes(subject: Subject, values: Values) -> tuple[Message, ...]:
+def _fluidnc_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("fluidnc-no-jerk"),
-        _make_up(subject, values.recommended),
+        _make_up(subject, chosen),
+        Message("export-segments"),
         *((Message("fluidnc-degrees"),) if subject.is_rotary else ()),
     )
 
 
-def _make_up(subject: Subject, typed: Typed) -> Message:
+def _make_up(subject: Subject, chosen: Chosen) -> Message:
     """What the acceleration had to give for the missing jerk limit."""
-    share = typed.limits.acceleration / subject.limits.acceleration
-    shaper = "yes" if typed.shaper else "no"
-    if not typed.verdict.assessment.is_met:
+    share = read_limits(chosen.values).acceleration / subject.limits.acceleration
+    shaper = "yes" if (Setting.SHAPER, "") in chosen.values else "no"
+    if not chosen.verdict.assessment.is_met:
         return Message("export-least-vibration", share=share, shaper=shaper)
     return Message("export-share-of-acceleration", share=share, shaper=shaper)
 
 
-def _klipper_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    typed = values.recommended
+def _klipper(subject: Subject, _loop: Values) -> list[Row]:
+    _require_linear(subject, "Klipper")
     letter = _letter(subject, "XYZ", "Klipper").lower()
-    entries = [
-        Entry(
+    row = partial(Row, section="input_shaper", is_verified=letter != "z")
+    of_mode = Message("klipper-of-mode", mode=subject.mode.name)
+    return [
+        Row(
+            setting=Setting.ACCELERATION,
             name="max_accel",
-            value=typed.acceleration,
             unit="mm/s^2",
+            scale=MILLI,
             meaning=Message("klipper-tool-head"),
             section="printer",
-        )
+        ),
+        row(
+            setting=Setting.SHAPER,
+            name=f"shaper_type_{letter}",
+            codes={name: name for name in SHAPERS},
+            meaning=Message("klipper-input-shaper"),
+        ),
+        row(
+            setting=Setting.SHAPER_FREQUENCY,
+            name=f"shaper_freq_{letter}",
+            unit="Hz",
+            step=FREQUENCY_STEP,
+            meaning=of_mode,
+        ),
+        row(
+            setting=Setting.SHAPER_DAMPING,
+            name=f"damping_ratio_{letter}",
+            step=DAMPING_STEP,
+            meaning=of_mode,
+        ),
     ]
-    if typed.shaper:
-        rows = (
-            (f"shaper_type_{letter}", typed.shaper.name, "", Message("klipper-input-shaper")),
-            (
-                f"shaper_freq_{letter}",
-                f"{typed.shaper.frequency_hz:.{FREQUENCY_DIGITS}f}",
-                "Hz",
-                Message("klipper-mode", mode=subject.mode.name),
-            ),
-            (
-                f"damping_ratio_{letter}",
-                f"{typed.shaper.damping_ratio:.{DAMPING_DIGITS}f}",
-                "-",
-                Message("klipper-of-mode", mode=subject.mode.name),
-            ),
-        )
-        shaped = tuple(
-            Entry(name=name, value=value, unit=unit, meaning=meaning, section="input_shaper")
-            for name, value, unit, meaning in rows
-        )
-        entries += map(unverified, shaped) if letter == "z" else shaped
-    return tuple(entries)
 
 
-def _klipper_notes(subject: Subject, values: Values) -> tuple[Message, ...]:
+def _klipper_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("klipper-no-jerk"),
-        _make_up(subject, values.recommended),
+        _make_up(subject, chosen),
+        Message("klipper-cruise"),
         Message("klipper-shaper", mode=subject.mode.name),
     )
 
 
-def _marlin_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    typed = values.recommended
+def _marlin(subject: Subject, _loop: Values) -> list[Row]:
+    _require_linear(subject, "Marlin")
     letter = _letter(subject, "XYZ", "Marlin")
-    entries = [
-        Entry(
-            name=f"M201 {letter}",
-            value=typed.acceleration,
-            unit="mm/s^2",
-            meaning=Message("limit-acceleration"),
-        )
+    row = partial(Row, is_verified=False)
+    of_mode = Message("klipper-of-mode", mode=subject.mode.name)
+    return [
+        _acceleration(subject, f"M201 {letter}"),
+        fixed("M493 S", "1", Message("marlin-fixed-time")),
+        row(
+            setting=Setting.SHAPER,
+            name=f"M493 {letter} C",
+            codes={"zv": "1", "zvd": "2"},
+            meaning=Message("marlin-shaper"),
+        ),
+        row(
+            setting=Setting.SHAPER_FREQUENCY,
+            name=f"M493 {letter} A",
+            unit="Hz",
+            step=FREQUENCY_STEP,
+            meaning=of_mode,
+        ),
+        row(
+            setting=Setting.SHAPER_DAMPING,
+            name=f"M493 {letter} I",
+            step=DAMPING_STEP,
+            meaning=of_mode,
+        ),
     ]
-    if typed.shaper:
-        number = typed.shaper.order
-        frequency = f"{typed.shaper.frequency_hz:.{FREQUENCY_DIGITS}f}"
-        damping = f"{typed.shaper.damping_ratio:.{DAMPING_DIGITS}f}"
-        entries.append(
-            Entry(name="M493 S", value="1", unit="", meaning=Message("marlin-fixed-time"))
-        )
-        entries.append(
-            unverified(
-                Entry(
-                    name=f"M493 {letter} C",
-                    value=f"{number} A{frequency} I{damping}",
-                    unit="-, Hz, -",
-                    meaning=Message(
-                        "marlin-shaper", shaper=typed.shaper.name.upper(), mode=subject.mode.name
-                    ),
-                )
-            )
-        )
-    return tuple(entries)
 
 
-def _marlin_notes(subject: Subject, values: Values) -> tuple[Message, ...]:
+def _marlin_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("marlin-jerk"),
-        _make_up(subject, values.recommended),
+        _make_up(subject, chosen),
         Message("marlin-build"),
     )
 
 
-def _ros_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    typed = values.recommended
-    length = subject.length
-    section = f"joint_limits/{identifier(subject)}"
-    rows = (
-        ("has_acceleration_limits", "true", "", None),
-        ("max_acceleration", typed.acceleration, f"{length}/s^2", Message("limit-acceleration")),
-        ("has_jerk_limits", "true", "", None),
-        ("max_jerk", typed.jerk, f"{length}/s^3", Message("limit-jerk")),
+def _ros(subject: Subject, loop: Values) -> list[Row]:
+    name, units = identifier(subject), subject.machine.axis_units
+    limits, gains = (
+        f"joint_limits/{name}",
+        f"joint_trajectory_controller/ros__parameters/gains/{name}",
     )
-    return tuple(
-        Entry(name=name, value=value, unit=unit, meaning=meaning, section=section)
-        for name, value, unit, meaning in rows
-    )
+    rows = [
+        fixed("has_acceleration_limits", "true", section=limits),
+        Row(
+            setting=Setting.ACCELERATION,
+            name="max_acceleration",
+            unit=units.acceleration.si,
+            meaning=Message("limit-acceleration"),
+            section=limits,
+        ),
+        fixed("has_jerk_limits", "true", section=limits),
+        Row(
+            setting=Setting.JERK,
+            name="max_jerk",
+            unit=units.jerk.si,
+            meaning=Message("limit-jerk"),
+            section=limits,
+        ),
+    ]
+    if loop[Setting.POSITION_LOOP, ""] == "drive":
+        return rows
+    return [
+        *rows,
+        Row(
+            setting=Setting.POSITION_GAIN,
+            name="p",
+            unit="1/s",
+            meaning=Message("ros-gain"),
+            section=gains,
+        ),
+        Row(
+            setting=Setting.VELOCITY_FEEDFORWARD,
+            name="ff_velocity_scale",
+            meaning=Message("row-feedforward-velocity"),
+            section=gains,
+        ),
+    ]
 
 
 OPEN_CONTROLS = (
-    Control(
-        key="linuxcnc",
-        coding=_jerk_coding,
-        describe=_linuxcnc_entries,
-        layout=partial(ini_layout, " = "),
-        comment=hash_comment,
-        notes=_linuxcnc_notes,
-    ),
-    Control(
-        key="klipper",
-        coding=partial(_shaped_coding, control="Klipper"),
-        describe=_klipper_entries,
-        layout=partial(ini_layout, ": "),
-        comment=hash_comment,
-        notes=_klipper_notes,
-    ),
-    Control(
-        key="grblhal",
-        coding=_jerk_coding,
-        describe=_grblhal_entries,
-        layout=partial(line_layout, "{name}={value}", semicolon_comment),
-        comment=semicolon_comment,
-        notes=_grblhal_notes,
-    ),
-    Control(
-        key="fluidnc",
-        coding=_plain_coding,
-        describe=_fluidnc_entries,
-        layout=yaml_layout,
-        comment=hash_comment,
-        notes=_fluidnc_notes,
-    ),
-    Control(
-        key="marlin",
-        coding=partial(_shaped_coding, control="Marlin"),
-        describe=_marlin_entries,
-        layout=partial(line_layout, "{name}{value}", semicolon_comment),
-        comment=semicolon_comment,
-        notes=_marlin_notes,
-    ),
-    Control(
-        key="ros2",
-        coding=si_coding,
-        describe=_ros_entries,
-        layout=yaml_layout,
-        comment=hash_comment,
-        in_degrees=False,
-    ),
+    Control(key="linuxcnc", rows=_linuxcnc, layout=INI, notes=_linuxcnc_notes),
+    Control(key="klipper", rows=_klipper, layout=CONFIG, shapers=_shapers, notes=_klipper_notes),
+    Control(key="grblhal", rows=_grblhal, layout=MACHINE_DATA, notes=_grblhal_notes),
+    Control(key="fluidnc", rows=_fluidnc, layout=YAML, notes=_fluidnc_notes),
+    Control(key="marlin", rows=_marlin, layout=G_CODE, shapers=_shapers, notes=_marlin_notes),
+    Control(key="ros2", rows=_ros, layout=YAML, in_degrees=False),
 )

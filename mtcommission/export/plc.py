@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import partial
 
-from mtcommission.export.control import (
-    Control,
-    Entry,
-    hash_comment,
-    remark,
-    structured_text_comment,
-    table_layout,
-)
-from mtcommission.export.gains import GainUnits
-from mtcommission.export.modes import Values
-from mtcommission.export.rounding import (
-    Coding,
-    Typed,
-    round_down,
-    round_up,
-    round_up_digits,
-    type_number,
-)
+from mtcommission.export.choose import Chosen
+from mtcommission.export.control import NEUTRAL, Control, neutral_row
+from mtcommission.export.layout import CONSTANTS, INLINE, TABLE
+from mtcommission.export.row import Row, Setting, Values
 from mtcommission.export.subject import Subject
-from mtcommission.export.wording import MICRO
-from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 
-INLINE = "NC program"
-"""Section of what stands in the part program instead of the PLC."""
+GAIN_PER_MINUTE = 1000.0 / 60.0
+"""1000/min in 1/s."""
 
 
 def identifier(subject: Subject) -> str:
@@ -39,149 +23,125 @@ def identifier(subject: Subject) -> str:
     return kept if kept[:1].isalpha() else f"Axis_{kept}"
 
 
-def _small_coding(subject: Subject) -> Coding:
-    size = subject.small_unit[1]
-    return Coding(acceleration_unit=size, jerk_unit=size)
-
-
-def _constants(subject: Subject, typed: Typed, *, length: str) -> tuple[Entry, ...]:
-    axis = identifier(subject)
-    rows = (
-        ("Acceleration", typed.acceleration, f"{length}/s^2", Message("limit-acceleration")),
-        ("Deceleration", typed.acceleration, f"{length}/s^2", Message("limit-deceleration")),
-        ("Jerk", typed.jerk, f"{length}/s^3", Message("limit-jerk")),
-    )
-    return tuple(
-        Entry(name=f"c{axis}_{name}", value=value, unit=unit, meaning=meaning)
-        for name, value, unit, meaning in rows
-    )
-
-
-def _twincat_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    typed, length = values.recommended, subject.small_unit[0]
-    path = Entry(
-        name="#set paramPathDynamics",
-        value=f"{typed.acceleration};{typed.acceleration};{typed.jerk}",
-        unit=f"{length}/s^2, {length}/s^3",
-        meaning=Message("limit-path-nci"),
-        section=INLINE,
-    )
-    return (*_constants(subject, typed, length=length), path)
-
-
-def _plcopen_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    return _constants(subject, values.recommended, length=subject.small_unit[0])
-
-
-def _structured_text(entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    constants = [entry for entry in entries if entry.section != INLINE]
-    heads = [f"    {entry.name} : LREAL := {_real(entry.value)};" for entry in constants]
-    width = max(map(len, heads))
-    lines = ["VAR_GLOBAL CONSTANT"]
-    lines += [
-        f"{head:<{width}}  {structured_text_comment(remark(entry, words))}"
-        for head, entry in zip(heads, constants, strict=True)
+def _constants(subject: Subject, _loop: Values) -> list[Row]:
+    (length, size), axis = subject.small_unit, identifier(subject)
+    return [
+        Row(
+            setting=setting,
+            name=f"c{axis}_{name}",
+            unit=f"{length}/s^{power}",
+            scale=size,
+            meaning=meaning,
+        )
+        for setting, name, power, meaning in (
+            (Setting.ACCELERATION, "Acceleration", 2, Message("limit-acceleration")),
+            (Setting.ACCELERATION, "Deceleration", 2, Message("limit-deceleration")),
+            (Setting.JERK, "Jerk", 3, Message("limit-jerk")),
+        )
     ]
-    lines.append("END_VAR")
-    for entry in entries:
-        if entry.section == INLINE:
-            lines += [
-                "",
-                structured_text_comment(
-                    words.text("export-for-nc-program", remark=remark(entry, words))
-                ),
-                structured_text_comment(f"{entry.name}({entry.value})#"),
-            ]
-    return lines
 
 
-def _real(text: str) -> str:
-    """A literal of type LREAL has a decimal point."""
-    return text if "." in text else f"{text}.0"
+def _twincat(subject: Subject, loop: Values) -> list[Row]:
+    length, size = subject.small_unit
+    path = [
+        Row(
+            setting=setting,
+            name=f"#set paramPathDynamics[{number}]",
+            unit=f"{length}/s^2, {length}/s^3",
+            scale=size,
+            meaning=Message("limit-path-nci"),
+            section=INLINE,
+        )
+        for number, setting in enumerate(
+            (Setting.ACCELERATION, Setting.ACCELERATION, Setting.JERK), start=1
+        )
+    ]
+    return [*_constants(subject, loop), *path, *_twincat_loop(subject, loop)]
 
 
-def _twincat_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
+def _twincat_loop(subject: Subject, loop: Values) -> list[Row]:
+    """The position controller of the NC or of an AX5000, and the drive's velocity controller."""
+    row = partial(Row, is_elsewhere=True)
+    rows = [
+        row(
+            setting=Setting.INTEGRAL_TIME,
+            name="S-0-0101",
+            unit="0.1 ms",
+            scale=1e-4,
+            step=1,
+            meaning=Message("twincat-tn"),
+        )
+    ]
+    if subject.shaft:
+        rows.append(
+            row(
+                setting=Setting.VELOCITY_GAIN,
+                name="S-0-0100",
+                unit="Nm/(rad/s)",
+                scale=subject.shaft**-2,
+                step=1e-3,
+                meaning=Message("twincat-kp"),
+            )
+        )
+    if loop[Setting.POSITION_LOOP, ""] == "drive":
+        return [
+            *rows,
+            row(
+                setting=Setting.POSITION_GAIN,
+                name="S-0-0104",
+                unit="1000/min",
+                scale=GAIN_PER_MINUTE,
+                step=1e-2,
+                meaning=Message("twincat-kv-in-drive"),
+            ),
+            row(
+                setting=Setting.VELOCITY_FEEDFORWARD,
+                name="S-0-0296",
+                unit="%",
+                scale=1e-2,
+                step=1e-2,
+                meaning=Message("row-feedforward-velocity"),
+            ),
+        ]
+    return [
+        *rows,
+        row(
+            setting=Setting.POSITION_GAIN,
+            name="NC position controller Kv",
+            unit="1/s",
+            meaning=Message("twincat-kv-in-nc"),
+        ),
+        row(
+            setting=Setting.VELOCITY_FEEDFORWARD,
+            name="NC velocity pre-control weight",
+            meaning=Message("row-feedforward-velocity"),
+        ),
+    ]
+
+
+def _twincat_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("twincat-jerk-unit"),
         Message("twincat-no-jerk-filter"),
     )
 
 
-def _plcopen_notes(_subject: Subject, _values: Values) -> tuple[Message, ...]:
+def _plcopen_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("plcopen-unit"),
         Message("plcopen-jerk-of-zero"),
+        Message("plcopen-quadratic"),
     )
 
 
-def si_coding(_subject: Subject) -> Coding:
-    """Return how a control stores limits in SI units."""
-    return Coding(acceleration_unit=1.0)
-
-
-def _generic_entries(subject: Subject, values: Values) -> tuple[Entry, ...]:
-    length, force = subject.length, subject.machine.axis_units.force.si
-    typed, gains = values.recommended, subject.gains
-    delay = subject.tuned.controller.reference_delay
-    rows = (
-        ("acceleration", typed.acceleration, f"{length}/s^2", Message("limit-itself")),
-        ("jerk", typed.jerk, f"{length}/s^3", Message("limit-itself")),
-        (
-            "jerk time",
-            type_number(round_up(typed.limits.jerk_time / MICRO)),
-            "us",
-            Message("limit-jerk-time"),
-        ),
-        ("Kv", type_number(round_down(gains.position)), "1/s", Message("gain-position")),
-        (
-            "Kp",
-            type_number(round_down(gains.velocity)),
-            f"{force} s/{length}",
-            Message("gain-velocity"),
-        ),
-        (
-            "Tn",
-            type_number(round_up_digits(gains.integral_time / MICRO)),
-            "us",
-            Message("gain-integral-time"),
-        ),
-        (
-            "reference delay",
-            type_number(round_up(delay / MICRO)),
-            "us",
-            Message("delay-of-reference"),
-        ),
-    )
-    return tuple(
-        Entry(name=name, value=value, unit=unit, meaning=meaning)
-        for name, value, unit, meaning in rows
-    )
+def _generic(subject: Subject, loop: Values) -> list[Row]:
+    limits = ((Setting.ACCELERATION, ""), (Setting.JERK, ""))
+    held = (key for key in loop if key[0] in NEUTRAL)
+    return [neutral_row(*key, subject.machine.axis_units) for key in (*limits, *held)]
 
 
 PLC_CONTROLS = (
-    Control(
-        key="twincat",
-        coding=_small_coding,
-        describe=_twincat_entries,
-        layout=_structured_text,
-        comment=structured_text_comment,
-        notes=_twincat_notes,
-    ),
-    Control(
-        key="plcopen",
-        coding=_small_coding,
-        describe=_plcopen_entries,
-        layout=_structured_text,
-        comment=structured_text_comment,
-        notes=_plcopen_notes,
-    ),
-    Control(
-        key="generic",
-        coding=si_coding,
-        describe=_generic_entries,
-        layout=table_layout,
-        comment=hash_comment,
-        gains=GainUnits(position=1.0, velocity=1.0, integral_time=MICRO),
-        in_degrees=False,
-    ),
+    Control(key="twincat", rows=_twincat, layout=CONSTANTS, notes=_twincat_notes),
+    Control(key="plcopen", rows=_constants, layout=CONSTANTS, notes=_plcopen_notes),
+    Control(key="generic", rows=_generic, layout=TABLE, in_degrees=False),
 )

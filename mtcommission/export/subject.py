@@ -1,4 +1,4 @@
-"""Record -> Subject: what an export needs to know, and the loop to evaluate it in.
+"""Record -> Subject: what an export needs to know, and the loop of the record built again.
 
 The record holds the profile's text and every gain that was chosen, so the loop is built again
 as it was, in every corner, without tuning or optimising anything.
@@ -7,23 +7,22 @@ as it was, in every corner, without tuning or optimising anything.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import inf, isfinite, pi
 
 import numpy as np
 
+from mtcommission.control_kinds.kind import ControlKind
 from mtcommission.errors import Fault, InputError
-from mtcommission.export.wording import DEGREE, MILLI, name_mode
+from mtcommission.export.wording import DEGREE, MILLI
+from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Motion, StateFeedback, StateGain
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.messages.message import Message
-from mtcommission.plant.plant import Plant, PlantMode, build_plant, dominant_mode
+from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Plan
-from mtcommission.verdict.assess import Assessment
-from mtcommission.verdict.evaluate import evaluate_moves, simulate_planned
 
 REBUILT, ROUNDING = 1e-6, 1e-12
 """Largest relative difference of an entry of the record's loop from the one built again, and what
@@ -31,25 +30,6 @@ counts as zero beside its largest entry: versions of the linear algebra may diff
 
 BYTE_ORDER_MARK = "\ufeff"
 """Some editors begin a file with it; the hash counts it, the text in the record lacks it."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Gains:
-    """Gains of the cascade.
-
-    Parameters
-    ----------
-    position
-        Kv [1/s].
-    velocity
-        Kp [N s/m].
-    integral_time
-        Tn [s].
-    """
-
-    position: float
-    velocity: float
-    integral_time: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,23 +40,19 @@ class Subject:
     ----------
     record
         Where everything comes from.
-    machine, plant, tuned
+    kind
+        What the control has that it is written for.
+    machine, controller
         Built again from the record.
     limits
         The recommendation.
-    settling_time
-        What it reached in the run, worst case [s]; inf if not settled.
-    is_met
-        Whether it met all requirements.
     """
 
     record: Record
+    kind: ControlKind
     machine: Machine
-    plant: Plant
-    tuned: TunedLoop
+    controller: Controller
     limits: MotionLimits
-    settling_time: float
-    is_met: bool
 
     @property
     def is_rotary(self) -> bool:
@@ -94,14 +70,12 @@ class Subject:
         return ("deg", DEGREE) if self.is_rotary else ("mm", MILLI)
 
     @property
-    def gains(self) -> Gains:
-        """Gains of the loop that limits are judged in."""
-        controller = self.tuned.controller
-        return Gains(
-            position=controller.position_gain,
-            velocity=controller.velocity_gain,
-            integral_time=controller.integral_time,
-        )
+    def shaft(self) -> float | None:
+        """Motion of the axis per angle of the motor's shaft [m/rad]; None: not stated."""
+        drive = self.machine.drive
+        if drive.lead is not None:
+            return drive.lead / (2.0 * pi * drive.gear)
+        return 1.0 / drive.gear if self.is_rotary else None
 
     @property
     def axis(self) -> str:
@@ -111,38 +85,47 @@ class Subject:
     @property
     def mode(self) -> PlantMode:
         """The mode that a setpoint excites most."""
-        return dominant_mode(self.plant)
+        return dominant_mode(build_plant(self.machine))
 
     @property
     def fastest(self) -> float:
         """Largest velocity of the profile's moves [m/s]."""
         return max(peak_velocity(move, self.limits.acceleration) for move in self.machine.moves)
 
+    @property
+    def settling_time(self) -> float:
+        """What the recommendation reached in the run, worst case [s]; inf if not settled."""
+        found = self.record.limits.recommended.settling_time
+        return inf if found is None else found
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
-    """What limits do in every corner.
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """What the loop of the record uses and this control lacks."""
+        kind, loop, control = self.kind, self.controller, self.machine.control
+        lacks = {
+            "state-feedback": bool(loop.state_gains.any()) and not kind.state_feedback,
+            "velocity": loop.velocity_feedforward > 0.0 and not kind.velocity_feedforward,
+            "acceleration": loop.acceleration_feedforward > 0.0
+            and not kind.acceleration_feedforward,
+            "jerk": loop.jerk_feedforward > 0.0 and not kind.jerk_feedforward,
+            "delay": loop.reference_delay > 0.0 and not kind.reference_delay,
+            "average": control.moving_average_time > 0.0
+            and "moving_average" not in kind.setpoint_filters,
+            "force-filters": len(loop.force_filters) > kind.force_filters,
+            f"loop-{control.position_loop.value}": control.position_loop not in kind.position_loops,
+        }
+        return tuple(name for name, is_lacking in lacks.items() if is_lacking)
 
-    Parameters
-    ----------
-    settling_time, residual_deviation
-        Worst over moves and corners [s, m]; inf where not settled.
-    assessment
-        Every requirement.
-    """
 
-    settling_time: float
-    residual_deviation: float
-    assessment: Assessment
-
-
-def build_subject(record: Record) -> Subject:
+def build_subject(record: Record, kind: ControlKind) -> Subject:
     """Return the axis of a record with its loop built again.
 
     Parameters
     ----------
     record
         Of a run.
+    kind
+        What the control has that it is to be written for.
 
     Returns
     -------
@@ -155,103 +138,24 @@ def build_subject(record: Record) -> Subject:
     """
     _require_own_profile(record)
     machine = _as_recorded(record)
+    tuned = tune_loop(machine)
+    _require_same_loop(record, tuned)
     recommended = record.limits.recommended
-    subject = Subject(
+    return Subject(
         record=record,
+        kind=kind,
         machine=machine,
-        plant=build_plant(machine),
-        tuned=tune_loop(machine),
+        controller=tuned.controller,
         limits=MotionLimits(acceleration=recommended.acceleration, jerk=recommended.jerk),
-        settling_time=_or_infinite(recommended.settling_time),
-        is_met=record.assessment.met,
-    )
-    _require_same_loop(subject)
-    return subject
-
-
-def with_gains(subject: Subject, gains: Gains) -> Subject:
-    """Return the subject with other gains in its loop, which is built anew in every corner.
-
-    Parameters
-    ----------
-    subject
-        The axis.
-    gains
-        In SI.
-
-    Returns
-    -------
-    Subject
-    """
-    control = replace(
-        subject.machine.control,
-        position_gain=gains.position,
-        velocity_gain=gains.velocity,
-        integral_time=gains.integral_time,
-    )
-    machine = replace(subject.machine, control=control)
-    return replace(subject, machine=machine, tuned=tune_loop(machine))
-
-
-def for_mode(subject: Subject, mode: ModeLimitsEntry) -> Subject:
-    """Return the subject with the limits and the band of one machining mode.
-
-    Parameters
-    ----------
-    subject
-        The axis.
-    mode
-        Of its record.
-
-    Returns
-    -------
-    Subject
-
-    Raises
-    ------
-    InputError
-        If the mode has no limits.
-    """
-    acceleration, jerk = mode.acceleration, mode.jerk
-    if acceleration is None or jerk is None:
-        message = Message("export-mode-without-limits", mode=name_mode(mode.name))
-        raise InputError([Fault(where="record", key="limits.modes", message=message)])
-    needs = replace(subject.machine.requirements, tcp_deviation=mode.band)
-    return replace(
-        subject,
-        machine=replace(subject.machine, requirements=needs),
-        limits=MotionLimits(acceleration=acceleration, jerk=jerk),
-        settling_time=_or_infinite(mode.settling_time),
-        is_met=mode.meets_requirements,
     )
 
 
-def judge_plan(subject: Subject, plan: Plan) -> Verdict:
-    """Return what planned setpoints do in every corner.
-
-    Parameters
-    ----------
-    subject
-        The axis.
-    plan
-        Setpoint of a move, filters included.
-
-    Returns
-    -------
-    Verdict
-    """
-    machine, tuned = subject.machine, subject.tuned
-    moves = simulate_planned(machine, tuned, plan)
-    found = evaluate_moves(machine, subject.plant, tuned, moves)
-    return Verdict(
-        settling_time=found.settling_time,
-        residual_deviation=found.residual_deviation,
-        assessment=found.assessment,
-    )
-
-
-def _or_infinite(value: float | None) -> float:
-    return inf if value is None else value
+def for_mode(machine: Machine, mode: ModeLimitsEntry | None) -> Machine:
+    """Return the machine with the band of a machining mode; None: as it is."""
+    if mode is None:
+        return machine
+    needs = replace(machine.requirements, tcp_deviation=mode.band)
+    return replace(machine, requirements=needs)
 
 
 def _require_own_profile(record: Record) -> None:
@@ -282,12 +186,12 @@ def _as_recorded(record: Record) -> Machine:
     return replace(machine, drive=drive, control=control)
 
 
-def _require_same_loop(subject: Subject) -> None:
-    recorded = np.array(subject.record.loop.closed_loop.A)
-    rebuilt = subject.tuned.loops[0].lifted.A
+def _require_same_loop(record: Record, tuned: TunedLoop) -> None:
+    recorded = np.array(record.loop.closed_loop.A)
+    rebuilt = tuned.loops[0].lifted.A
     same = recorded.shape == rebuilt.shape and np.allclose(
         recorded, rebuilt, rtol=REBUILT, atol=ROUNDING * float(np.max(np.abs(rebuilt)))
     )
-    recommended = subject.record.limits.recommended
+    recommended = record.limits.recommended
     if not (same and isfinite(recommended.acceleration) and recommended.jerk > 0.0):
         raise InputError([Fault(where="record", key="loop", message=Message("export-other-loop"))])

@@ -1,29 +1,35 @@
-"""Record -> Export: the verb, the header that every export carries, and the parameter list."""
+"""Record -> Export: rows are written, read back from their text, judged; then the header.
+
+Nothing but what stands in the text reaches the loop that is simulated for the header, so the
+header cannot promise what the text does not hold.
+"""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from io import StringIO
+from math import isfinite
 
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.export.catalogue import find_control_key, name_control
-from mtcommission.export.control import Block, Control, say_meaning
-from mtcommission.export.gains import round_gains
-from mtcommission.export.modes import Values, type_modes
+from mtcommission.export.choose import Chosen, choose_limits, take
+from mtcommission.export.control import Control, complete
+from mtcommission.export.held import Held, hold, loop_of, today_of
+from mtcommission.export.layout import LIST, Entry, Layout, read_elsewhere
 from mtcommission.export.numeric import NUMERIC_CONTROLS
 from mtcommission.export.open_source import OPEN_CONTROLS
 from mtcommission.export.plc import PLC_CONTROLS
-from mtcommission.export.rounding import type_limits
-from mtcommission.export.subject import Subject, build_subject, with_gains
+from mtcommission.export.row import Key, Row, Setting, Values, unreadable
+from mtcommission.export.subject import Subject, build_subject, for_mode
 from mtcommission.export.wording import name_mode, show_value, to_ascii
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.data import ACCEPTED_DEFAULT
-from mtcommission.record.schema import Record
+from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.units.quantities import wrap_whole
+from mtcommission.verdict.evaluate import Candidate
 
 CONTROLS: Mapping[str, Control] = {
     control.key: control for control in (*NUMERIC_CONTROLS, *PLC_CONTROLS, *OPEN_CONTROLS)
@@ -32,16 +38,10 @@ CONTROLS: Mapping[str, Control] = {
 WIDTH = 96
 """Columns of the header's sentences."""
 
-COLUMNS = (
-    "section", "parameter", "unit", "old_value", "new_value", "entered", "verified", "meaning",
-    "name_and_unit",
-)  # fmt: skip
-"""Of the parameter list; three of them are left empty for the engineer."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Export:
-    """Limits in a control's own words.
+    """Limits and loop in a control's own words.
 
     Parameters
     ----------
@@ -49,39 +49,43 @@ class Export:
         Which control.
     header
         Sentences that stand above the parameters.
-    blocks
-        The recommendation first, then alternatives.
+    entries
+        Every row, those that are only remarks last.
     limits
         What the control makes of the typed numbers [SI].
+    verdict
+        Of the simulation of what the text holds.
     meets_requirements
-        Whether exactly these numbers meet all requirements in every corner, and none had to be
-        left out.
+        Whether that meets all requirements in every corner, and no machining mode had to be left
+        out.
     text
         The file.
-    words
-        The language that it speaks.
     """
 
     control: str
     header: tuple[str, ...]
-    blocks: tuple[Block, ...]
+    entries: tuple[Entry, ...]
     limits: MotionLimits
+    verdict: Candidate
     meets_requirements: bool
     text: str
-    words: Catalogue
 
 
-def export_record(record: Record, *, control: str, language: str = "en") -> Export:
-    """Return the recommended limits of a record for a control.
+def export_record(
+    record: Record, *, control: str, language: str = "en", as_list: bool = False
+) -> Export:
+    """Return the recommended limits and the loop of a record for a control.
 
     Parameters
     ----------
     record
         Of a run.
     control
-        One of ``control_keys()``.
+        One of ``catalogue.CONTROL_KEYS``.
     language
         Of header, remarks and notes.
+    as_list
+        A parameter list as CSV instead of the control's syntax.
 
     Returns
     -------
@@ -90,77 +94,187 @@ def export_record(record: Record, *, control: str, language: str = "en") -> Expo
     Raises
     ------
     InputError
-        If there is no such control, it cannot take this axis, or the record does not belong to
-        its own profile.
+        If there is no such control, it cannot take this axis, its loop is unstable, or the record
+        does not belong to its own profile.
     """
     target = CONTROLS[find_control_key(control)]
-    subject = build_subject(record)
-    if target.gains.position:
-        subject = with_gains(subject, round_gains(subject, target.gains))
-    coding = target.coding(subject)
-    values = Values(
-        recommended=type_limits(subject, coding),
-        modes=type_modes(subject, coding) if target.has_modes else (),
-    )
-    blocks = (
-        Block(title=None, entries=target.describe(subject, values)),
-        *target.alternatives(subject, values),
-    )
+    subject = build_subject(record, KINDS[target.key])
     words = Catalogue(language, rotary=subject.is_rotary)
-    header = tuple(_one_line(words.say(line)) for line in _header(subject, target, values, words))
+    layout = LIST if as_list else target.layout
+    loop = loop_of(subject)
+    rows = complete(target.rows(subject, loop), loop, subject.machine.axis_units)
+    entries = _choose(subject, target, rows, loop)
+    lines = _write(layout, entries, words)
+    written = tuple(entry.row for entry in entries)
+    held = hold(subject, read_text(layout, written, "\n".join(lines)))
+    kept = [mode for mode in record.limits.modes if _holds(held.values, mode.name)]
+    verdict = held.judge(held.machine, held.limits())
+    by_mode = {
+        mode.name: held.judge(for_mode(held.machine, mode), held.limits(mode.name)) for mode in kept
+    }
+    left_out = tuple(
+        mode
+        for mode in record.limits.modes
+        if mode not in kept and any(row.index == mode.name for row in rows)
+    )
+    judged = _Judged(held=held, verdict=verdict, left_out=left_out)
+    header = tuple(
+        " ".join(to_ascii(words.say(line)).split())
+        for line in _header(subject, target, judged, written, words)
+    )
+    head = [layout.comment(line) for sentence in header for line in wrap_whole(sentence, WIDTH)]
+    met = all(found.assessment.is_met for found in (verdict, *by_mode.values()))
     return Export(
         control=target.key,
         header=header,
-        blocks=blocks,
-        limits=values.recommended.limits,
-        meets_requirements=values.meets_requirements,
-        text=_write(target, header, blocks, words),
-        words=words,
+        entries=entries,
+        limits=held.limits(),
+        verdict=verdict,
+        meets_requirements=met and not left_out,
+        text="\n".join([*head, "", *lines]) + "\n",
     )
 
 
-def parameter_list(export: Export) -> str:
-    """Return an export as CSV with room for old value, entered and verified.
+def read_text(layout: Layout, rows: Sequence[Row], text: str) -> dict[Key, float | str]:
+    """Return the settings that a text holds.
 
     Parameters
     ----------
-    export
-        From ``export_record``.
+    layout
+        Its syntax.
+    rows
+        What must stand in it.
+    text
+        With or without header.
 
     Returns
     -------
-    str
-        Header lines begin with ``#``; then one row for each parameter.
+    dict
+        SI.
+
+    Raises
+    ------
+    InputError
+        If a row is missing, unknown, unreadable, or contradicts another.
     """
-    stream = StringIO()
-    for sentence in export.header:
-        stream.write(f"# {sentence}\n")
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for block in export.blocks:
-        for entry in block.entries:
-            title = export.words.say(block.title) if block.title else ""
-            section = " / ".join(part for part in (title, entry.section) if part)
-            doubt = export.words.text("export-verified" if entry.is_verified else "export-doubted")
-            writer.writerow(
-                (
-                    section,
-                    entry.name,
-                    entry.unit,
-                    "",
-                    entry.value,
-                    "",
-                    "",
-                    say_meaning(entry, export.words),
-                    doubt,
+    known = {(row.section, row.name): row for row in rows}
+    found: dict[str, Row] = {}
+    values: dict[Key, float | str] = {}
+    for section, name, typed in (*layout.read(text), *read_elsewhere(text)):
+        row = known.get((section, name)) or known.get(("", name))
+        if row is None:
+            raise unreadable(name)
+        value = row.decode(typed)
+        if values.setdefault(row.key, value) != value:
+            raise unreadable(f"{name} {typed}")
+        found[f"{row.section}/{name}"] = row
+    for row in rows:
+        if f"{row.section}/{row.name}" not in found:
+            raise unreadable(row.name)
+    return values
+
+
+def _choose(
+    subject: Subject, target: Control, rows: Sequence[Row], loop: Values
+) -> tuple[Entry, ...]:
+    """Every row with what is typed in, those that are only remarks last."""
+    held = hold(subject, take((row for row in rows if row.key in loop), loop))
+    values = dict(loop)
+    for mode in (None, *subject.record.limits.modes):
+        chosen = _choose_limits(subject, target, held, rows, mode)
+        values |= chosen.values if chosen else {}
+    old = today_of(subject, subject.fastest)
+    entries = []
+    for row in rows:
+        if row.setting is Setting.FIXED:
+            entries.append(Entry(row=row, value=row.encode("set")))
+        elif row.key in values:
+            before = old.get(row.key)
+            known = before is not None and row.takes(before)
+            entries.append(
+                Entry(
+                    row=row,
+                    value=row.encode(values[row.key]),
+                    old=row.encode(before) if known and before is not None else "",
                 )
             )
-    return stream.getvalue()
+    return tuple(sorted(entries, key=lambda entry: entry.row.is_elsewhere))
 
 
-def _header(subject: Subject, control: Control, values: Values, words: Catalogue) -> list[Message]:
+def _choose_limits(
+    subject: Subject,
+    target: Control,
+    held: Held,
+    rows: Sequence[Row],
+    mode: ModeLimitsEntry | None,
+) -> Chosen | None:
+    """The limits of a machining mode, or of the recommendation; None where the mode has none."""
+    if mode is None:
+        shared = {Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING, Setting.RAPID}
+        own = [row for row in rows if row.key not in held.values and row.index == ""]
+        own = [row for row in own if row.setting in LIMITS | shared]
+        return choose_limits(subject, held, own, shapers=target.shapers(subject))
+    own = [row for row in rows if row.setting in LIMITS and row.index == mode.name]
+    if not own or not mode.meets_requirements:
+        return None
+    found = choose_limits(subject, held, own, mode=mode)
+    return found if found.verdict.assessment.is_met else None
+
+
+LIMITS = {
+    Setting.ACCELERATION,
+    Setting.RISE_TIME,
+    Setting.JERK,
+    Setting.JERK_TIME,
+}
+"""Settings that are chosen anew for each machining mode."""
+
+
+def _holds(values: Values, mode: str) -> bool:
+    return any(setting in LIMITS and index == mode for setting, index in values)
+
+
+def _write(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> list[str]:
+    """The text without its header."""
+    if layout is LIST:
+        return layout.write(entries, words)
+    elsewhere = [entry for entry in entries if entry.row.is_elsewhere]
+    lines = layout.write([entry for entry in entries if not entry.row.is_elsewhere], words)
+    if elsewhere:
+        heading = wrap_whole(words.text("export-set-elsewhere"), WIDTH)
+        lines += ["", *map(layout.comment, heading), *layout.write_elsewhere(elsewhere, words)]
+    return lines
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Judged:
+    """What the text holds and does.
+
+    Parameters
+    ----------
+    held
+        The loop that it makes.
+    verdict
+        Of the recommendation.
+    left_out
+        Machining modes whose band no limits meet.
+    """
+
+    held: Held
+    verdict: Candidate
+    left_out: tuple[ModeLimitsEntry, ...]
+
+
+def _header(
+    subject: Subject,
+    control: Control,
+    judged: _Judged,
+    rows: Sequence[Row],
+    words: Catalogue,
+) -> list[Message]:
     record = subject.record
     machine, profile, tool = record.machine, record.profile, record.tool
+    chosen = Chosen(values=judged.held.values, verdict=judged.verdict)
     sentences = [
         Message(
             "export-title",
@@ -176,80 +290,102 @@ def _header(subject: Subject, control: Control, values: Values, words: Catalogue
         ),
         Message("export-hash", hash=profile.sha256),
         Message("export-verify"),
-        _verdict(subject, control, values),
+        _verdict(subject, control, judged),
+        _corners(subject),
+        *_left_out(subject, judged.verdict),
+        *(Message("export-mode-left-out", why=_explain(subject, mode)) for mode in judged.left_out),
         Message("export-safe-side"),
-        *control.notes(subject, values),
+        *_shaft(subject, rows),
+        *control.notes(subject, chosen),
     ]
-    average = subject.machine.control.moving_average_time
-    if average > 0.0:
-        sentences.append(Message("export-moving-average", time=average))
-    sentences += _doubts(record, words)
-    sentences.append(Message("export-doubt"))
+    warned = {words.say(warning) for warning in record.warnings}
+    own = [warning for warning in judged.held.tuned.warnings if words.say(warning) not in warned]
+    sentences += [Message("export-warning", warning=warning) for warning in record.warnings]
+    sentences += [Message("export-warning-here", warning=warning) for warning in own]
+    unmeasured = tuple(item.key for item in record.data if item.source == ACCEPTED_DEFAULT)
+    if unmeasured:
+        sentences.append(Message("export-not-measured", keys=unmeasured))
+    if not all(row.is_verified for row in rows):
+        sentences.append(Message("export-doubt"))
     return sentences
 
 
-def _doubts(record: Record, words: Catalogue) -> list[Message]:
-    """What the run warned of, and the data that nobody measured."""
-    found = [
-        Message("export-warning", warning=to_ascii(words.say(warning)))
-        for warning in record.warnings
-    ]
-    unmeasured = tuple(item.key for item in record.data if item.source == ACCEPTED_DEFAULT)
-    if unmeasured:
-        found.append(Message("export-not-measured", keys=unmeasured))
-    return found
-
-
-def _verdict(subject: Subject, control: Control, values: Values) -> Message:
+def _verdict(subject: Subject, control: Control, judged: _Judged) -> Message:
     def show(value: float, unit: str) -> str | Message:
         return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
 
-    verdict = values.recommended.verdict
-    judged = Message(
+    verdict = judged.verdict
+    said = Message(
         "export-judged",
-        gains="none" if not control.gains.position else "all" if control.gains.velocity else "Kv",
-        corners=len(subject.tuned.corners),
+        corners=len(judged.held.tuned.corners),
         settling=show(verdict.settling_time, "s"),
         residual=show(verdict.residual_deviation, subject.length),
-        recommended=show(subject.settling_time, "s"),
     )
     missed = [
         Message(
             "export-missed",
-            name=check.name,
+            name=check.requirement.message,
             value=show(check.value, check.unit),
             limit=show(check.limit, check.unit),
         )
         for check in verdict.assessment.checks
         if not check.is_met
     ]
-    missed += [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in values.left_out]
+    missed += [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out]
     if not missed:
-        return Message("export-all-met", judged=judged)
+        return Message("export-all-met", judged=said)
     told = reduce(lambda first, then: Message("record-both", first=first, then=then), missed)
-    return Message("export-not-all-met", judged=judged, missed=told)
+    return Message("export-not-all-met", judged=said, missed=told)
 
 
-def _one_line(text: str) -> str:
-    """User's texts stay in their comment: no line break gets through."""
-    return " ".join(text.split())
+def _corners(subject: Subject) -> Message:
+    needs = subject.machine.requirements
+    low, high = needs.payload
+    return Message(
+        "export-corners",
+        frequency=needs.frequency_spread,
+        damping=needs.damping_spread,
+        payload="yes" if high > 0.0 else "no",
+        low=low,
+        high=high,
+    )
 
 
-def _write(
-    control: Control, header: tuple[str, ...], blocks: tuple[Block, ...], words: Catalogue
-) -> str:
-    lines = [control.comment(line) for sentence in header for line in wrap_whole(sentence, WIDTH)]
-    for block in blocks:
-        lines.append("")
-        if not block.title:
-            lines += control.layout(block.entries, words)
-            continue
-        inside = [
-            words.say(block.title).upper(),
-            *(line for note in block.notes for line in wrap_whole(words.say(note), WIDTH)),
-        ]
-        lines += [control.comment(line) for line in inside]
-        if block.entries:
-            # An alternative must not act by accident when the file is read in as it stands.
-            lines += [control.comment(line) for line in control.layout(block.entries, words)]
-    return "\n".join(lines) + "\n"
+def _left_out(subject: Subject, verdict: Candidate) -> list[Message]:
+    """What the record's loop uses and this control lacks, and what that costs."""
+    if not subject.left_out:
+        return []
+    before, after = subject.settling_time, verdict.settling_time
+    cost = "grows" if isfinite(before) and isfinite(after) else "unknown"
+    return [
+        Message(
+            "export-left-out",
+            features=tuple(Message("export-feature", what=what) for what in subject.left_out),
+            before=show_value(before, "s", in_degrees=False),
+            after=show_value(after, "s", in_degrees=False),
+            change=after / before - 1.0 if cost == "grows" else 0.0,
+            cost=cost,
+            kind=subject.kind.key,
+        )
+    ]
+
+
+def _shaft(subject: Subject, rows: Sequence[Row]) -> list[Message]:
+    """Where the values of the drive count."""
+    if subject.shaft is None:
+        return [Message("export-no-shaft")]
+    own = (Setting.VELOCITY_GAIN, Setting.FORCE_FEEDFORWARD)
+    at_shaft = any(row.setting in own and row.scale != 1.0 for row in rows)
+    return [Message("export-shaft", travel=subject.shaft)] if at_shaft else []
+
+
+def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
+    """Why a machining mode is left out, with its band and the one that could be met."""
+    band, attainable = (
+        None if value is None else show_value(value, subject.length, in_degrees=True)
+        for value in (mode.band, mode.attainable)
+    )
+    name = name_mode(mode.name)
+    if attainable:
+        return Message("export-no-limits-but", mode=name, band=band, attainable=attainable)
+    return Message("export-no-limits-within", mode=name, band=band)

@@ -16,11 +16,11 @@ from mtcommission.machine.variations import corners
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 
-MOST_CYCLES = 100_000
+MOST_CYCLES = 200_000
 """Velocity cycles followed at most, all moves and corners together (empirical: a minute for a
-whole run; the shipped profiles take up to 16 000)."""
+whole run; the shipped profiles take up to 26 000)."""
 
-MOST_SLOW_CYCLES = 300_000
+MOST_SLOW_CYCLES = 600_000
 """The same with the slowest limits that are judged, those of the commissioning rule."""
 
 

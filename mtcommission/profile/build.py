@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from math import inf, pi
 
-from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.machine.machine import (
     Control,
@@ -34,6 +33,7 @@ from mtcommission.profile.model import (
     ProfileTable,
     RequirementsTable,
     TodayTable,
+    closes_in,
 )
 
 MODE_BANDS = (0.4, 1.0, 4.0)
@@ -166,10 +166,9 @@ def _build_control(control: ControlTable) -> Control:
     given = feedback if isinstance(feedback, dict) else {}
     mode = StateFeedback(feedback) if isinstance(feedback, str) else StateFeedback.GIVEN
     setpoint_filter = control.setpoint_filter
-    loop = control.position_loop
     return Control(
         kind=kind,
-        position_loop=PositionLoop(loop) if loop else kind.position_loops[0],
+        position_loop=closes_in(control),
         position_gain=control.position_gain,
         velocity_gain=control.velocity_gain,
         integral_time=control.integral_time,

@@ -350,6 +350,11 @@ class ControlTable(Table):
         faults = _list_lacking(self, kind)
         position = self.position_cycle or kind.position_cycle
         velocity = self.velocity_cycle or kind.velocity_cycle
+        if closes_in(self) is PositionLoop.DRIVE and self.reference_delay is not None:
+            least = 2.0 * position
+            if self.reference_delay < least:
+                message = Message("delay-below-drive", got=self.reference_delay, least=least)
+                faults.append(("reference_delay", message))
         ratio = position / velocity
         if round(ratio) < 1 or abs(ratio - round(ratio)) > WHOLE_MULTIPLE * ratio:
             message = Message(
@@ -360,13 +365,19 @@ class ControlTable(Table):
         return self
 
 
+def closes_in(control: ControlTable) -> PositionLoop:
+    """Return where the position loop closes, as stated or as the kind of control does."""
+    loop = control.position_loop
+    return PositionLoop(loop) if loop else KINDS[control.kind].position_loops[0]
+
+
 def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
     """What a profile asks of a kind of control that it does not have."""
     key, faults = kind.key, list[Misfit]()
-    loops = tuple(loop.value for loop in kind.position_loops)
-    if control.position_loop and PositionLoop(control.position_loop) not in kind.position_loops:
+    if closes_in(control) not in kind.position_loops:
         got = describe(control.position_loop)
-        message = Message("control-closes-elsewhere", got=got, control=key, has=one_of(loops))
+        there = one_of([loop.value for loop in kind.position_loops])
+        message = Message("control-closes-elsewhere", got=got, control=key, has=there)
         faults.append(("position_loop", message))
     for name in FEEDFORWARDS_OF_KINDS:
         weight = getattr(control, name)

@@ -71,7 +71,7 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
             usage=_plotted(seen.usage),
         ),
         search={"evaluations": choice.evaluations},
-        warnings=[today.failure] if today and today.failure else [],
+        warnings=[*choice.warnings, *([today.failure] if today and today.failure else [])],
     )
 
 
@@ -165,7 +165,7 @@ def _mode_entry(mode: ModeLimits) -> ModeLimitsEntry:
         mode,
         candidate,
         candidate.limits,
-        bound_by=mode.choice.bound_by if is_met else NO_LIMITS,
+        bound_by=mode.bound_by if is_met else NO_LIMITS,
         meets_requirements=is_met,
         reason="" if is_met else NO_LIMITS,
         attainable=found.value if found else None,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.loop.analysis.frequency import FrequencyResponse
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
@@ -19,6 +19,7 @@ from mtcommission.plant.plant import Plant
 from mtcommission.record.schema import (
     ClosedLoop,
     DelayEntry,
+    FeatureEntry,
     FeedforwardEntry,
     ForceFilterEntry,
     JerkFeedforwardEntry,
@@ -53,7 +54,7 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         kind=control.kind.key,
         jerk=control.kind.jerk.value,
         position_loop=control.position_loop.value,
-        features=[],
+        features=_feature_entries(control.kind),
         motion_force=machine.drive.motion_force,
         encoder_resolution=machine.drive.encoder_resolution,
         force_filters=[
@@ -93,6 +94,20 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         bode=_bode(tuned.responses[0]),
         remarks=[*tuned.remarks, *commissioning.loop.remarks, *explain_mixing(mixed)],
     )
+
+
+def _feature_entries(kind: ControlKind) -> list[FeatureEntry]:
+    return [
+        FeatureEntry(
+            name=name,
+            # What is evidence only, such as a gain, every kind has.
+            has=kind.has_jerk_limit if name == "jerk" else bool(getattr(kind, name, True)),
+            parameters=feature.parameters,
+            source=feature.source,
+            verified=feature.is_verified,
+        )
+        for name, feature in kind.features.items()
+    ]
 
 
 def _worst_corner(tuned: TunedLoop) -> Margins:

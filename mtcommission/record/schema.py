@@ -215,8 +215,8 @@ class TodayEntry:
     Kp: float
     Tn: float
     basis: Words
-    failure: Words | None
-    bound_by: Words | None
+    failure: Message | None
+    bound_by: Message | None
     settling_time: float | None
     residual_deviation: float | None
     peak_deviation: float | None
@@ -512,13 +512,13 @@ class ForceFilterEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FeatureEntry:
-    """What the kind of control has, or that it lacks it, and where that was read.
+    """Whether the kind of control has something, and where that was read.
 
     ``parameters`` are its names in the control; not ``verified``: printed with "(?)".
     """
 
-    name: Message
-    value: Message
+    name: str
+    has: bool
     parameters: str
     source: str
     verified: bool
@@ -531,8 +531,9 @@ class LoopPart:
     From ``kind`` to ``observer`` it is all that a second program needs beside ``plant``, defined
     in docs/feedback-loop.md. ``kind`` names the control, ``jerk`` how it limits the jerk
     (``limit``, ``time``, ``none``), ``position_loop`` where its position loop closes
-    (``control``, ``interpolated``, ``drive``), ``features`` what it has. ``motion_force`` is the
-    bound of F_set [N]; ``encoder_resolution`` 0: not stated.
+    (``control``, ``interpolated``, ``drive``), ``features`` what it has. ``reference_age`` and
+    ``velocity_age`` say how old the setpoint is from which wanted state and velocity are taken
+    [s]. ``motion_force`` is the bound of F_set [N]; ``encoder_resolution`` 0: not stated.
 
     ``gain_margin_up_db`` and ``gain_margin_down_db`` say by how much the gain may rise and fall
     (null: by any amount), ``gain_margin_db`` is the smaller one. ``worst_corner`` and
@@ -552,6 +553,7 @@ class LoopPart:
     reference_model_time: float
     reference_delay: float
     reference_age: float
+    velocity_age: float
     state_feedback: dict[str, float]
     feedforward: FeedforwardEntry
     position_cycle: float

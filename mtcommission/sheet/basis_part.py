@@ -28,8 +28,12 @@ def _control(record: Record, words: Catalogue) -> str:
         position_cycle=f.quantity(loop.position_cycle, "s"),
         velocity_cycle=f.quantity(loop.velocity_cycle, "s"),
     )
-    name = words.known(f"control-kind-{loop.kind}", loop.kind)
-    return _marked(record, "control.kind", f"{name}; {where}", words)
+    return _marked(record, "control.kind", f"{control_name(loop.kind, words)}; {where}", words)
+
+
+def control_name(kind: str, words: Catalogue) -> str:
+    """Return the name of a kind of control."""
+    return words.known(f"control-kind-{kind}", words.known(f"control-{kind}", kind))
 
 
 def _frequencies(record: Record, words: Catalogue) -> str:

@@ -63,9 +63,9 @@ def _wire(*points: tuple[float, float]) -> Wire:
 
 def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
     text, f, part, plant = words.text, words.format, record.loop, record.plant
-    data = {item.key: item.value for item in record.data}
-    lag = data.get("drive.force_lag")
-    force = f.quantity(record.optima[0].time.f_max, plant.units["F"])
+    force = f.quantity(part.motion_force, plant.units["F"])
+    is_in_drive = part.position_loop == "drive"
+    position_cycle = part.velocity_cycle if is_in_drive else part.position_cycle
     top = MAIN - 24
     return [
         _box(
@@ -82,7 +82,7 @@ def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
             88,
             48,
             f"Kv = {f.quantity(part.Kv, '1/s')}",
-            text("diagram-cycle", cycle=f.quantity(part.position_cycle, "s")),
+            text("diagram-cycle", cycle=f.quantity(position_cycle, "s")),
             _late(record, "path-position-controller", words),
         ),
         _box(
@@ -103,7 +103,7 @@ def _forward_boxes(record: Record, words: Catalogue) -> list[Box]:
             48,
             f"|F_set| ≤ {force}",
             "1 / (1 + T s)",
-            f"T = {f.quantity(lag if isinstance(lag, float) else None, 's')}",
+            f"T = {f.quantity(part.force_lag, 's')}",
         ),
         _box(
             610,

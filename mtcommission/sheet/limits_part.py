@@ -146,8 +146,10 @@ def _machining_modes(record: Record, words: Catalogue) -> Table:
 
 
 def rules(record: Record, words: Catalogue) -> Section:
-    """Return the comparison with the rules of thumb, as table and plot."""
+    """Return the rules of thumb that meet all requirements as a table, all of them as a plot."""
     text, part = words.text, record.limits
+    good = [item for item in part.rules if item.meets_requirements]
+    others = [words.say(item.name) for item in part.rules if not item.meets_requirements]
     table = Table(
         caption=text("rules-caption"),
         columns=(
@@ -162,9 +164,10 @@ def rules(record: Record, words: Catalogue) -> Section:
                 *_numbers(item, record, words),
                 _met(item.meets_requirements, words),
             )
-            for item in part.rules
+            for item in good
         ),
     )
+    missed = Paragraph(text=text("rules-missed", names="; ".join(others)))
     left_out = [
         words.say(item.name)
         for item in [*part.alternatives, *part.rules]
@@ -177,7 +180,12 @@ def rules(record: Record, words: Catalogue) -> Section:
     return Section(
         key="rules",
         heading=text("rules-heading"),
-        blocks=(table, *_comparison(record, words), *note),
+        blocks=(
+            *([table] if good else []),
+            *([missed] if others else []),
+            *_comparison(record, words),
+            *note,
+        ),
     )
 
 

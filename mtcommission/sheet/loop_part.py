@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit, symbol
 from mtcommission.record.schema import LoopPart, Record, VariantEntry
+from mtcommission.sheet.control_part import control_has
 from mtcommission.sheet.diagram_part import structure
 from mtcommission.sheet.loop_study_part import loop_study
 from mtcommission.sheet.model import (
@@ -69,6 +70,7 @@ def loop(record: Record, words: Catalogue) -> Section:
             *loop_study(record, words),
             _poles(record, words),
             *remarks,
+            *control_has(record, words),
         ),
     )
 

@@ -21,7 +21,7 @@ def loop_study(record: Record, words: Catalogue) -> tuple[Block, ...]:
         *corners,
         _disturbance(record, words),
         _delays(record, words),
-        _jerk_feedforward(record, words),
+        *([_jerk_feedforward(record, words)] if record.loop.jerk_feedforward else []),
     )
 
 

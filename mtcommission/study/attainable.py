@@ -17,8 +17,9 @@ import numpy as np
 
 from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import NO_RESERVE, Machine
 from mtcommission.machine.requirement import (
+    CONTOUR_DEVIATION,
     RESIDUAL_DEVIATION,
     RMS_FORCE,
     SETTLING_TIME,
@@ -26,7 +27,7 @@ from mtcommission.machine.requirement import (
     peak_of,
 )
 from mtcommission.plant.plant import Plant
-from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import jerk_steps
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
@@ -90,9 +91,10 @@ def find_attainable(
     Returns
     -------
     tuple of Attainable
-        Each one helps alone; where none does, those that must give way together. Empty if
-        not even that helps: then the force itself does not suffice.
+        Each one helps alone, with no reserve in the others; where none does, those that must
+        give way together. Empty if not even that helps: then the force itself does not suffice.
     """
+    machine = _without_reserve(machine)
     residual = find_least_residual(machine, plant, tuned, choice)
     found = [] if residual is None else [residual]
     for relaxation in _relaxations(machine):
@@ -119,18 +121,8 @@ def find_least_residual(
     Attainable or None
         None if no limits keep the other requirements, whatever the band.
     """
-    seen = choice.landscape
-    a, t_j = (
-        axis.ravel() for axis in np.meshgrid(seen.acceleration, seen.jerk_time, indexing="ij")
-    )
-    ends = [jerk_steps(move, acceleration=a, jerk=a / t_j).duration for move in machine.moves]
-    earliest = np.max(ends, axis=0) + machine.control.moving_average_time
-    earliest += tuned.controller.reference_delay
-    possible = (seen.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
-    residual = np.where(possible, seen.residual_deviation.ravel(), inf)
     best: Attainable | None = None
-    for i in np.argsort(residual, kind="stable")[: min(CANDIDATES, int(possible.sum()))]:
-        limits = MotionLimits(acceleration=_rounded(a[i]), jerk=_rounded(a[i] / t_j[i]))
+    for limits in _calmest(machine, tuned, choice):
         candidate = evaluate(machine, plant, tuned, limits)
         band = EASED * candidate.residual_deviation
         if not isfinite(band) or (best is not None and band >= best.value):
@@ -139,6 +131,28 @@ def find_least_residual(
         if eased.assessment.is_met:
             best = _attained(candidate, RESIDUAL_DEVIATION)
     return best
+
+
+def _calmest(machine: Machine, tuned: TunedLoop, choice: Choice) -> Iterator[MotionLimits]:
+    """Limits of the landscape with the least residual that seem to keep the rest."""
+    seen = choice.landscape
+    if not machine.control.kind.has_jerk_limit:
+        yield from (without_jerk_limit(machine, _rounded(a)) for a in seen.acceleration[::4])
+        return
+    a, t_j = (
+        axis.ravel() for axis in np.meshgrid(seen.acceleration, seen.jerk_time, indexing="ij")
+    )
+    ends = [jerk_steps(move, acceleration=a, jerk=a / t_j).duration for move in machine.moves]
+    earliest = np.max(ends, axis=0) + machine.control.moving_average_time
+    earliest += tuned.controller.reference_delay
+    possible = (seen.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
+    residual = np.where(possible, seen.residual_deviation.ravel(), inf)
+    for i in np.argsort(residual, kind="stable")[: min(CANDIDATES, int(possible.sum()))]:
+        yield MotionLimits(acceleration=_rounded(a[i]), jerk=_rounded(a[i] / t_j[i]))
+
+
+def _without_reserve(machine: Machine) -> Machine:
+    return replace(machine, requirements=replace(machine.requirements, reserve=NO_RESERVE))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,6 +177,13 @@ def _relaxations(machine: Machine) -> Iterator[_Relaxation]:
             with_bound=_with_settling_time,
             is_searched=True,
         )
+    if isfinite(needs.contour_deviation):
+        yield _Relaxation(
+            requirement=CONTOUR_DEVIATION,
+            bound=needs.contour_deviation,
+            with_bound=_with_contour,
+            is_searched=False,
+        )
     for peak in needs.peaks:
         yield _Relaxation(
             requirement=peak_of(peak.name),
@@ -181,6 +202,10 @@ def _relaxations(machine: Machine) -> Iterator[_Relaxation]:
 
 def _with_band(machine: Machine, bound: float) -> Machine:
     return replace(machine, requirements=replace(machine.requirements, tcp_deviation=bound))
+
+
+def _with_contour(machine: Machine, bound: float) -> Machine:
+    return replace(machine, requirements=replace(machine.requirements, contour_deviation=bound))
 
 
 def _with_settling_time(machine: Machine, bound: float) -> Machine:

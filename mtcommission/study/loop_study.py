@@ -69,7 +69,7 @@ class LoopStudy:
     disturbed
         The loop without and with state feedback, or the one there is.
     jerk_feedforward
-        Without, with, and as the profile has it.
+        Without, with, and as the profile has it; empty where the control has none.
     """
 
     disturbed: tuple[DisturbedTool, ...]
@@ -95,14 +95,14 @@ def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> Loop
     shown = [(variant.name, variant.tuned) for variant in loop.variants]
     shown = shown or [(Message("loop-in-use"), loop.tuned)]
     used = loop.tuned.controller.jerk_feedforward
+    weights = sorted({0.0, 1.0, used}) if machine.control.kind.jerk_feedforward else ()
     return LoopStudy(
         disturbed=tuple(
             DisturbedTool(name=name, step=simulate_disturbance(tuned.loops[0], duration=PUSH_TIME))
             for name, tuned in shown
         ),
         jerk_feedforward=tuple(
-            _with_jerk_feedforward(machine, loop.tuned, limits, weight=weight)
-            for weight in sorted({0.0, 1.0, used})
+            _with_jerk_feedforward(machine, loop.tuned, limits, weight=weight) for weight in weights
         ),
     )
 

@@ -1,9 +1,17 @@
-"""Limits for the machining modes surface, accuracy and speed, each from a band of its own."""
+"""Limits for the machining modes surface, accuracy and speed, each from a band of its own.
+
+The loop is linear: limits n times as large leave n times the deviation. So a mode with n times the
+band gets at most n times the jerk of the recommendation; more would live on ramps so short that
+what they excite is no longer in any model, for little time. A tighter band gets no more jerk than
+a wider one, unless nothing else meets it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from math import inf, isfinite
 
 from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
@@ -12,7 +20,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.attainable import Attainable, find_least_residual
-from mtcommission.verdict.evaluate import Candidate, evaluate
+from mtcommission.verdict.evaluate import Candidate
 
 NO_LIMITS = Message("no-limits-with-this-band")
 """Why a mode has no values."""
@@ -30,8 +38,10 @@ class ModeLimits:
         One of ``MODES``.
     band
         Allowed residual deviation [m].
-    choice, candidate
+    choice
         The search with this band, and its result judged with it.
+    bound_by
+        What forbids faster limits.
     attainable
         Where that result does not meet all requirements, it is no recommendation: the least
         residual deviation that was found with the others kept; None if met, or if there is none.
@@ -40,8 +50,13 @@ class ModeLimits:
     name: str
     band: float
     choice: Choice
-    candidate: Candidate
+    bound_by: Message
     attainable: Attainable | None
+
+    @property
+    def candidate(self) -> Candidate:
+        """The limits, judged with this band."""
+        return self.choice.candidate
 
 
 def find_limits_by_mode(
@@ -70,21 +85,59 @@ def find_limits_by_mode(
     -------
     tuple of ModeLimits
     """
-    found = []
-    for name in MODES:
-        band: float = getattr(machine.requirements.modes, name)
-        needs = replace(machine.requirements, tcp_deviation=band)
-        other = replace(machine, requirements=needs)
-        chosen = choice
-        if band != machine.requirements.tcp_deviation:
-            chosen = choose_limits(other, plant, tuned, starts=starts, settings=settings)
-        candidate = evaluate(other, plant, tuned, chosen.limits)
-        attainable = None
-        if not candidate.assessment.is_met:
-            attainable = find_least_residual(other, plant, tuned, chosen)
-        found.append(
-            ModeLimits(
-                name=name, band=band, choice=chosen, candidate=candidate, attainable=attainable
-            )
+    needs = machine.requirements
+    bands: dict[str, float] = {name: getattr(needs.modes, name) for name in MODES}
+    # From the recommendation to ever tighter bands, then to ever wider ones.
+    tighter = [name for name in MODES if bands[name] < needs.tcp_deviation]
+    wider = [name for name in MODES if bands[name] >= needs.tcp_deviation]
+    tighter.sort(key=lambda name: -bands[name])
+    wider.sort(key=lambda name: bands[name])
+    found: dict[str, ModeLimits] = {}
+    known, largest = [*starts, choice.limits], choice.limits.jerk
+    for name in (*tighter, *wider):
+        if name in wider:
+            largest = choice.limits.jerk * bands[name] / needs.tcp_deviation
+        mode = _find_mode(
+            machine,
+            plant,
+            tuned,
+            choice,
+            name=name,
+            band=bands[name],
+            largest_jerk=largest if choice.meets_requirements else inf,
+            starts=known,
+            settings=settings,
         )
-    return tuple(found)
+        if mode.candidate.assessment.is_met:
+            known.append(mode.candidate.limits)
+            largest = min(largest, mode.candidate.limits.jerk)
+        found[name] = mode
+    return tuple(found[name] for name in MODES)
+
+
+def _find_mode(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    choice: Choice,
+    *,
+    name: str,
+    band: float,
+    largest_jerk: float,
+    starts: Sequence[MotionLimits],
+    settings: SearchSettings,
+) -> ModeLimits:
+    if band == machine.requirements.tcp_deviation:
+        chosen, bound_by = choice, choice.bound_by
+    else:
+        machine = replace(machine, requirements=replace(machine.requirements, tcp_deviation=band))
+        search = partial(choose_limits, machine, plant, tuned, starts=starts, settings=settings)
+        chosen = search(largest_jerk=largest_jerk)
+        bound_by = chosen.bound_by
+        if not chosen.meets_requirements and isfinite(largest_jerk):
+            chosen = search()
+            bound_by = Message("bound-by-less-jerk-meets-nothing", jerk=largest_jerk)
+    attainable = None
+    if not chosen.meets_requirements:
+        attainable = find_least_residual(machine, plant, tuned, chosen)
+    return ModeLimits(name=name, band=band, choice=chosen, bound_by=bound_by, attainable=attainable)

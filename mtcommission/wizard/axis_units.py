@@ -41,6 +41,8 @@ class Common:
     distance: Span
     deviation: Span
     velocity: Span
+    acceleration: Span
+    jerk: Span
     stiffness: Span
     velocity_gain: Span
 
@@ -51,6 +53,8 @@ LINEAR_COMMON = Common(
     distance=(1e-5, 50.0),
     deviation=(1e-8, 1e-3),
     velocity=(1e-4, 10.0),
+    acceleration=(0.01, 100.0),
+    jerk=(0.1, 1e5),
     stiffness=(1e3, 1e10),
     velocity_gain=(1.0, 1e8),
 )
@@ -60,6 +64,8 @@ ROTARY_COMMON = Common(
     distance=(1e-4, 1e3),
     deviation=(1e-7, 1e-2),
     velocity=(1e-3, 1e3),
+    acceleration=(0.01, 1e4),
+    jerk=(0.1, 1e7),
     stiffness=(1.0, 1e10),
     velocity_gain=(1e-4, 1e7),
 )

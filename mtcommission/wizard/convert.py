@@ -30,7 +30,16 @@ Data = dict[str, object]
 OWN = ("wizard.", "measured.", "pair.")
 """Beginnings of the keys that only the wizard knows."""
 
-SECTIONS = ("machine", "plant", "drive", "moves", "requirements", "damping_optimal", "control")
+SECTIONS = (
+    "machine",
+    "plant",
+    "drive",
+    "moves",
+    "requirements",
+    "control",
+    "today",
+    "damping_optimal",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

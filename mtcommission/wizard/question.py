@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import Refused
 from mtcommission.messages.message import Message
 from mtcommission.units.quantities import (
@@ -92,7 +93,7 @@ class Question:
 
 def title(choice: str) -> Message:
     """Return how a choice is shown; what is kept is the choice itself."""
-    return Message(f"choice-{slug(choice)}")
+    return Message(f"control-kind-{choice}" if choice in KINDS else f"choice-{slug(choice)}")
 
 
 def slug(choice: str) -> str:
@@ -196,7 +197,7 @@ def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
     if question.low >= 0.0 and (value < 0.0 or (value == 0.0 and question.low > 0.0)):
         kind = "reply-not-positive" if question.low > 0.0 else "reply-negative"
         raise Refused(Message(kind, got=plain, unit=unit))
-    if dimension is RATIO and abs(value) >= 1.0:
+    if dimension is RATIO and question.high <= 1.0 <= abs(value):
         percent = Message("reply-percent-is", percent=f"{100.0 * value:g}")
         meant = Message("reply-percent-meant", meant=plain)
         raise Refused(
@@ -210,7 +211,9 @@ def _quantity(question: Question, dimension: Dimension, text: str) -> Reply:
     warning = None
     if not question.low <= value <= question.high:
         warning = Message("reply-unusual", got=plain, common=show_common(question))
-    taken_as = _in_other_words(plain, value, dimension) if is_bare or "," in text else ""
+    is_share = dimension is not RATIO or question.high <= 1.0
+    is_doubtful = (is_bare or "," in text) and is_share
+    taken_as = _in_other_words(plain, value, dimension) if is_doubtful else ""
     return Reply(text=plain, warning=warning, taken_as=taken_as)
 
 

@@ -6,6 +6,7 @@ questions, and going back needs no memory but the answers.
 
 from __future__ import annotations
 
+from mtcommission.control_kinds.kinds import GENERIC, KINDS
 from mtcommission.profile.model import MOST_MOVES
 from mtcommission.units.quantities import GAIN, RATIO, TIME
 from mtcommission.wizard.axis_units import (
@@ -48,6 +49,7 @@ def list_questions(answers: Answers) -> tuple[Question, ...]:
         *_moves(answers),
         *_requirements(answers),
         *_control(answers),
+        *_today(answers),
         *_optimal(answers),
     )
 
@@ -148,10 +150,10 @@ def _requirements(answers: Answers) -> tuple[Question, ...]:
         ),
         ask("requirements.max_settling_time", TIME, "0.2 s", 1e-3, 60.0, is_optional=True),
         Question(
-            key="requirements.frequency_spread", dimension=RATIO, default="0 %", low=0.0, high=0.3
+            key="requirements.frequency_spread", dimension=RATIO, default="5 %", low=0.0, high=0.3
         ),
         Question(
-            key="requirements.damping_spread", dimension=RATIO, default="0 %", low=0.0, high=0.8
+            key="requirements.damping_spread", dimension=RATIO, default="30 %", low=0.0, high=0.8
         ),
         Question(
             key="requirements.payload.1",
@@ -160,33 +162,98 @@ def _requirements(answers: Answers) -> tuple[Question, ...]:
             low=0.0,
             high=usual.mass[1],
         ),
+        *_contour(answers),
     )
+
+
+def _contour(answers: Answers) -> tuple[Question, ...]:
+    unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
+    deviation = ask(
+        "requirements.contour_deviation",
+        unit.length,
+        "20 arcsec" if turns else "20 um",
+        *usual.deviation,
+        is_optional=True,
+    )
+    if not answers.get(deviation.key):
+        return (deviation,)
+    example = "10 rev/min" if turns else "2 m/min"
+    feed = ask(
+        "requirements.contour_feed", unit.velocity, example, *usual.velocity, is_optional=True
+    )
+    return (deviation, feed)
 
 
 def _control(answers: Answers) -> tuple[Question, ...]:
-    return (
-        Question(key="control.position_cycle", dimension=TIME, default="2 ms", low=5e-5, high=0.02),
-        Question(
-            key="control.velocity_cycle", dimension=TIME, default="125 us", low=3e-5, high=5e-3
-        ),
-        *_gains(answers),
+    kind = KINDS.get(answers.get("control.kind", ""), GENERIC)
+    position, velocity = f"{1e3 * kind.position_cycle:g} ms", f"{1e6 * kind.velocity_cycle:g} us"
+    feeds_states_back = (
+        Question(key="control.state_feedback", choices=("auto", "off"), default="auto"),
         Question(key="control.tcp_sensor", choices=("none", "position"), default="none"),
+    )
+    gains_of_states = any(key.startswith("control.state_feedback.") for key in answers)
+    return (
+        Question(key="control.kind", choices=tuple(KINDS), default=GENERIC.key),
+        Question(
+            key="control.position_cycle", dimension=TIME, default=position, low=5e-5, high=0.02
+        ),
+        Question(
+            key="control.velocity_cycle", dimension=TIME, default=velocity, low=3e-5, high=5e-3
+        ),
+        *_drive_train(answers),
+        *_gains(answers, "control"),
+        *(feeds_states_back[gains_of_states:] if kind.state_feedback else ()),
     )
 
 
-def _gains(answers: Answers) -> tuple[Question, ...]:
+def _drive_train(answers: Answers) -> tuple[Question, ...]:
+    """What turns values at the axis into those at the motor, and the encoder's steps."""
+    unit, turns = axis_units(answers), is_rotary(answers)
+    lead = ask("drive.lead", unit.length, "10 mm", 1e-4, 1.0, is_optional=True)
+    gear = Question(key="drive.gear", dimension=RATIO, default="1", low=0.01, high=1e3)
+    resolution = ask(
+        "drive.encoder_resolution",
+        unit.length,
+        "0.1 arcsec" if turns else "0.1 um",
+        1e-11,
+        1e-4,
+        is_optional=True,
+    )
+    has_gear = turns or bool(answers.get(lead.key))
+    return (*(() if turns else (lead,)), *((gear,) if has_gear else ()), resolution)
+
+
+def _gains(answers: Answers, table: str) -> tuple[Question, ...]:
     unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
     return (
-        ask("control.position_gain", GAIN, "4 (m/min)/mm", 6.0, 1e3, is_optional=True),
+        ask(f"{table}.position_gain", GAIN, "4 (m/min)/mm", 6.0, 1e3, is_optional=True),
         ask(
-            "control.velocity_gain",
+            f"{table}.velocity_gain",
             unit.damping,
             "2000 N m s/rad" if turns else "200 kN s/m",
             *usual.velocity_gain,
             is_optional=True,
         ),
-        ask("control.integral_time", TIME, "20 ms", 1e-3, 1.0, is_optional=True),
+        ask(f"{table}.integral_time", TIME, "20 ms", 1e-3, 1.0, is_optional=True),
     )
+
+
+def _today(answers: Answers) -> tuple[Question, ...]:
+    """What the control holds now; the rest is only asked for where there is an acceleration."""
+    unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
+    acceleration = ask(
+        "today.acceleration",
+        unit.acceleration,
+        "20 rad/s^2" if turns else "2 m/s^2",
+        *usual.acceleration,
+        is_optional=True,
+    )
+    if not answers.get(acceleration.key):
+        return (acceleration,)
+    example = "400 rad/s^3" if turns else "40 m/s^3"
+    jerk = ask("today.jerk", unit.jerk, example, *usual.jerk, is_optional=True)
+    has_jerk = KINDS.get(answers.get("control.kind", ""), GENERIC).has_jerk_limit
+    return (acceleration, *((jerk,) if has_jerk else ()), *_gains(answers, "today"))
 
 
 def _optimal(answers: Answers) -> tuple[Question, ...]:

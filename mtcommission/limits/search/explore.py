@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import log
+from math import isfinite, log
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from mtcommission.limits.search.bench import Bench, motion_time, settle_gradually, use_of_bounds
-from mtcommission.limits.search.region import Grid, Region
+from mtcommission.limits.search.region import ALIKE, Grid, Region
 from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.loop.batch.settling import Settling
 from mtcommission.loop.batch.tables import SEARCH_HORIZON
@@ -108,12 +108,16 @@ def guess_usage(bench: Bench, region: Region, *, widest: Region, points: int) ->
         points / log(widest.largest_acceleration / widest.least_acceleration),
     )
     # Force hardly swings with the jerk time, but the peaks of vibrating states do.
-    finer = PEAK_NODES if bench.machine.requirements.peaks else 1.0
-    t = _nodes(
-        region.shortest_jerk_time,
-        region.longest_jerk_time,
-        finer * points / log(widest.longest_jerk_time / widest.shortest_jerk_time),
-    )
+    needs = bench.machine.requirements
+    finer = PEAK_NODES if needs.peaks or isfinite(needs.contour_deviation) else 1.0
+    if region.has_one_jerk_time:
+        t = region.shortest_jerk_time * np.array([1.0, ALIKE])
+    else:
+        t = _nodes(
+            region.shortest_jerk_time,
+            region.longest_jerk_time,
+            finer * points / log(widest.longest_jerk_time / widest.shortest_jerk_time),
+        )
     a_grid, t_grid = np.meshgrid(a, t, indexing="ij")
     time = motion_time(bench.machine, a_grid.ravel(), t_grid.ravel()).reshape(a_grid.shape)
     # A cell is wanted where its fastest corner is fast enough, and then all its corners are.
@@ -339,7 +343,7 @@ def _screen_neighbours(
     t = np.clip(t, region.shortest_jerk_time, region.longest_jerk_time)
     owner = np.repeat(np.arange(len(seeds.a)), len(OFFSETS))
     a, t = a.ravel(), t.ravel()
-    kept = motion_time(bench.machine, a, t) <= region.longest_motion
+    kept = (motion_time(bench.machine, a, t) <= region.longest_motion) & region.holds(a, t)
     a, t, owner = a[kept], t[kept], owner[kept]
     pool = screen(
         bench,
@@ -364,7 +368,7 @@ def _best_apart(seeds: _Seeds, *, cell: tuple[float, float], count: int) -> _See
     places = np.column_stack(
         [
             np.round(np.log(seeds.a[order]) / (0.5 * log(cell[0]))),
-            np.round(np.log(seeds.t[order]) / (0.5 * log(cell[1]))),
+            np.round(np.log(seeds.t[order]) / (0.5 * log(max(cell[1], ALIKE)))),
         ]
     )
     _, first = np.unique(places, axis=0, return_index=True)

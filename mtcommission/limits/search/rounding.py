@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import product
+from collections.abc import Iterator
 from math import ceil, floor, log10
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.control_kinds.kind import Jerk
 from mtcommission.limits.search.bench import (
     Bench,
+    motion_time,
     reached_accelerations,
+    settle_exactly,
     settle_gradually,
     use_of_bounds,
 )
 from mtcommission.limits.search.explore import USAGE_DOUBT, Pool
+from mtcommission.limits.search.region import Region
 from mtcommission.limits.search.settings import SearchSettings
-from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 
 Array = NDArray[np.float64]
 
@@ -36,24 +39,21 @@ DIGIT_WORTH = 0.002
 """Share of settling time that one digit less to type is worth (design choice)."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RoundedLimits:
-    """Limits to type in.
+EQUALLY_SOON = 1.005
+"""Limits that settle within this factor of the soonest settle equally soon: then less jerk is
+better (design choice: what half a per cent of time cannot buy, wear and noise pay for)."""
 
-    Parameters
-    ----------
-    limits
-        Rounded.
-    meets_requirements
-        Whether all requirements hold by the search's own judgement.
-    """
+GENTLER = 16
+"""Accelerations, and jerk times to each, looked at for gentler limits that settle equally soon."""
 
-    limits: MotionLimits
-    meets_requirements: bool
+GENTLEST = 128
+"""Of these and of what was looked at before, so many are judged exactly, the gentlest first."""
 
 
-def round_best(bench: Bench, pool: Pool, settings: SearchSettings) -> RoundedLimits:
-    """Return the best limits after rounding to the control's resolution.
+def rank_limits(
+    bench: Bench, pool: Pool, region: Region, settings: SearchSettings, *, must_meet: bool = True
+) -> Iterator[MotionLimits]:
+    """Yield limits to type in, the best first: each holds by the search's own judgement.
 
     Parameters
     ----------
@@ -61,46 +61,107 @@ def round_best(bench: Bench, pool: Pool, settings: SearchSettings) -> RoundedLim
         The bench.
     pool
         What was looked at.
+    region
+        Where.
     settings
         Digits.
+    must_meet
+        Whether band and settling time must be met, and not force, peaks and contour alone.
 
-    Returns
-    -------
-    RoundedLimits
-        Where nothing meets the requirements, the limits with the least settling time within
-        force and peaks; where nothing is within these, the ones that use least of them.
+    Yields
+    ------
+    MotionLimits
+        Of those that settle equally soon the gentlest; then ever later ones.
     """
     longest = bench.machine.requirements.max_settling_time
-    possible = pool.usage <= 1.0 + USAGE_DOUBT
-    good = possible & (pool.residual <= bench.band) & (pool.settling <= longest)
-    for wanted, meets in ((good, True), (possible, False)):
-        found = _first_within_bounds(bench, pool, wanted, settings, meets=meets)
-        if found is not None:
-            return RoundedLimits(limits=found, meets_requirements=meets)
-    least = int(np.argmin(pool.usage))
-    a, t = float(pool.acceleration[least]), float(pool.jerk_time[least])
-    limits = MotionLimits(
-        acceleration=_neighbours(a, settings.digits, 0)[0],
-        jerk=_neighbours(a / t, settings.digits, 0)[0],
-    )
-    return RoundedLimits(limits=limits, meets_requirements=False)
-
-
-def _first_within_bounds(
-    bench: Bench, pool: Pool, wanted: NDArray[np.bool_], settings: SearchSettings, *, meets: bool
-) -> MotionLimits | None:
-    """The rounded neighbour that settles first; None if none keeps force and peaks."""
+    wanted = pool.usage <= 1.0 + USAGE_DOUBT
+    if must_meet:
+        wanted &= (pool.residual <= bench.band) & (pool.settling <= longest)
     order = np.flatnonzero(wanted)
     order = order[np.lexsort((pool.residual[order], pool.settling[order]))]
+    is_first = must_meet
     while order.size:
         part, order = order[:LEADERS], order[LEADERS:]
         a, t = pool.acceleration[part], pool.jerk_time[part]
         used = use_of_bounds(bench, a, t).max(axis=1)
-        limits = _round(bench, a, t, used, settings, meets=meets)
-        if limits is not None:
-            return limits
+        for limits in _round(bench, region, a, t, used, settings, must_meet=must_meet):
+            if is_first:
+                is_first = False
+                yield from _gentler(bench, pool, region, limits, settings)
+            yield limits
         order = order[_corrected(pool, order, part, used) <= 1.0 + NEAR_DOUBT]
-    return None
+
+
+def least_used(bench: Bench, pool: Pool, settings: SearchSettings) -> MotionLimits:
+    """Return the limits, rounded down, that use least of force and peaks by the first look."""
+    least = int(np.argmin(pool.usage))
+    return round_down(
+        bench, float(pool.acceleration[least]), float(pool.jerk_time[least]), settings
+    )
+
+
+def round_down(
+    bench: Bench, acceleration: float, jerk_time: float, settings: SearchSettings
+) -> MotionLimits:
+    """Return the nearest limits to type in that are not faster."""
+    a = _neighbours(acceleration, settings.digits, 0)[0]
+    match bench.machine.control.kind.jerk:
+        case Jerk.LIMIT:
+            jerk = _neighbours(acceleration / jerk_time, settings.digits, 0)[0]
+        case Jerk.TIME:
+            jerk = a / _neighbours(jerk_time, settings.digits, 0)[-1]
+        case Jerk.NONE:
+            jerk = without_jerk_limit(bench.machine, a).jerk
+    return MotionLimits(acceleration=a, jerk=jerk)
+
+
+def _gentler(
+    bench: Bench, pool: Pool, region: Region, soonest: MotionLimits, settings: SearchSettings
+) -> Iterator[MotionLimits]:
+    """Limits with less jerk that settle equally soon, the gentlest first."""
+    latest = EQUALLY_SOON * float(
+        settle_exactly(
+            bench, np.array([soonest.acceleration]), np.array([soonest.jerk_time])
+        ).settling_time[0]
+    )
+    tau = bench.tables[0].reference_delay
+    near = pool.settling <= latest
+    # The same duration belongs to less jerk with more acceleration, up to where a is not reached.
+    share = np.geomspace(2.0 - EQUALLY_SOON, 1.5, GENTLER)
+    grid = np.outer(share, np.geomspace(1.0, 4.0, GENTLER))
+    a = np.append(pool.acceleration[near], np.repeat(share, GENTLER) * soonest.acceleration)
+    t = np.append(pool.jerk_time[near], grid.ravel() * soonest.jerk_time)
+    a = np.minimum(a, region.largest_acceleration)
+    jerkless = region.has_one_jerk_time
+    if jerkless:
+        t = np.full_like(a, region.shortest_jerk_time)
+    reached = a if jerkless else reached_accelerations(bench.machine, a, t)
+    pairs = {
+        pair
+        for one, ramp in zip(reached, t * reached / a, strict=True)
+        if one < soonest.jerk * ramp
+        for pair in _typed(bench, one, ramp, settings.digits, 0)
+        if pair[1] < soonest.jerk
+    }
+    if not pairs:
+        return
+    a, jerk = np.array(sorted(pairs, key=lambda pair: pair[1])).T
+    in_time = np.flatnonzero(motion_time(bench.machine, a, a / jerk) + tau <= latest)[:GENTLEST]
+    a, jerk = a[in_time], jerk[in_time]
+    settling = _judge(bench, a, jerk, must_meet=True)
+    good = np.flatnonzero(settling <= latest)
+    for start in range(0, len(good), LEADERS):
+        part = good[start : start + LEADERS]
+        yield from _within_bounds(bench, a, jerk, part)
+
+
+def _within_bounds(
+    bench: Bench, a: Array, jerk: Array, part: NDArray[np.intp]
+) -> Iterator[MotionLimits]:
+    """Those of some limits that keep force, peaks and contour, in their order."""
+    used = use_of_bounds(bench, a[part], a[part] / jerk[part]).max(axis=1)
+    for i in part[used <= 1.0]:
+        yield MotionLimits(acceleration=float(a[i]), jerk=float(jerk[i]))
 
 
 def _corrected(pool: Pool, wanted: NDArray[np.intp], known: NDArray[np.intp], used: Array) -> Array:
@@ -119,42 +180,60 @@ NEAR = np.array([0.1, 0.02])
 
 
 def _round(
-    bench: Bench, a: Array, t_j: Array, used: Array, settings: SearchSettings, *, meets: bool
-) -> MotionLimits | None:
-    """The fastest neighbour with few digits that still holds; None if rounding spoils all."""
+    bench: Bench,
+    region: Region,
+    a: Array,
+    t_j: Array,
+    used: Array,
+    settings: SearchSettings,
+    *,
+    must_meet: bool,
+) -> Iterator[MotionLimits]:
+    """The neighbours with few digits that still hold, the soonest first."""
     pairs: dict[tuple[float, float], int] = {}
-    for reached, one, ramp, share in zip(
-        reached_accelerations(bench.machine, a, t_j), a, t_j, used, strict=True
-    ):
+    # Without a jerk limit the ramp follows from a, so that a counts even where it is not reached.
+    jerkless = region.has_one_jerk_time
+    peaks = a if jerkless else reached_accelerations(bench.machine, a, t_j)
+    for reached, one, ramp, share in zip(peaks, a, t_j, used, strict=True):
         for digits, reach in ((settings.digits, 1), (settings.digits + 1, 0)):
-            near = product(
-                _neighbours(reached, digits, reach), _neighbours(one / ramp, digits, reach)
-            )
-            for pair in near:
+            for pair in _typed(bench, reached, ramp * reached / one, digits, reach):
                 growth = max(pair[0] / reached, pair[1] * ramp / one)
-                if share * growth <= 1.0 + ROUNDING_DOUBT:
+                if share * growth <= 1.0 + ROUNDING_DOUBT and pair[1] <= region.largest_jerk:
                     pairs.setdefault(pair, digits)
     if not pairs:
-        return None
+        return
     acceleration, jerk = np.array(list(pairs)).T
-    settling = _judge(bench, acceleration, jerk, meets=meets)
+    settling = _judge(bench, acceleration, jerk, must_meet=must_meet)
     cost = settling * (1.0 + DIGIT_WORTH * np.array(list(pairs.values())))
-    order = np.flatnonzero(np.isfinite(settling) | (not meets))
+    order = np.flatnonzero(np.isfinite(settling) | (not must_meet))
     order = order[np.argsort(cost[order], kind="stable")]
     for start in range(0, len(order), LEADERS):
         part = order[start : start + LEADERS]
-        exact = use_of_bounds(bench, acceleration[part], acceleration[part] / jerk[part])
-        for i in part[exact.max(axis=1) <= 1.0]:
-            return MotionLimits(acceleration=float(acceleration[i]), jerk=float(jerk[i]))
-    return None
+        yield from _within_bounds(bench, acceleration, jerk, part)
 
 
-def _judge(bench: Bench, acceleration: Array, jerk: Array, *, meets: bool) -> Array:
-    """Settling time seen exactly; inf where the band or the time is missed and ``meets`` asks."""
+def _typed(
+    bench: Bench, acceleration: float, jerk_time: float, digits: int, reach: int
+) -> Iterator[tuple[float, float]]:
+    """Acceleration and jerk as the control holds them, about some that need not be round."""
+    for a in _neighbours(acceleration, digits, reach):
+        match bench.machine.control.kind.jerk:
+            case Jerk.LIMIT:
+                jerks = _neighbours(acceleration / jerk_time, digits, reach)
+            case Jerk.TIME:
+                jerks = [a / time for time in _neighbours(jerk_time, digits, reach)]
+            case Jerk.NONE:
+                jerks = [without_jerk_limit(bench.machine, a).jerk]
+        for jerk in jerks:
+            yield a, jerk
+
+
+def _judge(bench: Bench, acceleration: Array, jerk: Array, *, must_meet: bool) -> Array:
+    """Settling time seen exactly; inf where band or time must be met and are missed."""
     longest = bench.machine.requirements.max_settling_time
     settling = np.full_like(acceleration, np.inf)
     for alive, found in settle_gradually(bench, bench.tables, acceleration, acceleration / jerk):
-        if meets:
+        if must_meet:
             alive &= found.residual_deviation <= bench.band
             alive &= found.settling_time <= longest
         settling = np.where(alive, found.settling_time, np.inf)

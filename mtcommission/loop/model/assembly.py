@@ -76,6 +76,9 @@ class SampledLoop:
         Outputs at a velocity cycle, shape (n_outputs, n).
     handed_down
         What the position cycle computes, over (state, references), shape (n_held, n + 4).
+    sensed
+        What an error of the encoder adds to the state one velocity cycle later, and what, where a
+        position cycle begins, to the state one position cycle later, shape (2, n) [1/m].
     held
         Index of the first state that holds it; the kept setpoint samples follow them.
     states
@@ -93,6 +96,7 @@ class SampledLoop:
     integration: Array
     observation: Array
     handed_down: Array
+    sensed: Array
     held: int
     states: tuple[str, ...]
     outputs: tuple[str, ...]
@@ -152,16 +156,21 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     )
     unit = np.eye(len(names))
     P = unit[: plant.order]
+    sensed = np.zeros((2, len(names)))
+    sensed[0] = step[:, -1]
+    sensed[0, plant.order : plant.order + 2] += integration[-1], demand[-1]
+    sensed[1, held : held + len(handed_down.names)] = handed_down.by_encoder
     return SampledLoop(
         plant=plant,
         controller=controller,
-        step=step,
-        demand=demand,
-        integration=integration,
+        step=step[:, :-1],
+        demand=demand[:-1],
+        integration=integration[:-1],
         observation=np.vstack(
             [plant.row("tcp") @ P, plant.row("encoder") @ P, unit[plant.order + 1], P]
         ),
         handed_down=_position_cycle(plant, handed_down, size=len(names)),
+        sensed=sensed,
         held=held,
         states=tuple(names),
         outputs=("tcp", "encoder", "force", *plant.states),
@@ -176,27 +185,28 @@ def _velocity_cycle(
     *,
     size: int,
 ) -> tuple[Array, Array, Array]:
-    """Step matrix, demanded force and integrator increment, as rows over the state.
+    """Step matrix, demanded force and integrator increment, as rows over state and encoder error.
 
     The order of the state is that of ``SampledLoop.states``; only the kept setpoint samples
     at its end do not take part.
     """
     observer, n, T_v = controller.observer, plant.order, controller.velocity_cycle
-    unit = np.eye(size)
+    unit = np.eye(size, size + 1)
     P, z, pending, last, rest = unit[:n], unit[n], unit[n + 1], n + 2, n + 3
     if controller.reference_model_time:
         modelled, rest = rest, rest + 1
     step = unit.copy()
     A, B = discretise(plant, T_v)
     step[:n] = A @ P + np.outer(B, pending)
-    encoder = plant.row("encoder") @ P
+    measured = np.array([plant.row(sensor) for sensor in controller.sensors]) @ P
+    measured[0, -1] = 1.0
+    encoder = measured[0]
     step[last] = encoder
 
     first_observer = rest + sum(len(stage.B) for stage in filters)
     seen = slice(first_observer, first_observer + len(observer.states))
     own = slice(seen.stop, seen.stop + len(handed_down.names))
     estimate, held = unit[seen], unit[own]
-    measured = np.array([plant.row(sensor) for sensor in controller.sensors]) @ P
     step[seen] = (
         observer.A @ estimate
         + np.outer(observer.B, pending)

@@ -81,8 +81,6 @@ def build_cascade(
         velocity_cycle=given.velocity_cycle,
     )
     tau = given.reference_delay
-    if not given.kind.reference_delay:
-        tau = 0.0
     if tau is None:
         tau = feedforward_delay(
             handing_down=handing_down,

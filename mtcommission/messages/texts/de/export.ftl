@@ -1,6 +1,5 @@
 # Steuerungen lesen diese Dateien: Was in ihnen steht, kommt ohne Umlaute aus.
 
-export-mode-without-limits = keine Grenzwerte erfüllen die Anforderungen der Bearbeitungsart { $mode }
 export-profile-edited = das Profil in diesem Protokoll wurde geändert: es hat nicht die Prüfsumme des Laufs; stattdessen das geänderte Profil rechnen
 export-other-loop = der Regelkreis in diesem Protokoll ist nicht der, den sein Profil und seine Verstärkungen ergeben; das Profil mit dieser Version erneut rechnen
 export-too-small = die Beschleunigung { SI($acceleration, "ACCELERATION", digits: 3) } ist kleiner als eine Einheit dieser Steuerung; --control generic verwenden
@@ -9,25 +8,52 @@ export-no-control-but = keine Steuerung { $given }; ist { $meant } gemeint? Es g
 export-other-letter = { $control } nennt seine Achsen { $letters }; dieses Protokoll gilt für Achse „{ $axis_name }“: machine.axis mit einem dieser Buchstaben beginnen oder --control generic verwenden
 export-linear-only = { $control } begrenzt nur Linearachsen, diese ist eine Rundachse; --control generic verwenden
 
-export-title = { $name }, Achse { $axis_name }: Grenzwerte fuer { $control }
+export-title = { $name }, Achse { $axis_name }: Grenzwerte und Regelkreis fuer { $control }
 export-computed = Berechnet { $created } mit { $tool } aus { $profile }
 export-hash = Profil SHA-256 { $hash }
 export-verify = VOR GEBRAUCH PRUEFEN. Berechnet, nicht gemessen: keine Abnahmepruefung (ISO 230). Von Hand eingeben, alte Werte notieren, mit kleinem Override erproben.
 export-safe-side = Jeder Grenzwert ist zur sicheren Seite gerundet. Einheiten stehen neben den Werten.
-export-moving-average = Diese Grenzwerte gelten mit einem gleitenden Mittelwert des Sollwerts ueber { PLAIN($time, digits: 4, unit: "ms") } ms in der Steuerung (setpoint_filter des Profils); ohne ihn gelten sie nicht.
 export-warning = WARNUNG: { $warning }
 export-not-measured = Vorgabe uebernommen, nicht gemessen: { $keys }.
-export-doubt = (?) bedeutet: Name oder Einheit nicht nachgelesen, im Listenhandbuch der eigenen Softwareversion pruefen.
+export-unreadable = eine Zeile des Exports fehlt, ist nicht zurueckzulesen oder widerspricht einer anderen: { $row }; bitte melden
+export-unstable = der Regelkreis dieses Textes ist nicht stabil{ $lacking ->
+    [yes] , weil dieser Steuerung fehlt: { $left_out }
+   *[no] {""}
+}: { $why }; das Profil mit control.kind = "{ $kind }" rechnen und erneut exportieren
+export-corners = Beurteilt fuer Eigenfrequenzen innerhalb { PLAIN($frequency, digits: 3, unit: "%") } %, Daempfungsgrade innerhalb { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
+    [yes] , Zuladung { SI($low, "MASS") } bis { SI($high, "MASS") }
+   *[no] {""}
+}; die Reserve ist nicht abgezogen: es gilt der ganze erlaubte Wert.
+export-left-out = WEGGELASSEN ODER GEAENDERT, weil diese Steuerung nichts anderes hat: { $features }. Einschwingzeit mit allem { $before }, mit diesem Text { $after }{ $cost ->
+    [grows] {" "}({ CHANGE($change) })
+   *[unknown] {""}
+}. Fuer Grenzwerte und Verstaerkungen, die zu dieser Steuerung passen, das Profil mit control.kind = "{ $kind }" rechnen und erneut exportieren.
+export-feature = { $what ->
+    [state-feedback] Zustandsrueckfuehrung
+    [velocity] Geschwindigkeitsvorsteuerung
+    [acceleration] Kraftvorsteuerung
+    [jerk] Ruckvorsteuerung
+    [delay] Verzoegerung des Lagesollwerts
+    [average] gleitender Mittelwert des Sollwerts
+    [force-filters] einige Filter der Sollkraft
+    [loop-control] Lageregelung in der Steuerung mit gehaltenen Werten
+    [loop-interpolated] Lageregelung in der Steuerung mit interpolierter Vorsteuerung
+   *[loop-drive] Lageregelung im Antrieb
+}
+export-mode-left-out = ENTFAELLT: { $why }. Diese Betriebsart nicht mit den alten Werten verwenden.
+export-warning-here = WARNUNG, fuer den Regelkreis dieses Textes: { $warning }
+export-shaft = Verstaerkung und Traegheit des Antriebs gelten an der Motorwelle: die Achse bewegt sich { LENGTH($travel) } je Radiant des Motors.
+export-no-shaft = Kp und die Kraftvorsteuerung gelten an der Achse (ein Linearmotor; fuer einen rotierenden drive.lead und drive.gear angeben).
+export-set-elsewhere = Im Antrieb einzustellen oder so vorausgesetzt, damit das Ergebnis oben gilt:
+export-elsewhere = im Antrieb oder vorausgesetzt
+export-segments = Diese Firmware aendert die Geschwindigkeit einmal je Abschnitt von 10 ms (Konstante der Ausgabe): Rampen nahe daran oder darunter werden zu Stufen, was die Simulation nicht zeigt.
+export-doubt = (?) bedeutet: Name, Einheit oder Verwendung nicht nachgelesen, im Listenhandbuch der eigenen Softwareversion pruefen.
 export-verified = beim Hersteller nachgelesen
 export-doubted = (?) im Listenhandbuch der eigenen Softwareversion pruefen
-export-judged = Simuliert mit genau diesen Grenzwerten{ $gains ->
-    [all] {" "}und diesen Verstaerkungen
-    [Kv] {" "}und diesem Kv
-   *[none] {""}
-} { $corners ->
+export-judged = Aus diesem Text simuliert, Zeile fuer Zeile zurueckgelesen (Massen, Eigenformen, Antrieb und Bewegungen sind die des Profils), { $corners ->
     [1] im Nennfall
    *[other] in { $corners } Eckfaellen
-}: Einschwingzeit { $settling }, Restabweichung { $residual } (empfohlene Grenzwerte: { $recommended })
+}: Einschwingzeit { $settling }, Restabweichung { $residual }
 export-all-met = { $judged }; alle Anforderungen erfuellt.
 export-not-all-met = { $judged }; ANFORDERUNGEN NICHT ERFUELLT: { $missed }.
 export-missed = { $name } { $value }, erlaubt { $limit }
@@ -74,50 +100,57 @@ limit-deceleration = Verzoegerung
 limit-jerk = Ruck
 limit-itself = Grenzwert
 limit-path-nci = Bahnbeschleunigung, -verzoegerung, -ruck (NCI)
-limit-jerk-time = Beschleunigung / Ruck, aufgerundet
 limit-axis-jerk = Achsruck
 limit-axis-jerk-at-rapid = Achsruck im Eilgang; die Regel des Herstellers, 5 x axPathJerk, wurde nicht beurteilt
 limit-recommended = empfohlen
+limit-rapid = Eilgang, zu dem die Anstiegszeit gehoert; so lassen, wie er ist
 limit-of-mode = { $mode }, Toleranzband { $band }, erfuellt
 gain-position = Lageverstaerkung dieses Regelkreises
-gain-velocity = Geschwindigkeitsverstaerkung
 gain-integral-time = Nachstellzeit, aufgerundet
+gain-kp-at-shaft = Kp dieses Regelkreises, an der Motorwelle
+gain-reference-model = Zeitkonstante des Referenzmodells vor dem Integrator
 gain-kv = Kv dieses Regelkreises
 gain-kv-name-and-unit = Kv dieses Regelkreises; Name und Einheit
-gain-feed-forward-name = Geschwindigkeitsvorsteuerung dieses Regelkreises; Name
-gain-kp-at-axis = Kp dieses Regelkreises, an der Achse; ein rotierender Motor braucht Nms/rad an seiner Welle
+gain-kp-at-axis = Geschwindigkeitsverstaerkung, an der Achse
 gain-tn-unit = Tn dieses Regelkreises, aufgerundet; Einheit
-delay-of-reference = Verzoegerung des Sollwertpfads
+row-feedforward-velocity = Gewicht der Geschwindigkeitsvorsteuerung
+row-feedforward-force = Kraft je Beschleunigung, an der Achse
+row-feedforward-jerk = Kraft je Ruck, an der Achse
+row-feedforward-inertia = Momentenvorsteuerung: ganze Traegheit, an der Motorwelle
+cycle-position = Takt des Lagereglers
+cycle-velocity = Takt des Drehzahlreglers
+loop-place = wo er sich schliesst: control (Werte gehalten), interpolated, drive (DSC)
+filter-average = gleitender Mittelwert des Sollwerts; 0: keiner darf wirken
+filter-count = wirksame Filter der Sollkraft, in dieser Reihenfolge
+filter-kind = Art des Filters der Sollkraft
+filter-frequency = seine Eigenfrequenz
+filter-damping = Daempfungsgrad: Zaehler einer Bandsperre, Nenner eines Tiefpasses
+delay-of-reference = Verzoegerung des Lagesollwerts, bis die vorgesteuerte Kraft wirkt
 
 sinumerik-mode = { $dynamic }: { $about }
 sinumerik-mode-unit = { $dynamic }; Einheit
-sinumerik-jerk-filter = Alternative mit dem Ruckfilter MD32400
-sinumerik-ramp-too-long = Die Rampe von { PLAIN($ramp, digits: 4, unit: "ms") } ms ist laenger als der uebliche Bereich des Filters von { PLAIN($longest, digits: 4, unit: "ms") } ms ({ $cycles } Lagereglertakte), daher gibt es hier keine Alternative mit dem Ruckfilter.
-sinumerik-filter-instead = Den Filter STATT der Ruckgrenze setzen: MD32431 erhoehen, bis es nicht mehr wirkt, die Beschleunigung behalten. Beide zusammen wuerden die Ruckzeit doppelt zaehlen.
-sinumerik-filter-simulated = So simuliert { $met ->
-    [yes] erfuellt er
-   *[no] ERFUELLT ER NICHT
-} alle Anforderungen, Einschwingzeit { $settling }. Der Filter wirkt auch bei Bewegungen, die die Beschleunigung nie erreichen; dort laesst eine Ruckgrenze Schwingung zurueck.
 sinumerik-filter-on = Ruckfilter ein
 sinumerik-moving-average = gleitender Mittelwert
-sinumerik-cycles = { $count } Lagereglertakte
-sinumerik-left-out = { $dynamic } ENTFAELLT: { $why }. Diese Betriebsart nicht mit den alten Werten verwenden.
+sinumerik-filter-off = Ruckfilter aus: seine Zeit kaeme zur Rampe hinzu
+sinumerik-ffw-mode = 0 keine, 3 Drehzahl, 4 Moment, beide mit reiner Totzeit
+sinumerik-delay = ganze Verzoegerung des Lagesollwerts; was die Steuerung selbst beitraegt, ist darin enthalten
+sinumerik-dsc = 1: Lageregelung im Antrieb (DSC; Telegramm 105, 106 oder mit Splines), 0: in der Steuerung
+sinumerik-filters = wirksame Filter des Momentensollwerts, je ein Bit
+sinumerik-filter-kind = 1 Tiefpass, 2 zweite Ordnung mit Zaehler; Reihenfolge der fuenf Parameter
 sinumerik-dynamic-modes = DYNNORM und DYNPOS erhalten die Empfehlung, die anderen die Grenzwerte einer Bearbeitungsart, mit deren eigenem Toleranzband beurteilt. G0 nutzt gegebenenfalls MD32434/MD32435 (Faktoren), JOG nutzt MD32420/MD32430.
 sinumerik-path-jerk = Der Bahnruck MD20600 muss ueber den Achswerten liegen, sonst begrenzt er.
-sinumerik-filter-already-on = Ist schon ein Ruckfilter ein (MD32400 = 1), kommt seine Zeit zur Rampe hinzu: ausschalten oder die Alternative unten verwenden.
 sinumerik-turns = Beschleunigungen zaehlen in Umdrehungen, Lagen und Toleranzbaender in Grad.
 
-heidenhain-mode = Bearbeitungsart { $mode }
-heidenhain-judged = Mit eigenem Toleranzband beurteilt, { $band }: erfuellt.
-heidenhain-left-out = ENTFAELLT: { $why }.
 heidenhain-path = maxPathJerk und maxPathJerkHi (Vorgabe 40 m/s^3) und maxPathYank begrenzen die Bahn: ueber den Achswerten halten, nach der Regel des Herstellers mindestens 1,75 x der groesste Achswert.
 heidenhain-filters = Die Lagefilter der Steuerung bringen eigene Ruckzeit mit: sie darf nicht doppelt gezaehlt werden.
+heidenhain-speed-gains = Die Drehzahlverstaerkungen sind hier Stroeme je Drehzahl: aus Kp und Tn unten folgen sie nur mit der Drehmomentkonstante des Motors.
 heidenhain-itnc = Bei einer iTNC 530 steht der Kv-Faktor in (m/min)/mm.
 
-fanuc-rise-time = Zeit vom Stillstand bis zum Eilgang, wenn 1420 = { $rapid } { $unit }
+fanuc-rise-time = Zeit vom Stillstand bis zum Eilgang, fuer den Wert von 1420 unten
 fanuc-bell-time = Glockenzeit, Beschleunigung / Ruck
 fanuc-no-jerk = Einen Ruck in { $length }/s^3 gibt es hier nicht: die Glockenzeit bestimmt ihn.
-fanuc-rapid = Die groesste Geschwindigkeit des Profils ist { $rapid } { $length }/min. 1420 lassen, wie es ist; hat es einen anderen Wert, 1620 = { $rise } ms x 1420 / { $rapid } eingeben, aufgerundet, damit die Beschleunigung { PLAIN($acceleration, digits: 4) } { $length }/s^2 bleibt. Die Glockenzeit 1774 aendert sich nicht.
+fanuc-gain = Die Drehzahlverstaerkung zaehlt hier relativ zur Motordatei (2021): Kp unten ist nur als Vielfaches des heutigen Werts einstellbar.
+fanuc-rapid = 1420 lassen, wie es ist; ist es nicht der Wert unten, 1620 x eigener Wert / Wert unten eingeben, aufgerundet, damit die Beschleunigung { PLAIN($acceleration, digits: 4) } { $length }/s^2 bleibt. Die Glockenzeit 1774 aendert sich nicht.
 fanuc-nano = AI nano contour control nimmt die Zeit aus 1773 statt 1620, und die Glockenform braucht 1603#6 (RBL) = 1.
 fanuc-look-ahead = 1788/1789 (Aenderung der Beschleunigung) und, nicht nachgelesen (?), 1660, 1671 und 1772 begrenzen Betriebsarten mit Vorausschau und duerfen nicht schneller sein als diese Werte.
 
@@ -129,16 +162,26 @@ isg-ramp-at-rapid = Rampenzeit bei G0
 isg-acceleration-at-rapid = Beschleunigung bei G0
 isg-gear-sets = getriebe[0] ist der erste Getriebesatz; die Zeilen fuer weitere wiederholen.
 isg-own-limits = dynamik.a_max darf nicht unter diesen Beschleunigungen und dynamik.tr_min nicht ueber diesen Rampenzeiten liegen: der Kern wuerde seine eigenen Grenzen nehmen.
+isg-operation-mode = wo sich der Lageregelkreis schliesst; kv wirkt nur mit CNC_POSITION_CONTROL
+isg-feedforward = 0 keine, 0x101 Geschwindigkeit, 0x303 Geschwindigkeit und Moment
+isg-moving-average = gleitender Mittelwert; mit #FILTER ON einschalten
+isg-slope = Das Profil muss TRAPEZ, SIN2 oder HSC sein: mit STEP, der Vorgabe, wirkt keine Rampenzeit.
 
 twincat-jerk-unit = MC_MoveAbsolute aus TF5200 nimmt den Ruck in mm/s^3, die CNC von TwinCAT 2 nahm m/s^3: den aufgerufenen Baustein ansehen.
 twincat-no-jerk-filter = Der Sollwertgenerator braucht neben diesen Grenzwerten keinen Ruckfilter.
+twincat-kp = Kp dieses Regelkreises, an der Motorwelle; AX5000 (AX8000: 3140:01, gleiche Einheit)
+twincat-tn = Tn dieses Regelkreises, aufgerundet; AX5000 (AX8000: 3140:02 in s)
+twincat-kv-in-drive = Kv dieses Regelkreises; AX5000, Lageregelung im Antrieb
+twincat-kv-in-nc = Kv dieses Regelkreises, (mm/s)/mm; der NC selbst, fuer einen Antrieb mit Drehzahlsollwert
 plcopen-unit = Die Einheit u der Achse gilt als 1 { $axis ->
     [rotary] Grad
    *[linear] mm
 }: die Skalierung der Achse pruefen und alle drei Werte umrechnen, wenn sie anders ist.
 plcopen-jerk-of-zero = Ein Ruck von 0 bedeutet nicht keinen: er waehlt die Vorgabe der Achse.
+plcopen-quadratic = CODESYS: der Ruck wirkt nur mit der Rampenform quadratisch.
 
 linuxcnc-jerk = Ruck; 0 wuerde die Grenze abschalten
+linuxcnc-gain = Kv, fuer einen Antrieb, der Maschineneinheiten/s nimmt
 linuxcnc-planner = ruckbegrenzter Planer
 linuxcnc-path-jerk = Bahnruck: der kleinste aller Linearachsen
 linuxcnc-units = Fuer LinuxCNC 2.10 und neuer; als Maschineneinheiten gelten mm und Grad.
@@ -150,11 +193,12 @@ fluidnc-no-jerk = FluidNC hat noch keine Ruckgrenze veroeffentlicht.
 fluidnc-degrees = Der Name sagt mm, aber eine Rundachse zaehlt in Grad: der Wert steht in deg/s^2.
 klipper-tool-head = des Werkzeugkopfs, also seiner langsamsten Achse
 klipper-input-shaper = Input Shaper
-klipper-mode = Eigenform { $mode }
 klipper-of-mode = der Eigenform { $mode }
 klipper-no-jerk = Klipper hat keine Ruckgrenze; square_corner_velocity ist ein Geschwindigkeitssprung, kein Ruck.
+klipper-cruise = minimum_cruise_ratio (Vorgabe 0.5) senkt die Geschwindigkeit kurzer Bewegungen: sie sind ohne das simuliert.
 klipper-shaper = Der Shaper beruhigt die Eigenform { $mode }; er verlaengert jede Bewegung um seine eigene Dauer.
 marlin-fixed-time = Fixed-Time Motion ein
-marlin-shaper = { $shaper }-Shaper auf Eigenform { $mode }; die Buchstaben haben sich zwischen Versionen geaendert
+marlin-shaper = 1 ZV, 2 ZVD; die Buchstaben haben sich zwischen Versionen geaendert
 marlin-jerk = Was Marlin "jerk" nennt (M205), ist ein Geschwindigkeitssprung in mm/s, kein Ruck.
 marlin-build = M493 braucht eine Ausgabe mit FT_MOTION; M500 speichert die Werte.
+ros-gain = Kv des Trajektorienreglers, Geschwindigkeit als Stellgroesse

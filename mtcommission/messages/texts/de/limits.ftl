@@ -5,6 +5,12 @@ joined-by-and = { $first } und { $second }
 bound-by-requirements = { $requirements }
 bound-by-nothing-met = kleinste Einschwingzeit; keine Grenzwerte erfüllen alle Anforderungen
 bound-by-settling-later = Einschwingzeit (höhere Grenzwerte schwingen später ein)
+bound-by-jerk-in-proportion = Ruck im Verhältnis zum Toleranzband (höchstens { JERK($jerk) })
+bound-by-less-jerk-meets-nothing = mehr Ruck als mit breiterem Toleranzband: bis { JERK($jerk) } hielt nichts dieses ein
+reserve-used = { $axis ->
+    [rotary] Reserve aufgebraucht: Mit { SHARE($band) } des Toleranzbands und { SHARE($force) } des Drehmoments erfüllen keine Grenzwerte die Anforderungen; die empfohlenen nutzen deshalb bis zu allem davon. Temperatur, Verschleiß oder eine andere Stellung der Achse können dann eine Anforderung verletzen.
+   *[linear] Reserve aufgebraucht: Mit { SHARE($band) } des Toleranzbands und { SHARE($force) } der Kraft erfüllen keine Grenzwerte die Anforderungen; die empfohlenen nutzen deshalb bis zu allem davon. Temperatur, Verschleiß oder eine andere Stellung der Achse können dann eine Anforderung verletzen.
+}
 
 # optima; $error: outcome with its remedy
 optimum-composed = Die Bewegung fährt lange mit max_velocity; der gezeigte Vergleichswert ist aus zwei zeitoptimalen Geschwindigkeitssprüngen und einer Fahrt ohne Schwingung zusammengesetzt. Nichts ist schneller als { TIME($least, digits: 6) } (bewiesene Schranke, { SHARE($below, digits: 2) } darunter).

@@ -44,3 +44,48 @@ feedforward-mass-far = { SI($mass, "MASS") } liegt weit { $axis ->
 }, { ROUND($low) } bis { SI($high, "MASS") }; die Vorsteuerung schiebt zu wenig oder zu viel
 position-gain-without-unit = Kv = { ROUND($gain) } 1/s ist nur { ROUND($in_custom, digits: 3) } (m/min)/mm; wenn { ROUND($gain) } (m/min)/mm gemeint ist, die Einheit dazuschreiben: "{ ROUND($gain) } (m/min)/mm"
 bandwidth-above-sampling = { ROUND($bandwidth) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz
+
+feature-jerk = Ruckgrenze
+feature-jerk-time = Ruckgrenze als Zeit
+feature-modes = Spalten von Grenzwerten
+feature-setpoint-filters = gleitender Mittelwert
+feature-velocity-feedforward = Geschwindigkeitsvorsteuerung
+feature-acceleration-feedforward = Momentenvorsteuerung
+feature-jerk-feedforward = Ruckvorsteuerung
+feature-reference-delay = symmetrierter Sollwert
+feature-force-filters = Filter im Momentensollwert
+feature-state-feedback = Zustandsrückführung
+feature-counted = { $count } { $feature }
+feature-unread = { $feature } (?)
+control-has-all = hat { $has }
+control-has = hat { $has }; ohne { $lacks }
+control-kind-sinumerik = { control-sinumerik }
+control-kind-heidenhain = { control-heidenhain }
+control-kind-fanuc = { control-fanuc }
+control-kind-isg = { control-isg }
+control-kind-twincat = { control-twincat }
+control-kind-plcopen = { control-plcopen }
+control-kind-linuxcnc = { control-linuxcnc }
+control-kind-klipper = { control-klipper }
+control-kind-grblhal = { control-grblhal }
+control-kind-fluidnc = { control-fluidnc }
+control-kind-marlin = { control-marlin }
+control-kind-ros2 = { control-ros2 }
+control-kind-generic = allgemeine Kaskade
+control-kind-state-space = freier Regler (Zustandsraum)
+assumed-frequency-spread = Frequenzen weichen um bis zu ±{ SHARE($spread) } ab
+assumed-damping-spread = Dämpfungsgrade weichen um bis zu ±{ SHARE($spread) } ab
+assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force) } { $axis ->
+    [rotary] des Moments
+   *[linear] der Kraft
+}
+assumed-kind = die Art der Steuerung; die eigene nennen (control.kind)
+assumed-keys = nicht gemessen: { $keys }
+neglected-steps = ungeregelte Schritte (statt des Motors eine steife Lageregelung)
+neglected-force-over-speed = { $axis ->
+    [rotary] mit der Drehzahl fallendes Moment (max_force gilt für die höchste)
+   *[linear] mit dem Tempo fallende Kraft (max_force gilt für das höchste)
+}
+neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)
+neglected-encoder = Geberstufen (drive.encoder_resolution angeben)
+neglected-travel = Eigenformen über den Verfahrweg (frequency_spread weiten)

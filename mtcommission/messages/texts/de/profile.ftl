@@ -90,3 +90,4 @@ control-without-observer = kind = "{ $control }" hat keinen Beobachter, der eine
 control-without-filter = { $got } angegeben; kind = "{ $control }" hat kein solches Sollwertfilter; "none" schreiben
 control-with-fewer-filters = { $got } Filter angegeben; kind = "{ $control }" hat { $most } im Momentensollwert; nicht mehr angeben
 control-without-jerk-limit = kind = "{ $control }" begrenzt den Ruck nicht, also ist heute keiner eingestellt; den Schlüssel entfernen
+delay-below-drive = { PLAIN($got, digits: 6) } s angegeben; ein Antrieb, der den Lageregelkreis schließt, kennt keinen neueren Sollwert als den vor zwei Lagereglertakten: mindestens { PLAIN($least, digits: 6) } s schreiben oder den Schlüssel weglassen

@@ -48,7 +48,7 @@ verdict-met = Alle Anforderungen erfüllt
 verdict-not-met = Anforderungen NICHT erfüllt
 values-bound-by = Begrenzt durch: { $bound }
 obstacle = Im Weg steht: { $obstacle }
-result-caption = Was die Werte ergeben, schlechteste Bewegung und Ecke
+result-caption = Was die Werte ergeben, ungünstigste Bewegung, ungünstigster Eckfall
 today = Heute
 now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
 now = jetzt { $value }
@@ -182,7 +182,8 @@ meaning = Bedeutung
 rule-step = Schritt
 rule-how = Formel
 rules-heading = Vergleich mit Faustregeln
-rules-caption = Regeln von Herstellern und Lehrbüchern, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
+rules-caption = Regeln von Herstellern und Lehrbüchern, die alle Anforderungen erfüllen, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
+rules-missed = Nicht alle Anforderungen erfüllen: { $names }.
 rule = Regel
 meets = Alles erfüllt
 compare-caption = Einschwingzeit gegen Restabweichung: Empfehlung, Alternativen und Regeln
@@ -370,6 +371,33 @@ rms-force = { $axis ->
    *[linear] Effektivkraft
 }
 saturated = Gesättigt
+
+control-heading = Was diese Steuerung hat
+control-caption = { $control }: Namen in der Steuerung („(?)“: in keiner Herstellerschrift gelesen, prüfen)
+control-parameters = In der Steuerung
+control-has-all = Hat { $has }.
+control-has-and-lacks = Hat { $has }. Es fehlt: { $lacks }; weder eingestellt noch simuliert noch exportiert.
+has-acceleration = Beschleunigungsgrenze
+has-jerk = Ruckgrenze
+has-modes = Grenzwerte je Bearbeitungsart
+has-setpoint-filters = Sollwertfilter
+has-velocity-feedforward = Geschwindigkeitsvorsteuerung
+has-acceleration-feedforward = { $axis ->
+    [rotary] Momentenvorsteuerung
+   *[linear] Kraftvorsteuerung
+}
+has-jerk-feedforward = Ruckvorsteuerung
+has-reference-delay = Symmetrierung des Sollwerts
+has-position-loops = Ort des Lagereglers
+has-position-cycle = Lagereglertakt
+has-velocity-cycle = Geschwindigkeitsreglertakt
+has-position-gain = Lagereglerverstärkung Kv
+has-velocity-gain = Geschwindigkeitsreglerverstärkung Kp, Nachstellzeit Tn
+has-force-filters = { $axis ->
+    [rotary] Filter im Momentensollwert
+   *[linear] Filter im Kraftsollwert
+}
+has-state-feedback = Zustandsrückführung
 
 ## Robustness
 

@@ -77,6 +77,14 @@ ask-requirements-damping-spread = Unsicherheit der Dämpfungsgrade
 ask-requirements-damping-spread-where = Dämpfung ist selten besser als auf 30 % bekannt, aber es macht wenig aus.
 ask-requirements-payload = Größte Zuladung
 ask-requirements-payload-where = Werkstück, Palette oder Werkzeug; die Grenzwerte gelten dann von leer bis zu dieser.
+ask-requirements-contour-deviation = Erlaubte Abweichung auf der Bahn
+ask-requirements-contour-deviation-where = Während der Bewegung. Nur für ein Werkzeug, das unterwegs arbeitet (Kontur); wer am Ende stillstehen muss, braucht keine.
+ask-requirements-contour-deviation-empty = am Ende still
+ask-requirements-contour-feed = Größter Vorschub auf der Kontur
+ask-requirements-contour-feed-where = Der größte Vorschub beim Schlichten; der Eilgang hinterlässt keine Spur.
+ask-requirements-contour-feed-empty = jedes Tempo
+ask-control-kind = Steuerung
+ask-control-kind-where = Was sie nicht hat, wird weder benutzt noch versprochen; fehlt die eigene, die allgemeine Kaskade nehmen. mtcommission export druckt Grenzwerte und Verstärkungen in ihren Namen.
 ask-control-position-cycle = Takt des Lagereglers
 ask-control-position-cycle-where = Steuerung: Interpolations- oder Lagereglertakt, 0,5 bis 4 ms.
 ask-control-velocity-cycle = Takt des Geschwindigkeitsreglers
@@ -95,6 +103,40 @@ ask-control-integral-time-where = Antrieb: Nachstellzeit des Drehzahlreglers.
 ask-control-integral-time-empty = wird eingestellt
 ask-control-tcp-sensor = Zweiter Lagegeber nahe am Werkzeug
 ask-control-tcp-sensor-where = Ein direktes Messsystem am Werkzeug, das der Regler nutzen könnte.
+ask-control-state-feedback = Zustandsrückführung
+ask-control-state-feedback-where = Ein freier Regler dämpft die Eigenformen über einen Beobachter; aus lässt die reine Kaskade.
+ask-drive-lead = Weg je Umdrehung von Spindel oder Ritzel
+ask-drive-lead-where = Spindel: Steigung; Ritzel: Teilkreis x pi. Rechnet Verstärkung und Trägheit auf die Motorwelle um.
+ask-drive-lead-empty = Linearmotor
+ask-drive-gear = { $axis ->
+    [rotary] Motorumdrehungen je Umdrehung der Achse
+   *[linear] Motorumdrehungen je Umdrehung von Spindel oder Ritzel
+}
+ask-drive-gear-where = { $axis ->
+    [rotary] Getriebe; 1 bei einem Torquemotor.
+   *[linear] Getriebe oder Riemen; 1, wenn der Motor direkt daran sitzt.
+}
+ask-drive-encoder-resolution = Kleinster Schritt der gemessenen Lage
+ask-drive-encoder-resolution-where = Geber und Antrieb: Signalperiode / Interpolation, oder Weg je Umdrehung / Striche.
+ask-drive-encoder-resolution-empty = unbekannt
+ask-today-acceleration = Beschleunigung in der Steuerung heute
+ask-today-acceleration-where = Das Blatt zeigt dann, was die heutigen Werte neben den empfohlenen bringen.
+ask-today-acceleration-empty = unbekannt
+ask-today-jerk = Ruck in der Steuerung heute
+ask-today-jerk-where = In Einheiten der Achse; hat die Steuerung eine Zeit: Beschleunigung / Zeit.
+ask-today-jerk-empty = unbekannt
+ask-today-position-gain = Lageverstärkung Kv heute
+ask-today-position-gain-where = Steuerung: Kv-Faktor; (m/min)/mm oder 1/s.
+ask-today-position-gain-empty = wie empfohlen
+ask-today-velocity-gain = Verstärkung Kp heute
+ask-today-velocity-gain-where = { $axis ->
+    [rotary] Antrieb: Verstärkung des Drehzahlreglers, auf die Achse umgerechnet: x (Übersetzung)^2.
+   *[linear] Antrieb: Verstärkung des Drehzahlreglers, auf die Achse umgerechnet: x (2 pi / Steigung)^2.
+}
+ask-today-velocity-gain-empty = wie empfohlen
+ask-today-integral-time = Nachstellzeit Tn heute
+ask-today-integral-time-where = Antrieb: Nachstellzeit des Drehzahlreglers.
+ask-today-integral-time-empty = wie empfohlen
 ask-wizard-experts = Einzelheiten der dämpfungsoptimalen Steuerung
 ask-wizard-experts-where = Endzeit und Gewichte, wie in Abschnitt 6 der Veröffentlichung; die Vorgaben genügen.
 ask-damping-optimal-t-f = Ihre Endzeit
@@ -174,6 +216,8 @@ choice-linear = linear
 choice-rotary = drehend
 choice-yes = ja
 choice-no = nein
+choice-auto = Eigenformen dämpfen
+choice-off = aus
 choice-none = keiner
 choice-position = Lage
 choice-positioning-from-rest-to-rest = Positionieren von Ruhe zu Ruhe

@@ -2,7 +2,6 @@
 # $axis_name: the user's name of the axis; $mode: of a machining mode or of a mode of vibration
 
 # what cannot be exported
-export-mode-without-limits = no limits meet the requirements of machining mode { $mode }
 export-profile-edited = the profile in this record was edited: it does not have the hash of the run; run the changed profile instead
 export-other-loop = the loop in this record is not the one that its profile and gains give; run the profile again with this version
 export-too-small = the acceleration of { SI($acceleration, "ACCELERATION", digits: 3) } is less than one unit of this control; use --control generic
@@ -12,26 +11,53 @@ export-other-letter = { $control } names its axes { $letters }; this record is o
 export-linear-only = { $control } limits linear axes only, this one is rotary; use --control generic
 
 # the header
-export-title = { $name }, axis { $axis_name }: limits for { $control }
+export-title = { $name }, axis { $axis_name }: limits and loop for { $control }
 export-computed = Computed { $created } by { $tool } from { $profile }
 export-hash = Profile SHA-256 { $hash }
 export-verify = VERIFY BEFORE USE. Calculated, not measured: not an acceptance test (ISO 230). Enter by hand, note the old values, try at reduced override.
 export-safe-side = Each limit is rounded to the safe side. Units stand beside the values.
-export-moving-average = These limits go with a moving-average setpoint filter of { PLAIN($time, digits: 4, unit: "ms") } ms in the control (the profile's setpoint_filter); without it they are not valid.
 export-warning = WARNING: { $warning }
 export-not-measured = Default accepted, not measured: { $keys }.
-export-doubt = (?) means: name or unit not verified, check against the list manual of your software version.
+export-unreadable = a row of the export is missing, cannot be read back, or contradicts another one: { $row }; please report this
+export-unstable = the loop of this text is not stable{ $lacking ->
+    [yes] , because this control lacks { $left_out }
+   *[no] {""}
+}: { $why }; run the profile with control.kind = "{ $kind }" and export again
+export-corners = Judged for frequencies within { PLAIN($frequency, digits: 3, unit: "%") } %, damping ratios within { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
+    [yes] , payload { SI($low, "MASS") } to { SI($high, "MASS") }
+   *[no] {""}
+}, and the reserve is not counted: all of each allowed value.
+export-left-out = LEFT OUT OR CHANGED, because this control has nothing else: { $features }. Settling time with all of it { $before }, with this text { $after }{ $cost ->
+    [grows] {" "}({ CHANGE($change) })
+   *[unknown] {""}
+}. For limits and gains that suit this control, run the profile with control.kind = "{ $kind }" and export again.
+export-feature = { $what ->
+    [state-feedback] state feedback
+    [velocity] velocity feed-forward
+    [acceleration] force feed-forward
+    [jerk] jerk feed-forward
+    [delay] delay of the position setpoint
+    [average] moving average of the setpoint
+    [force-filters] some filters of the set force
+    [loop-control] position loop in the control with held values
+    [loop-interpolated] position loop in the control with interpolated feed-forward
+   *[loop-drive] position loop in the drive
+}
+export-mode-left-out = LEFT OUT: { $why }. Do not use this mode with the old values.
+export-warning-here = WARNING, for the loop of this text: { $warning }
+export-shaft = Gain and inertia of the drive count at the motor's shaft: the axis moves { LENGTH($travel) } per radian of the motor.
+export-no-shaft = Kp and the force feed-forward stand at the axis (a linear motor; for a rotary one state drive.lead and drive.gear).
+export-set-elsewhere = Set in the drive, or must be so, for the result above to hold:
+export-elsewhere = in the drive, or must be so
+export-segments = This firmware changes the velocity once in a segment of 10 ms (a constant of the build): ramps near or below that become steps, which the simulation does not show.
+export-doubt = (?) means: name, unit or use not verified, check against the list manual of your software version.
 export-verified = read in the maker's text
 export-doubted = (?) check against the list manual of your software version
 # $gains: which ones are exported
-export-judged = Simulated with exactly these limits{ $gains ->
-    [all] {" "}and these gains
-    [Kv] {" "}and this Kv
-   *[none] {""}
-} in { $corners ->
+export-judged = Simulated from this text, read back row by row (masses, modes, drive and moves are those of the profile), in { $corners ->
     [1] the nominal machine
    *[other] { $corners } corners
-}: settling time { $settling }, residual deviation { $residual } (recommended limits: { $recommended })
+}: settling time { $settling }, residual deviation { $residual }
 export-all-met = { $judged }; all requirements met.
 export-not-all-met = { $judged }; REQUIREMENTS NOT MET: { $missed }.
 export-missed = { $name } { $value }, allowed { $limit }
@@ -81,53 +107,60 @@ limit-deceleration = deceleration
 limit-jerk = jerk
 limit-itself = limit
 limit-path-nci = path acceleration, deceleration, jerk (NCI)
-limit-jerk-time = acceleration / jerk, rounded up
 limit-axis-jerk = axis jerk
 limit-axis-jerk-at-rapid = axis jerk at rapid; the maker's rule of 5 x axPathJerk was not judged
 limit-recommended = recommended
+limit-rapid = rapid traverse of the rise time; leave it as it is
 limit-of-mode = { $mode }, band { $band }, met
 gain-position = position gain of this loop
-gain-velocity = velocity gain
 gain-integral-time = integral time, rounded up
+gain-kp-at-shaft = Kp of this loop, at the motor's shaft
+gain-reference-model = time constant of the reference model before the integrator
 gain-kv = Kv of this loop
 gain-kv-name-and-unit = Kv of this loop; name and unit
-gain-feed-forward-name = velocity feed-forward of this loop; name
-gain-kp-at-axis = Kp of this loop, at the axis; a rotary motor needs Nms/rad at its shaft
+gain-kp-at-axis = velocity gain, at the axis
 gain-tn-unit = Tn of this loop, rounded up; unit
-delay-of-reference = delay of the reference path
+row-feedforward-velocity = weight of the velocity feed-forward
+row-feedforward-force = force per acceleration, at the axis
+row-feedforward-jerk = force per jerk, at the axis
+row-feedforward-inertia = torque feed-forward: all inertia, at the motor's shaft
+cycle-position = cycle of the position loop
+cycle-velocity = cycle of the velocity loop
+loop-place = where it closes: control (values held), interpolated, drive (DSC)
+filter-average = moving average of the setpoint; 0: none may act
+filter-count = filters of the set force that act, in this order
+filter-kind = kind of the filter of the set force
+filter-frequency = its natural frequency
+filter-damping = damping ratio: numerator of a notch, denominator of a low-pass
+delay-of-reference = delay of the position setpoint until the fed-forward force acts
 
 # SINUMERIK
 sinumerik-mode = { $dynamic }: { $about }
 sinumerik-mode-unit = { $dynamic }; unit
-sinumerik-jerk-filter = Alternative with the jerk filter MD32400
-sinumerik-ramp-too-long = The ramp of { PLAIN($ramp, digits: 4, unit: "ms") } ms is longer than the filter's usual range of { PLAIN($longest, digits: 4, unit: "ms") } ms ({ $cycles } position cycles), so there is no alternative with the jerk filter here.
-sinumerik-filter-instead = Set the filter INSTEAD of the jerk limit: raise MD32431 until it no longer acts, keep the acceleration. Both together would count the jerk time twice.
-sinumerik-filter-simulated = Simulated so, it { $met ->
-    [yes] meets
-   *[no] DOES NOT MEET
-} all requirements, settling after { $settling }. The filter also acts on moves that never reach the acceleration, where a jerk limit leaves vibration.
 sinumerik-filter-on = jerk filter on
 sinumerik-moving-average = moving average
-sinumerik-cycles = { $count } position cycles
-sinumerik-left-out = { $dynamic } IS LEFT OUT: { $why }. Do not use this mode with the old values.
+sinumerik-filter-off = jerk filter off: its time would add to the ramp
+sinumerik-ffw-mode = 0 none, 3 speed, 4 torque, both with a pure delay
+sinumerik-delay = whole delay of the position setpoint; what the control adds by itself is part of it
+sinumerik-dsc = 1: position loop in the drive (DSC; telegram 105, 106 or with splines), 0: in the control
+sinumerik-filters = filters of the torque setpoint that act, one bit each
+sinumerik-filter-kind = 1 low-pass, 2 second order with a numerator; order of the five parameters
 sinumerik-dynamic-modes = DYNNORM and DYNPOS get the recommendation, the others the limits of a machining mode, judged with its own band. G0 may use MD32434/MD32435 (factors), JOG uses MD32420/MD32430.
 sinumerik-path-jerk = The path jerk MD20600 must stay above the axis values, or it limits instead.
-sinumerik-filter-already-on = If a jerk filter is already on (MD32400 = 1), its time adds to the ramp: switch it off, or use the alternative below.
 sinumerik-turns = Accelerations count in revolutions, positions and bands in degrees.
 
 # HEIDENHAIN
-heidenhain-mode = Machining mode { $mode }
-heidenhain-judged = Judged with a band of its own, { $band }: met.
-heidenhain-left-out = LEFT OUT: { $why }.
 heidenhain-path = maxPathJerk and maxPathJerkHi (default 40 m/s^3) and maxPathYank limit the path: keep them above the axis values, at least 1.75 x the largest axis value by the maker's rule.
 heidenhain-filters = The position filters of the control add jerk time of their own: what they add must not be counted twice.
+heidenhain-speed-gains = The speed gains here are currents per speed: they follow from Kp and Tn below only with the motor's torque constant.
 heidenhain-itnc = On an iTNC 530 the Kv factor is in (m/min)/mm.
 
 # FANUC; $rapid in $length per minute, $rise in ms, $acceleration in the length's unit, as typed
-fanuc-rise-time = time from standstill to rapid traverse, if 1420 = { $rapid } { $unit }
+fanuc-rise-time = time from standstill to rapid traverse, for the value of 1420 below
 fanuc-bell-time = bell time, acceleration / jerk
 fanuc-no-jerk = There is no jerk in { $length }/s^3 here: the bell time sets it.
-fanuc-rapid = The largest velocity of the profile is { $rapid } { $length }/min. Leave 1420 as it is; where it is another one, enter 1620 = { $rise } ms x 1420 / { $rapid }, rounded up, so that the acceleration stays { PLAIN($acceleration, digits: 4) } { $length }/s^2. The bell time 1774 does not change.
+fanuc-gain = The velocity gain here is relative to that of the motor's file (2021): Kp below can be set only as a multiple of today's.
+fanuc-rapid = Leave 1420 as it is; where it is not the value below, enter 1620 x own value / value below, rounded up, so that the acceleration stays { PLAIN($acceleration, digits: 4) } { $length }/s^2. The bell time 1774 does not change.
 fanuc-nano = AI nano contour control takes the time from 1773 instead of 1620, and the bell form needs 1603#6 (RBL) = 1.
 fanuc-look-ahead = 1788/1789 (acceleration change) and, not verified (?), 1660, 1671 and 1772 limit look-ahead modes and must not be faster than these values.
 
@@ -140,18 +173,28 @@ isg-ramp-at-rapid = ramp time at G0
 isg-acceleration-at-rapid = acceleration at G0
 isg-gear-sets = getriebe[0] is the first gear set; repeat the lines for others.
 isg-own-limits = dynamik.a_max must not be below these accelerations nor dynamik.tr_min above these ramp times: the kernel would use its own limits instead.
+isg-operation-mode = where the position loop closes; kv acts only with CNC_POSITION_CONTROL
+isg-feedforward = 0 none, 0x101 velocity, 0x303 velocity and torque
+isg-moving-average = moving average; switch it on with #FILTER ON
+isg-slope = The slope must be TRAPEZ, SIN2 or HSC: with STEP, the default, no ramp time acts at all.
 
 # PLC
 twincat-jerk-unit = MC_MoveAbsolute of TF5200 takes the jerk in mm/s^3, the TwinCAT 2 CNC took m/s^3: look at the block that you call.
 twincat-no-jerk-filter = The setpoint generator needs no jerk filter beside these limits.
+twincat-kp = Kp of this loop, at the motor's shaft; AX5000 (AX8000: 3140:01, the same unit)
+twincat-tn = Tn of this loop, rounded up; AX5000 (AX8000: 3140:02 in s)
+twincat-kv-in-drive = Kv of this loop; AX5000, position loop in the drive
+twincat-kv-in-nc = Kv of this loop, (mm/s)/mm; the NC's own, for a drive that takes velocities
 plcopen-unit = The unit u of the axis is taken to be 1 { $axis ->
     [rotary] degree
    *[linear] mm
 }: check the axis's scaling, and multiply all three values if it differs.
 plcopen-jerk-of-zero = A jerk of 0 does not mean none: it selects the default of the axis.
+plcopen-quadratic = CODESYS: the jerk acts only with the ramp type quadratic.
 
 # open controls
 linuxcnc-jerk = jerk; 0 would switch the limit off
+linuxcnc-gain = Kv, for a drive that takes machine units/s
 linuxcnc-planner = jerk-limited planner
 linuxcnc-path-jerk = path jerk: the least of all linear axes
 linuxcnc-units = For LinuxCNC 2.10 and newer; machine units are taken to be mm and degrees.
@@ -163,11 +206,12 @@ fluidnc-no-jerk = FluidNC has released no jerk limit.
 fluidnc-degrees = The name says mm, but a rotary axis counts in degrees: the value is in deg/s^2.
 klipper-tool-head = of the tool head, so of its slowest axis
 klipper-input-shaper = input shaper
-klipper-mode = mode { $mode }
 klipper-of-mode = of mode { $mode }
 klipper-no-jerk = Klipper has no jerk limit; its square_corner_velocity is a velocity step, no jerk.
+klipper-cruise = minimum_cruise_ratio (default 0.5) lowers the velocity of short moves: they are simulated without.
 klipper-shaper = The shaper quiets mode { $mode }; it makes each move longer by its own length.
 marlin-fixed-time = fixed-time motion on
-marlin-shaper = { $shaper } shaper on mode { $mode }; letters changed between versions
+marlin-shaper = 1 ZV, 2 ZVD; letters changed between versions
 marlin-jerk = What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.
 marlin-build = M493 needs a build with FT_MOTION; M500 keeps the values.
+ros-gain = Kv of the trajectory controller, velocity command interface

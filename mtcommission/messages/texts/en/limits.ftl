@@ -7,6 +7,12 @@ joined-by-and = { $first } and { $second }
 bound-by-requirements = { $requirements }
 bound-by-nothing-met = least settling time; no limits meet all requirements
 bound-by-settling-later = settling time (higher limits settle later)
+bound-by-jerk-in-proportion = jerk in proportion to the band (at most { JERK($jerk) })
+bound-by-less-jerk-meets-nothing = more jerk than with a wider band: up to { JERK($jerk) } nothing met this one
+reserve-used = { $axis ->
+    [rotary] Reserve used up: no limits meet the requirements with { SHARE($band) } of the band and { SHARE($force) } of the torque, so the recommended ones take up to all of it. Temperature, wear or another position of the axis may then break a requirement.
+   *[linear] Reserve used up: no limits meet the requirements with { SHARE($band) } of the band and { SHARE($force) } of the force, so the recommended ones take up to all of it. Temperature, wear or another position of the axis may then break a requirement.
+}
 
 # optima; $error: outcome with its remedy
 optimum-composed = The move cruises at max_velocity for long; the reference shown is composed of two time-optimal velocity steps and a cruise at rest. Nothing is faster than { TIME($least, digits: 6) } (a proved bound, { SHARE($below, digits: 2) } below).

@@ -50,3 +50,49 @@ feedforward-mass-far = { SI($mass, "MASS") } is far from the moving { $axis ->
 position-gain-without-unit = Kv = { ROUND($gain) } 1/s is only { ROUND($in_custom, digits: 3) } (m/min)/mm; if { ROUND($gain) } (m/min)/mm is meant, write the unit: "{ ROUND($gain) } (m/min)/mm"
 # $bandwidth, $rate [Hz]
 bandwidth-above-sampling = { ROUND($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz
+
+# On what results rest.
+feature-jerk = jerk limit
+feature-jerk-time = jerk limit as a time
+feature-modes = columns of limits
+feature-setpoint-filters = moving average
+feature-velocity-feedforward = velocity feed-forward
+feature-acceleration-feedforward = torque feed-forward
+feature-jerk-feedforward = jerk feed-forward
+feature-reference-delay = balanced setpoint
+feature-force-filters = torque filters
+feature-state-feedback = state feedback
+feature-counted = { $count } { $feature }
+feature-unread = { $feature } (?)
+control-has-all = has { $has }
+control-has = has { $has }; lacks { $lacks }
+control-kind-sinumerik = { control-sinumerik }
+control-kind-heidenhain = { control-heidenhain }
+control-kind-fanuc = { control-fanuc }
+control-kind-isg = { control-isg }
+control-kind-twincat = { control-twincat }
+control-kind-plcopen = { control-plcopen }
+control-kind-linuxcnc = { control-linuxcnc }
+control-kind-klipper = { control-klipper }
+control-kind-grblhal = { control-grblhal }
+control-kind-fluidnc = { control-fluidnc }
+control-kind-marlin = { control-marlin }
+control-kind-ros2 = { control-ros2 }
+control-kind-generic = generic cascade
+control-kind-state-space = free controller (state space)
+assumed-frequency-spread = frequencies off by up to ±{ SHARE($spread) }
+assumed-damping-spread = damping ratios off by up to ±{ SHARE($spread) }
+assumed-reserve = limits may use { SHARE($band) } of the band, { SHARE($force) } of the { $axis ->
+    [rotary] torque
+   *[linear] force
+}
+assumed-kind = the kind of control; name yours by control.kind
+assumed-keys = not measured: { $keys }
+neglected-steps = open-loop steps (a stiff position loop stands in for the motor)
+neglected-force-over-speed = { $axis ->
+    [rotary] torque falling with speed (max_force holds at the fastest)
+   *[linear] force falling with speed (max_force holds at the fastest)
+}
+neglected-friction = friction and backlash (errors at standstill of their own)
+neglected-encoder = encoder steps (state drive.encoder_resolution)
+neglected-travel = modes changing over the travel (widen frequency_spread)

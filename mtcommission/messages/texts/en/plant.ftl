@@ -1,10 +1,10 @@
 # What a kind of plant assumes beyond the profile.
 
 # $side: above or below, the place of the tool
-tcp-height-assumed = tcp_height is taken as the height of the tool centre point { $side ->
+tcp-height-assumed = tcp_height: the tool stands { $side ->
     [above] above
    *[below] below
-} the rotary joint, so the tool stands at x_s - x_b + h φ as seen from the base; the paper names h but gives no equation and no sign.
+} the rotary joint, at x_s - x_b + h φ; the paper names h without equation or sign.
 
 # What does not fit together in the data of a plant.
 

@@ -179,7 +179,8 @@ meaning = Meaning
 rule-step = Step
 rule-how = Formula
 rules-heading = Comparison with rules of thumb
-rules-caption = Rules of makers and textbooks, in the same simulation (worst move, worst corner)
+rules-caption = Rules of makers and textbooks that meet all requirements, in the same simulation (worst move, worst corner)
+rules-missed = Not all requirements are met by: { $names }.
 rule = Rule
 meets = All met
 compare-caption = Settling time against residual deviation: recommendation, alternatives and rules
@@ -367,6 +368,33 @@ rms-force = { $axis ->
    *[linear] RMS force
 }
 saturated = Saturated
+
+control-heading = What this control has
+control-caption = { $control }: names in the control ("(?)": not read in a maker's text, verify)
+control-parameters = In the control
+control-has-all = Has { $has }.
+control-has-and-lacks = Has { $has }. Lacks { $lacks }: neither tuned nor simulated nor exported.
+has-acceleration = acceleration limit
+has-jerk = jerk limit
+has-modes = limits by machining mode
+has-setpoint-filters = setpoint filter
+has-velocity-feedforward = velocity feed-forward
+has-acceleration-feedforward = { $axis ->
+    [rotary] torque feed-forward
+   *[linear] force feed-forward
+}
+has-jerk-feedforward = jerk feed-forward
+has-reference-delay = balancing of the setpoint
+has-position-loops = place of the position loop
+has-position-cycle = position cycle
+has-velocity-cycle = velocity cycle
+has-position-gain = position gain Kv
+has-velocity-gain = velocity gain Kp, integral time Tn
+has-force-filters = { $axis ->
+    [rotary] filters in the torque setpoint
+   *[linear] filters in the force setpoint
+}
+has-state-feedback = state feedback
 
 ## Robustness
 

@@ -80,6 +80,14 @@ ask-requirements-damping-spread = Uncertainty of the damping ratios
 ask-requirements-damping-spread-where = Damping is rarely known to better than 30 %, but it matters little.
 ask-requirements-payload = Largest payload
 ask-requirements-payload-where = Workpiece, pallet or tool; the limits then hold from empty to this.
+ask-requirements-contour-deviation = Allowed deviation along a path
+ask-requirements-contour-deviation-where = While the tool moves. Only for a tool that works on its way (contours); one that must be still at the end needs none.
+ask-requirements-contour-deviation-empty = quiet at the end
+ask-requirements-contour-feed = Fastest feed on a contour
+ask-requirements-contour-feed-where = The largest feed of a finishing cut; rapid traverse leaves no mark.
+ask-requirements-contour-feed-empty = any velocity
+ask-control-kind = Control
+ask-control-kind-where = What it lacks is neither used nor promised; where yours is not listed, take the generic cascade. Limits and gains are printed in its own names by mtcommission export.
 ask-control-position-cycle = Cycle of the position controller
 ask-control-position-cycle-where = Control: interpolation or position cycle, 0.5 to 4 ms.
 ask-control-velocity-cycle = Cycle of the velocity controller
@@ -98,6 +106,40 @@ ask-control-integral-time-where = Drive: reset time of the speed controller.
 ask-control-integral-time-empty = tune it
 ask-control-tcp-sensor = Second encoder near the tool
 ask-control-tcp-sensor-where = A direct measuring system at the tool that the controller could use.
+ask-control-state-feedback = State feedback
+ask-control-state-feedback-where = A free controller damps the modes through an observer; off leaves the plain cascade.
+ask-drive-lead = Travel per turn of screw or pinion
+ask-drive-lead-where = Screw: lead; pinion: pitch circle x pi. Turns gains and inertia into values at the motor shaft.
+ask-drive-lead-empty = linear motor
+ask-drive-gear = { $axis ->
+    [rotary] Turns of the motor per turn of the axis
+   *[linear] Turns of the motor per turn of screw or pinion
+}
+ask-drive-gear-where = { $axis ->
+    [rotary] Gearbox; 1 for a torque motor.
+   *[linear] Gearbox or belt; 1 where the motor sits on it.
+}
+ask-drive-encoder-resolution = Smallest step of the measured position
+ask-drive-encoder-resolution-where = Encoder and drive: signal period / interpolation, or travel per turn / counts.
+ask-drive-encoder-resolution-empty = not known
+ask-today-acceleration = Acceleration limit in the control now
+ask-today-acceleration-where = The sheet then shows what today's values give beside the recommended ones.
+ask-today-acceleration-empty = not known
+ask-today-jerk = Jerk limit in the control now
+ask-today-jerk-where = In units of the axis; where the control has a time: acceleration / time.
+ask-today-jerk-empty = not known
+ask-today-position-gain = Position gain Kv now
+ask-today-position-gain-where = Control: Kv factor, servo gain; (m/min)/mm or 1/s.
+ask-today-position-gain-empty = recommended
+ask-today-velocity-gain = Gain Kp at the axis now
+ask-today-velocity-gain-where = { $axis ->
+    [rotary] Drive: speed controller gain, turned to the axis: x (gear ratio)^2.
+   *[linear] Drive: speed controller gain, turned to the axis: x (2 pi / lead)^2.
+}
+ask-today-velocity-gain-empty = recommended
+ask-today-integral-time = Integral time Tn now
+ask-today-integral-time-where = Drive: reset time of the speed controller.
+ask-today-integral-time-empty = recommended
 ask-wizard-experts = Details of the damping-optimal control
 ask-wizard-experts-where = Final time and weights, as in the paper's section 6; the defaults serve well.
 ask-damping-optimal-t-f = Its final time
@@ -179,6 +221,8 @@ choice-linear = linear
 choice-rotary = rotary
 choice-yes = yes
 choice-no = no
+choice-auto = damp the modes
+choice-off = off
 choice-none = none
 choice-position = position
 choice-positioning-from-rest-to-rest = positioning from rest to rest

@@ -1,0 +1,339 @@
+"""What a control holds, as settings: from the record, and back to the loop that is simulated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi
+
+from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.errors import ComputationError, Fault, InputError
+from mtcommission.export.row import Key, Setting, Values, unreadable
+from mtcommission.export.subject import Subject
+from mtcommission.loop.model.controller import handing_down_delay
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.machine import (
+    Control,
+    FilterKind,
+    ForceFilter,
+    Machine,
+    Move,
+    StateFeedback,
+)
+from mtcommission.messages.message import Message
+from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import Setpoint, plan_within
+from mtcommission.study.shapers import shape_setpoint, zero_vibration
+from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_planned
+
+SHAPERS = {"zv": 1, "zvd": 2}
+"""Order of each kind of shaper."""
+
+ALWAYS = (
+    Setting.POSITION_LOOP,
+    Setting.POSITION_CYCLE,
+    Setting.VELOCITY_CYCLE,
+    Setting.POSITION_GAIN,
+    Setting.VELOCITY_GAIN,
+    Setting.INTEGRAL_TIME,
+)
+"""Settings without which there is no loop."""
+
+
+def loop_of(subject: Subject) -> dict[Key, float | str]:
+    """Return the settings of the record's loop, as far as the control has them.
+
+    Parameters
+    ----------
+    subject
+        The axis, and the control.
+
+    Returns
+    -------
+    dict
+        SI. What the control has but the loop does not use is there with 0.
+    """
+    kind, loop, control = subject.kind, subject.controller, subject.machine.control
+    place = control.position_loop
+    place = place if place in kind.position_loops else kind.position_loops[0]
+    delay = loop.reference_delay
+    if place is PositionLoop.DRIVE:  # the drive knows no newer setpoint
+        cycles = {"position_cycle": loop.position_cycle, "velocity_cycle": loop.velocity_cycle}
+        delay = max(delay, handing_down_delay(place, **cycles))
+    values: dict[Key, float | str] = {
+        (Setting.POSITION_LOOP, ""): place.value,
+        (Setting.POSITION_CYCLE, ""): loop.position_cycle,
+        (Setting.VELOCITY_CYCLE, ""): loop.velocity_cycle,
+        (Setting.POSITION_GAIN, ""): loop.position_gain,
+        (Setting.VELOCITY_GAIN, ""): loop.velocity_gain,
+        (Setting.INTEGRAL_TIME, ""): loop.integral_time,
+    }
+    if loop.reference_model_time:
+        values[Setting.REFERENCE_MODEL, ""] = loop.reference_model_time
+    mass = loop.feedforward_mass
+    for setting, value, has in (
+        (Setting.VELOCITY_FEEDFORWARD, loop.velocity_feedforward, kind.velocity_feedforward),
+        (
+            Setting.FORCE_FEEDFORWARD,
+            loop.acceleration_feedforward * mass,
+            kind.acceleration_feedforward,
+        ),
+        (
+            Setting.JERK_FEEDFORWARD,
+            loop.jerk_feedforward * mass * loop.force_lag,
+            kind.jerk_feedforward,
+        ),
+        (Setting.REFERENCE_DELAY, delay, kind.reference_delay),
+        (Setting.AVERAGE, control.moving_average_time, "moving_average" in kind.setpoint_filters),
+        (
+            Setting.FILTERS,
+            min(len(loop.force_filters), kind.force_filters),
+            kind.force_filters > 0,
+        ),
+    ):
+        if has:
+            values[setting, ""] = float(value)
+    values[Setting.FEEDFORWARD, ""] = _feedforward(values)
+    for number, item in enumerate(loop.force_filters[: kind.force_filters], start=1):
+        values |= {
+            (Setting.FILTER_KIND, str(number)): item.kind.value,
+            (Setting.FILTER_FREQUENCY, str(number)): item.natural_frequency / (2.0 * pi),
+            (Setting.FILTER_DAMPING, str(number)): item.damping,
+        }
+    return values
+
+
+def _feedforward(values: Values) -> str:
+    """Which feed-forward acts, for controls that switch it."""
+    if values.get((Setting.FORCE_FEEDFORWARD, "")):
+        return "force"
+    return "velocity" if values.get((Setting.VELOCITY_FEEDFORWARD, "")) else "none"
+
+
+def today_of(subject: Subject, rapid: float) -> dict[Key, float | str]:
+    """Return what the control holds now, as far as the profile says so.
+
+    Parameters
+    ----------
+    subject
+        The axis.
+    rapid
+        Rapid traverse that a rise time belongs to [m/s].
+
+    Returns
+    -------
+    dict
+        SI.
+    """
+    today = subject.machine.today
+    if today is None:
+        return {}
+    a, j = today.acceleration, today.jerk
+    known = {
+        Setting.ACCELERATION: a,
+        Setting.RISE_TIME: rapid / a,
+        Setting.JERK: j,
+        Setting.JERK_TIME: a / j if j else None,
+        Setting.POSITION_GAIN: today.position_gain,
+        Setting.VELOCITY_GAIN: today.velocity_gain,
+        Setting.INTEGRAL_TIME: today.integral_time,
+        Setting.AVERAGE: today.moving_average_time,
+    }
+    return {(setting, ""): value for setting, value in known.items() if value is not None}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Held:
+    """The loop that a text makes, ready to simulate.
+
+    Parameters
+    ----------
+    machine
+        The mechanics, moves and requirements of the profile under the text's control.
+    tuned
+        Its loop in every corner; nothing of it was tuned.
+    values
+        Everything that the text says.
+    """
+
+    machine: Machine
+    tuned: TunedLoop
+    values: Values
+
+    def limits(self, mode: str = "") -> MotionLimits:
+        """Return the limits of a machining mode; "" for the recommendation."""
+        return read_limits(self.values, mode)
+
+    def judge(self, machine: Machine, limits: MotionLimits) -> Candidate:
+        """Return what limits do in every corner.
+
+        Parameters
+        ----------
+        machine
+            Whose requirements count.
+        limits
+            Acceleration and jerk.
+
+        Returns
+        -------
+        Candidate
+        """
+        within = plan_within(self.machine, limits)
+        shaper = self.values.get((Setting.SHAPER, ""))
+        if shaper is None:
+            plan = within
+        else:
+            impulses = zero_vibration(
+                SHAPERS[str(shaper)],
+                frequency_hz=number(self.values, Setting.SHAPER_FREQUENCY),
+                damping_ratio=number(self.values, Setting.SHAPER_DAMPING),
+            )
+
+            def plan(move: Move) -> Setpoint:
+                return shape_setpoint(within(move), impulses)
+
+        moves = simulate_planned(machine, self.tuned, plan)
+        return evaluate_moves(machine, build_plant(machine), self.tuned, moves)
+
+
+def number(values: Values, setting: Setting, index: str = "") -> float:
+    """Return a number that a text must hold.
+
+    Raises
+    ------
+    InputError
+        If it does not.
+    """
+    value = values.get((setting, index))
+    if not isinstance(value, float):
+        raise unreadable(setting.value[0])
+    return value
+
+
+def read_limits(values: Values, mode: str = "") -> MotionLimits:
+    """Return the limits that a control makes of its settings.
+
+    Parameters
+    ----------
+    values
+        SI; the acceleration as such or by a rise time, the jerk as such, by a ramp time or, where
+        there is no limit, by the position cycle within which the acceleration changes.
+    mode
+        Machining mode.
+
+    Returns
+    -------
+    MotionLimits
+    """
+    if (Setting.RISE_TIME, mode) in values:
+        a = number(values, Setting.RAPID) / number(values, Setting.RISE_TIME, mode)
+    else:
+        a = number(values, Setting.ACCELERATION, mode)
+    if (Setting.JERK, mode) in values:
+        return MotionLimits(acceleration=a, jerk=number(values, Setting.JERK, mode))
+    if (Setting.JERK_TIME, mode) in values:
+        return MotionLimits(acceleration=a, jerk=a / number(values, Setting.JERK_TIME, mode))
+    return MotionLimits(acceleration=a, jerk=a / number(values, Setting.POSITION_CYCLE))
+
+
+def write_limits(limits: MotionLimits, rapid: float, mode: str = "") -> dict[Key, float | str]:
+    """Return limits in all the ways in which a control may hold them.
+
+    Parameters
+    ----------
+    limits
+        Acceleration and jerk.
+    rapid
+        Rapid traverse that a rise time belongs to [m/s].
+    mode
+        Machining mode.
+
+    Returns
+    -------
+    dict
+        SI.
+    """
+    a, j = limits.acceleration, limits.jerk
+    return {
+        (Setting.ACCELERATION, mode): a,
+        (Setting.RISE_TIME, mode): rapid / a,
+        (Setting.JERK, mode): j,
+        (Setting.JERK_TIME, mode): a / j,
+    }
+
+
+def hold(subject: Subject, values: Values) -> Held:
+    """Return the loop that settings make: of the profile only machine, moves and requirements.
+
+    Parameters
+    ----------
+    subject
+        The axis.
+    values
+        From a text.
+
+    Returns
+    -------
+    Held
+
+    Raises
+    ------
+    InputError
+        If a setting is missing, contradicts another, or the loop is unstable.
+    """
+    machine = replace(subject.machine, control=_control(values, subject))
+    try:
+        tuned = tune_loop(machine)
+    except ComputationError as error:
+        message = Message(
+            "export-unstable",
+            lacking="yes" if subject.left_out else "no",
+            left_out=tuple(Message("export-feature", what=what) for what in subject.left_out),
+            why=error.message,
+            kind=subject.kind.key,
+        )
+        raise InputError([Fault(where="--control", message=message)]) from error
+    return Held(machine=machine, tuned=tuned, values=values)
+
+
+def _control(values: Values, subject: Subject) -> Control:
+    numbers = [index for setting, index in values if setting is Setting.FILTER_KIND]
+    missing = [setting for setting in ALWAYS if (setting, "") not in values]
+    if values.get((Setting.FILTERS, ""), 0.0) != len(numbers):
+        missing.append(Setting.FILTERS)
+    if missing:
+        raise unreadable(missing[0].value[0])
+
+    def given(setting: Setting) -> float:
+        return number(values, setting) if (setting, "") in values else 0.0
+
+    if values.get((Setting.FEEDFORWARD, ""), _feedforward(values)) != _feedforward(values):
+        raise unreadable(Setting.FEEDFORWARD.value[0])
+    lag = subject.machine.drive.force_lag
+    force, jerk = given(Setting.FORCE_FEEDFORWARD), given(Setting.JERK_FEEDFORWARD)
+    mass = force or (jerk / lag if lag else 0.0)
+    return Control(
+        kind=subject.kind,
+        position_loop=PositionLoop(values[Setting.POSITION_LOOP, ""]),
+        position_gain=given(Setting.POSITION_GAIN),
+        velocity_gain=given(Setting.VELOCITY_GAIN),
+        integral_time=given(Setting.INTEGRAL_TIME),
+        reference_model_time=given(Setting.REFERENCE_MODEL),
+        velocity_feedforward=given(Setting.VELOCITY_FEEDFORWARD),
+        acceleration_feedforward=1.0 if force else 0.0,
+        jerk_feedforward=jerk / (mass * lag) if jerk else 0.0,
+        feedforward_mass=mass,
+        reference_delay=given(Setting.REFERENCE_DELAY),
+        position_cycle=given(Setting.POSITION_CYCLE),
+        velocity_cycle=given(Setting.VELOCITY_CYCLE),
+        state_feedback=StateFeedback.OFF,
+        moving_average_time=given(Setting.AVERAGE),
+        force_filters=tuple(
+            ForceFilter(
+                kind=FilterKind(values[Setting.FILTER_KIND, i]),
+                natural_frequency=2.0 * pi * number(values, Setting.FILTER_FREQUENCY, i),
+                damping=number(values, Setting.FILTER_DAMPING, i),
+            )
+            for i in numbers
+        ),
+    )

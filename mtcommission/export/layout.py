@@ -1,0 +1,313 @@
+"""How a file is laid out in a control's syntax, and read back from it."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from io import StringIO
+from typing import TypeAlias
+
+from mtcommission.export.row import Row
+from mtcommission.export.wording import to_ascii
+from mtcommission.messages.catalogue import Catalogue
+
+BLANK = "__________"
+"""Room for the old value, to be filled in by hand."""
+
+DOUBT = "(?)"
+"""Mark of what was not read in a maker's text; the header says what it means."""
+
+ELSEWHERE = re.compile(r"^(?:;|#|\(\*) > (?P<name>.+?) = (?P<value>\S+)")
+"""A remark that holds what is set in the drive, or must be so."""
+
+INLINE = "NC program"
+"""Section of what stands in the part program instead of the PLC."""
+
+COLUMNS = (
+    "section", "parameter", "unit", "old_value", "new_value", "entered", "verified", "meaning",
+    "name_and_unit",
+)  # fmt: skip
+"""Of the parameter list; two of them are left empty for the engineer."""
+
+Found: TypeAlias = tuple[str, str, str]
+"""Section, name and value of a parameter, as they stand in a text."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """A row with what is typed in.
+
+    Parameters
+    ----------
+    row
+        The parameter.
+    value
+        As typed.
+    old
+        What the control holds now; "" where that is not known.
+    """
+
+    row: Row
+    value: str
+    old: str = ""
+
+    def meaning(self, words: Catalogue) -> str:
+        """Return what the parameter does, or nothing; in one line, whatever its names hold."""
+        said = words.say(self.row.meaning) if self.row.meaning else ""
+        return " ".join(to_ascii(said).split())
+
+    def remark(self, words: Catalogue) -> str:
+        """Return unit, old value and meaning, for a comment."""
+        unit = f"[{self.row.unit}] " if self.row.unit else ""
+        doubt = "" if self.row.is_verified else f" {DOUBT}"
+        return (
+            f"{unit}{words.text('export-old')}: {self.old or BLANK}  {self.meaning(words)}{doubt}"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layout:
+    """A syntax.
+
+    Parameters
+    ----------
+    comment
+        A line of text as a comment.
+    write
+        Parameters as lines, with remarks in a language.
+    read
+        The parameters in a text.
+    """
+
+    comment: Callable[[str], str]
+    write: Callable[[Sequence[Entry], Catalogue], list[str]]
+    read: Callable[[str], Iterator[Found]]
+
+    def write_elsewhere(self, entries: Sequence[Entry], words: Catalogue) -> list[str]:
+        """Return what is set in the drive, or must be so, as comments."""
+        heads = _padded([f"> {entry.row.name} = {entry.value}" for entry in entries])
+        return [
+            self.comment(f"{head}  {entry.remark(words)}")
+            for head, entry in zip(heads, entries, strict=True)
+        ]
+
+
+def read_elsewhere(text: str) -> Iterator[Found]:
+    """Yield what stands in the comments of a text as set in the drive, or as it must be."""
+    for line in text.splitlines():
+        if found := ELSEWHERE.match(line):
+            yield "", found["name"], found["value"]
+
+
+def lines_of(pattern: str, reader: str, comment: Callable[[str], str]) -> Layout:
+    """Return the syntax with one line for each parameter and its remark behind it.
+
+    Parameters
+    ----------
+    pattern
+        With fields ``name`` and ``value``.
+    reader
+        Regular expression of such a line, with the same two groups.
+    comment
+        A text as a comment.
+
+    Returns
+    -------
+    Layout
+    """
+    return Layout(
+        comment=comment,
+        write=partial(_write_lines, pattern, comment),
+        read=partial(_read_lines, re.compile(reader)),
+    )
+
+
+def _write_lines(
+    pattern: str, comment: Callable[[str], str], entries: Sequence[Entry], words: Catalogue
+) -> list[str]:
+    heads = _padded([pattern.format(name=e.row.name, value=e.value) for e in entries])
+    return [
+        f"{head}  {comment(entry.remark(words))}"
+        for head, entry in zip(heads, entries, strict=True)
+    ]
+
+
+def _read_lines(reader: re.Pattern[str], text: str) -> Iterator[Found]:
+    for line in text.splitlines():
+        if found := reader.match(line):
+            yield "", found["name"], found["value"]
+
+
+def _padded(heads: Sequence[str]) -> list[str]:
+    width = max(map(len, heads), default=0)
+    return [f"{head:<{width}}" for head in heads]
+
+
+def hash_comment(text: str) -> str:
+    """Return a comment of INI, YAML and table files."""
+    return f"# {text}".rstrip()
+
+
+def _semicolon_comment(text: str) -> str:
+    return f"; {text}".rstrip()
+
+
+def _bracket_comment(text: str) -> str:
+    """A comment behind a value of an ISG list: everything from the parenthesis on."""
+    return f"( {text}".rstrip()
+
+
+def _text_comment(text: str) -> str:
+    return f"(* {text.replace('*)', '* )')} *)"
+
+
+def _write_table(entries: Sequence[Entry], words: Catalogue) -> list[str]:
+    head = tuple(
+        words.text(f"export-head-{what}")
+        for what in ("parameter", "new-value", "unit", "old-value", "meaning")
+    )
+    rows = [
+        (
+            entry.row.name,
+            entry.value,
+            entry.row.unit,
+            entry.old or BLANK,
+            f"{entry.meaning(words)}{'' if entry.row.is_verified else f' {DOUBT}'}",
+        )
+        for entry in entries
+    ]
+    name, value, unit, old, _ = (max(map(len, column)) for column in zip(head, *rows, strict=True))
+    lines = [
+        f"{row[0]:<{name}} | {row[1]:>{value}} | {row[2]:<{unit}} | {row[3]:<{old}} | {row[4]}"
+        for row in (head, *rows)
+    ]
+    lines.insert(1, "-" * max(map(len, lines)))
+    return lines
+
+
+def _read_table(text: str) -> Iterator[Found]:
+    _, _, body = text.partition("\n---")
+    for line in body.splitlines():
+        if not line.startswith("#") and line.count(" | ") >= 4:
+            name, value, *_ = line.split(" | ")
+            yield "", name.strip(), value.strip()
+
+
+def _write_ini(mark: str, entries: Sequence[Entry], words: Catalogue) -> list[str]:
+    lines: list[str] = []
+    for section in dict.fromkeys(entry.row.section for entry in entries):
+        lines.append(f"[{section}]")
+        for entry in entries:
+            if entry.row.section == section:
+                head = f"{entry.row.name}{mark}{entry.value}"
+                lines += [hash_comment(entry.remark(words)), head]
+        lines.append("")
+    return lines[:-1]
+
+
+def _read_ini(mark: str, text: str) -> Iterator[Found]:
+    section = ""
+    for line in text.splitlines():
+        if line.startswith("["):
+            section = line.strip("[]")
+        elif not line.startswith("#") and mark in line:
+            name, _, value = line.partition(mark)
+            yield section, name, value
+
+
+def _write_yaml(entries: Sequence[Entry], words: Catalogue) -> list[str]:
+    lines: list[str] = []
+    open_parts: list[str] = []
+    for entry in entries:
+        parts = entry.row.section.split("/")
+        shared = 0
+        while shared < min(len(parts), len(open_parts)) and parts[shared] == open_parts[shared]:
+            shared += 1
+        lines += [f"{'  ' * i}{part}:" for i, part in enumerate(parts) if i >= shared]
+        open_parts = parts
+        head = f"{'  ' * len(parts)}{entry.row.name}: {entry.value}"
+        lines.append(f"{head}  {hash_comment(entry.remark(words))}")
+    return lines
+
+
+def _read_yaml(text: str) -> Iterator[Found]:
+    parts: list[str] = []
+    for line in text.splitlines():
+        if found := re.match(r"^(?P<indent> *)(?P<name>[^#:\s]+):(?: (?P<value>\S+))?", line):
+            parts = [*parts[: len(found["indent"]) // 2], found["name"]]
+            if found["value"]:
+                yield "/".join(parts[:-1]), found["name"], found["value"]
+
+
+def _write_constants(entries: Sequence[Entry], words: Catalogue) -> list[str]:
+    constants = [entry for entry in entries if entry.row.section != INLINE]
+    inline = [entry for entry in entries if entry.row.section == INLINE]
+    heads = _padded([f"    {e.row.name} : LREAL := {_real(e.value)};" for e in constants])
+    lines = ["VAR_GLOBAL CONSTANT"]
+    lines += [
+        f"{head}  {_text_comment(entry.remark(words))}"
+        for head, entry in zip(heads, constants, strict=True)
+    ]
+    lines.append("END_VAR")
+    if inline:
+        name, _, _ = inline[0].row.name.partition("[")
+        remark = inline[0].remark(words)
+        values = ";".join(entry.value for entry in inline)
+        lines += ["", _text_comment(words.text("export-for-nc-program", remark=remark))]
+        lines.append(_text_comment(f"{name}({values})#"))
+    return lines
+
+
+def _real(text: str) -> str:
+    """A literal of type LREAL has a decimal point."""
+    return text if "." in text else f"{text}.0"
+
+
+def _read_constants(text: str) -> Iterator[Found]:
+    for found in re.finditer(r"^ +(\w+) : LREAL := ([^;]+);", text, re.MULTILINE):
+        yield "", found[1], found[2]
+    for found in re.finditer(r"^\(\* (#set \w+)\(([^)]*)\)# \*\)$", text, re.MULTILINE):
+        for number, value in enumerate(found[2].split(";"), start=1):
+            yield INLINE, f"{found[1]}[{number}]", value
+
+
+def _write_list(entries: Sequence[Entry], words: Catalogue) -> list[str]:
+    stream = StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for entry in entries:
+        row = entry.row
+        doubt = words.text("export-verified" if row.is_verified else "export-doubted")
+        place = words.text("export-elsewhere") if row.is_elsewhere else row.section
+        meaning = entry.meaning(words)
+        writer.writerow((place, row.name, row.unit, entry.old, entry.value, "", "", meaning, doubt))
+    return stream.getvalue().splitlines()
+
+
+def _read_list(text: str) -> Iterator[Found]:
+    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
+    for row in csv.DictReader(lines):
+        yield row["section"], row["parameter"], row["new_value"]
+
+
+MACHINE_DATA = lines_of(
+    "{name}={value}", r"(?P<name>[Np$]\d[^=;]*)=(?P<value>\S+)", _semicolon_comment
+)
+G_CODE = lines_of("{name}{value}", r"(?P<name>M[^;]*?)(?P<value>[\d.]+) *;", _semicolon_comment)
+NAMED_LIST = Layout(
+    comment=hash_comment,
+    write=partial(_write_lines, "{name}  {value}", _bracket_comment),
+    read=partial(_read_lines, re.compile(r"(?P<name>[^#\s]\S*)  (?P<value>\S+) +\(")),
+)
+TABLE = Layout(comment=hash_comment, write=_write_table, read=_read_table)
+INI = Layout(comment=hash_comment, write=partial(_write_ini, " = "), read=partial(_read_ini, " = "))
+CONFIG = Layout(
+    comment=hash_comment, write=partial(_write_ini, ": "), read=partial(_read_ini, ": ")
+)
+YAML = Layout(comment=hash_comment, write=_write_yaml, read=_read_yaml)
+CONSTANTS = Layout(comment=_text_comment, write=_write_constants, read=_read_constants)
+LIST = Layout(comment=hash_comment, write=_write_list, read=_read_list)
+"""The parameter list as CSV: what is set elsewhere stands in it like all else."""

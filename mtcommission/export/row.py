@@ -1,0 +1,209 @@
+"""One row of a control: a setting under the control's own name, both written and read by it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, InvalidOperation
+from enum import Enum
+from typing import TypeAlias
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message
+
+DIGITS = 4
+"""Significant digits of what is typed in: a tenth of the digits by which valleys differ."""
+
+SAME = Decimal("1e-9")
+"""A number this close to a round one (relative) is that one: 1.68/1e-3 must stay 1680."""
+
+
+class Setting(Enum):
+    """What a control can hold, with the direction in which rounding is safe."""
+
+    ACCELERATION = ("acceleration", ROUND_FLOOR)
+    RISE_TIME = ("time from standstill to rapid traverse", ROUND_CEILING)
+    RAPID = ("rapid traverse", ROUND_FLOOR)
+    JERK = ("jerk", ROUND_FLOOR)
+    JERK_TIME = ("time of one acceleration ramp", ROUND_CEILING)
+    SHAPER = ("input shaper", "")
+    SHAPER_FREQUENCY = ("frequency of the shaper", ROUND_HALF_EVEN)
+    SHAPER_DAMPING = ("damping of the shaper", ROUND_HALF_EVEN)
+    AVERAGE = ("moving average of the setpoint", ROUND_HALF_EVEN)
+    POSITION_LOOP = ("where the position loop closes", "")
+    POSITION_CYCLE = ("position cycle", ROUND_HALF_EVEN)
+    VELOCITY_CYCLE = ("velocity cycle", ROUND_HALF_EVEN)
+    POSITION_GAIN = ("Kv", ROUND_FLOOR)
+    VELOCITY_GAIN = ("Kp", ROUND_FLOOR)
+    INTEGRAL_TIME = ("Tn", ROUND_CEILING)
+    REFERENCE_MODEL = ("time of the reference model", ROUND_HALF_EVEN)
+    FEEDFORWARD = ("which feed-forward acts", "")
+    VELOCITY_FEEDFORWARD = ("weight of the velocity", ROUND_HALF_EVEN)
+    FORCE_FEEDFORWARD = ("force per acceleration", ROUND_HALF_EVEN)
+    JERK_FEEDFORWARD = ("force per jerk", ROUND_HALF_EVEN)
+    REFERENCE_DELAY = ("delay of the position setpoint", ROUND_HALF_EVEN)
+    FILTERS = ("number of force filters", ROUND_HALF_EVEN)
+    FILTER_KIND = ("kind of a force filter", "")
+    FILTER_FREQUENCY = ("its frequency", ROUND_HALF_EVEN)
+    FILTER_DAMPING = ("its damping", ROUND_HALF_EVEN)
+    FIXED = ("what must be so", "")
+
+    @property
+    def rounding(self) -> str:
+        """Which way a number may go: limits and gains down, times that soften up."""
+        return self.value[1]
+
+
+Key: TypeAlias = tuple[Setting, str]
+"""A setting, and which one: a machining mode, the number of a filter, or ""."""
+
+Values: TypeAlias = Mapping[Key, float | str]
+"""Settings in SI; words where there is no number."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """A parameter of a control.
+
+    Parameters
+    ----------
+    setting, index
+        What it holds.
+    name
+        As the control spells it.
+    unit, scale
+        The control's unit, and one of it in SI.
+    digits
+        Significant digits of the number.
+    step
+        Whole multiples of this only, in its unit; 0: any number.
+    codes
+        How the control writes certain values, where a number or word of ours will not do.
+    meaning
+        What it does, in a few words; None where the name says it.
+    section
+        Where it stands in a structured file, parts separated by "/".
+    is_verified
+        Whether name and unit were read in a maker's text or source file.
+    is_elsewhere
+        Whether it stands in the text as a remark: set in the drive, or to be left as it is.
+    """
+
+    setting: Setting
+    index: str = ""
+    name: str
+    unit: str = ""
+    scale: float = 1.0
+    digits: int = DIGITS
+    step: float = 0.0
+    codes: Mapping[float | str, str] = field(default_factory=dict)
+    meaning: Message | None = None
+    section: str = ""
+    is_verified: bool = True
+    is_elsewhere: bool = False
+
+    @property
+    def key(self) -> Key:
+        """What it holds."""
+        return self.setting, self.index
+
+    def takes(self, value: float | str) -> bool:
+        """Whether the control can hold a value here."""
+        return not self.codes or value in self.codes
+
+    def encode(self, value: float | str) -> str:
+        """Return a value as it is typed, rounded to the safe side.
+
+        Examples
+        --------
+        >>> kv = Row(setting=Setting.POSITION_GAIN, name="kv", unit="0.01/s", scale=0.01, step=1)
+        >>> kv.encode(31.4159), kv.decode("3141")
+        ('3141', 31.41)
+        """
+        if self.codes:
+            return self.codes[value]
+        if isinstance(value, str):
+            raise unreadable(f"{self.name} {value}")
+        rounding = self.setting.rounding
+        return type_number(
+            round_number(value / self.scale, rounding, digits=self.digits, step=self.step)
+        )
+
+    def decode(self, text: str) -> float | str:
+        """Return the value that the control takes from what is typed, in SI.
+
+        Raises
+        ------
+        InputError
+            If the control would not take it.
+        """
+        try:
+            if self.codes:
+                return next(value for value, code in self.codes.items() if code == text)
+            return float(Decimal(text)) * self.scale
+        except (StopIteration, InvalidOperation):
+            raise unreadable(f"{self.name} {text}") from None
+
+
+def fixed(name: str, text: str, meaning: Message | None = None, *, section: str = "") -> Row:
+    """Return a row that must be just so for the others to act as they were simulated."""
+    return Row(
+        setting=Setting.FIXED,
+        index=name,
+        name=name,
+        codes={"set": text},
+        meaning=meaning,
+        section=section,
+    )
+
+
+def unreadable(row: str) -> InputError:
+    """Return the fault of a row that nothing can be made of."""
+    return InputError([Fault(where="export", message=Message("export-unreadable", row=row))])
+
+
+def round_number(
+    value: float, rounding: str, *, digits: int = DIGITS, step: float = 0.0
+) -> Decimal:
+    """Return the number with few significant digits at, below or above a value.
+
+    Parameters
+    ----------
+    value
+        >= 0.
+    rounding
+        One of ``decimal``'s.
+    digits
+        Significant digits.
+    step
+        If > 0 a whole multiple of it instead.
+
+    Returns
+    -------
+    Decimal
+
+    Examples
+    --------
+    >>> round_number(1.68 / 1e-3, ROUND_FLOOR), round_number(47.0888, ROUND_FLOOR)
+    (Decimal('1680'), Decimal('47.08'))
+    >>> round_number(23.3601, ROUND_CEILING), round_number(47.0888, ROUND_CEILING, step=2)
+    (Decimal('23.37'), Decimal('48'))
+    """
+    if not value:
+        return Decimal(0)
+    slack = {ROUND_FLOOR: SAME, ROUND_CEILING: -SAME}.get(rounding, Decimal(0))
+    exact = Decimal(value) * (1 + slack)
+    quantum = Decimal(str(step)) if step else Decimal(1).scaleb(exact.adjusted() - digits + 1)
+    return (exact / quantum).to_integral_value(rounding) * quantum
+
+
+def type_number(number: Decimal) -> str:
+    """Return a number as it is typed: no exponent, no zeros behind the point.
+
+    Examples
+    --------
+    >>> type_number(Decimal("1.680E+3")), type_number(Decimal("47.0800"))
+    ('1680', '47.08')
+    """
+    text = format(number, "f")
+    return text.rstrip("0").rstrip(".") if "." in text else text

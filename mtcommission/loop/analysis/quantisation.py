@@ -1,0 +1,134 @@
+"""How much an encoder that counts in steps makes tool and set force tremble.
+
+What the encoder says is wrong by up to half a step q. While the axis moves over many steps in a
+velocity cycle, the error is as good as white noise of variance q²/12. At rest it is not: the axis
+stands somewhere between two steps, and integrator and position controller carry it to and fro
+across their border. Seen in simulations, that stays below what one change of the count does, the
+whole swing after a step of q.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.loop.model.assembly import SampledLoop
+
+Array = NDArray[np.float64]
+
+SIGMAS = 3.0
+"""Of the white noise: 99.7 % of the samples of a normal distribution lie within."""
+
+SWING = 1.0
+"""How long the answer to a change of the count is followed [s]: its peak is among the first swings,
+and no servo is slower (empirical)."""
+
+DOUBLINGS = 30
+"""The noise is summed over 2^30 position cycles: days."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EncoderNoise:
+    """What the steps of an encoder add to the motion, either way.
+
+    Parameters
+    ----------
+    tool
+        Of the tool's position [m].
+    force
+        Of the set force [N].
+    """
+
+    tool: float
+    force: float
+
+
+def encoder_noise(loop: SampledLoop, *, resolution: float) -> EncoderNoise:
+    """Return within what tool and set force stay of where they would be with a perfect encoder.
+
+    Parameters
+    ----------
+    loop
+        A stable loop.
+    resolution
+        Step q of the encoder [m]; 0: none.
+
+    Returns
+    -------
+    EncoderNoise
+        The larger of: three sigmas of white noise in the velocity cycle in which they are most, at
+        the tool beside half a step for where the axis stands; and what one change of the count
+        does, at the tool the peak after it (half a step for where the axis stands, the rest for
+        how it swings about that), in the force from peak to peak, because the count may change
+        back at the worst moment.
+
+    Source: variance of rounding q²/12 (Widrow & Kollár, Quantization Noise, 2008); the rest is
+    derived here, and held to simulations that round every sample (docs/feedback-loop.md).
+
+    Examples
+    --------
+    >>> from mtcommission.loop.tuning.tuning import tune_loop
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> loop = tune_loop(read_shipped("modal-two-modes").machine).loops[0]
+    >>> coarse, fine = (encoder_noise(loop, resolution=q) for q in (1e-6, 1e-7))
+    >>> round(coarse.tool / fine.tool, 9), round(coarse.force / fine.force, 9)
+    (10.0, 10.0)
+    """
+    if resolution == 0.0:
+        return EncoderNoise(tool=0.0, force=0.0)
+    noise = SIGMAS / sqrt(12.0) * _standard_deviations(loop)
+    low, high = _swings(loop)
+    tool, force = max(-low[0], high[0]), high[1] - low[1]
+    return EncoderNoise(
+        tool=resolution * max(float(noise[0]) + 0.5, float(tool)),
+        force=resolution * max(float(noise[1]), float(force)),
+    )
+
+
+def _standard_deviations(loop: SampledLoop) -> Array:
+    """Of tool and set force under white noise of variance 1 on the encoder, shape (2,).
+
+    The covariance at the beginning of a position cycle solves P = A P Aᵀ + Q. It is summed by
+    doubling: scipy's solver loses all digits where a loop holds states of very different size.
+    """
+    size, rows = loop.own_size, _seen(loop)
+    cycle, A = loop.cycle[:size, :size], loop.lifted.A[:size, :size]
+    sample, handed_down = loop.sensed[:, :size]
+    entries = [sample]
+    for _ in range(loop.controller.cycles - 1):
+        entries.append(cycle @ entries[-1])
+    G = np.array(entries).T
+    # What was handed down is replaced at the end of the cycle; the first sample counts for it.
+    G[loop.held :] = 0.0
+    G[:, -1] += handed_down
+    P = G @ G.T
+    for _ in range(DOUBLINGS):
+        P, A = P + A @ P @ A.T, A @ A
+    largest = np.zeros(2)
+    for _ in range(loop.controller.cycles):
+        largest = np.maximum(largest, np.sum(rows @ P * rows, axis=1))
+        P = cycle @ P @ cycle.T + np.outer(sample, sample)
+    return np.sqrt(largest)
+
+
+def _swings(loop: SampledLoop) -> tuple[Array, Array]:
+    """Least and largest values of tool and set force after the encoder jumps by 1, shape (2,)."""
+    size, rows, held = loop.own_size, _seen(loop), loop.held
+    cycle, (sample, handed_down) = loop.cycle[:size, :size], loop.sensed[:, :size]
+    X, low, high = np.zeros(size), np.zeros(2), np.zeros(2)
+    for _ in range(ceil(SWING / loop.controller.position_cycle)):
+        following = loop.handed_down[:, :size] @ X + handed_down[held:]
+        for _ in range(loop.controller.cycles):
+            values = rows @ X
+            low, high = np.minimum(low, values), np.maximum(high, values)
+            X = cycle @ X + sample
+        X[held:] = following
+    return low, high
+
+
+def _seen(loop: SampledLoop) -> Array:
+    """Tool and set force, over the loop's own states."""
+    return loop.observation[[0, 2], : loop.own_size]

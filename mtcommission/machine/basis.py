@@ -1,0 +1,85 @@
+"""Machine -> on what its results rest: what the control has, what is assumed, what is neglected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mtcommission.control_kinds.kind import ControlKind, Jerk
+from mtcommission.machine.machine import Machine
+from mtcommission.messages.message import Message
+
+SAID = (
+    "requirements.frequency_spread",
+    "requirements.damping_spread",
+    "requirements.reserve",
+    "control.kind",
+    "control.position_loop",
+    "control.position_cycle",
+    "control.velocity_cycle",
+)
+"""Keys of ``Machine.assumed`` that have a sentence of their own."""
+
+
+def describe_kind(kind: ControlKind) -> Message:
+    """Return what a kind of control has and what it lacks; "(?)" marks what was not read.
+
+    Parameters
+    ----------
+    kind
+        Its table.
+
+    Returns
+    -------
+    Message
+    """
+    counts: dict[str, int] = {
+        "jerk-time" if kind.jerk is Jerk.TIME else "jerk": int(kind.has_jerk_limit),
+        "setpoint-filters": len(kind.setpoint_filters),
+        "velocity-feedforward": kind.velocity_feedforward,
+        "acceleration-feedforward": kind.acceleration_feedforward,
+        "jerk-feedforward": kind.jerk_feedforward,
+        "reference-delay": kind.reference_delay,
+        "force-filters": kind.force_filters,
+        "state-feedback": kind.state_feedback,
+        **({"modes": len(kind.modes)} if kind.modes else {}),
+    }
+    has, lacks = list[Message](), list[Message]()
+    for name, count in counts.items():
+        said = Message(f"feature-{name}")
+        if count > 1:
+            said = Message("feature-counted", count=count, feature=said)
+        if not kind.features[name.removesuffix("-time").replace("-", "_")].is_verified:
+            said = Message("feature-unread", feature=said)
+        (has if count else lacks).append(said)
+    if not lacks:
+        return Message("control-has-all", has=tuple(has))
+    return Message("control-has", has=tuple(has), lacks=tuple(lacks))
+
+
+def list_assumed(machine: Machine) -> Iterator[Message]:
+    """Yield what nobody stated of a machine, and what is taken instead."""
+    needs, is_assumed = machine.requirements, machine.is_assumed
+    if is_assumed("requirements.frequency_spread"):
+        yield Message("assumed-frequency-spread", spread=needs.frequency_spread)
+    if is_assumed("requirements.damping_spread"):
+        yield Message("assumed-damping-spread", spread=needs.damping_spread)
+    if is_assumed("requirements.reserve"):
+        reserve = needs.reserve
+        yield Message("assumed-reserve", band=reserve.band, force=reserve.force)
+    if is_assumed("control.kind"):
+        yield Message("assumed-kind")
+    yield from machine.mechanics.assumptions()
+    others = [key for key in machine.assumed if key not in SAID]
+    if others and not machine.illustrative:
+        yield Message("assumed-keys", keys=", ".join(others))
+
+
+def list_neglected(machine: Machine) -> Iterator[Message]:
+    """Yield what the model leaves out, with what to do where it matters."""
+    if machine.control.kind.follows_steps:
+        yield Message("neglected-steps")
+    yield Message("neglected-force-over-speed")
+    yield Message("neglected-friction")
+    if not machine.drive.encoder_resolution:
+        yield Message("neglected-encoder")
+    yield Message("neglected-travel")

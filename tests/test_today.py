@@ -1,0 +1,111 @@
+"""Today's values: the same loop and judgement as the recommendation, and never a silent guess."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+
+import pytest
+
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Machine, Today
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.robustness import RobustnessSettings
+from mtcommission.study.today import TodaysValues, judge_today
+from mtcommission.verdict.evaluate import evaluate
+from tests.machines import paper_machine
+
+COARSE = RobustnessSettings(frequency_points=4)
+
+
+def judged(machine: Machine, today: Today | None) -> TodaysValues | None:
+    stated = replace(machine, today=today)
+    return judge_today(stated, build_plant(stated), tune_loop(stated), COARSE)
+
+
+def test_nothing_stated_is_nothing_told() -> None:
+    assert judged(paper_machine(), None) is None
+
+
+def test_given_gains_give_the_loop_that_a_profile_with_these_gains_gets() -> None:
+    """A second way to the same loop: the profile that states today's gains as its own."""
+    machine = paper_machine()
+    today = Today(
+        acceleration=1.2, jerk=30.0, position_gain=12.0, velocity_gain=9e4, integral_time=0.05
+    )
+    found = judged(machine, today)
+    assert found is not None
+    assert found.judged is not None
+    assert found.basis == Message("today-in-own-loop")
+    own = replace(
+        machine.control,
+        position_gain=12.0,
+        velocity_gain=9e4,
+        integral_time=0.05,
+        state_feedback=type(machine.control.state_feedback).OFF,
+    )
+    other = replace(machine, control=own)
+    limits = MotionLimits(acceleration=1.2, jerk=30.0)
+    twin = evaluate(other, build_plant(other), tune_loop(other), limits)
+    assert found.judged.settling_time == pytest.approx(twin.settling_time, rel=1e-9)
+    assert found.judged.residual_deviation == pytest.approx(twin.residual_deviation, rel=1e-6)
+
+
+def test_gains_that_nobody_stated_are_named() -> None:
+    found = judged(paper_machine(), Today(acceleration=1.2, jerk=30.0, position_gain=12.0))
+    assert found is not None
+    assert found.controller.position_gain == 12.0
+    assert not found.controller.state_gains.any()
+    assert "today's Kv; Kp, Tn, not stated" in Catalogue().say(found.basis)
+
+
+def test_without_gains_only_the_limits_are_compared() -> None:
+    machine = paper_machine()
+    found = judged(machine, Today(acceleration=1.2, jerk=30.0))
+    assert found is not None
+    assert found.judged is not None
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    twin = evaluate(machine, plant, tuned, MotionLimits(acceleration=1.2, jerk=30.0))
+    assert found.judged == replace(twin, assessment=found.judged.assessment)
+    assert found.basis == Message("today-in-recommended-loop")
+
+
+def test_a_filter_of_today_lengthens_the_move_by_its_time() -> None:
+    """The recommended setpoint has none: it must not be forgotten, nor stay for the others."""
+    machine = paper_machine()
+    plain = judged(machine, Today(acceleration=1.2, jerk=30.0))
+    filtered = judged(machine, Today(acceleration=1.2, jerk=30.0, moving_average_time=0.1))
+    assert plain is not None
+    assert filtered is not None
+    assert plain.judged is not None
+    assert filtered.judged is not None
+    assert filtered.judged.settling_time > plain.judged.settling_time + 0.05
+
+
+def test_no_jerk_limit_is_the_shortest_ramp_that_a_control_sends() -> None:
+    machine = paper_machine()
+    found = judged(machine, Today(acceleration=1.2, jerk=None))
+    assert found is not None
+    assert found.limits.jerk_time == pytest.approx(machine.control.position_cycle)
+
+
+def test_an_unstable_loop_is_told_with_its_gains_and_has_no_result() -> None:
+    found = judged(paper_machine(), Today(acceleration=1.2, jerk=30.0, velocity_gain=9e6))
+    assert found is not None
+    assert found.judged is None
+    assert found.frequency_error is None
+    assert found.failure is not None
+    assert "unstable with today's Kv" in Catalogue().say(found.failure)
+    assert found.failure.values["Kp"] == 9e6
+
+
+def test_values_that_make_endless_moves_are_told_and_stop_nothing() -> None:
+    """A wrong unit in [today] must not cost the user the recommendation."""
+    found = judged(paper_machine(), Today(acceleration=1e-6, jerk=1e-6))
+    assert found is not None
+    assert found.judged is None
+    assert "[today]" in Catalogue().say(found.failure or Message("none"))
+    assert found.limits.jerk_time < inf
