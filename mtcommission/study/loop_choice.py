@@ -25,7 +25,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import Settings
-from mtcommission.verdict.evaluate import Candidate, evaluate
+from mtcommission.verdict.evaluate import Candidate
 
 LATER = 0.03
 """What a stiffer tool may cost in settling time (design choice)."""
@@ -322,8 +322,8 @@ def _best_limits(
     starts: Sequence[MotionLimits],
 ) -> Candidate:
     """The limits that suit a loop best by the coarser search, judged."""
-    choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.comparison)
-    return evaluate(machine, plant, tuned, choice.limits)
+    found = choose_limits(machine, plant, tuned, starts=starts, settings=settings.comparison)
+    return found.candidate
 
 
 def _explain(used: LoopTrial, trials: Sequence[LoopTrial]) -> tuple[Message, ...]:

@@ -22,7 +22,7 @@ from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
     design_observer,
     given_state_feedback,
-    most_resonant_mode,
+    moving_modes,
 )
 from mtcommission.loop.tuning.tuned import (
     CornerPlants,
@@ -34,7 +34,6 @@ from mtcommission.loop.tuning.tuned import (
 )
 from mtcommission.machine.machine import Machine, StateFeedback
 from mtcommission.messages.message import Message
-from mtcommission.plant.plant import PlantMode
 
 Array = NDArray[np.float64]
 
@@ -64,8 +63,8 @@ class LoopFamily:
         Without states where nothing but the cascade is built.
     state_gains
         As given, shape (n_plant,) [N per unit]; zero where none are.
-    mode
-        Which the state feedback by weight damps; None where there is none.
+    damps
+        Whether state feedback by weight is built.
     """
 
     machine: Machine
@@ -74,7 +73,7 @@ class LoopFamily:
     scanned: tuple[BlockResponses, ...]
     observer: Observer
     state_gains: Array
-    mode: PlantMode | None = None
+    damps: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,7 +151,7 @@ def cascade_family(
 
 
 def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
-    """Return the same with an observer and the mode that state feedback damps best.
+    """Return the same with an observer, and state feedback by weight.
 
     Parameters
     ----------
@@ -162,7 +161,7 @@ def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
     Returns
     -------
     LoopFamily or None
-        None if the sensors see no mode.
+        None if the sensors see no mode that moves the tool.
 
     Raises
     ------
@@ -171,12 +170,11 @@ def feedback_family(cascades: LoopFamily) -> LoopFamily | None:
     """
     machine, bench = cascades.machine, cascades.bench
     controller = build_cascade(machine, bench.model, fraction=1.0)
-    mode = most_resonant_mode(bench.model, controller.sensors)
-    if mode is None:
+    if not moving_modes(bench.model, controller.sensors):
         return None
     observer = design_observer(machine, bench.model, controller, settings=cascades.settings)
     scanned = scan_corners(bench, replace(controller, observer=observer))
-    return replace(cascades, scanned=scanned, observer=observer, mode=mode)
+    return replace(cascades, scanned=scanned, observer=observer, damps=True)
 
 
 def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
@@ -187,7 +185,7 @@ def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
     family
         What it shares with the others.
     shape
-        With a mode weight only where the family damps a mode.
+        Its weight counts where the family damps.
     fraction
         Kp over the symmetrical optimum [-].
 
@@ -197,13 +195,12 @@ def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
     """
     model = family.bench.model
     cascade = build_cascade(family.machine, model, fraction=fraction, shape=shape)
-    if family.mode is None:
+    if not family.damps:
         return replace(cascade, state_gains=family.state_gains, observer=family.observer)
     return add_state_feedback(
         family.machine,
         model,
         cascade,
-        family.mode,
         weight=shape.mode_weight,
         observer=family.observer,
     )
@@ -313,12 +310,10 @@ def feedback_shapes(settings: TuningSettings, *, near: Shape) -> tuple[Shape, ..
     Returns
     -------
     tuple of Shape
-        That one, and those with the shortest integral time: state feedback damps what a short
-        integral time shakes.
+        That one, and two with a short integral time: state feedback damps what that shakes.
     """
-    shortest = min(settings.integral_ratios)
-    quick = [Shape(position_ratio=r, integral_ratio=shortest) for r in settings.position_ratios]
-    return tuple(dict.fromkeys((near, *quick)))
+    gentle = replace(CLASSIC, position_ratio=min(settings.position_ratios))
+    return tuple(dict.fromkeys((near, CLASSIC, gentle)))
 
 
 def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:

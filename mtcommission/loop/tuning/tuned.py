@@ -38,8 +38,8 @@ class TuningSettings:
         Kv m / Kp and Tn Kp / m of the loops that are tried; Tn is never shorter than by the
         classic rule (Yaskawa).
     mode_weights
-        Weights of the damped mode's squared rate against the squared force, both in units of
-        what F_max does to the mode; each is tried.
+        Weights of the squared vibration of the tool against the squared force, see
+        ``state_feedback.add_state_feedback``; each is tried.
     least_integral_share
         Kp Kv / Tn over that of the classic rule, at least: what friction or a cutting force
         displaces, summed over time, is the reciprocal (design choice).
@@ -60,7 +60,7 @@ class TuningSettings:
     sensitivity_peak: float = 2.0
     position_ratios: tuple[float, ...] = (0.0625, 0.125, 0.25, 0.5)
     integral_ratios: tuple[float, ...] = (4.0, 8.0, 16.0, 32.0)
-    mode_weights: tuple[float, ...] = (0.1, 1.0, 10.0)
+    mode_weights: tuple[float, ...] = (1.0, 10.0)
     least_integral_share: float = 0.25
     largest_fraction: float = 4.0
     reduction: float = 0.85

@@ -20,7 +20,7 @@ from mtcommission.loop.tuning.proposals import (
     propose_feedback,
     tune_shape,
 )
-from mtcommission.loop.tuning.state_feedback import is_seen
+from mtcommission.loop.tuning.state_feedback import is_seen, moving_modes
 from mtcommission.loop.tuning.tuned import (
     CornerPlants,
     TunedLoop,
@@ -123,7 +123,7 @@ def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
     """
     machine, bench = family.machine, family.bench
     remarks = explain_cascade(machine, tuned.controller)
-    if family.mode is not None:
+    if family.damps:
         remarks = (*remarks, *_explain_feedback(family, tuned))
     warnings = list(warn_of_modes(bench, tuned))
     if machine.control.has_given_gains or machine.control.state_gains:
@@ -138,9 +138,9 @@ def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
 
 
 def _explain_feedback(family: LoopFamily, tuned: TunedLoop) -> tuple[Message, ...]:
-    model, sensors, mode = family.bench.model, tuned.controller.sensors, family.mode
-    assert mode is not None
+    model, sensors = family.bench.model, tuned.controller.sensors
     seen = "loop-observed-encoder-and-tcp" if "tcp" in sensors else "loop-observed-encoder"
+    mode = moving_modes(model, sensors)[0]
     remark = Message(
         "loop-state-feedback",
         sensors=Message(seen),

@@ -14,7 +14,7 @@ loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindig
 
 loop-unseen-modes = Die Geber sehen die Eigenform { $modes } nicht: keine Rückführung kann sie dämpfen.
 loop-no-state-feedback = Keine Zustandsrückführung: { $detail }.
-loop-sees-no-mode = die Geber sehen keine Eigenform
+loop-sees-no-mode = die Geber sehen keine Eigenform, die das Werkzeug bewegt
 loop-state-feedback-loses = keine hält die Reserven, minimum_bandwidth und die Steifigkeit der Kaskade nach der klassischen Regel ein
 loop-state-feedback = Zustandsrückführung (LQR um die Kaskade, Kalman-Beobachter an { $sensors }): Dämpfungsgrad der Eigenform { $mode } { NUMBER($own, digits: 3) } ohne Regelung, { NUMBER($feedback, digits: 3) } mit ihr.
 loop-observed-encoder = Lagegeber
@@ -51,7 +51,7 @@ loop-no-margins = bei Kp = { SI($Kp, "DAMPING") }, { PERCENT($share) } des symme
 loop-mode-without-damping = Eigenform { $mode } ({ PLAIN($frequency) } Hz) hat den Dämpfungsgrad 0
 loop-hidden-states = Zustandsrückführung von { $states }
 loop-observer-failed = Beobachter: { $error }
-loop-gains-failed = Verstärkungen für die Eigenform { $mode }: { $error }
+loop-gains-failed = Verstärkungen: { $error }
 
 budget-full-force = Bewegung { $move } dauert mindestens { PLAIN($time, digits: 3) } s mit { SI($force, "FORCE") } an { SI($mass, "MASS") }; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { NUMBER($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }
 budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } und eine Rampe von { PLAIN($jerk_time) } s, womit eine Bewegung { PLAIN($time) } s dauert; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { PLAIN($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }; { $remedy }

@@ -7,7 +7,7 @@ setting-sensitivity-peak = Zulässiges Maximum der Empfindlichkeit
 setting-position-ratios = Versuchte Kv m / Kp
 setting-integral-ratios = Versuchte Tn Kp / m
 setting-least-integral-share = Kp Kv / Tn relativ zur klassischen Regel, mindestens
-setting-mode-weights = Versuchte Gewichte der Eigenform für die Zustandsrückführung
+setting-mode-weights = Versuchte Gewichte der Werkzeugschwingung für die Zustandsrückführung
 setting-reduction = Faktor von einem Versuch für Kp zum nächsten
 setting-force-noise = { $axis ->
     [rotary] Momentenrauschen des Beobachters, bezogen auf F_max

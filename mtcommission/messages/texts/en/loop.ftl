@@ -22,7 +22,7 @@ loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle +
 loop-unseen-modes = The sensors do not see mode { $modes }: no feedback can damp it.
 # $detail: one of the next two, or why the design failed
 loop-no-state-feedback = No state feedback: { $detail }.
-loop-sees-no-mode = the sensors see no mode
+loop-sees-no-mode = the sensors see no mode that moves the tool
 loop-state-feedback-loses = none keeps the margins, minimum_bandwidth and the stiffness of the cascade by the classic rule
 loop-state-feedback = State feedback (LQR around the cascade, Kalman observer on { $sensors }): damping ratio of mode { $mode } { NUMBER($own, digits: 3) } without control, { NUMBER($feedback, digits: 3) } with it.
 loop-observed-encoder = encoder
@@ -64,7 +64,7 @@ loop-mode-without-damping = mode { $mode } ({ PLAIN($frequency) } Hz) has dampin
 loop-hidden-states = state feedback of { $states }
 # $error: what the solver said
 loop-observer-failed = observer: { $error }
-loop-gains-failed = gains for mode { $mode }: { $error }
+loop-gains-failed = gains: { $error }
 
 # What a move costs: more velocity cycles than are followed
 budget-full-force = move { $move } takes at least { PLAIN($time, digits: 3) } s with { SI($force, "FORCE") } on { SI($mass, "MASS") }; in { $corners } corner(s) all moves together are { NUMBER($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most

@@ -7,7 +7,7 @@ setting-sensitivity-peak = Sensitivity peak allowed
 setting-position-ratios = Kv m / Kp tried
 setting-integral-ratios = Tn Kp / m tried
 setting-least-integral-share = Kp Kv / Tn over that of the classic rule, at least
-setting-mode-weights = Weights of the mode tried for the state feedback
+setting-mode-weights = Weights of the tool vibration tried for the state feedback
 setting-reduction = Factor from one try of Kp to the next
 setting-force-noise = { $axis ->
     [rotary] Torque noise of the observer, relative to F_max
