@@ -28,13 +28,7 @@ from mtcommission.study.robustness import Robustness, examine_robustness
 from mtcommission.study.settings import Settings
 from mtcommission.study.today import TodaysValues, judge_today
 from mtcommission.verdict.assess import Assessment
-from mtcommission.verdict.evaluate import (
-    Candidate,
-    MoveResult,
-    evaluate,
-    evaluate_moves,
-    simulate_moves,
-)
+from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate
 
 Progress = Callable[[Message], None]
 
@@ -56,11 +50,7 @@ class Commissioning:
     loop_study
         Its answer to a disturbance, and the effect of the jerk feed-forward.
     choice
-        Recommended limits and the landscape of the search.
-    moves
-        Each move with the recommended limits.
-    recommended
-        The recommendation, judged.
+        Recommended limits, judged, each move with them, and the landscape of the search.
     alternatives
         Limits condensed from the optima.
     rules
@@ -89,8 +79,6 @@ class Commissioning:
     loop: LoopChoice
     loop_study: LoopStudy
     choice: Choice
-    moves: tuple[MoveResult, ...]
-    recommended: Candidate
     alternatives: tuple[Candidate, ...]
     rules: tuple[Candidate, ...]
     comparisons: tuple[MoveComparison, ...]
@@ -105,6 +93,16 @@ class Commissioning:
     def tuned(self) -> TunedLoop:
         """The loop that is used, in every corner."""
         return self.loop.tuned
+
+    @property
+    def moves(self) -> tuple[MoveResult, ...]:
+        """Each move with the recommended limits."""
+        return self.choice.moves
+
+    @property
+    def recommended(self) -> Candidate:
+        """The recommendation, judged."""
+        return self.choice.candidate
 
     @property
     def assessment(self) -> Assessment:
@@ -150,15 +148,13 @@ def commission(
     progress(Message("stage-limits"))
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
     progress(Message("stage-responses"))
-    moves = simulate_moves(machine, tuned, choice.limits)
-    recommended = evaluate_moves(machine, plant, tuned, moves)
     alternatives = tuple(
         evaluate(machine, plant, tuned, limits, name=name) for name, limits in condensed
     )
     rule = apply_commissioning_rule(machine, plant, tuned)
     rules = evaluate_rules(machine, plant, tuned, rule)
     attainable: tuple[Attainable, ...] = ()
-    if not recommended.assessment.is_met:
+    if not choice.meets_requirements:
         progress(Message("stage-attainable"))
         attainable = find_attainable(machine, plant, tuned, choice, settings=settings.comparison)
     progress(Message("stage-machining-modes"))
@@ -166,9 +162,8 @@ def commission(
         machine, plant, tuned, choice, starts=starts, settings=settings.search
     )
     progress(Message("stage-comparison"))
-    comparisons = tuple(
-        compare_move(machine, plant, tuned, *pair) for pair in zip(optima, moves, strict=True)
-    )
+    pairs = zip(optima, choice.moves, strict=True)
+    comparisons = tuple(compare_move(machine, plant, tuned, *pair) for pair in pairs)
     progress(Message("stage-robustness"))
     robustness = examine_robustness(
         machine, plant, tuned, choice.limits, settings=settings.robustness
@@ -184,8 +179,6 @@ def commission(
         loop=loop,
         loop_study=loop_study,
         choice=choice,
-        moves=moves,
-        recommended=recommended,
         alternatives=alternatives,
         rules=rules,
         comparisons=comparisons,

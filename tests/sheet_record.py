@@ -382,6 +382,7 @@ def _alternative(name: str, scale: float) -> Any:
         "residual_deviation": 4.582e-6 * scale,
         "peak_deviation": 9.47e-6 * scale,
         "meets_requirements": scale < 1.1,
+        "keeps_reserve": scale < 0.9,
     }
 
 
@@ -522,6 +523,7 @@ def _loop() -> Any:
         "motion_force": 2010.0,
         "force_filters": [{"kind": "notch", "natural_frequency": 452.0, "damping": 0.1}],
         "encoder_resolution": 1e-8,
+        "encoder_noise": {"tool": 3.3e-8, "force": 21.2},
         "sensors": ["encoder"],
         "observer": {
             "states": ["x_b", "v_b"],

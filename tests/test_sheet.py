@@ -1150,6 +1150,7 @@ def _with_today(**changes):
         "residual_deviation": 45.2e-6,
         "peak_deviation": 61.3e-6,
         "meets_requirements": False,
+        "keeps_reserve": False,
         "frequency_range": None,
         "valid_for": [{"smallest": 0.102, "largest": 0.102}],
     } | changes

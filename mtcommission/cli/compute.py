@@ -190,7 +190,6 @@ def limits(
     from mtcommission.commission import commission
     from mtcommission.record.files import dump_json
     from mtcommission.record.limits import limits_part
-    from mtcommission.record.schema import Words
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
@@ -198,7 +197,7 @@ def limits(
     if json_file:
         write_text(json_file, dump_json(part))
     if json_file != "-":
-        warnings: list[Words] = [*found.tuned.warnings, *found.robustness.warnings]
+        warnings = [*part.warnings, *found.tuned.warnings, *found.robustness.warnings]
         show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if met else 1)
 

@@ -9,6 +9,7 @@ from rich.markup import escape
 from rich.text import Text
 
 from mtcommission.cli.terminal import empty_table, heading, warn, words_for
+from mtcommission.machine.basis import list_assumed
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -90,8 +91,14 @@ def describe_limits(
             )
             for item in part.attainable
         ),
+        _assumed(machine, spoken),
         *warn(spoken, warnings),
     )
+
+
+def _assumed(machine: Machine, spoken: Catalogue) -> Text:
+    """What nobody stated of the machine."""
+    return Text(spoken.text("terminal-assumed", what=tuple(list_assumed(machine))))
 
 
 def _hold_sentence(item: MoveSizesEntry, spoken: Catalogue, length: str) -> Message:
@@ -139,7 +146,8 @@ def describe_simulation(machine: Machine, part: SimulationPart) -> Group:
             )
     verdict = _verdict(spoken, part.assessment)
     warnings = warn(spoken, part.warnings)
-    return Group(heading(spoken.text("terminal-response")), table, *verdict, *warnings)
+    parts = (table, *verdict, _assumed(machine, spoken), *warnings)
+    return Group(heading(spoken.text("terminal-response")), *parts)
 
 
 def _verdict(spoken: Catalogue, assessment: AssessmentPart) -> list[RenderableType]:

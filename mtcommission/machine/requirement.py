@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from mtcommission.machine.machine import Move, VelocityStep
+from mtcommission.machine.machine import Move, Reserve, VelocityStep
 from mtcommission.messages.message import Message
 
 
@@ -39,6 +39,13 @@ class Requirement:
     def value(self) -> str:
         """Name in records, e.g. ``"set force"`` or ``"peak v_phi"``."""
         return f"{self.kind.value} {self.signal}".rstrip()
+
+    def usable_share(self, reserve: Reserve) -> float:
+        """Return the share of the limit that recommendations may use [-]."""
+        if self.kind is Kind.SETTLING_TIME:
+            return 1.0
+        is_force = self.kind in (Kind.SET_FORCE, Kind.RMS_FORCE)
+        return reserve.force if is_force else reserve.band
 
     @property
     def message(self) -> Message:

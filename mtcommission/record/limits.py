@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
-from mtcommission.machine.machine import Machine, VelocityStep
+from mtcommission.machine.machine import Machine, Reserve, VelocityStep
 from mtcommission.record.data import describe_move
 from mtcommission.record.schema import (
     Alternative,
@@ -46,6 +46,7 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
     """Return all about the limits, as ``limits --json`` prints it."""
     choice, best, machine = commissioning.choice, commissioning.recommended, commissioning.machine
     seen, today = choice.landscape, commissioning.today
+    reserve = machine.requirements.reserve
     return LimitsPart(
         recommended=entry_of(
             LimitsEntry,
@@ -60,8 +61,8 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
         modes=[_mode_entry(mode) for mode in commissioning.modes],
         attainable=[_attainable_entry(item) for item in commissioning.attainable],
         move_sizes=[_move_sizes_entry(item) for item in commissioning.move_sizes],
-        alternatives=[_judged(Alternative, item) for item in commissioning.alternatives],
-        rules=[_judged(RuleResult, item) for item in commissioning.rules],
+        alternatives=[_judged(Alternative, item, reserve) for item in commissioning.alternatives],
+        rules=[_judged(RuleResult, item, reserve) for item in commissioning.rules],
         rule=_rule_text(commissioning),
         landscape=entry_of(
             Landscape,
@@ -111,13 +112,20 @@ def _today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
         residual_deviation=finite_or_none(judged.residual_deviation) if judged else None,
         peak_deviation=finite_or_none(judged.peak_deviation) if judged else None,
         meets_requirements=judged is not None and judged.assessment.is_met,
+        keeps_reserve=judged is not None and judged.assessment.keeps(machine.requirements.reserve),
         frequency_range=_range(found.frequency_error) if found.frequency_error else None,
         valid_for=_sizes(machine),
     )
 
 
-def _judged(form: type[Judged], item: Candidate) -> Judged:
-    return entry_of(form, item, item.limits, meets_requirements=item.assessment.is_met)
+def _judged(form: type[Judged], item: Candidate, reserve: Reserve) -> Judged:
+    return entry_of(
+        form,
+        item,
+        item.limits,
+        meets_requirements=item.assessment.is_met,
+        keeps_reserve=item.assessment.keeps(reserve),
+    )
 
 
 def _attainable_entry(item: Attainable) -> AttainableEntry:

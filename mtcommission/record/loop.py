@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mtcommission.commission import Commissioning
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.loop.analysis.frequency import FrequencyResponse
+from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.model.controller import Controller, filter_delay
 from mtcommission.loop.tuning.mixing import explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuned import TunedLoop
@@ -19,6 +20,7 @@ from mtcommission.plant.plant import Plant
 from mtcommission.record.schema import (
     ClosedLoop,
     DelayEntry,
+    EncoderNoiseEntry,
     FeatureEntry,
     FeedforwardEntry,
     ForceFilterEntry,
@@ -57,6 +59,7 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         features=_feature_entries(control.kind),
         motion_force=machine.drive.motion_force,
         encoder_resolution=machine.drive.encoder_resolution,
+        encoder_noise=_noise_entry(tuned, machine.drive.encoder_resolution),
         force_filters=[
             entry_of(ForceFilterEntry, item, kind=item.kind.value)
             for item in controller.force_filters
@@ -93,6 +96,15 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
         bode=_bode(tuned.responses[0]),
         remarks=[*tuned.remarks, *commissioning.loop.remarks, *explain_mixing(mixed)],
+    )
+
+
+def _noise_entry(tuned: TunedLoop, resolution: float) -> EncoderNoiseEntry | None:
+    if not resolution:
+        return None
+    found = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
+    return EncoderNoiseEntry(
+        tool=max(noise.tool for noise in found), force=max(noise.force for noise in found)
     )
 
 

@@ -9,7 +9,6 @@ import numpy as np
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve
-from mtcommission.machine.requirement import Kind
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
@@ -131,7 +130,6 @@ def simulation_part(
 def assessment_part(assessment: Assessment, reserve: Reserve) -> AssessmentPart:
     """Return the verdict as the record holds it, with the share that recommendations may use."""
     limiting = assessment.limiting_requirement
-    shares = {Kind.SETTLING_TIME: 1.0, Kind.SET_FORCE: reserve.force, Kind.RMS_FORCE: reserve.force}
     return AssessmentPart(
         met=assessment.is_met,
         checks=[
@@ -139,7 +137,7 @@ def assessment_part(assessment: Assessment, reserve: Reserve) -> AssessmentPart:
                 Check,
                 check,
                 met=check.is_met,
-                reserve=shares.get(check.requirement.kind, reserve.band),
+                reserve=check.requirement.usable_share(reserve),
             )
             for check in assessment.checks
         ],

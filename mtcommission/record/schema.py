@@ -221,13 +221,17 @@ class TodayEntry:
     residual_deviation: float | None
     peak_deviation: float | None
     meets_requirements: bool
+    keeps_reserve: bool
     frequency_range: list[float] | None
     valid_for: list[SizesEntry]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JudgedLimits:
-    """Limits and what they reach, worst over moves and corners."""
+    """Limits and what they reach, worst over moves and corners.
+
+    ``keeps_reserve``: they need no more of what is allowed than recommendations may use.
+    """
 
     acceleration: float
     jerk: float
@@ -235,6 +239,7 @@ class JudgedLimits:
     residual_deviation: float | None
     peak_deviation: float
     meets_requirements: bool
+    keeps_reserve: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -511,6 +516,14 @@ class ForceFilterEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EncoderNoiseEntry:
+    """What the steps of the encoder do, worst corner, either way: tool [m], set force [N]."""
+
+    tool: float
+    force: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class FeatureEntry:
     """Whether the kind of control has something, and where that was read.
 
@@ -533,7 +546,8 @@ class LoopPart:
     (``limit``, ``time``, ``none``), ``position_loop`` where its position loop closes
     (``control``, ``interpolated``, ``drive``), ``features`` what it has. ``reference_age`` and
     ``velocity_age`` say how old the setpoint is from which wanted state and velocity are taken
-    [s]. ``motion_force`` is the bound of F_set [N]; ``encoder_resolution`` 0: not stated.
+    [s]. ``motion_force`` is the bound of F_set [N]; ``encoder_resolution`` 0: not stated; then
+    ``encoder_noise`` is null.
 
     ``gain_margin_up_db`` and ``gain_margin_down_db`` say by how much the gain may rise and fall
     (null: by any amount), ``gain_margin_db`` is the smaller one. ``worst_corner`` and
@@ -562,6 +576,7 @@ class LoopPart:
     motion_force: float
     force_filters: list[ForceFilterEntry]
     encoder_resolution: float
+    encoder_noise: EncoderNoiseEntry | None
     sensors: list[str]
     observer: ObserverEntry
     closed_loop: ClosedLoop

@@ -18,6 +18,7 @@ def basis_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
         (text("basis-frequencies"), _frequencies(record, words)),
         (text("basis-damping"), _spread(record, "damping_spread", words)),
         (text("basis-reserve"), _reserve(record, words)),
+        *_encoder(record, words),
     )
 
 
@@ -53,6 +54,20 @@ def _reserve(record: Record, words: Catalogue) -> str:
     return _marked(
         record, "requirements.reserve", words.text("reserve-kept", band=band, force=force), words
     )
+
+
+def _encoder(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
+    """What the steps of the encoder do, where they are stated."""
+    f, loop = words.format, record.loop
+    if loop.encoder_noise is None:
+        return ()
+    said = words.text(
+        "encoder-steps",
+        resolution=f.axis(loop.encoder_resolution, "m"),
+        tool=f.axis(loop.encoder_noise.tool, "m"),
+        force=f.axis(loop.encoder_noise.force, "N"),
+    )
+    return ((words.name("encoder"), said),)
 
 
 def _number(record: Record, key: str) -> float:

@@ -26,7 +26,13 @@ from mtcommission.sheet.model import (
 )
 from mtcommission.sheet.plot_model import Border, Contour, HeatMap, Mark, PointPlot
 from mtcommission.sheet.values import residual, say_limiting, settling
-from mtcommission.sheet.verdict_part import acceleration, band, capitalised
+from mtcommission.sheet.verdict_part import (
+    acceleration,
+    band,
+    capitalised,
+    keeps_reserve,
+    met_at_all,
+)
 
 Array = NDArray[np.float64]
 
@@ -50,13 +56,13 @@ def limits(record: Record, words: Catalogue) -> Section:
     head = (
         text("recommended"),
         *_numbers(recommended, record, words),
-        _met(record.assessment.met, words),
+        met_at_all(record.assessment.met, keeps_reserve(record), words),
     )
     rows = [
         (
             words.say(item.name),
             *_numbers(item, record, words),
-            _met(item.meets_requirements, words),
+            met_at_all(item.meets_requirements, item.keeps_reserve, words),
         )
         for item in part.alternatives
     ]
@@ -138,7 +144,7 @@ def _machining_modes(record: Record, words: Catalogue) -> Table:
                 f.quantity(mode.jerk_time, "s"),
                 settling(mode.settling_time, words),
                 _mode_bound(mode, words),
-                _met(mode.meets_requirements, words),
+                met_at_all(mode.meets_requirements, True, words),
             )
             for mode in record.limits.modes
         ),
@@ -162,7 +168,7 @@ def rules(record: Record, words: Catalogue) -> Section:
                 words.say(item.name),
                 words.say(item.source),
                 *_numbers(item, record, words),
-                _met(item.meets_requirements, words),
+                met_at_all(item.meets_requirements, item.keeps_reserve, words),
             )
             for item in good
         ),
@@ -368,7 +374,3 @@ def _numbers(
         residual(item.residual_deviation, words),
         f.axis(item.peak_deviation, "m"),
     )
-
-
-def _met(is_met: bool, words: Catalogue) -> str:
-    return words.text("yes") if is_met else words.text("no")

@@ -70,8 +70,8 @@ def acceleration(record: Record, words: Catalogue) -> str:
 
 def jerk(record: Record, words: Catalogue) -> str:
     """Return the recommended jerk limit with its unit."""
-    value = record.limits.recommended.jerk
-    return words.format.axis(value, "m/s^3")
+    value = record.limits.recommended.jerk if record.loop.jerk != "none" else None
+    return words.format.axis(value, "m/s^3", missing=words.text("no-jerk-limit"))
 
 
 def band(record: Record) -> float | None:
@@ -182,7 +182,7 @@ def _result(record: Record, words: Catalogue) -> Table:
     """Return the recommended values, and today's before them, with what each gives."""
     text, f, today = words.text, words.format, record.limits.today
 
-    def row(name: str, item: TodayEntry | LimitsEntry, *, is_met: bool) -> tuple[str, ...]:
+    def row(name: str, item: TodayEntry | LimitsEntry, verdict: str) -> tuple[str, ...]:
         found = (
             settling(item.settling_time, words),
             residual(item.residual_deviation, words),
@@ -194,11 +194,15 @@ def _result(record: Record, words: Catalogue) -> Table:
             f.axis(item.acceleration, "m/s^2"),
             f.axis(item.jerk, "m/s^3", missing=text("no-jerk-limit")),
             *(found if is_known else ("–", "–", "–")),
-            text("yes") if is_met else text("no"),
+            verdict,
         )
 
-    best = row(text("recommended"), record.limits.recommended, is_met=record.assessment.met)
-    rows = [row(text("today"), today, is_met=today.meets_requirements)] if today else []
+    is_met = met_at_all(record.assessment.met, keeps_reserve(record), words)
+    best = row(text("recommended"), record.limits.recommended, is_met)
+    rows = []
+    if today:
+        is_met = met_at_all(today.meets_requirements, today.keeps_reserve, words)
+        rows.append(row(text("today"), today, is_met))
     heads = ("acceleration", "jerk", "settling-time", "residual", "peak-deviation")
     return Table(
         caption=text("result-caption"),
@@ -226,9 +230,24 @@ def verdict_on(check: Check, words: Catalogue) -> str:
     """Return whether a requirement is met, and whether that takes the reserve."""
     if not check.met:
         return words.text("not-met")
+    return words.text("met" if _is_within_reserve(check) else "met-without-reserve")
+
+
+def _is_within_reserve(check: Check) -> bool:
     wanted = (1.0 + ROUNDING) * check.reserve * check.limit
-    is_kept = check.value is not None and check.value <= wanted
-    return words.text("met" if is_kept else "met-without-reserve")
+    return check.value is not None and check.value <= wanted
+
+
+def keeps_reserve(record: Record) -> bool:
+    """Return whether the recommended limits leave the reserve of every requirement."""
+    return all(map(_is_within_reserve, record.assessment.checks))
+
+
+def met_at_all(is_met: bool, keeps_reserve: bool, words: Catalogue) -> str:
+    """Return whether limits meet all requirements, and whether that takes the reserve."""
+    if not is_met:
+        return words.text("no")
+    return words.text("yes" if keeps_reserve else "yes-without-reserve")
 
 
 def _judged_during(record: Record, words: Catalogue) -> str:

@@ -75,8 +75,13 @@ position-loop-drive = Lageregler im Antrieb (DSC), alle { $velocity_cycle }; Sol
 contour-judged = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung; muss es am Ende stillstehen, die Restabweichung.
 contour-judged-to-feed = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung bis { $feed }; muss es stillstehen, die Restabweichung.
 contour-not-judged = Beurteilt ab dem Stillstand. Während der Bewegung weicht das Werkzeug bis { $peak } ab; fährt es eine Bahn, contour_deviation angeben.
+encoder-steps = { $axis ->
+    [rotary] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, das Sollmoment bis ± { $force }
+   *[linear] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, die Sollkraft bis ± { $force }
+}
 share-used = Genutzt
 share-wanted = Reserve
+yes-without-reserve = ja, Reserve verbraucht
 met-without-reserve = erfüllt, Reserve verbraucht
 reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling } ({ $more } mehr).
 reference-unsettled = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: nicht eingeschwungen.

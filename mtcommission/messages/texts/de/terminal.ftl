@@ -65,6 +65,7 @@ terminal-more-touches = ... und { $count } weitere Berührpunkte: siehe --json
 terminal-mode-surface = Oberfläche ({ $band })
 terminal-mode-accuracy = Genauigkeit ({ $band })
 terminal-mode-speed = Geschwindigkeit ({ $band })
+terminal-assumed = Angenommen: { $what }.
 terminal-today = heute
 terminal-recommended = empfohlen
 terminal-limits = Grenzwerte

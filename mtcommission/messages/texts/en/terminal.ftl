@@ -67,6 +67,7 @@ terminal-more-touches = ... and { $count } touch points more: see --json
 terminal-mode-surface = surface ({ $band })
 terminal-mode-accuracy = accuracy ({ $band })
 terminal-mode-speed = speed ({ $band })
+terminal-assumed = Assumed: { $what }.
 terminal-today = today
 terminal-recommended = recommended
 terminal-limits = Limits
