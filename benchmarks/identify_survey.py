@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 AVERAGES = 16
 LINES = 600
 HIGHEST_HZ = 1000.0
-GRIDS = {
+GRIDS: dict[str, Array] = {
     "log": np.geomspace(2.0, HIGHEST_HZ, LINES),
     "linear": HIGHEST_HZ / LINES * np.arange(1, LINES + 1),
 }

@@ -78,7 +78,7 @@ def _of_resolution(fit: Fitted) -> list[Message]:
         if min(steps) > limit:
             doubts.append(
                 Message(
-                    "identify-window-too-short",
+                    "identify-lines-too-far-apart",
                     frequency=mode.frequency_hz.value,
                     spacing=min(steps),
                     wanted=limit,
@@ -103,7 +103,7 @@ def _of_misfit(fit: Fitted) -> list[Message]:
     for one in fit.responses:
         coherence = one.response.coherence
         if coherence is None:
-            doubts.append(Message("identify-no-coherence", file=one.response.source.name))
+            doubts.append(Message("identify-noise-from-misfit", file=one.response.source.name))
             continue
         share = float(np.mean(coherence[one.is_used] < 0.5))
         if share > 0.15:

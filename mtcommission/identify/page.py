@@ -98,13 +98,13 @@ def print_identified(
         language=language,
         title=say("identify-title"),
         machine=say("identify-document-name"),
-        axis="",
+        axis=created[:10],
         identity=", ".join(state.name for state in found.states),
         created=created,
         disclaimer=say("identify-page-note"),
         contents_heading=say("contents"),
         skip_link=say("skip"),
-        script_note=say("script-note"),
+        script_note=say("identify-script-note"),
         page_word=say("page"),
         sections=tuple(sections),
     )
@@ -292,7 +292,7 @@ def _response_plot(key: str, one: FittedResponse, misfit: float, words: Catalogu
             y_label=say("identify-plot-magnitude", unit=_unit_of(one)),
             lines=(
                 line("identify-line-measured", f[every], np.log10(size)[every], 0),
-                line("identify-line-fitted", curve, np.log10(np.abs(one.model(curve))), 1),
+                line("identify-line-fitted", curve, np.log10(np.abs(one.model(curve))), 4),
                 line("identify-line-error", f[every], np.log10(size + error)[every], 2),
                 line("identify-line-error", f[every], np.log10(low)[every], 2),
             ),
@@ -301,7 +301,7 @@ def _response_plot(key: str, one: FittedResponse, misfit: float, words: Catalogu
             y_label=say("identify-plot-phase"),
             lines=(
                 line("identify-line-measured", f[every], np.degrees(measured)[every], 0),
-                line("identify-line-fitted", curve, np.degrees(fitted), 1),
+                line("identify-line-fitted", curve, np.degrees(fitted), 4),
             ),
         ),
     ]
@@ -360,7 +360,7 @@ def _spectrum_plot(key: str, one: FittedSpectrum, words: Catalogue) -> LinePlot:
                     Line(label=say(label), x=f, y=np.log10(np.maximum(y, floor)), style=style)
                     for label, y, style in (
                         ("identify-line-measured", density, 0),
-                        ("identify-line-fitted", one.density, 1),
+                        ("identify-line-fitted", one.density, 4),
                     )
                 ),
             ),

@@ -47,9 +47,9 @@ identify-polarity-reversed = { $file }: Das Vorzeichen ist vertauscht (die Masse
 identify-masses-differ = { $file } zeigt { MASS($mass) }, der erste Sensor { MASS($other) }: Eine der Konstanten oder Einheiten stimmt nicht, und damit auch ihre Verstärkungen nicht.
 identify-mass-by-state = Die Zustände bewegen { MASS($low) } bis { MASS($high) }: Das Profil enthält die Mitte. Ist das die Zuladung, die kleinste als moving_mass und den Unterschied als payload angeben.
 # $spacing, $wanted [Hz], $window [s]
-identify-window-too-short = Bei { FREQUENCY($frequency) } liegen die Linien { FREQUENCY($spacing) } auseinander, mehr als 0,8 ζ f = { FREQUENCY($wanted) }: Die Dämpfung wird zu groß. Mit Fenstern von { TIME($window) } oder länger aufzeichnen.
+identify-lines-too-far-apart = Bei { FREQUENCY($frequency) } liegen die Linien { FREQUENCY($spacing) } auseinander, mehr als 0,8 ζ f = { FREQUENCY($wanted) }: Die Dämpfung wird zu groß. Mit Fenstern von { TIME($window) } oder länger aufzeichnen.
 identify-model-error = Messpunkte und Modell weichen über das Rauschen hinaus um { SHARE($share) } des Betrags ab (nichtlineare Reibung, eine Eigenform außerhalb des Bereichs); die Intervalle enthalten das.
-identify-no-coherence = { $file } hat keine Kohärenz: Die Größe des Rauschens wurde aus der Abweichung bestimmt. Die Kohärenz mit exportieren.
+identify-noise-from-misfit = { $file } hat keine Kohärenz: Die Größe des Rauschens wurde aus der Abweichung bestimmt. Die Kohärenz mit exportieren.
 identify-low-coherence = { $file }: Die Kohärenz liegt bei { SHARE($share) } der Linien unter 0,5. Mehr Mittelungen, stärkere Anregung oder eine Offsetgeschwindigkeit gegen die Reibung verwenden.
 
 # Das Profil
@@ -80,6 +80,7 @@ identify-detail = { $states ->
    *[other] { $files } Dateien
 }. ± steht für zwei Standardabweichungen der Messung.
 identify-page-note = Gemessen; ± steht für zwei Standardabweichungen dieser Messung. Was sich von Tag zu Tag und von Maschine zu Maschine unterscheidet, steht in der Streuung.
+identify-script-note = Diagramme: Ziehen vergrößert, Doppelklick setzt zurück, der Zeiger zeigt Werte.
 identify-part-result = Ergebnis
 identify-part-modes = Eigenformen
 identify-part-fits = Gemessen und angepasst
@@ -96,7 +97,7 @@ identify-band = Bereich
 identify-band-from-to = { FREQUENCY($low) } bis { FREQUENCY($high) }
 identify-spread-frequency = Streuung der Frequenzen
 identify-spread-damping = Streuung der Dämpfung
-identify-misfit = Abweichung durch Rauschen
+identify-misfit = Abweichung im Verhältnis zum Rauschen
 identify-head-value = Wert
 identify-head-why = Warum
 identify-head-mode = Eigenform
@@ -136,7 +137,7 @@ identify-plot-magnitude = |H| in { $unit }, Logarithmus zur Basis 10
 identify-plot-phase = Phase in °
 identify-plot-coherence = Kohärenz
 identify-plot-density = Dichte, Logarithmus zur Basis 10
-identify-plot-misfit = Abweichung durch Rauschen
+identify-plot-misfit = Abweichung / Rauschen
 identify-line-measured = gemessen
 identify-line-fitted = angepasst
 identify-line-error = ± 2 Standardabweichungen

@@ -47,9 +47,9 @@ identify-polarity-reversed = { $file }: the sign is reversed (the mass came out 
 identify-masses-differ = { $file } shows { MASS($mass) }, the first sensor { MASS($other) }: one of the constants or units is off, and so are its gains.
 identify-mass-by-state = The states move { MASS($low) } to { MASS($high) }: the profile has the middle. If that is the payload, give the least one as moving_mass and the difference as payload.
 # $spacing, $wanted [Hz], $window [s]
-identify-window-too-short = At { FREQUENCY($frequency) } lines are { FREQUENCY($spacing) } apart, more than 0.8 ζ f = { FREQUENCY($wanted) }: the damping comes out too large. Record with windows of { TIME($window) } or longer.
+identify-lines-too-far-apart = At { FREQUENCY($frequency) } lines are { FREQUENCY($spacing) } apart, more than 0.8 ζ f = { FREQUENCY($wanted) }: the damping comes out too large. Record with windows of { TIME($window) } or longer.
 identify-model-error = Measured points and model differ by { SHARE($share) } of the magnitude beyond the noise (nonlinear friction, a mode outside the band); the intervals contain it.
-identify-no-coherence = { $file } has no coherence: the size of its noise was taken from the misfit. Export the coherence, too.
+identify-noise-from-misfit = { $file } has no coherence: the size of its noise was taken from the misfit. Export the coherence, too.
 identify-low-coherence = { $file }: the coherence is below 0.5 on { SHARE($share) } of the lines. Use more averages, more excitation, or an offset speed against friction.
 
 # The profile
@@ -80,6 +80,7 @@ identify-detail = { $states ->
    *[other] { $files } files
 }. ± is two standard errors of the measurement.
 identify-page-note = Measured; ± is two standard errors of this measurement. What differs from day to day and from machine to machine is in the spread.
+identify-script-note = Plots: drag to zoom, double-click to reset, move the pointer to read values.
 identify-part-result = Result
 identify-part-modes = Modes
 identify-part-fits = Measured and fitted
@@ -96,7 +97,7 @@ identify-band = Band
 identify-band-from-to = { FREQUENCY($low) } to { FREQUENCY($high) }
 identify-spread-frequency = Spread of frequencies
 identify-spread-damping = Spread of damping
-identify-misfit = Misfit by noise
+identify-misfit = Misfit, in units of the noise
 identify-head-value = Value
 identify-head-why = Why
 identify-head-mode = Mode
@@ -136,7 +137,7 @@ identify-plot-magnitude = |H| in { $unit }, logarithm to 10
 identify-plot-phase = phase in °
 identify-plot-coherence = coherence
 identify-plot-density = density, logarithm to 10
-identify-plot-misfit = misfit by noise
+identify-plot-misfit = misfit / noise
 identify-line-measured = measured
 identify-line-fitted = fitted
 identify-line-error = ± 2 standard errors

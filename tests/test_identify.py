@@ -1,0 +1,157 @@
+"""The command identify: files in, profile, page and JSON out; a profile keeps its lines.
+
+If one of these fails, a measured axis does not get into the profile, or a profile loses what its
+owner wrote.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mtcommission.identify.check import check_records
+from mtcommission.identify.document import Writing, merge_profile, write_profile
+from mtcommission.identify.gather import gather
+from mtcommission.identify.given import Given
+from mtcommission.identify.states import identify
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.profile.read import parse_profile
+from mtcommission.profile.shipped import read_shipped
+from tests import identify_files as made
+from tests.test_cli import Run, run
+
+__all__ = ["run"]
+
+HOW = Writing(date="2026-11-22", file="machine.toml", tool_ratio=None, words=Catalogue())
+
+
+def _table(path: Path, *, sensor: str = "encoder", seed: int = 0) -> str:
+    rng = np.random.default_rng(seed)
+    f = made.LINES
+    values = made.response(f, sensor=sensor)
+    noise = rng.normal(size=(2, f.size)) * 0.01
+    values = values * (1.0 + noise[0] + 1j * noise[1])
+    coherence = np.full(f.size, 1.0 / (1.0 + 2 * 16 * 0.01**2))
+    heads = ["frequency_hz", "re [m/s/N]", "im [m/s/N]", "coherence"]
+    columns = [f, values.real, values.imag, coherence]
+    path.write_bytes(made.table(heads, columns, comments="# averages = 16\n"))
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("measured")
+    files = [_table(folder / "e.csv"), _table(folder / "t.csv", sensor="tcp", seed=1) + "@tcp"]
+    return identify(gather(files, Given()))
+
+
+@pytest.fixture(scope="module")
+def encoder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("measured")
+    return identify(gather([_table(folder / "e.csv")], Given()))
+
+
+def test_a_new_profile_holds_what_was_measured_and_asks_for_the_rest(both) -> None:
+    text = write_profile(both, HOW)
+    data = tomllib.loads(text)
+    assert float(data["plant"]["moving_mass"].split()[0]) == pytest.approx(made.MASS, rel=0.01)
+    for mode, (hertz, zeta, own, tool) in zip(data["plant"]["modes"], made.MODES, strict=True):
+        assert float(mode["frequency"].split()[0]) == pytest.approx(hertz, rel=2e-3)
+        assert mode["damping_ratio"] == pytest.approx(zeta, rel=0.05)
+        assert float(mode["measured_gain"].split()[0]) == pytest.approx(own, rel=0.03)
+        assert float(mode["tcp_gain"].split()[0]) == pytest.approx(tool, rel=0.03)
+    assert "#   drive.max_force" in text
+    assert "assumed" not in data["machine"]
+
+
+def test_without_a_sensor_at_the_tool_its_gain_is_the_worst_case_and_an_assumption(encoder) -> None:
+    data = tomllib.loads(write_profile(encoder, HOW))
+    gain = float(data["plant"]["modes"][0]["tcp_gain"].split()[0])
+    assert gain == pytest.approx(-1.0 / made.MASS, rel=0.01)
+    assert "plant.modes[1].tcp_gain" in data["machine"]["assumed"]
+    assert "identify-no-tool-sensor" in {message.kind for message in encoder.warnings}
+
+
+def test_the_users_word_on_the_tool_scales_the_share_of_the_encoder(encoder) -> None:
+    data = tomllib.loads(write_profile(encoder, replace(HOW, tool_ratio=-1.5)))
+    mode = data["plant"]["modes"][0]
+    own, tool = (float(mode[key].split()[0]) for key in ("measured_gain", "tcp_gain"))
+    assert tool == pytest.approx(-1.5 * own, rel=1e-3)
+
+
+def test_merging_touches_no_other_line_and_keeps_names_and_unmeasured_gains(encoder) -> None:
+    before = read_shipped("modal-two-modes").text
+    after = merge_profile(before, encoder, HOW)
+    parse_profile(after, where="merged.toml")
+    changed = ("moving_mass", "frequency", "damping_ratio", "measured_gain", "damping_spread")
+    kept = [
+        line
+        for line in before.splitlines()
+        if not line.startswith((*changed, "frequency_spread"))
+        and not any(word in line for word in ('name = "ram"', "-2.4e-3", "[[plant.modes]]"))
+    ]
+    lines = after.splitlines()
+    assert [line for line in kept if line not in lines] == []
+    data = tomllib.loads(after)
+    assert data["plant"]["modes"][0]["name"] == "beam"
+    assert data["plant"]["modes"][0]["tcp_gain"] == "1.9e-3 1/kg"
+    assert len(data["plant"]["modes"]) == 2  # 81 Hz is in the band and does not show: it goes
+
+
+def test_a_record_is_explained_by_the_model_that_came_from_it(tmp_path) -> None:
+    rng = np.random.default_rng(3)
+    step = 1e-3
+    files = []
+    for place in range(2):
+        force = 50 * rng.normal(size=24000)
+        encoder, _ = made.Axis(step).positions(force)
+        velocity = np.gradient(encoder, step)
+        t = step * np.arange(force.size)
+        path = tmp_path / f"record-{place}.csv"
+        path.write_bytes(made.table(["t [s]", "force [N]", "velocity [m/s]"], [t, force, velocity]))
+        files.append(str(path))
+    found = identify(gather(files, Given()))
+    checks = check_records(found, force_per_unit=None, band_hz=None, count=None)
+    assert [one.is_held_back for one in checks] == [False, False, True]
+    assert all(one.explained > 0.9 for one in checks)
+
+
+def test_the_command_writes_profile_page_and_json(run: Run, tmp_path) -> None:
+    files = [_table(tmp_path / "e.csv"), _table(tmp_path / "t.csv", sensor="tcp", seed=1) + "@tcp"]
+    out, page, entry = (tmp_path / name for name in ("m.toml", "identify.html", "i.json"))
+    written = ("-o", str(out), "--page", str(page), "--json", str(entry))
+    code, _, errors = run("identify", *files, *written, "--language", "de")
+    assert code == 0, errors
+    found = json.loads(entry.read_text())
+    wanted = {
+        "files", "sensor", "band_hz", "moving_mass", "delay", "modes", "spread", "misfit",
+        "warnings", "profile",
+    }  # fmt: skip
+    assert wanted <= found.keys()
+    assert found["profile"] == out.read_text()
+    assert found["delay"]["value"] == pytest.approx(made.DELAY, rel=0.05)
+    assert set(found["spread"]) == {"frequency", "damping", "because"}
+    html = page.read_text()
+    assert "Eigenformen" in html
+    assert "Kohärenz" in html
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [
+        ("--band", "300:8", '--band: got "300:8", must be LOW:HIGH'),
+        ("--modes", "9", '--modes: got "9", must be auto or 1 to 8'),
+        ("--constant", "x", '--constant: got "x"'),
+        ("--sensor", "motor", "--sensor: got motor, must be encoder, tcp"),
+        ("--columns", "force", '--columns: got "force", must be NAME=COLUMN'),
+    ],
+)
+def test_a_wrong_option_is_named(run: Run, tmp_path, option: str, value: str, said: str) -> None:
+    code, _, errors = run("identify", _table(tmp_path / "e.csv"), option, value)
+    assert code == 2
+    assert said in errors
