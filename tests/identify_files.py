@@ -106,7 +106,7 @@ def table(
     return (comments + end.join(rows) + end).encode()
 
 
-def _array(name: str, kind: str, values: Array) -> str:
+def numeric_array(name: str, kind: str, values: Array) -> str:
     length = values.size // (2 if kind == "ComplexNumber" else 1)
     return (
         f'<NumericArray elementtype="{kind}" format="base85" name="{name}">'
@@ -120,8 +120,8 @@ def _function(name: str, frequency: Array, values: Array) -> str:
     pairs = np.ascontiguousarray(values.astype(np.complex128)).view(np.float64)
     return (
         f'<FrequencyResponseFunction name="{name}">'
-        + _array("m_ValueVector", "ComplexNumber", pairs)
-        + _array("m_FrequencyVector", "double", frequency)
+        + numeric_array("m_ValueVector", "ComplexNumber", pairs)
+        + numeric_array("m_FrequencyVector", "double", frequency)
         + "</FrequencyResponseFunction>"
     )
 
@@ -148,8 +148,8 @@ def _spectrum(tag: str, node: int, other: int, frequency: Array, values: Array) 
         f'<SigNodeCrossSpectrumInfo name="{tag}"><unsigned_int name="m_uSignodeId">{node}'
         f'</unsigned_int><unsigned_int name="m_uSecondId">{other}</unsigned_int>'
         '<unsigned_int name="m_uNumSpectraInAvg">6</unsigned_int><CrossSpectrum>'
-        + _array("m_ValueVector", "ComplexNumber", pairs)
-        + _array("m_FrequencyVector", "double", frequency)
+        + numeric_array("m_ValueVector", "ComplexNumber", pairs)
+        + numeric_array("m_FrequencyVector", "double", frequency)
         + "</CrossSpectrum></SigNodeCrossSpectrumInfo>"
     )
 

@@ -163,6 +163,16 @@ def test_a_session_may_lack_the_line_at_zero() -> None:
     same(one(made.session(f, H, gamma2), Given()), ENCODER, close=1e-12)
 
 
+def test_a_session_with_a_real_coherence_and_lengths_elsewhere() -> None:
+    text = made.session(LINES, ENCODER, GAMMA2).decode("latin-1")
+    text = re.sub(r'<unsigned_int name="m_length">\d+</unsigned_int>', "", text)
+    series = re.findall(r"<NumericArray.*?</NumericArray>", text, re.DOTALL)
+    real = made.numeric_array("m_ValueVector", "double", GAMMA2)
+    found = one(text.replace(series[2], real).encode("latin-1"), Given())
+    same(found, ENCODER, close=1e-12)
+    assert found.coherence == pytest.approx(GAMMA2, rel=1e-12)
+
+
 def test_sinumerik_measurement_by_its_spectra() -> None:
     given = Given(input="torque", output=Output.VELOCITY)
     found = one(made.measurement(LINES, ENCODER, GAMMA2), given)

@@ -8,9 +8,11 @@ from __future__ import annotations
 import os
 import time
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 
+from benchmarks.fuzz import call
 from mtcommission.errors import InputError
 from mtcommission.identify.gather import read_file
 from mtcommission.identify.given import Given
@@ -83,6 +85,25 @@ def test_broken_files_are_used_or_refused_by_name() -> None:
         assert time.process_time() - start < LONGEST, seed
     assert used > 0.1 * COUNT  # else nothing beyond the readers was tried
     assert refused > 0.2 * COUNT
+
+
+def test_broken_files_end_the_command_with_0_or_2(tmp_path: Path) -> None:
+    """The same through the whole command, fit and profile included, on a tenth of them."""
+    path, good, codes = tmp_path / "broken.dat", files(), set()
+    for seed in range(COUNT // 10):
+        rng = np.random.default_rng([77, seed])
+        data, given = good[seed % len(good)]
+        path.write_bytes(made.mutated(data, rng))
+        options = [f"--sensor={given.sensor}"] if given.sensor else []
+        options += [f"--input={given.input}"] if given.input else []
+        options += [f"--output={given.output}"] if given.output else []
+        options += [f"--columns={name}={column}" for name, column in given.columns.items()]
+        code, said = call("identify", str(path), *options, "-o", str(tmp_path / "new.toml"))
+        assert code in (0, 2), (seed, said)
+        assert "Traceback" not in said, seed
+        assert code == 0 or "broken.dat" in said or "--columns" in said, (seed, said)
+        codes.add(code)
+    assert codes == {0, 2}
 
 
 def test_reading_takes_time_and_space_in_proportion_to_the_file() -> None:

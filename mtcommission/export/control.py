@@ -83,6 +83,7 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
         Row(Setting.FILTER_KIND, "filter {} kind", codes=kinds),
         Row(Setting.FILTER_FREQUENCY, "filter {} frequency", unit="Hz", digits=5),
         Row(Setting.FILTER_DAMPING, "filter {} damping"),
+        Row(Setting.FILTER_WIDTH, "filter {} width"),
     )
     return {row.setting: row for row in rows}
 

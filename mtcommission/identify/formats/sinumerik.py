@@ -99,10 +99,9 @@ def _series(parent: Element, name: str, *, where: str) -> Array:
             raise refuse(
                 where, "identify-series-broken", name=name, reason=error.message
             ) from error
-        length = int(_number(array, "m_length")) * (
-            2 if array.get("elementtype") == "ComplexNumber" else 1
-        )
-        if values.size != length:
+        complex_ = array.get("elementtype") == "ComplexNumber"
+        length = int(_number(array, "m_length")) * (2 if complex_ else 1)
+        if values.size != length and _text(array, "m_length"):
             raise refuse(where, "identify-series-short", name=name, got=values.size, wanted=length)
         return values
     length, end = int(_number(parent, f"{name}.length")), _number(parent, f"{name}.end")
@@ -115,13 +114,12 @@ def _complex_series(parent: Element, *, where: str) -> tuple[Array, ComplexArray
     """Frequencies, in the file's unit, and values."""
     pairs = _series(parent, "m_ValueVector", where=where)
     frequency = _series(parent, "m_FrequencyVector", where=where)
-    values = pairs.view(np.complex128)
-    if values.size != frequency.size:
-        name = "m_FrequencyVector"
-        raise refuse(
-            where, "identify-series-short", name=name, got=frequency.size, wanted=values.size
-        )
-    return frequency, values
+    if pairs.size == frequency.size:  # a series of real numbers
+        return frequency, pairs.astype(np.complex128)
+    if pairs.size != 2 * frequency.size:
+        name, got, wanted = "m_FrequencyVector", frequency.size, pairs.size // 2
+        raise refuse(where, "identify-series-short", name=name, got=got, wanted=wanted)
+    return frequency, pairs.view(np.complex128)
 
 
 def _is_rotary(root: Element) -> bool:
