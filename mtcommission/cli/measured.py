@@ -73,7 +73,7 @@ def identify(
     language: LanguageOption = ENGLISH,
     json_file: JsonOption = "",
 ) -> None:
-    """Identify mass, delay and modes from measured responses; write a profile.
+    """Measured responses to mass, delay and modes in a profile.
 
     Reads tables of responses and signals, SINUMERIK, TwinCAT, LinuxCNC, Klipper and UFF files.
     """

@@ -30,20 +30,25 @@ class Candidates:
         Of one state of the machine, in the weights that count.
     """
 
-    __slots__ = ("_chosen", "_responses", "_shapes", "omega", "zeta")
+    __slots__ = ("_chosen", "_powers", "_responses", "_shapes", "omega", "zeta")
 
     def __init__(self, responses: Sequence[Lines]) -> None:
         self._responses = responses
         self.omega, self.zeta = _grid(responses)
         self._chosen: list[slice] = []
         self._shapes: list[ComplexArray] = []
+        self._powers: list[Array] = []
         for place, lines in enumerate(responses):
             chosen = slice(None, None, 1 + lines.size // MOST_LINES)
             s = lines.s[chosen]
             before = [other.s[where] for other, where in zip(responses, self._chosen, strict=False)]
             same = next((i for i in range(place) if np.array_equal(before[i], s)), None)
             self._chosen.append(chosen)
-            self._shapes.append(self._shapes[same] if same is not None else self._shape(s))
+            shapes = self._shape(s) if same is None else self._shapes[same]
+            self._shapes.append(shapes)
+            self._powers.append(
+                shapes.real**2 + shapes.imag**2 if same is None else self._powers[same]
+            )
 
     def _shape(self, s: ComplexArray) -> ComplexArray:
         """1/(s² + 2 ζ ω s + ω²) of all candidates, shape (n_lines, n_candidates)."""
@@ -66,12 +71,13 @@ class Candidates:
             At most so many, each apart from those before by their widths.
         """
         fall = np.zeros(self.omega.size)
-        for lines, residual, delay, chosen, shapes in zip(
+        for lines, residual, delay, chosen, shapes, powers in zip(
             self._responses,
             known.residuals,
             known.poles.delays.tolist(),
             self._chosen,
             self._shapes,
+            self._powers,
             strict=True,
         ):
             columns = weighed_columns(lines, known.poles, delay)
@@ -84,7 +90,7 @@ class Candidates:
                 [q[:half] + 1j * q[half:], residual[chosen]]
             )
             along = (np.conj(turned.T) @ shapes).real
-            before = np.abs(weight) ** 2 @ (shapes.real**2 + shapes.imag**2)
+            before = np.abs(weight) ** 2 @ powers
             after = before - np.sum(along[:-1] ** 2, axis=0)
             good = after > 1e-6 * before
             fall[good] += along[-1, good] ** 2 / after[good]
