@@ -66,8 +66,8 @@ def test_help_answers_without_the_heavy_libraries() -> None:
 
 @pytest.mark.parametrize(
     "command",
-    ["", "wizard", "identify", "check", "run", "limits", "optimal", "simulate", "export", "sheet", "sweep",
-     "validate", "profiles", "profiles list", "profiles show", "profiles copy"],
+    ["", "wizard", "identify", "check", "run", "limits", "optimal", "simulate", "export", "sheet",
+     "sweep", "validate", "profiles", "profiles list", "profiles show", "profiles copy"],
 )  # fmt: skip
 def test_every_help_reads_whole_on_80_columns(
     run: Run, monkeypatch: pytest.MonkeyPatch, command: str
