@@ -1208,7 +1208,9 @@ def test_the_reserve_counts_in_the_verdict_of_each_requirement(value, verdict):
 def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
     record = example_record()
     rows = dict(basis_rows(record, ENGLISH))
-    assert rows["Control"].startswith("state-space; position loop in the control, every 2")
+    assert rows["Control"].startswith(
+        "free controller (state space); position loop in the control, every 2"
+    )
     assert rows["Control"].endswith("(assumed)")
     assert rows["Frequencies"].replace(THIN_SPACE, " ") == (
         "judged at ± 5.2 %; all requirements kept from −1 % to +1 %"
