@@ -1,12 +1,17 @@
 """The search for limits against brute force, and what it costs.
 
     python -m benchmarks.choose [--points 300] [--machines 20] [--output docs/benchmarks-search.md]
+    python -m benchmarks.choose --verdicts 2000 [--first 0]
 
 Brute force as the issue states it: a from 5 % to 100 % of F_max/m, a/j from 0.5 ms to three periods
 of the slowest mode, both logarithmic, the response seen at every velocity cycle, the same gains.
 To be found are limits that settle more than 2 % sooner, so what has already lasted longer than
 98 % of our settling time (the setpoint alone, or in one corner) is not followed further; that
 leaves nothing out.
+
+``--verdicts`` looks for false ones on machines that are asked for everything at once: a "met" that
+a fresh simulation does not confirm, and a "not met" where limits 1 % gentler, or any of a coarse
+grid, meet everything.
 """
 
 from __future__ import annotations
@@ -14,24 +19,35 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from math import inf, isfinite
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.population import random_machine
+from benchmarks.population import demanding_machine, random_machine
+from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.optima import condense_optima, find_optima
 from mtcommission.loop.batch.extremes import find_extremes
+from mtcommission.loop.batch.response import simulate_limits_batched
 from mtcommission.loop.batch.settling import settle
 from mtcommission.loop.batch.tables import build_tables
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Move, moving_mass
+from mtcommission.machine.variations import as_variations
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import read_profile
-from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import (
+    JerkSteps,
+    jerk_steps,
+    moving_average_steps,
+    plan_setpoint,
+)
 from mtcommission.verdict.evaluate import evaluate
 
 PROFILES = Path(__file__).parent.parent / "profiles"
@@ -164,6 +180,92 @@ def keeps_bounds(machine: Machine, plant: Plant, tuned: TunedLoop, pairs: np.nda
     return fits
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VerdictRow:
+    """What the search said of one machine, and who knows better."""
+
+    seed: int
+    is_met: bool
+    reserve_used: bool
+    false_met: bool
+    gentler: MotionLimits | None
+    on_grid: MotionLimits | None
+    processor: float
+
+
+GENTLER = ((0.99, 0.99), (0.99, 1.0), (1.0, 0.99))
+GRID_SHARES, GRID_TIMES = np.geomspace(0.01, 1.0, 12), np.geomspace(1e-3, 0.3, 12)
+
+
+def examine_verdict(seed: int, *, grid: bool = True) -> VerdictRow | None:
+    """Return whether the verdict on a demanding machine is true; None if it has no loop."""
+    machine = demanding_machine(seed)
+    plant = build_plant(machine)
+    try:
+        tuned = tune_loop(machine)
+        begun = time.process_time()
+        choice = choose_limits(machine, plant, tuned)
+    except ComputationError:
+        return None
+    spent = time.process_time() - begun
+
+    def meets(limits: MotionLimits) -> bool:
+        return evaluate(machine, plant, tuned, limits).assessment.is_met
+
+    gentler = on_grid = None
+    a, j = choice.limits.acceleration, choice.limits.jerk
+    if not choice.meets_requirements:
+        near = (MotionLimits(acceleration=f * a, jerk=g * j) for f, g in GENTLER)
+        gentler = next(filter(meets, near), None)
+        if grid:
+            on_grid = next(filter(meets, promising(machine, plant, tuned)), None)
+    return VerdictRow(
+        seed=seed,
+        is_met=choice.meets_requirements,
+        reserve_used=choice.reserve_used,
+        false_met=choice.meets_requirements and not meets(choice.limits),
+        gentler=gentler,
+        on_grid=on_grid,
+        processor=spent,
+    )
+
+
+def promising(machine: Machine, plant: Plant, tuned: TunedLoop) -> Iterator[MotionLimits]:
+    """Limits of a coarse grid that seem to meet everything, known to no search."""
+    largest = machine.drive.motion_force / moving_mass(machine)
+    places = as_variations(tuned.corners)
+    for share in GRID_SHARES:
+        for jerk_time in GRID_TIMES:
+            a = float(largest * share)
+            limits = MotionLimits(acceleration=a, jerk=a / float(jerk_time))
+            longest = max(plan_setpoint(move, limits).duration for move in machine.moves)
+            if longest > min(machine.requirements.max_settling_time, 20.0):
+                continue
+            found = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
+            if found.meets(machine).all():
+                yield limits
+
+
+def survey_verdicts(first: int, count: int) -> None:
+    rows = []
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        for row in pool.map(examine_verdict, range(first, first + count)):
+            if row is None:
+                continue
+            rows.append(row)
+            if row.false_met or row.gentler or row.on_grid:
+                print(row, flush=True)
+    print(
+        f"{len(rows)} machines: {sum(row.is_met for row in rows)} met, "
+        f"{sum(row.reserve_used for row in rows)} of them with the reserve; "
+        f"false met {sum(row.false_met for row in rows)}, not met though 1 % gentler limits meet "
+        f"all {sum(row.gentler is not None for row in rows)}, though some of a grid do "
+        f"{sum(row.on_grid is not None for row in rows)}; search, CPU: median "
+        f"{np.median([row.processor for row in rows]):.2f} s, "
+        f"largest {max(row.processor for row in rows):.2f} s"
+    )
+
+
 HEAD = (
     "| machine | corners x moves | met | settles [ms] | grid's best [ms] | sooner by | "
     "grid looked at | search, CPU [s] |\n|---|---|---|---|---|---|---|---|"
@@ -185,7 +287,12 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=300)
     parser.add_argument("--machines", type=int, default=20, help="random ones, besides profiles/")
     parser.add_argument("--output", type=Path, default=None, help="Markdown file for the table")
+    parser.add_argument("--verdicts", type=int, default=0, help="demanding machines, instead")
+    parser.add_argument("--first", type=int, default=0, help="seed of the first of them")
     options = parser.parse_args()
+    if options.verdicts:
+        survey_verdicts(options.first, options.verdicts)
+        return
     machines = [read_profile(path) for path in sorted(PROFILES.glob("*.toml"))]
     machines += [random_machine(seed) for seed in range(options.machines)]
     lines, rows = [HEAD], []

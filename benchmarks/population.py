@@ -7,9 +7,9 @@ generator's statement of what a rule was tried on, not a survey of machines in t
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import exp, log, pi
+from math import exp, inf, log, pi
 
 import numpy as np
 
@@ -19,12 +19,16 @@ from mtcommission.machine.machine import (
     Machine,
     Modes,
     Move,
+    Peak,
     Positioning,
     Requirements,
+    Reserve,
     StateFeedback,
     VelocityStep,
+    moving_mass,
 )
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.plant.modal import Modal
 
 
@@ -190,3 +194,48 @@ def _draw_move(generator: np.random.Generator, ranges: Population) -> Move:
     return Positioning(
         distance=ranges.distance.draw(generator), max_velocity=ranges.max_velocity.draw(generator)
     )
+
+
+def demanding_machine(seed: int) -> Machine:
+    """Return a machine of the population that is asked for everything that can be asked for.
+
+    Up to three moves with dwell, payload, spreads, reserve; each with an even chance a limit of
+    the RMS force, a peak of a mode's rate, a contour (perhaps at a feed), a settling time.
+
+    Parameters
+    ----------
+    seed
+        Any whole number >= 0; the same seed gives the same machine.
+
+    Returns
+    -------
+    Machine
+    """
+    machine, ranges = random_machine(seed), Population()
+    generator = np.random.default_rng([2025, seed])
+
+    def share(low: float, high: float) -> float:
+        return Range(low=low, high=high, logarithmic=True).draw(generator)
+
+    def chance() -> bool:
+        return bool(generator.integers(2))
+
+    others = [_draw_move(generator, ranges) for _ in range(int(generator.integers(3)))]
+    moves = tuple(replace(move, dwell=share(0.02, 1.5)) for move in (*machine.moves, *others))
+    force_per_mass = machine.drive.max_force / moving_mass(machine)
+    fastest = max(peak_velocity(move, force_per_mass) for move in moves)
+    mechanics, force = machine.mechanics, machine.drive.max_force
+    assert isinstance(mechanics, Modal)
+    mode = mechanics.modes[int(generator.integers(len(mechanics.modes)))]
+    bound = share(0.03, 1.0) * force / mode.natural_frequency
+    needs = replace(
+        machine.requirements,
+        damping_spread=0.3,
+        reserve=Reserve(),
+        peaks=(Peak(name=f"v_{mode.name}", bound=bound),) if chance() else (),
+        contour_deviation=share(5e-6, 1e-3) if chance() else inf,
+        contour_feed=share(0.05, 1.0) * fastest if chance() else inf,
+        max_settling_time=share(0.1, 3.0) if chance() else inf,
+    )
+    drive = replace(machine.drive, continuous_force=share(0.05, 0.8) * force if chance() else inf)
+    return replace(machine, requirements=needs, drive=drive, moves=moves)

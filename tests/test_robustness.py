@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.population import random_machine
+from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.batch.response import simulate_limits_batched
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate.response import simulate
@@ -20,6 +21,7 @@ from mtcommission.machine.variations import (
     as_variations,
     corners,
     draw_variations,
+    scale_variations,
     vary,
 )
 from mtcommission.messages.catalogue import Catalogue
@@ -32,6 +34,7 @@ from mtcommission.study.robustness import (
     FrequencyError,
     RobustnessSettings,
     examine_robustness,
+    find_damping_range,
     find_frequency_error,
     find_sensitivities,
     run_monte_carlo,
@@ -180,7 +183,9 @@ def test_use_of_the_bounds_is_that_of_the_simulation() -> None:
         contour_feed=0.08,
     )
     machine = replace(
-        machine, requirements=needs, drive=replace(machine.drive, continuous_force=900.0)
+        machine,
+        requirements=needs,
+        drive=replace(machine.drive, continuous_force=900.0, encoder_resolution=1e-8),
     )
     plant, tuned = build_plant(machine), tune_loop(machine)
     limits = MotionLimits(acceleration=1.3, jerk=30.0)
@@ -225,6 +230,21 @@ def test_frequency_error_names_the_range_that_is_kept() -> None:
     assert kept[inside].all()
     assert not kept[found.factor < found.kept_from][-1:].any()
     assert not kept[found.factor > found.kept_to][:1].any()
+
+
+def test_damping_range_is_kept_and_not_beyond() -> None:
+    """If it failed, the sheet would promise limits on a machine that swings longer."""
+    machine = spread_paper_machine()
+    needs = replace(machine.requirements, frequency_spread=0.02, damping_spread=0.0)
+    machine = replace(machine, requirements=needs)
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = choose_limits(machine, plant, tuned).limits
+    found = find_damping_range(machine, plant, tuned, limits)
+    assert 0.3 < found.kept_from <= 1.0 <= found.kept_to
+    for factor, is_kept in ((found.kept_from, True), (found.kept_from - 0.05, False)):
+        places = scale_variations(as_variations(corners(machine)), damping=factor)
+        one = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
+        assert one.meets(machine).all() == is_kept
 
 
 def test_nothing_is_drawn_without_a_spread_and_less_on_slow_moves() -> None:

@@ -1143,6 +1143,7 @@ def _with_today(**changes):
         "Kv": 31.0,
         "Kp": 128400.0,
         "Tn": 0.02337,
+        "stated": ["Kv"],
         "basis": said("today-in-mixed-loop", stated=("Kv",), others=("Kp", "Tn")),
         "failure": None,
         "bound_by": None,
@@ -1169,6 +1170,12 @@ def test_todays_values_stand_beside_the_recommended_ones_with_what_each_gives():
     for text in (Page(page).text, paper):
         assert squeeze(told) in squeeze(text)
         assert squeeze("Simulated with today's Kv; Kp, Tn, not stated") in squeeze(text)
+    old = {row[0]: row[3] for row in table_of(record, "parameters").rows if row[3]}
+    assert old == {
+        "Acceleration": f"2.03{THIN_SPACE}m/s²",
+        "Jerk": f"17.1{THIN_SPACE}m/s³",
+        "Position gain Kv": f"31{THIN_SPACE}1/s",
+    }
     terminal = render(record).replace(THIN_SPACE, " ")
     assert "now 310.1 ms" in terminal
     assert "now 45.2 µm" in terminal
@@ -1236,7 +1243,7 @@ def test_a_tool_on_a_path_is_told_that_the_contour_counts():
         notes = [b.text for b in blocks if isinstance(b, Paragraph) and b.tone is Tone.NOTE]
         return notes[-1].replace(THIN_SPACE, " ")
 
-    assert "up to 9.47 µm off; if it works along a path, state contour_deviation" in told()
+    assert "up to 9.47 µm off: for work along a path state contour_deviation" in told()
     datum = {"key": "requirements.contour_deviation", "value": 2e-5, "unit": "m", "source": "x"}
     record["data"].append(datum)
     assert "judged by the contour deviation, one that" in told()

@@ -269,6 +269,7 @@ def _search(
     bench, region = stage.bench, stage.region
     grid = lay_grid(region, machine, widest=widest, points=settings.grid)
     guess = guess_usage(bench, region, widest=widest, points=settings.coarse_grid)
+    bench = replace(bench, decisive=guess.decisive)
     begin = [region.nearest(item) for item in (*known, *stage.best)]
     pool = explore(bench, guess, grid, region, starts=begin, settings=settings)
     if not np.any((pool.residual <= bench.band) & (pool.usage <= 1.0)):

@@ -105,6 +105,7 @@ def _today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
         Kv=loop.position_gain,
         Kp=loop.velocity_gain,
         Tn=loop.integral_time,
+        stated=list(found.stated),
         basis=found.basis,
         failure=found.failure,
         bound_by=limiting.message if limiting else None,

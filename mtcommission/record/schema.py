@@ -203,7 +203,8 @@ class TodayEntry:
     """The values now in the control, judged like the recommended ones.
 
     ``jerk`` is null where the control has no limit of the jerk; ``jerk_time`` is then the ramp
-    that was simulated. ``basis`` says whose gains the loop has. All that was to be judged is null
+    that was simulated. ``stated`` names those of Kv, Kp and Tn that are today's, ``basis`` says
+    it as a sentence. All that was to be judged is null
     where ``failure`` says why it cannot be told, e.g. that the loop is unstable.
     """
 
@@ -214,6 +215,7 @@ class TodayEntry:
     Kv: float
     Kp: float
     Tn: float
+    stated: list[str]
     basis: Words
     failure: Message | None
     bound_by: Message | None

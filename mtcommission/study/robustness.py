@@ -120,6 +120,25 @@ class FrequencyError:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DampingRange:
+    """Between which common factors on all damping ratios every requirement is kept.
+
+    Parameters
+    ----------
+    kept_from, kept_to
+        Ends of the unbroken range about 1, worst over the ends of payload and frequency [-]; both
+        nan if not even at 1. At the ends of ``DAMPING_FACTORS`` nothing further was looked at.
+    """
+
+    kept_from: float
+    kept_to: float
+
+
+DAMPING_FACTORS = np.linspace(0.3, 1.7, 29)
+"""Looked at: what is measured of damping on one day may be off by half on another."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Sensitivity:
     """What a small change costs, worst over moves and corners.
 
@@ -151,7 +170,7 @@ class Robustness:
     ----------
     monte_carlo
         None where the profile states no spread and no range of payload: nothing to draw.
-    frequency_error, sensitivities
+    frequency_error, damping_range, sensitivities
         See the classes.
     warnings
         Empty where the requirements bear what must be reckoned with.
@@ -159,6 +178,7 @@ class Robustness:
 
     monte_carlo: MonteCarlo | None
     frequency_error: FrequencyError
+    damping_range: DampingRange
     sensitivities: tuple[Sensitivity, ...]
     warnings: tuple[Message, ...]
 
@@ -200,6 +220,7 @@ def examine_robustness(
     return Robustness(
         monte_carlo=monte_carlo,
         frequency_error=error,
+        damping_range=find_damping_range(machine, plant, tuned, limits),
         sensitivities=find_sensitivities(machine, plant, tuned, limits),
         warnings=warn_of_narrow_range(machine, error),
     )
@@ -364,6 +385,38 @@ def find_frequency_error(
         kept_to=float(factor[high]) if kept[middle] else np.nan,
         lost_below=found.missed(machine, below) if kept[middle] else (),
         lost_above=found.missed(machine, above) if kept[middle] else (),
+    )
+
+
+def find_damping_range(
+    machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
+) -> DampingRange:
+    """Return between which common factors on all damping ratios every requirement is kept.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        The nominal machine, its plant and its loop.
+    limits
+        Acceleration and jerk.
+
+    Returns
+    -------
+    DampingRange
+    """
+    known = replace(machine, requirements=replace(machine.requirements, damping_spread=0.0))
+    each, count = as_variations(corners(known)), len(DAMPING_FACTORS)
+    variations = Variations(
+        payload=np.tile(each.payload, count),
+        frequency_factor=np.tile(each.frequency_factor, count),
+        damping_factor=np.repeat(DAMPING_FACTORS, len(each.payload)),
+    )
+    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
+    kept, middle = np.all(found.meets(machine).reshape(count, -1), axis=1), count // 2
+    low, high = _stretch_about(kept, middle)
+    return DampingRange(
+        kept_from=float(DAMPING_FACTORS[low]) if kept[middle] else np.nan,
+        kept_to=float(DAMPING_FACTORS[high]) if kept[middle] else np.nan,
     )
 
 

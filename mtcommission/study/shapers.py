@@ -16,6 +16,7 @@ from math import exp, inf, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, moving_mass
@@ -245,17 +246,19 @@ def _best_candidate(
 ) -> Candidate:
     """The acceleration that settles soonest and meets all; else soonest within force and peaks.
 
-    If none keeps those, F_max/m, which saturates.
+    The reserve is kept, as by the recommendation. If none keeps force and peaks, F_max/m, which
+    saturates.
     """
-    largest = machine.drive.motion_force / moving_mass(machine)
-    places, band = as_variations(tuned.corners), machine.requirements.tcp_deviation
+    strict = keep_reserve(machine)
+    largest = strict.drive.motion_force / moving_mass(machine)
+    places, band = as_variations(tuned.corners), strict.requirements.tcp_deviation
     ranked: list[tuple[bool, float, float]] = []
     soonest = inf
     for a in largest * np.geomspace(1.0, LEAST_ACCELERATION, ACCELERATIONS):
         plan = plan_with(float(a))
         if max(plan(move).duration for move in machine.moves) > soonest:
             break
-        found = simulate_batched(machine, plant, tuned, plan, variations=places)
+        found = simulate_batched(strict, plant, tuned, plan, variations=places)
         # What saturates settles otherwise than it seems here, and takes long to simulate.
         if np.all(found.usage <= 1.0):
             is_outside = bool(np.any(found.residual_deviation > band))
@@ -268,7 +271,7 @@ def _best_candidate(
         moves = simulate_planned(machine, tuned, plan_with(a))
         shaped = evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
         candidate = replace(shaped, limits=MotionLimits(acceleration=a, jerk=a / jerk_time))
-        if candidate.assessment.is_met:
+        if evaluate_moves(strict, plant, tuned, moves).assessment.is_met:
             return candidate
         outside.append(candidate)
     return min(outside, key=lambda item: item.settling_time)

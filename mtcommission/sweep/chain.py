@@ -16,7 +16,7 @@ from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.settings import Settings
 from mtcommission.sweep.rows import peak_signals, proof_cells
 from mtcommission.sweep.store import Cell
-from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
+from mtcommission.verdict.evaluate import Candidate, MoveResult
 
 
 def choose_case(machine: Machine) -> tuple[Cell, ...]:
@@ -44,9 +44,7 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     tuned = settle_on_loop(machine, plant, settings).tuned
     starts = [limits for _, limits in condense_optima(machine, plant, optima)]
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
-    moves = simulate_moves(machine, tuned, choice.limits)
-    candidate = evaluate_moves(machine, plant, tuned, moves)
-    return chain_cells(plant, optima, moves, candidate, choice.bound_by)
+    return chain_cells(plant, optima, choice.moves, choice.candidate, choice.bound_by)
 
 
 def chain_cells(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import hypot, isfinite
 
+from mtcommission.loop.analysis.quantisation import SIGMAS
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.machine.requirement import (
@@ -100,7 +101,7 @@ def assess(
     corners: Sequence[Corner],
     responses: Sequence[Sequence[LoopResponse]],
 ) -> Assessment:
-    """Return the verdict on the responses of all moves in all corners.
+    """Return the verdict on the responses of all moves in all corners, encoder noise included.
 
     Parameters
     ----------
@@ -137,22 +138,22 @@ def assess(
             where=where,
         )
 
-    residuals = [response.residual_deviation for response, _ in found]
+    residuals = [response.residual_deviation + response.tool_noise for response, _ in found]
     checks = [worst(RESIDUAL_DEVIATION, needs.tcp_deviation, length, residuals)]
     if isfinite(needs.max_settling_time):
         settling = [response.settling_time for response, _ in found]
         checks.append(worst(SETTLING_TIME, needs.max_settling_time, "s", settling))
     if isfinite(needs.contour_deviation):
-        contours = [response.contour_deviation for response, _ in found]
+        contours = [response.contour_deviation + response.tool_noise for response, _ in found]
         checks.append(worst(CONTOUR_DEVIATION, needs.contour_deviation, length, contours))
     for peak in needs.peaks:
         column = plant.signals.index(peak.name)
         values = [float(response.peaks[column]) for response, _ in found]
         checks.append(worst(peak_of(peak.name), peak.bound, plant.signal_units[column], values))
-    forces = [response.max_force for response, _ in found]
+    forces = [response.max_force + response.force_noise for response, _ in found]
     checks.append(worst(SET_FORCE, drive.motion_force, force, forces))
     if isfinite(drive.continuous_force):
-        rms = [response.rms_force for response, _ in found]
+        rms = [hypot(r.rms_force, r.force_noise / SIGMAS) for r, _ in found]
         checks.append(worst(RMS_FORCE, drive.continuous_force, force, rms))
     return Assessment(checks=tuple(checks))
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import isfinite
 
+from mtcommission.loop.analysis.quantisation import EncoderNoise, encoder_noise
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -97,19 +98,25 @@ def simulate_planned(machine: Machine, tuned: TunedLoop, plan: Plan) -> tuple[Mo
     tuple of MoveResult
     """
     drive, needs = machine.drive, machine.requirements
+    follows, noise = isfinite(needs.contour_deviation), _noise(machine, tuned)
     found = []
     for move in machine.moves:
         setpoint, slower = plan(move), slow_to_feed(move, needs.contour_feed)
-        run = partial(simulate, drive=drive, band=needs.tcp_deviation)
-        responses = [run(loop, setpoint) for loop in tuned.loops]
-        if isfinite(needs.contour_deviation) and slower != move:
-            path = [run(loop, plan(slower)).peak_deviation for loop in tuned.loops]
-            responses = [
-                replace(response, contour_deviation=deviation)
-                for response, deviation in zip(responses, path, strict=True)
-            ]
+        path = plan(slower) if follows and slower != move else None
+        responses = []
+        for loop, own in zip(tuned.loops, noise, strict=True):
+            run = partial(simulate, loop, drive=drive, band=needs.tcp_deviation)
+            response = replace(run(setpoint), tool_noise=own.tool, force_noise=own.force)
+            if path:
+                response = replace(response, contour_deviation=run(path).peak_deviation)
+            responses.append(response)
         found.append(MoveResult(setpoint=setpoint, responses=tuple(responses)))
     return tuple(found)
+
+
+def _noise(machine: Machine, tuned: TunedLoop) -> list[EncoderNoise]:
+    resolution = machine.drive.encoder_resolution
+    return [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
 
 
 def evaluate(

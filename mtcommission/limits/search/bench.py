@@ -6,11 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from math import isfinite
+from math import isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.analysis.quantisation import SIGMAS, encoder_noise
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import Settling, settle
 from mtcommission.loop.batch.tables import ResponseTables, build_tables, sketch_tables
@@ -46,12 +47,16 @@ class Bench:
     signals
         Rows over the outputs of one velocity cycle; the first one is the set force.
     bounds
-        Largest allowed magnitude of each signal.
+        Largest allowed magnitude of each signal, without the encoder's noise.
+    band, contour, continuous
+        Allowed residual deviation, deviation along the path and RMS force, likewise [m, m, N].
     requirements
         All that bounds force and motion: what the signals come from, then contour and RMS force
         where they are bounded.
     tail
         Free motion in which force and peaks are looked at [s].
+    decisive
+        Corners in which force and peaks are looked at: no other asks for noticeably more.
     """
 
     machine: Machine
@@ -60,13 +65,12 @@ class Bench:
     sketches: tuple[ResponseTables, ...]
     signals: Array
     bounds: Array
+    band: float
+    contour: float
+    continuous: float
     requirements: tuple[Requirement, ...]
     tail: float
-
-    @property
-    def band(self) -> float:
-        """Allowed residual deviation [m]."""
-        return self.machine.requirements.tcp_deviation
+    decisive: tuple[int, ...]
 
     @property
     def order(self) -> int:
@@ -100,16 +104,33 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
         bounded.append(CONTOUR_DEVIATION)
     if isfinite(machine.drive.continuous_force):
         bounded.append(RMS_FORCE)
+    drive = machine.drive
+    noises = [encoder_noise(loop, resolution=drive.encoder_resolution) for loop in tuned.loops]
+    tool, force = max(item.tool for item in noises), max(item.force for item in noises)
+    set_force = _left(drive.motion_force, force)
     return Bench(
         machine=machine,
         tuned=tuned,
         tables=tables,
         sketches=tuple(map(sketch_tables, tables, (loop.plant for loop in tuned.loops))),
         signals=np.array(rows),
-        bounds=np.array([machine.drive.motion_force, *(peak.bound for peak in needs.peaks)]),
+        bounds=np.array([set_force, *(peak.bound for peak in needs.peaks)]),
+        band=_left(needs.tcp_deviation, tool),
+        contour=_left(needs.contour_deviation, tool),
+        continuous=sqrt(_left(drive.continuous_force**2, (force / SIGMAS) ** 2)),
         requirements=tuple(bounded),
         tail=tables[0].reference_delay + 1.5 * min(longest_period(plant), 0.2),
+        decisive=tuple(range(len(tuned.loops))),
     )
+
+
+def _left(bound: float, noise: float) -> float:
+    """What noise leaves of a bound; where that is nothing, so little that nothing meets it."""
+    return max(bound - noise, HARDLY * bound)
+
+
+HARDLY = 1e-3
+"""Share of a bound that stands for nothing left of it [-]."""
 
 
 def plan_steps(machine: Machine, move: Move, acceleration: Array, jerk_time: Array) -> JerkSteps:
@@ -190,20 +211,25 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
     Returns
     -------
     ndarray
-        Force, peaks, and contour and RMS force where they are bounded.
+        Force, peaks, and contour and RMS force where they are bounded; in the decisive corners.
     """
+    return np.asarray(use_by_corner(bench, acceleration, jerk_time).max(axis=0))
+
+
+def use_by_corner(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
+    """Return the same for each decisive corner, shape (n_corners, n_limits, n_bounds) [-]."""
     needs, drive = bench.machine.requirements, bench.machine.drive
     is_limited, follows = isfinite(drive.continuous_force), isfinite(needs.contour_deviation)
-    used = np.zeros((len(acceleration), len(bench.requirements)))
+    used = np.zeros((len(bench.decisive), len(acceleration), len(bench.requirements)))
     for move in bench.machine.moves:
         slower = slow_to_feed(move, needs.contour_feed)
         steps, path = (
             plan_steps(bench.machine, item, acceleration, jerk_time) for item in (move, slower)
         )
-        for loop in bench.tuned.loops:
+        for place, corner in enumerate(bench.decisive):
             run = partial(
                 find_extremes,
-                loop,
+                bench.tuned.loops[corner],
                 signals=bench.signals,
                 order=bench.order,
                 tail=bench.tail,
@@ -217,8 +243,39 @@ def use_of_bounds(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
             columns = [found.peaks / bench.bounds]
             if follows:
                 own = found if slower == move else run(path, dwell=None, with_deviation=True)
-                columns.append(own.deviation[:, None] / needs.contour_deviation)
+                columns.append(own.deviation[:, None] / bench.contour)
             if is_limited:
-                columns.append(found.rms_force[:, None] / drive.continuous_force)
-            used = np.maximum(used, np.hstack(columns))
+                columns.append(found.rms_force[:, None] / bench.continuous)
+            used[place] = np.maximum(used[place], np.hstack(columns))
     return used
+
+
+ALMOST = 0.999
+"""Share of the worst use of a bound, over all corners, that the decisive ones must show."""
+
+
+def find_decisive(used: Array) -> tuple[int, ...]:
+    """Return as few corners as show the worst use of every bound.
+
+    Parameters
+    ----------
+    used
+        From ``use_by_corner``, with all corners and enough limits.
+
+    Returns
+    -------
+    tuple of int
+        Found greedily: each time the corner is added that shows what is most missing.
+
+    Examples
+    --------
+    >>> find_decisive(np.array([[[0.5, 0.2]], [[0.9, 0.1]], [[0.9, 0.4]], [[0.8, 0.3]]]))
+    (1, 2)
+    """
+    flat = used.reshape(len(used), -1)
+    worst, leader = flat.max(axis=0), flat.argmax(axis=0)
+    chosen, shown = set[int](), np.zeros(flat.shape[1])
+    while np.any(shown < ALMOST * worst):
+        chosen.add(int(leader[np.argmin(shown / np.maximum(worst, 1e-300))]))
+        shown = flat[sorted(chosen)].max(axis=0)
+    return tuple(sorted(chosen))

@@ -16,7 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from mtcommission.limits.search.bench import Bench, motion_time, settle_gradually, use_of_bounds
+from mtcommission.limits.search.bench import (
+    Bench,
+    find_decisive,
+    motion_time,
+    settle_gradually,
+    use_by_corner,
+    use_of_bounds,
+)
 from mtcommission.limits.search.region import ALIKE, Grid, Region
 from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.loop.batch.settling import Settling
@@ -66,9 +73,12 @@ class Guess:
     ----------
     logarithm
         Of the use over the logarithms of a and t_j.
+    decisive
+        Corners that show the worst use everywhere.
     """
 
     logarithm: RegularGridInterpolator
+    decisive: tuple[int, ...]
 
     def at(self, acceleration: Array, jerk_time: Array) -> Array:
         """Return the guessed use, worst case, shape (n_limits,) [-]."""
@@ -126,12 +136,14 @@ def guess_usage(bench: Bench, region: Region, *, widest: Region, points: int) ->
     for i, j in product((0, 1), repeat=2):
         wanted[i : len(a) - 1 + i, j : len(t) - 1 + j] |= cell
     used = np.ones(a_grid.shape)
-    used[wanted] = use_of_bounds(bench, a_grid[wanted], t_grid[wanted]).max(axis=1)
+    by_corner = use_by_corner(bench, a_grid[wanted], t_grid[wanted])
+    used[wanted] = by_corner.max(axis=(0, 2))
     axes = np.log(a), np.log(t)
     return Guess(
         logarithm=RegularGridInterpolator(
             axes, np.log(np.maximum(used, 1e-12)), bounds_error=False, fill_value=None
-        )
+        ),
+        decisive=find_decisive(by_corner),
     )
 
 

@@ -10,6 +10,7 @@ whole swing after a step of q.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, sqrt
 
 import numpy as np
@@ -46,6 +47,7 @@ class EncoderNoise:
     force: float
 
 
+@lru_cache(maxsize=128)
 def encoder_noise(loop: SampledLoop, *, resolution: float) -> EncoderNoise:
     """Return within what tool and set force stay of where they would be with a perfect encoder.
 

@@ -35,7 +35,7 @@ CHUNK = 1000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BatchedResponse:
-    """What limits do on many machines.
+    """What limits do on many machines, the nominal encoder noise included.
 
     Parameters
     ----------
@@ -152,5 +152,8 @@ def simulate_batched(
             residual[part] = np.maximum(residual[part], run.residual)
             shares[part] = np.maximum(shares[part], used)
     return BatchedResponse(
-        settling_time=settling, residual_deviation=residual, shares=shares, bounds=signals.names
+        settling_time=settling,
+        residual_deviation=residual + signals.tool_noise,
+        shares=shares,
+        bounds=signals.names,
     )

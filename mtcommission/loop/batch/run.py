@@ -12,7 +12,8 @@ from math import ceil, inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.batch.loops import hand_down
+from mtcommission.loop.analysis.quantisation import SIGMAS, encoder_noise
+from mtcommission.loop.batch.loops import hand_down_setpoint
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.simulate.mean_force import rms_force, window_shares
 from mtcommission.loop.simulate.response import DECAYED, HORIZON
@@ -53,6 +54,8 @@ class Signals:
         Bound on the tool's deviation along the path [m].
     continuous, static_load
         Bound on the RMS force, and the load that adds to it [N].
+    tool_noise, force_noise
+        What the steps of the encoder add to the tool's position and to the set force [m, N].
     """
 
     rows: Array
@@ -61,6 +64,8 @@ class Signals:
     contour: float
     continuous: float
     static_load: float
+    tool_noise: float
+    force_noise: float
 
 
 def bounded_signals(machine: Machine, plant: Plant, loop: SampledLoop) -> Signals:
@@ -76,6 +81,7 @@ def bounded_signals(machine: Machine, plant: Plant, loop: SampledLoop) -> Signal
     Signals
     """
     drive, needs, size = machine.drive, machine.requirements, loop.own_size
+    noise = encoder_noise(loop, resolution=drive.encoder_resolution)
     outputs = loop.observation[:, :size]
     states = outputs[-plant.order :]
     rows = [
@@ -95,6 +101,8 @@ def bounded_signals(machine: Machine, plant: Plant, loop: SampledLoop) -> Signal
         contour=needs.contour_deviation,
         continuous=drive.continuous_force,
         static_load=drive.static_load,
+        tool_noise=noise.tool,
+        force_noise=noise.force,
     )
 
 
@@ -172,7 +180,7 @@ def run_batch(
     first = int(until / T_p)
     stretch = ceil(max(min(longest_period(loop.plant), 0.2), EARLIEST_STOP) / T_p)
     last = first + ceil(HORIZON / T_p)
-    fed = hand_down(loop, setpoint, last + stretch)
+    fed = hand_down_setpoint(loop, setpoint, last + stretch)
     course = _Course(loop=loop, signals=signals, setpoint=setpoint, fed=fed)
     run = _at_rest(rows, signals, until=until)
     if isfinite(signals.contour):
@@ -268,11 +276,13 @@ def shares_of_bounds(run: BatchRun, signals: Signals, setpoint: Setpoint) -> Arr
     ndarray
     """
     used = run.peaks / signals.bounds
+    used[:, 0] += signals.force_noise / signals.bounds[0]
     if isfinite(signals.contour):
-        used = np.column_stack([used, run.contour / signals.contour])
+        used = np.column_stack([used, (run.contour + signals.tool_noise) / signals.contour])
     if isfinite(signals.continuous):
         window, load = setpoint.duration + setpoint.move.dwell, signals.static_load
         rms = rms_force(run.first, run.square, window=window, static_load=load)
+        rms = np.hypot(rms, signals.force_noise / SIGMAS)
         used = np.column_stack([used, rms / signals.continuous])
     return np.asarray(used)
 

@@ -69,6 +69,9 @@ class LoopResponse:
         Motor force over [0, t_e + dwell], static load included in its worse direction [N].
     saturated
         Whether it asks for more than the force limit; the motion shown is then the saturated one.
+    tool_noise, force_noise
+        What the steps of the encoder add to the tool's position and to F_set, where that was
+        looked at [m, N]; in none of the values above.
     """
 
     t: Array
@@ -85,6 +88,8 @@ class LoopResponse:
     max_force: float
     rms_force: float
     saturated: bool
+    tool_noise: float = 0.0
+    force_noise: float = 0.0
 
 
 def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float) -> LoopResponse:

@@ -74,7 +74,7 @@ position-loop-interpolated = Lageregler in der Steuerung, alle { $position_cycle
 position-loop-drive = Lageregler im Antrieb (DSC), alle { $velocity_cycle }; Sollwert alle { $position_cycle }
 contour-judged = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung; muss es am Ende stillstehen, die Restabweichung.
 contour-judged-to-feed = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung bis { $feed }; muss es stillstehen, die Restabweichung.
-contour-not-judged = Beurteilt ab dem Stillstand. Während der Bewegung weicht das Werkzeug bis { $peak } ab; fährt es eine Bahn, contour_deviation angeben.
+contour-not-judged = Beurteilt ab dem Stillstand. Während der Bewegung weicht das Werkzeug bis { $peak } ab: für Bahnen contour_deviation angeben.
 encoder-steps = { $axis ->
     [rotary] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, das Sollmoment bis ± { $force }
    *[linear] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, die Sollkraft bis ± { $force }
