@@ -141,7 +141,7 @@ def test_open_loop_is_that_of_the_diagram(seed: int) -> None:
     assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
 
 
-@pytest.mark.parametrize("seed", [1, 4, 7])
+@pytest.mark.parametrize("seed", [1, 3, 4])
 def test_batch_on_the_same_plant_is_the_loop(seed: int) -> None:
     """Thousands of machines would be judged with another controller than the nominal one."""
     loop = tuned_member(seed).loops[-1]

@@ -33,7 +33,7 @@ from mtcommission.export.row import Row, Setting, round_number
 from mtcommission.export.subject import build_subject
 from mtcommission.export.write import CONTROLS, Export, export_record, read_text
 from mtcommission.limits.choose import SearchSettings
-from mtcommission.machine.machine import Machine, Motion, Positioning, VelocityStep
+from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.build import build_record

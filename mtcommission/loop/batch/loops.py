@@ -61,7 +61,7 @@ def discretise_variations(
     return result[:, :n, :n], result[:, :n, n]
 
 
-def hand_down(loop: SampledLoop, setpoint: Setpoint, cycles: int) -> Array:
+def hand_down_setpoint(loop: SampledLoop, setpoint: Setpoint, cycles: int) -> Array:
     """Return what the setpoint alone hands down at each position cycle.
 
     Parameters

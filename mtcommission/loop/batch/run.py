@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.analysis.quantisation import SIGMAS, encoder_noise
-from mtcommission.loop.batch.loops import hand_down
+from mtcommission.loop.batch.loops import hand_down_setpoint
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.simulate.mean_force import rms_force, window_shares
 from mtcommission.loop.simulate.response import DECAYED, HORIZON
@@ -180,7 +180,7 @@ def run_batch(
     first = int(until / T_p)
     stretch = ceil(max(min(longest_period(loop.plant), 0.2), EARLIEST_STOP) / T_p)
     last = first + ceil(HORIZON / T_p)
-    fed = hand_down(loop, setpoint, last + stretch)
+    fed = hand_down_setpoint(loop, setpoint, last + stretch)
     course = _Course(loop=loop, signals=signals, setpoint=setpoint, fed=fed)
     run = _at_rest(rows, signals, until=until)
     if isfinite(signals.contour):
