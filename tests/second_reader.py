@@ -178,8 +178,8 @@ def _own(control: str, text: str, machine: Machine) -> tuple[dict[str, Any], dic
                 own["mass"] = (n["getriebe[0].load"], i**2)
             if "filter_fir.order_time" in n:
                 own["average"] = (n["filter_fir.order_time"], 1e-6)
-            loop = {"DSC_POSITION_CONTROL": "drive", "CNC_POSITION_CONTROL": "control"}
-            return own, {"loop": loop.get(n.get("antr.operation_mode", ""), "")}
+            places = {"DSC_POSITION_CONTROL": "drive", "CNC_POSITION_CONTROL": "control"}
+            return own, {"loop": places.get(n.get("antr.operation_mode", ""), "")}
         case "twincat" | "plcopen":
             n = lines(text, r"^ +c[A-Z]\w*?_(\w+) : LREAL := ([0-9]+\.[0-9]+);")
             assert n["Deceleration"] == n["Acceleration"]

@@ -9,7 +9,7 @@ import pytest
 
 from mtcommission.control_kinds.kind import FEATURES, ControlKind
 from mtcommission.control_kinds.kinds import GENERIC, KINDS, STATE_SPACE
-from mtcommission.export.catalogue import control_keys
+from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.machine.basis import describe_kind
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
@@ -44,8 +44,8 @@ def test_the_page_says_what_the_tables_say() -> None:
 def test_what_was_not_read_is_marked_and_what_is_missing_is_said() -> None:
     said = Catalogue().say(describe_kind(KINDS["fanuc"]))
     assert said == (
-        "has jerk limit as a time, moving average (?), velocity feed-forward (?), torque "
-        "feed-forward (?), 5 torque filters (?); lacks jerk feed-forward (?), balanced "
+        "has jerk limit, setpoint filter (?), velocity feed-forward (?), force feed-forward (?), "
+        "5 filters in the force setpoint (?); lacks jerk feed-forward (?), balancing of the "
         "setpoint (?), state feedback (?)"
     )
     assert "lacks" not in Catalogue().say(describe_kind(STATE_SPACE))
@@ -56,4 +56,4 @@ def test_every_kind_of_control_can_be_named_in_a_profile_and_exported(key: str) 
     """Its own defaults fit together: cycles, position loop, feed-forward, delay."""
     control = parse_profile(f'{MANIPULATOR}[control]\nkind = "{key}"\n', where="p.toml").control
     assert control.kind is KINDS[key]
-    assert (key in control_keys()) == (control.kind is not STATE_SPACE)
+    assert (key in CONTROL_KEYS) == (control.kind is not STATE_SPACE)

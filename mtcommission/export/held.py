@@ -85,11 +85,7 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
         ),
         (Setting.REFERENCE_DELAY, delay, kind.reference_delay),
         (Setting.AVERAGE, control.moving_average_time, "moving_average" in kind.setpoint_filters),
-        (
-            Setting.FILTERS,
-            min(len(loop.force_filters), kind.force_filters),
-            kind.force_filters > 0,
-        ),
+        (Setting.FILTERS, min(len(loop.force_filters), kind.force_filters), kind.force_filters > 0),
     ):
         if has:
             values[setting, ""] = float(value)

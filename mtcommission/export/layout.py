@@ -56,7 +56,7 @@ class Entry:
 
     def meaning(self, words: Catalogue) -> str:
         """Return what the parameter does, or nothing; in one line, whatever its names hold."""
-        said = words.say(self.row.meaning) if self.row.meaning else ""
+        said = words.say(self.row.text) if self.row.text else ""
         return " ".join(to_ascii(said).split())
 
     def remark(self, words: Catalogue) -> str:

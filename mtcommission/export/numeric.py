@@ -60,9 +60,9 @@ def _sinumerik(subject: Subject, loop: Values) -> list[Row]:
     length, size = ("rev", TURN) if subject.is_rotary else ("m", 1.0)
     rows = [
         Row(
-            setting=Setting.ACCELERATION,
+            Setting.ACCELERATION,
+            f"N32300 $MA_MAX_AX_ACCEL[{index}]",
             index=mode,
-            name=f"N32300 $MA_MAX_AX_ACCEL[{index}]",
             unit=f"{length}/s^2",
             scale=size,
             meaning=Message("sinumerik-mode", dynamic=dynamic, about=_of_mode(subject, mode)),
@@ -71,9 +71,9 @@ def _sinumerik(subject: Subject, loop: Values) -> list[Row]:
     ]
     rows += [
         doubted(
-            setting=Setting.JERK,
+            Setting.JERK,
+            f"N32431 $MA_MAX_AX_JERK[{index}]",
             index=mode,
-            name=f"N32431 $MA_MAX_AX_JERK[{index}]",
             unit=f"{length}/s^3",
             scale=size,
             meaning=Message("sinumerik-mode-unit", dynamic=dynamic),
@@ -84,16 +84,15 @@ def _sinumerik(subject: Subject, loop: Values) -> list[Row]:
         *rows,
         *_sinumerik_average(loop),
         Row(
-            setting=Setting.POSITION_GAIN,
-            name="N32200 $MA_POSCTRL_GAIN[0]",
+            Setting.POSITION_GAIN,
+            "N32200 $MA_POSCTRL_GAIN[0]",
             unit="1000/min",
             scale=GAIN_PER_MINUTE,
-            meaning=Message("gain-kv"),
         ),
         *_sinumerik_feedforward(subject, loop),
         doubted(
-            setting=Setting.POSITION_LOOP,
-            name="N32640 $MA_STIFFNESS_CONTROL_ENABLE[0]",
+            Setting.POSITION_LOOP,
+            "N32640 $MA_STIFFNESS_CONTROL_ENABLE[0]",
             codes={"drive": "1", "control": "0"},
             meaning=Message("sinumerik-dsc"),
         ),
@@ -105,40 +104,30 @@ def _sinumerik_average(loop: Values) -> Iterator[Row]:
     """The jerk filter, on as moving average or off."""
     if not loop.get((Setting.AVERAGE, "")):
         yield Row(
-            setting=Setting.AVERAGE,
-            name="N32400 $MA_AX_JERK_ENABLE",
+            Setting.AVERAGE,
+            "N32400 $MA_AX_JERK_ENABLE",
             codes={0.0: "0"},
             meaning=Message("sinumerik-filter-off"),
         )
         return
     yield fixed("N32400 $MA_AX_JERK_ENABLE", "1", Message("sinumerik-filter-on"))
     yield fixed("N32402 $MA_AX_JERK_MODE", "2", Message("sinumerik-moving-average"))
-    yield Row(
-        setting=Setting.AVERAGE,
-        name="N32410 $MA_AX_JERK_TIME",
-        unit="s",
-        digits=6,
-        meaning=Message("filter-average"),
-    )
+    yield Row(Setting.AVERAGE, "N32410 $MA_AX_JERK_TIME", unit="s", digits=6)
 
 
 def _sinumerik_feedforward(subject: Subject, loop: Values) -> Iterator[Row]:
     which = loop[Setting.FEEDFORWARD, ""]
     yield Row(
-        setting=Setting.FEEDFORWARD,
-        name="N32620 $MA_FFW_MODE",
+        Setting.FEEDFORWARD,
+        "N32620 $MA_FFW_MODE",
         codes={"none": "0", "velocity": "3", "force": "4"},
         meaning=Message("sinumerik-ffw-mode"),
     )
-    yield Row(
-        setting=Setting.VELOCITY_FEEDFORWARD,
-        name="N32610 $MA_VELO_FFW_WEIGHT[0]",
-        meaning=Message("row-feedforward-velocity"),
-    )
+    yield Row(Setting.VELOCITY_FEEDFORWARD, "N32610 $MA_VELO_FFW_WEIGHT[0]")
     if subject.shaft:
         yield doubted(
-            setting=Setting.FORCE_FEEDFORWARD,
-            name="N32650 $MA_AX_INERTIA",
+            Setting.FORCE_FEEDFORWARD,
+            "N32650 $MA_AX_INERTIA",
             unit="kg m^2",
             scale=subject.shaft**-2,
             meaning=Message("row-feedforward-inertia"),
@@ -146,8 +135,8 @@ def _sinumerik_feedforward(subject: Subject, loop: Values) -> Iterator[Row]:
     if which != "none":
         data = "32800 $MA_EQUIV_CURRCTRL" if which == "force" else "32810 $MA_EQUIV_SPEEDCTRL"
         yield doubted(
-            setting=Setting.REFERENCE_DELAY,
-            name=f"N{data}_TIME[0]",
+            Setting.REFERENCE_DELAY,
+            f"N{data}_TIME[0]",
             unit="s",
             digits=6,
             meaning=Message("sinumerik-delay"),
@@ -158,22 +147,18 @@ def _sinamics(subject: Subject, loop: Values) -> Iterator[Row]:
     """Parameters of the drive; five for each of its four filters of the torque setpoint."""
     if subject.shaft:
         yield Row(
-            setting=Setting.VELOCITY_GAIN,
-            name="p1460",
+            Setting.VELOCITY_GAIN,
+            "p1460",
             unit="N m s/rad",
             scale=subject.shaft**-2,
             meaning=Message("gain-kp-at-shaft"),
         )
     yield doubted(
-        setting=Setting.INTEGRAL_TIME,
-        name="p1462",
-        unit="ms",
-        scale=MILLI,
-        meaning=Message("gain-tn-unit"),
+        Setting.INTEGRAL_TIME, "p1462", unit="ms", scale=MILLI, meaning=Message("gain-tn-unit")
     )
     yield doubted(
-        setting=Setting.FILTERS,
-        name="p1656",
+        Setting.FILTERS,
+        "p1656",
         codes={float(count): str(2**count - 1) for count in range(5)},
         meaning=Message("sinumerik-filters"),
     )
@@ -181,26 +166,16 @@ def _sinamics(subject: Subject, loop: Values) -> Iterator[Row]:
         index, first = str(number), 1652 + 5 * number
         is_notch = loop.get((Setting.FILTER_KIND, index)) == FilterKind.NOTCH.value
         yield doubted(
-            setting=Setting.FILTER_KIND,
+            Setting.FILTER_KIND,
+            f"p{first}",
             index=index,
-            name=f"p{first}",
             codes={"low_pass": "1", "notch": "2"},
             meaning=Message("sinumerik-filter-kind"),
         )
         for place in (first + 1, first + 3) if is_notch else (first + 1,):
-            yield doubted(
-                setting=Setting.FILTER_FREQUENCY,
-                index=index,
-                name=f"p{place}",
-                unit="Hz",
-                digits=5,
-                meaning=Message("filter-frequency"),
-            )
+            yield doubted(Setting.FILTER_FREQUENCY, f"p{place}", index=index, unit="Hz", digits=5)
         yield doubted(
-            setting=Setting.FILTER_DAMPING,
-            index=index,
-            name=f"p{first + 4 if is_notch else first + 2}",
-            meaning=Message("filter-damping"),
+            Setting.FILTER_DAMPING, f"p{first + 4 if is_notch else first + 2}", index=index
         )
 
 
@@ -222,32 +197,28 @@ def _heidenhain(subject: Subject, _loop: Values) -> list[Row]:
         for_mode = f", {mode}" if mode else ""
         rows += [
             row(
-                setting=Setting.ACCELERATION,
-                name=f"maxAcceleration{for_mode}",
+                Setting.ACCELERATION,
+                f"maxAcceleration{for_mode}",
                 unit=f"{length}/s^2",
                 meaning=_of_mode(subject, mode),
             ),
             row(
-                setting=Setting.JERK,
-                name=f"axPathJerk{for_mode}",
+                Setting.JERK,
+                f"axPathJerk{for_mode}",
                 unit=f"{length}/s^3",
                 meaning=Message("limit-axis-jerk"),
             ),
             row(
-                setting=Setting.JERK,
-                name=f"axPathJerkHi{for_mode}",
+                Setting.JERK,
+                f"axPathJerkHi{for_mode}",
                 unit=f"{length}/s^3",
                 meaning=Message("limit-axis-jerk-at-rapid"),
             ),
         ]
     return [
         *rows,
-        Row(setting=Setting.POSITION_GAIN, name="kvFactor", unit="1/s", meaning=Message("gain-kv")),
-        Row(
-            setting=Setting.VELOCITY_FEEDFORWARD,
-            name="feedForwardFactor",
-            meaning=Message("row-feedforward-velocity"),
-        ),
+        Row(Setting.POSITION_GAIN, "kvFactor", unit="1/s"),
+        Row(Setting.VELOCITY_FEEDFORWARD, "feedForwardFactor"),
     ]
 
 
@@ -263,46 +234,18 @@ def _heidenhain_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]
 def _fanuc(subject: Subject, _loop: Values) -> list[Row]:
     length, size = subject.small_unit
     return [
-        Row(
-            setting=Setting.RISE_TIME,
-            name="1620",
-            unit="ms",
-            scale=MILLI,
-            step=1,
-            meaning=Message("fanuc-rise-time"),
-        ),
-        Row(
-            setting=Setting.JERK_TIME,
-            name="1774",
-            unit="ms",
-            scale=MILLI,
-            step=_cycles(subject, MILLI),
-            meaning=Message("fanuc-bell-time"),
-        ),
+        Row(Setting.RISE_TIME, "1620", unit="ms", scale=MILLI, step=1),
+        Row(Setting.JERK_TIME, "1774", unit="ms", scale=MILLI, step=_cycles(subject, MILLI)),
         doubted(
-            setting=Setting.POSITION_GAIN,
-            name="1825",
+            Setting.POSITION_GAIN,
+            "1825",
             unit="0.01/s",
             scale=HUNDREDTH,
             step=1,
             meaning=Message("gain-kv-name-and-unit"),
         ),
-        doubted(
-            setting=Setting.VELOCITY_FEEDFORWARD,
-            name="2068",
-            unit="0.01 %",
-            scale=1e-4,
-            step=1,
-            meaning=Message("row-feedforward-velocity"),
-        ),
-        Row(
-            setting=Setting.RAPID,
-            name="1420",
-            unit=f"{length}/min",
-            scale=size / 60.0,
-            meaning=Message("limit-rapid"),
-            is_elsewhere=True,
-        ),
+        doubted(Setting.VELOCITY_FEEDFORWARD, "2068", unit="0.01 %", scale=1e-4, step=1),
+        Row(Setting.RAPID, "1420", unit=f"{length}/min", scale=size / 60.0, is_elsewhere=True),
     ]
 
 
@@ -336,8 +279,8 @@ def _isg(subject: Subject, loop: Values) -> Iterator[Row]:
         ("a_grenz", Message("isg-acceleration-at-rapid")),
     ):
         yield Row(
-            setting=Setting.ACCELERATION,
-            name=f"getriebe[0].slope_profil.{name}",
+            Setting.ACCELERATION,
+            f"getriebe[0].slope_profil.{name}",
             unit=f"{length}/s^2",
             scale=size,
             step=1,
@@ -345,60 +288,42 @@ def _isg(subject: Subject, loop: Values) -> Iterator[Row]:
         )
     for name, meaning in RAMPS:
         yield Row(
-            setting=Setting.JERK_TIME,
-            name=f"getriebe[0].slope_profil.{name}",
+            Setting.JERK_TIME,
+            f"getriebe[0].slope_profil.{name}",
             unit="us",
             scale=MICRO,
             step=_cycles(subject, MICRO),
             meaning=meaning,
         )
     yield Row(
-        setting=Setting.POSITION_LOOP,
-        name="antr.operation_mode",
+        Setting.POSITION_LOOP,
+        "antr.operation_mode",
         codes={"drive": "DSC_POSITION_CONTROL", "control": "CNC_POSITION_CONTROL"},
         meaning=Message("isg-operation-mode"),
     )
     if _place(loop) != "drive":
-        yield Row(
-            setting=Setting.POSITION_GAIN,
-            name="getriebe[0].kv",
-            unit="0.01/s",
-            scale=HUNDREDTH,
-            step=1,
-            meaning=Message("gain-kv"),
-        )
+        yield Row(Setting.POSITION_GAIN, "getriebe[0].kv", unit="0.01/s", scale=HUNDREDTH, step=1)
     yield doubted(
-        setting=Setting.FEEDFORWARD,
-        name="vorsteuer.vorsteuerung",
+        Setting.FEEDFORWARD,
+        "vorsteuer.vorsteuerung",
         codes={"none": "0", "velocity": "0x101", "force": "0x303"},
         meaning=Message("isg-feedforward"),
     )
     if subject.shaft:
         yield Row(
-            setting=Setting.FORCE_FEEDFORWARD,
-            name="getriebe[0].load",
+            Setting.FORCE_FEEDFORWARD,
+            "getriebe[0].load",
             unit="kg m^2",
             scale=subject.shaft**-2,
             meaning=Message("row-feedforward-inertia"),
         )
     if loop.get((Setting.AVERAGE, "")):
         yield fixed("filter_fir.type", "1", Message("isg-moving-average"))
-        yield doubted(
-            setting=Setting.AVERAGE,
-            name="filter_fir.order_time",
-            unit="us",
-            scale=MICRO,
-            digits=9,
-            meaning=Message("filter-average"),
-        )
+        yield doubted(Setting.AVERAGE, "filter_fir.order_time", unit="us", scale=MICRO, digits=9)
 
 
 def _isg_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
-    return (
-        Message("isg-gear-sets"),
-        Message("isg-own-limits"),
-        Message("isg-slope"),
-    )
+    return (Message("isg-gear-sets"), Message("isg-own-limits"), Message("isg-slope"))
 
 
 NUMERIC_CONTROLS = (

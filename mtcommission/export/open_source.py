@@ -46,25 +46,13 @@ def _require_linear(subject: Subject, control: str) -> None:
 
 def _acceleration(subject: Subject, name: str, *, section: str = "") -> Row:
     length, size = subject.small_unit
-    return Row(
-        setting=Setting.ACCELERATION,
-        name=name,
-        unit=f"{length}/s^2",
-        scale=size,
-        meaning=Message("limit-acceleration"),
-        section=section,
-    )
+    return Row(Setting.ACCELERATION, name, unit=f"{length}/s^2", scale=size, section=section)
 
 
 def _jerk(subject: Subject, name: str, meaning: Message, *, section: str = "") -> Row:
     length, size = subject.small_unit
     return Row(
-        setting=Setting.JERK,
-        name=name,
-        unit=f"{length}/s^3",
-        scale=size,
-        meaning=meaning,
-        section=section,
+        Setting.JERK, name, unit=f"{length}/s^3", scale=size, meaning=meaning, section=section
     )
 
 
@@ -89,15 +77,7 @@ def _linuxcnc(subject: Subject, loop: Values) -> list[Row]:
         path = Message("linuxcnc-path-jerk")
         rows.append(_jerk(subject, "MAX_LINEAR_JERK", path, section="TRAJ"))
     rows.append(
-        Row(
-            setting=Setting.POSITION_CYCLE,
-            name="SERVO_PERIOD",
-            unit="ns",
-            scale=NANO,
-            step=1,
-            meaning=Message("cycle-position"),
-            section="EMCMOT",
-        )
+        Row(Setting.POSITION_CYCLE, "SERVO_PERIOD", unit="ns", scale=NANO, step=1, section="EMCMOT")
     )
     for section in (joint, f"AXIS_{letter}"):
         rows.append(_acceleration(subject, "MAX_ACCELERATION", section=section))
@@ -105,30 +85,19 @@ def _linuxcnc(subject: Subject, loop: Values) -> list[Row]:
     if loop[Setting.POSITION_LOOP, ""] == "control":
         rows.append(
             Row(
-                setting=Setting.POSITION_GAIN,
-                name="P",
+                Setting.POSITION_GAIN,
+                "P",
                 unit="1/s",
                 meaning=Message("linuxcnc-gain"),
                 section=joint,
             )
         )
-        rows.append(
-            Row(
-                setting=Setting.VELOCITY_FEEDFORWARD,
-                name="FF1",
-                meaning=Message("row-feedforward-velocity"),
-                section=joint,
-            )
-        )
+        rows.append(Row(Setting.VELOCITY_FEEDFORWARD, "FF1", section=joint))
     return rows
 
 
 def _linuxcnc_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
-    return (
-        Message("linuxcnc-units"),
-        Message("linuxcnc-joints"),
-        Message("linuxcnc-least-jerk"),
-    )
+    return (Message("linuxcnc-units"), Message("linuxcnc-joints"), Message("linuxcnc-least-jerk"))
 
 
 def _grblhal(subject: Subject, _loop: Values) -> list[Row]:
@@ -140,11 +109,7 @@ def _grblhal(subject: Subject, _loop: Values) -> list[Row]:
 
 
 def _grblhal_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
-    return (
-        Message("grblhal-builds"),
-        Message("grblhal-corners"),
-        Message("export-segments"),
-    )
+    return (Message("grblhal-builds"), Message("grblhal-corners"), Message("export-segments"))
 
 
 def _fluidnc(subject: Subject, _loop: Values) -> list[Row]:
@@ -177,32 +142,22 @@ def _klipper(subject: Subject, _loop: Values) -> list[Row]:
     of_mode = Message("klipper-of-mode", mode=subject.mode.name)
     return [
         Row(
-            setting=Setting.ACCELERATION,
-            name="max_accel",
+            Setting.ACCELERATION,
+            "max_accel",
             unit="mm/s^2",
             scale=MILLI,
             meaning=Message("klipper-tool-head"),
             section="printer",
         ),
+        row(Setting.SHAPER, f"shaper_type_{letter}", codes={name: name for name in SHAPERS}),
         row(
-            setting=Setting.SHAPER,
-            name=f"shaper_type_{letter}",
-            codes={name: name for name in SHAPERS},
-            meaning=Message("klipper-input-shaper"),
-        ),
-        row(
-            setting=Setting.SHAPER_FREQUENCY,
-            name=f"shaper_freq_{letter}",
+            Setting.SHAPER_FREQUENCY,
+            f"shaper_freq_{letter}",
             unit="Hz",
             step=FREQUENCY_STEP,
             meaning=of_mode,
         ),
-        row(
-            setting=Setting.SHAPER_DAMPING,
-            name=f"damping_ratio_{letter}",
-            step=DAMPING_STEP,
-            meaning=of_mode,
-        ),
+        row(Setting.SHAPER_DAMPING, f"damping_ratio_{letter}", step=DAMPING_STEP, meaning=of_mode),
     ]
 
 
@@ -224,33 +179,24 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
         _acceleration(subject, f"M201 {letter}"),
         fixed("M493 S", "1", Message("marlin-fixed-time")),
         row(
-            setting=Setting.SHAPER,
-            name=f"M493 {letter} C",
+            Setting.SHAPER,
+            f"M493 {letter} C",
             codes={"zv": "1", "zvd": "2"},
             meaning=Message("marlin-shaper"),
         ),
         row(
-            setting=Setting.SHAPER_FREQUENCY,
-            name=f"M493 {letter} A",
+            Setting.SHAPER_FREQUENCY,
+            f"M493 {letter} A",
             unit="Hz",
             step=FREQUENCY_STEP,
             meaning=of_mode,
         ),
-        row(
-            setting=Setting.SHAPER_DAMPING,
-            name=f"M493 {letter} I",
-            step=DAMPING_STEP,
-            meaning=of_mode,
-        ),
+        row(Setting.SHAPER_DAMPING, f"M493 {letter} I", step=DAMPING_STEP, meaning=of_mode),
     ]
 
 
 def _marlin_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
-    return (
-        Message("marlin-jerk"),
-        _make_up(subject, chosen),
-        Message("marlin-build"),
-    )
+    return (Message("marlin-jerk"), _make_up(subject, chosen), Message("marlin-build"))
 
 
 def _ros(subject: Subject, loop: Values) -> list[Row]:
@@ -261,39 +207,16 @@ def _ros(subject: Subject, loop: Values) -> list[Row]:
     )
     rows = [
         fixed("has_acceleration_limits", "true", section=limits),
-        Row(
-            setting=Setting.ACCELERATION,
-            name="max_acceleration",
-            unit=units.acceleration.si,
-            meaning=Message("limit-acceleration"),
-            section=limits,
-        ),
+        Row(Setting.ACCELERATION, "max_acceleration", unit=units.acceleration.si, section=limits),
         fixed("has_jerk_limits", "true", section=limits),
-        Row(
-            setting=Setting.JERK,
-            name="max_jerk",
-            unit=units.jerk.si,
-            meaning=Message("limit-jerk"),
-            section=limits,
-        ),
+        Row(Setting.JERK, "max_jerk", unit=units.jerk.si, section=limits),
     ]
     if loop[Setting.POSITION_LOOP, ""] == "drive":
         return rows
     return [
         *rows,
-        Row(
-            setting=Setting.POSITION_GAIN,
-            name="p",
-            unit="1/s",
-            meaning=Message("ros-gain"),
-            section=gains,
-        ),
-        Row(
-            setting=Setting.VELOCITY_FEEDFORWARD,
-            name="ff_velocity_scale",
-            meaning=Message("row-feedforward-velocity"),
-            section=gains,
-        ),
+        Row(Setting.POSITION_GAIN, "p", unit="1/s", meaning=Message("ros-gain"), section=gains),
+        Row(Setting.VELOCITY_FEEDFORWARD, "ff_velocity_scale", section=gains),
     ]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from mtcommission.export.choose import Chosen
-from mtcommission.export.control import NEUTRAL, Control, neutral_row
+from mtcommission.export.control import Control, say_neutrally
 from mtcommission.export.layout import CONSTANTS, INLINE, TABLE
 from mtcommission.export.row import Row, Setting, Values
 from mtcommission.export.subject import Subject
@@ -26,13 +26,7 @@ def identifier(subject: Subject) -> str:
 def _constants(subject: Subject, _loop: Values) -> list[Row]:
     (length, size), axis = subject.small_unit, identifier(subject)
     return [
-        Row(
-            setting=setting,
-            name=f"c{axis}_{name}",
-            unit=f"{length}/s^{power}",
-            scale=size,
-            meaning=meaning,
-        )
+        Row(setting, f"c{axis}_{name}", unit=f"{length}/s^{power}", scale=size, meaning=meaning)
         for setting, name, power, meaning in (
             (Setting.ACCELERATION, "Acceleration", 2, Message("limit-acceleration")),
             (Setting.ACCELERATION, "Deceleration", 2, Message("limit-deceleration")),
@@ -45,8 +39,8 @@ def _twincat(subject: Subject, loop: Values) -> list[Row]:
     length, size = subject.small_unit
     path = [
         Row(
-            setting=setting,
-            name=f"#set paramPathDynamics[{number}]",
+            setting,
+            f"#set paramPathDynamics[{number}]",
             unit=f"{length}/s^2, {length}/s^3",
             scale=size,
             meaning=Message("limit-path-nci"),
@@ -64,8 +58,8 @@ def _twincat_loop(subject: Subject, loop: Values) -> list[Row]:
     row = partial(Row, is_elsewhere=True)
     rows = [
         row(
-            setting=Setting.INTEGRAL_TIME,
-            name="S-0-0101",
+            Setting.INTEGRAL_TIME,
+            "S-0-0101",
             unit="0.1 ms",
             scale=1e-4,
             step=1,
@@ -75,8 +69,8 @@ def _twincat_loop(subject: Subject, loop: Values) -> list[Row]:
     if subject.shaft:
         rows.append(
             row(
-                setting=Setting.VELOCITY_GAIN,
-                name="S-0-0100",
+                Setting.VELOCITY_GAIN,
+                "S-0-0100",
                 unit="Nm/(rad/s)",
                 scale=subject.shaft**-2,
                 step=1e-3,
@@ -87,57 +81,38 @@ def _twincat_loop(subject: Subject, loop: Values) -> list[Row]:
         return [
             *rows,
             row(
-                setting=Setting.POSITION_GAIN,
-                name="S-0-0104",
+                Setting.POSITION_GAIN,
+                "S-0-0104",
                 unit="1000/min",
                 scale=GAIN_PER_MINUTE,
                 step=1e-2,
                 meaning=Message("twincat-kv-in-drive"),
             ),
-            row(
-                setting=Setting.VELOCITY_FEEDFORWARD,
-                name="S-0-0296",
-                unit="%",
-                scale=1e-2,
-                step=1e-2,
-                meaning=Message("row-feedforward-velocity"),
-            ),
+            row(Setting.VELOCITY_FEEDFORWARD, "S-0-0296", unit="%", scale=1e-2, step=1e-2),
         ]
     return [
         *rows,
         row(
-            setting=Setting.POSITION_GAIN,
-            name="NC position controller Kv",
+            Setting.POSITION_GAIN,
+            "NC position controller Kv",
             unit="1/s",
             meaning=Message("twincat-kv-in-nc"),
         ),
-        row(
-            setting=Setting.VELOCITY_FEEDFORWARD,
-            name="NC velocity pre-control weight",
-            meaning=Message("row-feedforward-velocity"),
-        ),
+        row(Setting.VELOCITY_FEEDFORWARD, "NC velocity pre-control weight"),
     ]
 
 
 def _twincat_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
-    return (
-        Message("twincat-jerk-unit"),
-        Message("twincat-no-jerk-filter"),
-    )
+    return (Message("twincat-jerk-unit"), Message("twincat-no-jerk-filter"))
 
 
 def _plcopen_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:
-    return (
-        Message("plcopen-unit"),
-        Message("plcopen-jerk-of-zero"),
-        Message("plcopen-quadratic"),
-    )
+    return (Message("plcopen-unit"), Message("plcopen-jerk-of-zero"), Message("plcopen-quadratic"))
 
 
-def _generic(subject: Subject, loop: Values) -> list[Row]:
+def _generic(subject: Subject, loop: Values) -> tuple[Row, ...]:
     limits = ((Setting.ACCELERATION, ""), (Setting.JERK, ""))
-    held = (key for key in loop if key[0] in NEUTRAL)
-    return [neutral_row(*key, subject.machine.axis_units) for key in (*limits, *held)]
+    return say_neutrally((*limits, *loop), subject.machine.axis_units)
 
 
 PLC_CONTROLS = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal, InvalidOperation
 from enum import Enum
 from typing import TypeAlias
@@ -19,34 +19,34 @@ SAME = Decimal("1e-9")
 
 
 class Setting(Enum):
-    """What a control can hold, with the direction in which rounding is safe."""
+    """What a control can hold: in words, the direction in which rounding is safe, its text."""
 
-    ACCELERATION = ("acceleration", ROUND_FLOOR)
-    RISE_TIME = ("time from standstill to rapid traverse", ROUND_CEILING)
-    RAPID = ("rapid traverse", ROUND_FLOOR)
-    JERK = ("jerk", ROUND_FLOOR)
-    JERK_TIME = ("time of one acceleration ramp", ROUND_CEILING)
-    SHAPER = ("input shaper", "")
-    SHAPER_FREQUENCY = ("frequency of the shaper", ROUND_HALF_EVEN)
-    SHAPER_DAMPING = ("damping of the shaper", ROUND_HALF_EVEN)
-    AVERAGE = ("moving average of the setpoint", ROUND_HALF_EVEN)
-    POSITION_LOOP = ("where the position loop closes", "")
-    POSITION_CYCLE = ("position cycle", ROUND_HALF_EVEN)
-    VELOCITY_CYCLE = ("velocity cycle", ROUND_HALF_EVEN)
-    POSITION_GAIN = ("Kv", ROUND_FLOOR)
-    VELOCITY_GAIN = ("Kp", ROUND_FLOOR)
-    INTEGRAL_TIME = ("Tn", ROUND_CEILING)
-    REFERENCE_MODEL = ("time of the reference model", ROUND_HALF_EVEN)
-    FEEDFORWARD = ("which feed-forward acts", "")
-    VELOCITY_FEEDFORWARD = ("weight of the velocity", ROUND_HALF_EVEN)
-    FORCE_FEEDFORWARD = ("force per acceleration", ROUND_HALF_EVEN)
-    JERK_FEEDFORWARD = ("force per jerk", ROUND_HALF_EVEN)
-    REFERENCE_DELAY = ("delay of the position setpoint", ROUND_HALF_EVEN)
-    FILTERS = ("number of force filters", ROUND_HALF_EVEN)
-    FILTER_KIND = ("kind of a force filter", "")
-    FILTER_FREQUENCY = ("its frequency", ROUND_HALF_EVEN)
-    FILTER_DAMPING = ("its damping", ROUND_HALF_EVEN)
-    FIXED = ("what must be so", "")
+    ACCELERATION = ("acceleration", ROUND_FLOOR, "limit-acceleration")
+    RISE_TIME = ("time from standstill to rapid traverse", ROUND_CEILING, "fanuc-rise-time")
+    RAPID = ("rapid traverse", ROUND_FLOOR, "limit-rapid")
+    JERK = ("jerk", ROUND_FLOOR, "limit-jerk")
+    JERK_TIME = ("time of one acceleration ramp", ROUND_CEILING, "fanuc-bell-time")
+    SHAPER = ("input shaper", "", "klipper-input-shaper")
+    SHAPER_FREQUENCY = ("frequency of the shaper", ROUND_HALF_EVEN, "")
+    SHAPER_DAMPING = ("damping of the shaper", ROUND_HALF_EVEN, "")
+    AVERAGE = ("moving average of the setpoint", ROUND_HALF_EVEN, "filter-average")
+    POSITION_LOOP = ("where the position loop closes", "", "loop-place")
+    POSITION_CYCLE = ("position cycle", ROUND_HALF_EVEN, "cycle-position")
+    VELOCITY_CYCLE = ("velocity cycle", ROUND_HALF_EVEN, "cycle-velocity")
+    POSITION_GAIN = ("Kv", ROUND_FLOOR, "gain-kv")
+    VELOCITY_GAIN = ("Kp", ROUND_FLOOR, "gain-kp-at-axis")
+    INTEGRAL_TIME = ("Tn", ROUND_CEILING, "gain-integral-time")
+    REFERENCE_MODEL = ("time of the reference model", ROUND_HALF_EVEN, "gain-reference-model")
+    FEEDFORWARD = ("which feed-forward acts", "", "")
+    VELOCITY_FEEDFORWARD = ("weight of the velocity", ROUND_HALF_EVEN, "row-feedforward-velocity")
+    FORCE_FEEDFORWARD = ("force per acceleration", ROUND_HALF_EVEN, "row-feedforward-force")
+    JERK_FEEDFORWARD = ("force per jerk", ROUND_HALF_EVEN, "row-feedforward-jerk")
+    REFERENCE_DELAY = ("delay of the position setpoint", ROUND_HALF_EVEN, "delay-of-reference")
+    FILTERS = ("number of force filters", ROUND_HALF_EVEN, "filter-count")
+    FILTER_KIND = ("kind of a force filter", "", "filter-kind")
+    FILTER_FREQUENCY = ("its frequency", ROUND_HALF_EVEN, "filter-frequency")
+    FILTER_DAMPING = ("its damping", ROUND_HALF_EVEN, "filter-damping")
+    FIXED = ("what must be so", "", "")
 
     @property
     def rounding(self) -> str:
@@ -61,16 +61,18 @@ Values: TypeAlias = Mapping[Key, float | str]
 """Settings in SI; words where there is no number."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Row:
     """A parameter of a control.
 
     Parameters
     ----------
-    setting, index
+    setting
         What it holds.
     name
         As the control spells it.
+    index
+        Which one of several, see ``Key``.
     unit, scale
         The control's unit, and one of it in SI.
     digits
@@ -80,7 +82,7 @@ class Row:
     codes
         How the control writes certain values, where a number or word of ours will not do.
     meaning
-        What it does, in a few words; None where the name says it.
+        What it does, in a few words; None: what its setting always does.
     section
         Where it stands in a structured file, parts separated by "/".
     is_verified
@@ -90,8 +92,9 @@ class Row:
     """
 
     setting: Setting
-    index: str = ""
     name: str
+    _: KW_ONLY
+    index: str = ""
     unit: str = ""
     scale: float = 1.0
     digits: int = DIGITS
@@ -101,6 +104,11 @@ class Row:
     section: str = ""
     is_verified: bool = True
     is_elsewhere: bool = False
+
+    @property
+    def text(self) -> Message | None:
+        """What it does; None where the name says it."""
+        return self.meaning or (Message(self.setting.value[2]) if self.setting.value[2] else None)
 
     @property
     def key(self) -> Key:
@@ -116,7 +124,7 @@ class Row:
 
         Examples
         --------
-        >>> kv = Row(setting=Setting.POSITION_GAIN, name="kv", unit="0.01/s", scale=0.01, step=1)
+        >>> kv = Row(Setting.POSITION_GAIN,"kv", unit="0.01/s", scale=0.01, step=1)
         >>> kv.encode(31.4159), kv.decode("3141")
         ('3141', 31.41)
         """
@@ -148,12 +156,7 @@ class Row:
 def fixed(name: str, text: str, meaning: Message | None = None, *, section: str = "") -> Row:
     """Return a row that must be just so for the others to act as they were simulated."""
     return Row(
-        setting=Setting.FIXED,
-        index=name,
-        name=name,
-        codes={"set": text},
-        meaning=meaning,
-        section=section,
+        Setting.FIXED, name, index=name, codes={"set": text}, meaning=meaning, section=section
     )
 
 

@@ -104,7 +104,7 @@ def export_record(
     loop = loop_of(subject)
     rows = complete(target.rows(subject, loop), loop, subject.machine.axis_units)
     entries = _choose(subject, target, rows, loop)
-    lines = _write(layout, entries, words)
+    lines = write_body(layout, entries, words)
     written = tuple(entry.row for entry in entries)
     held = hold(subject, read_text(layout, written, "\n".join(lines)))
     kept = [mode for mode in record.limits.modes if _holds(held.values, mode.name)]
@@ -202,11 +202,7 @@ def _choose(
 
 
 def _choose_limits(
-    subject: Subject,
-    target: Control,
-    held: Held,
-    rows: Sequence[Row],
-    mode: ModeLimitsEntry | None,
+    subject: Subject, target: Control, held: Held, rows: Sequence[Row], mode: ModeLimitsEntry | None
 ) -> Chosen | None:
     """The limits of a machining mode, or of the recommendation; None where the mode has none."""
     if mode is None:
@@ -221,12 +217,7 @@ def _choose_limits(
     return found if found.verdict.assessment.is_met else None
 
 
-LIMITS = {
-    Setting.ACCELERATION,
-    Setting.RISE_TIME,
-    Setting.JERK,
-    Setting.JERK_TIME,
-}
+LIMITS = {Setting.ACCELERATION, Setting.RISE_TIME, Setting.JERK, Setting.JERK_TIME}
 """Settings that are chosen anew for each machining mode."""
 
 
@@ -234,8 +225,22 @@ def _holds(values: Values, mode: str) -> bool:
     return any(setting in LIMITS and index == mode for setting, index in values)
 
 
-def _write(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> list[str]:
-    """The text without its header."""
+def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> list[str]:
+    """Return the lines of a text without its header.
+
+    Parameters
+    ----------
+    layout
+        Its syntax.
+    entries
+        Every row, those that are only remarks last.
+    words
+        Of the remarks.
+
+    Returns
+    -------
+    list of str
+    """
     if layout is LIST:
         return layout.write(entries, words)
     elsewhere = [entry for entry in entries if entry.row.is_elsewhere]
@@ -266,11 +271,7 @@ class _Judged:
 
 
 def _header(
-    subject: Subject,
-    control: Control,
-    judged: _Judged,
-    rows: Sequence[Row],
-    words: Catalogue,
+    subject: Subject, control: Control, judged: _Judged, rows: Sequence[Row], words: Catalogue
 ) -> list[Message]:
     record = subject.record
     machine, profile, tool = record.machine, record.profile, record.tool

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from mtcommission.control_kinds.kind import ControlKind, Jerk
+from mtcommission.control_kinds.kind import ControlKind
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 
@@ -33,7 +33,7 @@ def describe_kind(kind: ControlKind) -> Message:
     Message
     """
     counts: dict[str, int] = {
-        "jerk-time" if kind.jerk is Jerk.TIME else "jerk": int(kind.has_jerk_limit),
+        "jerk": int(kind.has_jerk_limit),
         "setpoint-filters": len(kind.setpoint_filters),
         "velocity-feedforward": kind.velocity_feedforward,
         "acceleration-feedforward": kind.acceleration_feedforward,
@@ -41,19 +41,19 @@ def describe_kind(kind: ControlKind) -> Message:
         "reference-delay": kind.reference_delay,
         "force-filters": kind.force_filters,
         "state-feedback": kind.state_feedback,
-        **({"modes": len(kind.modes)} if kind.modes else {}),
+        **({"modes": True} if kind.modes else {}),
     }
     has, lacks = list[Message](), list[Message]()
     for name, count in counts.items():
-        said = Message(f"feature-{name}")
+        said = Message(f"has-{name}")
         if count > 1:
             said = Message("feature-counted", count=count, feature=said)
-        if not kind.features[name.removesuffix("-time").replace("-", "_")].is_verified:
+        if not kind.features[name.replace("-", "_")].is_verified:
             said = Message("feature-unread", feature=said)
         (has if count else lacks).append(said)
     if not lacks:
-        return Message("control-has-all", has=tuple(has))
-    return Message("control-has", has=tuple(has), lacks=tuple(lacks))
+        return Message("kind-has-all", has=tuple(has))
+    return Message("kind-has", has=tuple(has), lacks=tuple(lacks))
 
 
 def list_assumed(machine: Machine) -> Iterator[Message]:

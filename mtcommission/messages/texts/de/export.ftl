@@ -20,7 +20,7 @@ export-unstable = der Regelkreis dieses Textes ist nicht stabil{ $lacking ->
     [yes] , weil dieser Steuerung fehlt: { $left_out }
    *[no] {""}
 }: { $why }; das Profil mit control.kind = "{ $kind }" rechnen und erneut exportieren
-export-corners = Beurteilt fuer Eigenfrequenzen innerhalb { PLAIN($frequency, digits: 3, unit: "%") } %, Daempfungsgrade innerhalb { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
+export-corners = Beurteilt fuer Eigenfrequenzen +- { PLAIN($frequency, digits: 3, unit: "%") } %, Daempfungsgrade +- { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
     [yes] , Zuladung { SI($low, "MASS") } bis { SI($high, "MASS") }
    *[no] {""}
 }; die Reserve ist nicht abgezogen: es gilt der ganze erlaubte Wert.
@@ -98,14 +98,12 @@ export-head-meaning = Bedeutung
 limit-acceleration = Beschleunigung
 limit-deceleration = Verzoegerung
 limit-jerk = Ruck
-limit-itself = Grenzwert
 limit-path-nci = Bahnbeschleunigung, -verzoegerung, -ruck (NCI)
 limit-axis-jerk = Achsruck
 limit-axis-jerk-at-rapid = Achsruck im Eilgang; die Regel des Herstellers, 5 x axPathJerk, wurde nicht beurteilt
 limit-recommended = empfohlen
 limit-rapid = Eilgang, zu dem die Anstiegszeit gehoert; so lassen, wie er ist
 limit-of-mode = { $mode }, Toleranzband { $band }, erfuellt
-gain-position = Lageverstaerkung dieses Regelkreises
 gain-integral-time = Nachstellzeit, aufgerundet
 gain-kp-at-shaft = Kp dieses Regelkreises, an der Motorwelle
 gain-reference-model = Zeitkonstante des Referenzmodells vor dem Integrator

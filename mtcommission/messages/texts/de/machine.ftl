@@ -45,20 +45,10 @@ feedforward-mass-far = { SI($mass, "MASS") } liegt weit { $axis ->
 position-gain-without-unit = Kv = { ROUND($gain) } 1/s ist nur { ROUND($in_custom, digits: 3) } (m/min)/mm; wenn { ROUND($gain) } (m/min)/mm gemeint ist, die Einheit dazuschreiben: "{ ROUND($gain) } (m/min)/mm"
 bandwidth-above-sampling = { ROUND($bandwidth) } Hz liegt über einem Drittel der Abtastrate des Geschwindigkeitsreglers, { ROUND($rate) } Hz
 
-feature-jerk = Ruckgrenze
-feature-jerk-time = Ruckgrenze als Zeit
-feature-modes = Spalten von Grenzwerten
-feature-setpoint-filters = gleitender Mittelwert
-feature-velocity-feedforward = Geschwindigkeitsvorsteuerung
-feature-acceleration-feedforward = Momentenvorsteuerung
-feature-jerk-feedforward = Ruckvorsteuerung
-feature-reference-delay = symmetrierter Sollwert
-feature-force-filters = Filter im Momentensollwert
-feature-state-feedback = Zustandsrückführung
 feature-counted = { $count } { $feature }
 feature-unread = { $feature } (?)
-control-has-all = hat { $has }
-control-has = hat { $has }; ohne { $lacks }
+kind-has-all = hat { $has }
+kind-has = hat { $has }; ohne { $lacks }
 control-kind-sinumerik = { control-sinumerik }
 control-kind-heidenhain = { control-heidenhain }
 control-kind-fanuc = { control-fanuc }

@@ -23,7 +23,7 @@ export-unstable = the loop of this text is not stable{ $lacking ->
     [yes] , because this control lacks { $left_out }
    *[no] {""}
 }: { $why }; run the profile with control.kind = "{ $kind }" and export again
-export-corners = Judged for frequencies within { PLAIN($frequency, digits: 3, unit: "%") } %, damping ratios within { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
+export-corners = Judged for frequencies +- { PLAIN($frequency, digits: 3, unit: "%") } %, damping ratios +- { PLAIN($damping, digits: 3, unit: "%") } %{ $payload ->
     [yes] , payload { SI($low, "MASS") } to { SI($high, "MASS") }
    *[no] {""}
 }, and the reserve is not counted: all of each allowed value.
@@ -105,14 +105,12 @@ export-head-meaning = meaning
 limit-acceleration = acceleration
 limit-deceleration = deceleration
 limit-jerk = jerk
-limit-itself = limit
 limit-path-nci = path acceleration, deceleration, jerk (NCI)
 limit-axis-jerk = axis jerk
 limit-axis-jerk-at-rapid = axis jerk at rapid; the maker's rule of 5 x axPathJerk was not judged
 limit-recommended = recommended
 limit-rapid = rapid traverse of the rise time; leave it as it is
 limit-of-mode = { $mode }, band { $band }, met
-gain-position = position gain of this loop
 gain-integral-time = integral time, rounded up
 gain-kp-at-shaft = Kp of this loop, at the motor's shaft
 gain-reference-model = time constant of the reference model before the integrator

@@ -52,20 +52,10 @@ position-gain-without-unit = Kv = { ROUND($gain) } 1/s is only { ROUND($in_custo
 bandwidth-above-sampling = { ROUND($bandwidth) } Hz is above a third of the velocity loop's sampling rate, { ROUND($rate) } Hz
 
 # On what results rest.
-feature-jerk = jerk limit
-feature-jerk-time = jerk limit as a time
-feature-modes = columns of limits
-feature-setpoint-filters = moving average
-feature-velocity-feedforward = velocity feed-forward
-feature-acceleration-feedforward = torque feed-forward
-feature-jerk-feedforward = jerk feed-forward
-feature-reference-delay = balanced setpoint
-feature-force-filters = torque filters
-feature-state-feedback = state feedback
 feature-counted = { $count } { $feature }
 feature-unread = { $feature } (?)
-control-has-all = has { $has }
-control-has = has { $has }; lacks { $lacks }
+kind-has-all = has { $has }
+kind-has = has { $has }; lacks { $lacks }
 control-kind-sinumerik = { control-sinumerik }
 control-kind-heidenhain = { control-heidenhain }
 control-kind-fanuc = { control-fanuc }
