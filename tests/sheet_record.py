@@ -399,6 +399,7 @@ def _limits() -> Any:
             "peak_deviation": best["peak_deviation"],
             "setpoint_filter": None,
             "frequency_range": [0.9475, 1.0525],
+            "damping_range": [0.61, 1.7],
             "valid_for": [{"smallest": 0.102, "largest": 0.102}],
         },
         "today": None,
@@ -710,6 +711,7 @@ def _robustness() -> Any:
             "kept_from": kept[0],
             "kept_to": kept[-1],
         },
+        "damping_error": {"factor": [0.3, 0.61, 1.0, 1.37, 1.7], "kept_from": 0.61, "kept_to": 1.7},
         "sensitivities": [
             {
                 "change": change,
@@ -739,6 +741,7 @@ def _unsettled_robustness() -> Any:
     error = found["frequency_error"]
     error["settling_time"] = error["residual_deviation"] = [None for _ in error["factor"]]
     error["kept_from"] = error["kept_to"] = None
+    found["damping_error"] |= {"kept_from": None, "kept_to": None}
     for item in found["sensitivities"]:
         item.update(dict.fromkeys(("settling_time", "residual_deviation")))
         item.update(dict.fromkeys(("settling_change", "residual_change")))

@@ -183,7 +183,8 @@ class LimitsEntry:
     """Limits for the control, what binds them, and where they were judged.
 
     ``frequency_range``: every requirement is kept where all eigenfrequencies are off by a factor
-    between these two [-]; null: not even at those of the profile. ``valid_for``: by move.
+    between these two [-]; null: not even at those of the profile. ``damping_range``: likewise,
+    of all damping ratios. ``valid_for``: by move.
     """
 
     acceleration: float
@@ -195,6 +196,7 @@ class LimitsEntry:
     residual_deviation: float | None
     peak_deviation: float
     frequency_range: list[float] | None
+    damping_range: list[float] | None
     valid_for: list[SizesEntry]
 
 
@@ -827,6 +829,18 @@ class FrequencyErrorEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DampingErrorEntry:
+    """The recommended limits where all damping ratios are off by a common factor [-].
+
+    ``factor``: those looked at; ``kept_from`` and ``kept_to`` as for the frequencies.
+    """
+
+    factor: list[float]
+    kept_from: float | None
+    kept_to: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SensitivityEntry:
     """What a small change of limits or machine costs, worst over moves and corners.
 
@@ -853,6 +867,7 @@ class RobustnessPart:
 
     monte_carlo: MonteCarloEntry | None
     frequency_error: FrequencyErrorEntry
+    damping_error: DampingErrorEntry
     sensitivities: list[SensitivityEntry]
     warnings: list[Words]
 
