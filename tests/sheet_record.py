@@ -552,6 +552,13 @@ def _loop() -> Any:
         "dynamic_stiffness": 6.724e6,
         "weakest_frequency_hz": 14.87,
         "mode_damping": {"base": 0.2075},
+        "candidates": [
+            _candidate(0.1, 5e6, classic=True),
+            _candidate(0.102, 6.1e6, used=True),
+            _candidate(0.104, 6.0e6),
+            _candidate(0.13, 7e6),
+        ],
+        "reasons": [said("state-feedback-stiffness", ratio=1.1)],
         "variants": [
             _variant("without-state-feedback", 1.0, used=False),
             _variant("with-state-feedback", 1.1, used=True),
@@ -596,6 +603,24 @@ def _loop() -> Any:
         },
         "remarks": [said("loop-tn-yaskawa")],
         "warnings": [],
+    }
+
+
+def _candidate(settling: float, stiffness: float, *, classic=False, used=False) -> Any:
+    return {
+        "Kv": 42.79,
+        "Kp": 128400.0,
+        "Tn": 0.02337,
+        "state_feedback": used,
+        "settling_time": settling,
+        "meets_requirements": True,
+        "classic": classic,
+        "used": used,
+        "gain_margin_db": 12.3,
+        "phase_margin_deg": 30.1,
+        "sensitivity_peak": 1.98,
+        "bandwidth_hz": 21.7,
+        "dynamic_stiffness": stiffness,
     }
 
 

@@ -461,6 +461,23 @@ class VariantEntry(Margins):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CandidateEntry(Margins):
+    """A loop that was tried with the limits that suit it best; margins and stiffness worst case.
+
+    ``classic``: by the classic rule; ``used``: everything else in the record is about this one.
+    """
+
+    Kv: float
+    Kp: float
+    Tn: float
+    state_feedback: bool
+    settling_time: float | None
+    meets_requirements: bool
+    classic: bool
+    used: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LoopCornerEntry(Margins):
     """How good the loop is in one corner of payload and spread, the nominal machine first.
 
@@ -557,8 +574,9 @@ class LoopPart:
     (null: by any amount), ``gain_margin_db`` is the smaller one. ``worst_corner`` and
     ``worst_mode_damping`` are the least favourable values over ``corners``. ``disturbance`` is
     the tool's displacement per newton (m/N, rad/(N m)) after a step of force on the line of the
-    drive, by the name of the loop. ``remarks`` say which rule chose what; ``warnings`` say what
-    is poor about the loop, and are part of the record's warnings, too.
+    drive, by the name of the loop. ``candidates`` are the loops that were tried, soonest first,
+    and ``reasons`` say why one of them is used. ``remarks`` say which rule chose what;
+    ``warnings`` say what is poor about the loop, and are part of the record's warnings, too.
     """
 
     kind: str
@@ -594,6 +612,8 @@ class LoopPart:
     dynamic_stiffness: float
     weakest_frequency_hz: float
     mode_damping: dict[str, float]
+    candidates: list[CandidateEntry]
+    reasons: list[Words]
     variants: list[VariantEntry]
     worst_corner: Margins
     worst_mode_damping: dict[str, float]

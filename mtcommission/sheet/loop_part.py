@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from math import hypot, isfinite, pi
+from math import hypot, inf, isfinite, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit, symbol
-from mtcommission.record.schema import LoopPart, Record, VariantEntry
+from mtcommission.record.schema import CandidateEntry, LoopPart, Record, VariantEntry
 from mtcommission.sheet.control_part import control_has
 from mtcommission.sheet.diagram_part import structure
 from mtcommission.sheet.loop_study_part import loop_study
@@ -65,6 +65,7 @@ def loop(record: Record, words: Catalogue) -> Section:
             gains,
             Paragraph(text=" ".join(sentences), tone=Tone.NOTE),
             _margins(record, words),
+            *_trade_off(record, words),
             *_variants(record, words),
             _bode(record, words),
             *loop_study(record, words),
@@ -148,6 +149,65 @@ def _margins(record: Record, words: Catalogue) -> Table:
         ),
         rows=rows,
     )
+
+
+def _trade_off(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Return the loops that no other one beats in both stiffness and settling, and the reasons."""
+    text, f, tried = words.text, words.format, record.loop.candidates
+    reasons = tuple(map(words.say, record.loop.reasons))
+    told = (Bullets(items=reasons),) if reasons else ()
+    shown = [item for item in tried if item.used or item.classic or not _is_beaten(item, tried)]
+    if len(shown) < 2:
+        return told
+    heads = (
+        "settling-time",
+        "stiffness-short",
+        "gain-margin",
+        "phase-margin",
+        "sensitivity-peak",
+    )
+    table = Table(
+        caption=text("trade-off-caption", shown=len(shown), tried=len(tried)),
+        columns=(
+            Column(head=text("loop"), width=1.5),
+            *(Column(head=name, is_number=True) for name in ("Kv", "Kp", "Tn")),
+            *(Column(head=text(head), is_number=True) for head in heads),
+        ),
+        rows=tuple(
+            (
+                _candidate_name(item, words),
+                f.quantity(item.Kv, "1/s"),
+                f.axis(item.Kp, "N s/m"),
+                f.quantity(item.Tn, "s"),
+                settling(item.settling_time, words),
+                f.axis(item.dynamic_stiffness, "N/m"),
+                decibel(item.gain_margin_db, words),
+                degree(item.phase_margin_deg, words),
+                f.number(item.sensitivity_peak, digits=3),
+            )
+            for item in shown
+        ),
+        strong_rows=tuple(k for k, item in enumerate(shown) if item.used),
+    )
+    return (table, *told)
+
+
+def _is_beaten(item: CandidateEntry, others: list[CandidateEntry]) -> bool:
+    """Whether another loop settles no later and is stiffer, or the other way round."""
+    time, stiffness = item.settling_time or inf, item.dynamic_stiffness
+    return any(
+        (other.settling_time or inf) <= time
+        and other.dynamic_stiffness >= stiffness
+        and ((other.settling_time or inf), -other.dynamic_stiffness) != (time, -stiffness)
+        for other in others
+    )
+
+
+def _candidate_name(item: CandidateEntry, words: Catalogue) -> str:
+    text = words.text
+    kind = text("with-state-feedback" if item.state_feedback else "cascade")
+    name = text("classic-loop", name=kind) if item.classic else kind
+    return text("variant-used", name=name) if item.used else name
 
 
 def _variants(record: Record, words: Catalogue) -> tuple[Table, ...]:
