@@ -1220,14 +1220,14 @@ def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
     )
     assert rows["Control"].endswith("(assumed)")
     assert rows["Frequencies"].replace(THIN_SPACE, " ") == (
-        "judged at ± 5.2 %; all requirements kept from −1 % to +1 %"
+        "judged at ± 5.2 %; all kept from −1 % to +1 %"
     )
     assert rows["Damping ratios"].replace(THIN_SPACE, " ") == (
-        "judged as stated, no spread; all requirements kept from −39 % to at least +70 %"
+        "judged as stated, no spread; all kept from −39 % to at least +70 %"
     )
     spread = next(item for item in record["data"] if item["key"].endswith("frequency_spread"))
     spread["source"] = said("source-default")
-    assert "(assumed); all requirements" in dict(basis_rows(record, ENGLISH))["Frequencies"]
+    assert "(assumed); all kept from" in dict(basis_rows(record, ENGLISH))["Frequencies"]
     error = record["robustness"]["frequency_error"]
     error["kept_from"], error["kept_to"] = 1.0, error["factor"][-1]
     assert "from 0" in dict(basis_rows(record, ENGLISH))["Frequencies"]

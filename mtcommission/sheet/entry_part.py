@@ -26,9 +26,12 @@ def parameters(record: Record, words: Catalogue) -> Section:
             acceleration(record, words),
             _other_unit(limits.acceleration, "s²", words),
         ),
-        (text("jerk"), jerk(record, words), _other_unit(limits.jerk, "s³", words)),
-        (text("jerk-time"), f.quantity(limits.jerk_time, "s"), ""),
     ]
+    if record.loop.jerk != "none":
+        rows += [
+            (text("jerk"), jerk(record, words), _other_unit(limits.jerk, "s³", words)),
+            (text("jerk-time"), f.quantity(limits.jerk_time, "s"), ""),
+        ]
     for name, value in gain_rows(record, words):
         rows.append((name, value, kv_text if name == words.name("Kv") else ""))
     old = todays_values(record, words)
@@ -43,7 +46,7 @@ def parameters(record: Record, words: Catalogue) -> Section:
             *(Column(head=head) for head in heads),
         ),
         rows=tuple((*row, old.get(row[0], ""), *("" for _ in heads)) for row in rows),
-        strong_rows=(0, 1, 2),
+        strong_rows=(0, 1, 2) if record.loop.jerk != "none" else (0,),
         is_form=True,
     )
     return Section(

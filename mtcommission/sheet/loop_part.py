@@ -1,9 +1,9 @@
-"""The control loop: gains, margins, frequency response and poles."""
+"""The control loop: gains, margins, the loops that were tried, and frequency response."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
-from math import hypot, inf, isfinite, pi
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ OPEN, CLOSED = 4, 1
 
 
 def loop(record: Record, words: Catalogue) -> Section:
-    """Return gains, margins, frequency response and poles."""
+    """Return gains, margins, the loops that were tried, and frequency response."""
     text, part = words.text, record.loop
     sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
     sentences = [text("sensors", names=", ".join(sensors))]
@@ -69,7 +69,6 @@ def loop(record: Record, words: Catalogue) -> Section:
             *_variants(record, words),
             _bode(record, words),
             *loop_study(record, words),
-            _poles(record, words),
             *remarks,
             *control_has(record, words),
         ),
@@ -170,7 +169,7 @@ def _trade_off(record: Record, words: Catalogue) -> tuple[Block, ...]:
         caption=text("trade-off-caption", shown=len(shown), tried=len(tried)),
         columns=(
             Column(head=text("loop"), width=1.5),
-            *(Column(head=name, is_number=True) for name in ("Kv", "Kp", "Tn")),
+            *(Column(head=name, width=1.2, is_number=True) for name in ("Kv", "Kp", "Tn")),
             *(Column(head=text(head), is_number=True) for head in heads),
         ),
         rows=tuple(
@@ -291,33 +290,4 @@ def _bode(record: Record, words: Catalogue) -> LinePlot:
                 borders=(Border(label="−180°", y=-180.0),),
             ),
         ),
-    )
-
-
-def _poles(record: Record, words: Catalogue) -> Table:
-    """Return one row for each real pole and each pair."""
-    text, f = words.text, words.format
-    upper = sorted(
-        ((real, imaginary) for real, imaginary in record.loop.poles if imaginary >= 0.0),
-        key=lambda pole: -pole[0],
-    )
-    rows = []
-    for real, imaginary in upper:
-        omega = hypot(real, imaginary)
-        is_pair = imaginary > 0.0
-        rows.append(
-            (
-                f.quantity(real, "1/s"),
-                f.quantity(omega / (2 * pi), "Hz") if is_pair else "–",
-                f.percent(-real / omega) if is_pair else "–",
-            )
-        )
-    return Table(
-        caption=text("poles-caption"),
-        columns=(
-            Column(head=text("real-part"), is_number=True),
-            Column(head=text("frequency"), is_number=True),
-            Column(head=text("damping-ratio"), is_number=True),
-        ),
-        rows=tuple(rows),
     )

@@ -63,18 +63,18 @@ basis-reserve = Reserve
 assumed = { $value } (angenommen)
 spread = beurteilt bei ± { SHARE($spread) }
 spread-none = beurteilt wie angegeben, ohne Streuung
-all-kept-between = alle Anforderungen eingehalten von { $low } bis { $high }
+all-kept-between = alles eingehalten von { $low } bis { $high }
 not-kept-nominally = Anforderungen schon wie angegeben nicht eingehalten
 reserve-kept = { $axis ->
     [rotary] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } des Moments
    *[linear] Empfehlungen nutzen höchstens { SHARE($band) } des Bandes, { SHARE($force) } der Kraft
 }
-position-loop-control = Lageregler in der Steuerung, alle { $position_cycle }; Geschwindigkeitsregler alle { $velocity_cycle }
-position-loop-interpolated = Lageregler in der Steuerung, alle { $position_cycle }; Vorsteuerung interpoliert alle { $velocity_cycle }
-position-loop-drive = Lageregler im Antrieb (DSC), alle { $velocity_cycle }; Sollwert alle { $position_cycle }
+position-loop-control = Lageregler in der Steuerung, { $position_cycle }; Geschwindigkeitsregler { $velocity_cycle }
+position-loop-interpolated = Lageregler in der Steuerung, { $position_cycle }; Vorsteuerung interpoliert, { $velocity_cycle }
+position-loop-drive = Lageregler im Antrieb (DSC), { $velocity_cycle }; Sollwert { $position_cycle }
 contour-judged = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung; muss es am Ende stillstehen, die Restabweichung.
 contour-judged-to-feed = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung bis { $feed }; muss es stillstehen, die Restabweichung.
-contour-not-judged = Beurteilt ab dem Stillstand. Während der Bewegung weicht das Werkzeug bis { $peak } ab: für Bahnen contour_deviation angeben.
+contour-not-judged = Beurteilt ab dem Stillstand. Vorher weicht das Werkzeug bis { $peak } ab: für Bahnen contour_deviation angeben.
 encoder-steps = { $axis ->
     [rotary] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, das Sollmoment bis ± { $force }
    *[linear] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, die Sollkraft bis ± { $force }
@@ -88,14 +88,14 @@ reference-unsettled = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $o
 reference-faster = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling }, { $less } weniger, da am Band und nicht an exakter Ruhe gemessen.
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
 reference-composed = { $optimum } (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter { $bound })
-first-look-caption = { $move }: Sollwert, Antwort und TCP-Abweichung, Nennmaschine
+first-look-caption = { $move }: Sollwert, Antwort, Abweichung am TCP, Nennmaschine
 first-look-alt = Beschleunigung von Sollwert und Antwort sowie TCP-Abweichung über der Zeit: höchstens { $peak }, eingeschwungen nach { $settling }.
 checks-caption = Anforderungen
 data-source = Quelle der Maschinendaten: { $source }
 warning-count = Warnungen: { $count }, siehe Abschnitt Nachweise und Annahmen.
 further-warnings = Weitere Warnungen: { $count }, siehe Abschnitt Nachweise und Annahmen.
 check = Anforderung
-found = Gefunden
+found = Ist
 permitted = Zulässig
 verdict = Urteil
 where = Ungünstigster Fall
@@ -364,8 +364,6 @@ magnitude = Betrag in dB
 phase = Phase in °
 open-loop = offener Kreis
 closed-velocity = geschlossener Geschwindigkeitsregelkreis
-poles-caption = Pole des geschlossenen Kreises, langsamste zuerst
-real-part = Realteil
 remarks = Bemerkungen
 corners-caption = { $move }: Antwort in jedem Eckfall
 payload = Zuladung
@@ -412,7 +410,7 @@ has-state-feedback = Zustandsrückführung
 
 robustness-heading = Robustheit
 kept-between = Weichen alle Eigenfrequenzen um denselben Faktor ab, sind alle Anforderungen von { $low } bis { $high } eingehalten.
-at-least = mindestens { $value }
+at-least = mind. { $value }
 kept-nowhere = Die Anforderungen sind schon mit den Eigenfrequenzen des Profils nicht eingehalten; für einen Frequenzfehler bleibt nichts übrig.
 frequency-error = Fehler aller Eigenfrequenzen in %
 frequency-error-caption = Restabweichung und Einschwingzeit über dem Fehler der Eigenfrequenzen, ungünstigste Zuladung und Dämpfung

@@ -63,7 +63,7 @@ basis-reserve = Reserve
 assumed = { $value } (assumed)
 spread = judged at ± { SHARE($spread) }
 spread-none = judged as stated, no spread
-all-kept-between = all requirements kept from { $low } to { $high }
+all-kept-between = all kept from { $low } to { $high }
 not-kept-nominally = requirements not kept even as stated
 reserve-kept = { $axis ->
     [rotary] recommendations use up to { SHARE($band) } of the band, { SHARE($force) } of the torque
@@ -361,8 +361,6 @@ magnitude = Magnitude in dB
 phase = Phase in °
 open-loop = open loop
 closed-velocity = closed velocity loop
-poles-caption = Poles of the closed loop, slowest first
-real-part = Real part
 remarks = Remarks
 corners-caption = { $move }: response in every corner
 payload = Payload
