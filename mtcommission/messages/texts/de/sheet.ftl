@@ -71,7 +71,7 @@ reserve-kept = { $axis ->
 }
 position-loop-control = Lageregler in der Steuerung, { $position_cycle }; Geschwindigkeitsregler { $velocity_cycle }
 position-loop-interpolated = Lageregler in der Steuerung, { $position_cycle }; Vorsteuerung interpoliert, { $velocity_cycle }
-position-loop-drive = Lageregler im Antrieb (DSC), { $velocity_cycle }; Sollwert { $position_cycle }
+position-loop-drive = Lageregler im Antrieb, { $velocity_cycle }; Sollwert { $position_cycle }
 contour-judged = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung; muss es am Ende stillstehen, die Restabweichung.
 contour-judged-to-feed = Fährt das Werkzeug eine Bahn ab, zählt die Konturabweichung bis { $feed }; muss es stillstehen, die Restabweichung.
 contour-not-judged = Beurteilt ab dem Stillstand. Vorher weicht das Werkzeug bis { $peak } ab: für Bahnen contour_deviation angeben.

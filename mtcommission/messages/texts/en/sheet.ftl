@@ -71,7 +71,7 @@ reserve-kept = { $axis ->
 }
 position-loop-control = position loop in the control, every { $position_cycle }; velocity loop every { $velocity_cycle }
 position-loop-interpolated = position loop in the control, every { $position_cycle }; feed-forward interpolated every { $velocity_cycle }
-position-loop-drive = position loop in the drive (DSC), every { $velocity_cycle }; setpoint every { $position_cycle }
+position-loop-drive = position loop in the drive, every { $velocity_cycle }; setpoint every { $position_cycle }
 contour-judged = A tool working along a path is judged by the contour deviation, one that must be still at the end by the residual.
 contour-judged-to-feed = A tool working along a path is judged by the contour deviation at up to { $feed }, one that must be still by the residual.
 contour-not-judged = Judged once the tool must be still. During the move it is up to { $peak } off: for work along a path state contour_deviation.
