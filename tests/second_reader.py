@@ -141,6 +141,7 @@ def _own(control: str, text: str, machine: Machine) -> tuple[dict[str, Any], dic
                     filters.append(("low_pass", float(value[1]), float(value[2])))
                 else:
                     assert value[1] == value[3]
+                    assert value[2] == "1"  # width of the notch
                     filters.append(("notch", float(value[1]), float(value[4])))
             dsc = n.get("32640 $MA_STIFFNESS_CONTROL_ENABLE[0]")
             loop = {"1": "drive", "0": "control"}.get(dsc or "", "")

@@ -286,6 +286,18 @@ def test_one_digit_changes_the_loop_that_is_judged(data: st.DataObject, filtered
     assert not same or any(held.limits(mode) != other.limits(mode) for mode in modes)
 
 
+@pytest.mark.parametrize("control", ["sinumerik", "fanuc", "isg"])
+def test_a_run_on_its_own_kind_leaves_nothing_out(control: str, tmp_path: Path) -> None:
+    """What was tuned and simulated on a control must fit into it, with the same result."""
+    cycles = 'position_cycle = "1 ms"\nvelocity_cycle = "125 us"\n'
+    case = _case(LINEAR_MOTOR.replace(cycles, f'kind = "{control}"\n'), tmp_path)
+    export = export_record(case.record, control=control)
+    assert "LEFT OUT" not in " ".join(export.header)
+    assert export.meets_requirements
+    settling = case.record["limits"]["recommended"]["settling_time"]
+    assert export.verdict.settling_time == pytest.approx(settling, rel=0.02)
+
+
 def test_what_the_control_lacks_is_neither_written_nor_simulated(paper: Case) -> None:
     """Issue 18.1: state feedback has no row, so its result may not stand in the header."""
     export = export_record(paper.record, control="sinumerik")

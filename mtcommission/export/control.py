@@ -62,8 +62,8 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
         Names with a place for the number of a filter.
     """
     time = partial(Row, unit="us", scale=MICRO)
-    loops = {loop.value: loop.value for loop in PositionLoop}
-    kinds = {kind.value: kind.value for kind in FilterKind}
+    loops: dict[float | str, str] = {loop.value: loop.value for loop in PositionLoop}
+    kinds: dict[float | str, str] = {kind.value: kind.value for kind in FilterKind}
     rows = (
         Row(Setting.ACCELERATION, "acceleration", unit=units.acceleration.si),
         Row(Setting.JERK, "jerk", unit=units.jerk.si),
@@ -83,6 +83,7 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
         Row(Setting.FILTER_KIND, "filter {} kind", codes=kinds),
         Row(Setting.FILTER_FREQUENCY, "filter {} frequency", unit="Hz", digits=5),
         Row(Setting.FILTER_DAMPING, "filter {} damping"),
+        Row(Setting.FILTER_WIDTH, "filter {} width"),
     )
     return {row.setting: row for row in rows}
 

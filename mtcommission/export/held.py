@@ -9,7 +9,7 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError, Fault, InputError
 from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
-from mtcommission.loop.model.controller import handing_down_delay
+from mtcommission.loop.model.controller import NOTCH_POLE_DAMPING
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (
     Control,
@@ -54,14 +54,8 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
         SI. What the control has but the loop does not use is there with 0.
     """
     kind, loop, control = subject.kind, subject.controller, subject.machine.control
-    place = control.position_loop
-    place = place if place in kind.position_loops else kind.position_loops[0]
-    delay = loop.reference_delay
-    if place is PositionLoop.DRIVE:  # the drive knows no newer setpoint
-        cycles = {"position_cycle": loop.position_cycle, "velocity_cycle": loop.velocity_cycle}
-        delay = max(delay, handing_down_delay(place, **cycles))
     values: dict[Key, float | str] = {
-        (Setting.POSITION_LOOP, ""): place.value,
+        (Setting.POSITION_LOOP, ""): subject.position_loop.value,
         (Setting.POSITION_CYCLE, ""): loop.position_cycle,
         (Setting.VELOCITY_CYCLE, ""): loop.velocity_cycle,
         (Setting.POSITION_GAIN, ""): loop.position_gain,
@@ -83,7 +77,11 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
             loop.jerk_feedforward * mass * loop.force_lag,
             kind.jerk_feedforward,
         ),
-        (Setting.REFERENCE_DELAY, delay, kind.reference_delay),
+        (
+            Setting.REFERENCE_DELAY,
+            max(loop.reference_delay, subject.own_delay),
+            kind.reference_delay,
+        ),
         (Setting.AVERAGE, control.moving_average_time, "moving_average" in kind.setpoint_filters),
         (Setting.FILTERS, min(len(loop.force_filters), kind.force_filters), kind.force_filters > 0),
     ):
@@ -96,6 +94,8 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
             (Setting.FILTER_FREQUENCY, str(number)): item.natural_frequency / (2.0 * pi),
             (Setting.FILTER_DAMPING, str(number)): item.damping,
         }
+        if item.kind is FilterKind.NOTCH:
+            values[Setting.FILTER_WIDTH, str(number)] = NOTCH_POLE_DAMPING
     return values
 
 
@@ -297,6 +297,9 @@ def _control(values: Values, subject: Subject) -> Control:
     missing = [setting for setting in ALWAYS if (setting, "") not in values]
     if values.get((Setting.FILTERS, ""), 0.0) != len(numbers):
         missing.append(Setting.FILTERS)
+    widths = {value for (setting, _), value in values.items() if setting is Setting.FILTER_WIDTH}
+    if widths - {NOTCH_POLE_DAMPING}:
+        missing.append(Setting.FILTER_WIDTH)
     if missing:
         raise unreadable(missing[0].value[0])
 

@@ -174,9 +174,9 @@ def _sinamics(subject: Subject, loop: Values) -> Iterator[Row]:
         )
         for place in (first + 1, first + 3) if is_notch else (first + 1,):
             yield doubted(Setting.FILTER_FREQUENCY, f"p{place}", index=index, unit="Hz", digits=5)
-        yield doubted(
-            Setting.FILTER_DAMPING, f"p{first + 4 if is_notch else first + 2}", index=index
-        )
+        own, other = (first + 4, first + 2) if is_notch else (first + 2, first + 4)
+        yield doubted(Setting.FILTER_DAMPING, f"p{own}", index=index)
+        yield doubted(Setting.FILTER_WIDTH, f"p{other}", index=index)
 
 
 def _sinumerik_notes(subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:

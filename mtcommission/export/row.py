@@ -46,6 +46,7 @@ class Setting(Enum):
     FILTER_KIND = ("kind of a force filter", "", "filter-kind")
     FILTER_FREQUENCY = ("its frequency", ROUND_HALF_EVEN, "filter-frequency")
     FILTER_DAMPING = ("its damping", ROUND_HALF_EVEN, "filter-damping")
+    FILTER_WIDTH = ("its width", ROUND_HALF_EVEN, "filter-width")
     FIXED = ("what must be so", "", "")
 
     @property

@@ -11,10 +11,10 @@ from math import inf, isfinite, pi
 
 import numpy as np
 
-from mtcommission.control_kinds.kind import ControlKind
+from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.wording import DEGREE, MILLI
-from mtcommission.loop.model.controller import Controller
+from mtcommission.loop.model.controller import Controller, handing_down_delay
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Machine, Motion, StateFeedback, StateGain
 from mtcommission.machine.rigid_body import peak_velocity
@@ -99,6 +99,24 @@ class Subject:
         return inf if found is None else found
 
     @property
+    def position_loop(self) -> PositionLoop:
+        """Where the position loop closes: as in the record, or where this control closes it."""
+        place, there_are = self.machine.control.position_loop, self.kind.position_loops
+        return place if place in there_are else there_are[0]
+
+    @property
+    def own_delay(self) -> float:
+        """How old the newest setpoint is that the control can compare with [s]."""
+        if self.position_loop is not PositionLoop.DRIVE:
+            return 0.0
+        cycles = self.controller
+        return handing_down_delay(
+            PositionLoop.DRIVE,
+            position_cycle=cycles.position_cycle,
+            velocity_cycle=cycles.velocity_cycle,
+        )
+
+    @property
     def left_out(self) -> tuple[str, ...]:
         """What the loop of the record uses and this control lacks."""
         kind, loop, control = self.kind, self.controller, self.machine.control
@@ -108,11 +126,11 @@ class Subject:
             "acceleration": loop.acceleration_feedforward > 0.0
             and not kind.acceleration_feedforward,
             "jerk": loop.jerk_feedforward > 0.0 and not kind.jerk_feedforward,
-            "delay": loop.reference_delay > 0.0 and not kind.reference_delay,
+            "delay": loop.reference_delay > self.own_delay + ROUNDING and not kind.reference_delay,
             "average": control.moving_average_time > 0.0
             and "moving_average" not in kind.setpoint_filters,
             "force-filters": len(loop.force_filters) > kind.force_filters,
-            f"loop-{control.position_loop.value}": control.position_loop not in kind.position_loops,
+            f"loop-{control.position_loop.value}": self.position_loop is not control.position_loop,
         }
         return tuple(name for name, is_lacking in lacks.items() if is_lacking)
 

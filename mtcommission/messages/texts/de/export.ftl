@@ -123,6 +123,7 @@ filter-count = wirksame Filter der Sollkraft, in dieser Reihenfolge
 filter-kind = Art des Filters der Sollkraft
 filter-frequency = seine Eigenfrequenz
 filter-damping = Daempfungsgrad: Zaehler einer Bandsperre, Nenner eines Tiefpasses
+filter-width = Daempfungsgrad des Nenners der Bandsperre
 delay-of-reference = Verzoegerung des Lagesollwerts, bis die vorgesteuerte Kraft wirkt
 
 sinumerik-mode = { $dynamic }: { $about }

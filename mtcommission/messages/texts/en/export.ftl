@@ -130,6 +130,7 @@ filter-count = filters of the set force that act, in this order
 filter-kind = kind of the filter of the set force
 filter-frequency = its natural frequency
 filter-damping = damping ratio: numerator of a notch, denominator of a low-pass
+filter-width = damping ratio of the notch's denominator
 delay-of-reference = delay of the position setpoint until the fed-forward force acts
 
 # SINUMERIK
