@@ -37,6 +37,7 @@ from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import (
@@ -450,3 +451,40 @@ def test_a_step_too_small_for_any_acceleration_still_gets_limits(step: float) ->
     assert candidate.assessment.is_met
     # Such a step cannot leave the band: nothing need be slower than the quickest setpoint.
     assert candidate.settling_time < tuned.controller.reference_delay + 2e-3
+
+
+GENTLER = """
+schema = 1
+[machine]
+name = "Linear motor"
+axis = "X"
+source = "made up"
+[plant]
+kind = "modal"
+moving_mass = "80 kg"
+[[plant.modes]]
+name = "column"
+frequency = "55 Hz"
+damping_ratio = 0.04
+tcp_gain = "-0.004 1/kg"
+[drive]
+force_lag = "1 ms"
+max_force = "2 kN"
+[[moves]]
+distance = "10 mm"
+[requirements]
+tcp_deviation = "5 um"
+frequency_spread = "1 %"
+damping_spread = "0 %"
+payload = ["0 kg", "10 kg"]
+[control]
+kind = "twincat"
+"""
+
+
+def test_what_binds_limits_gentler_than_the_search_looked_at_is_named():
+    """They ended as an IndexError: their motion is longer than the tables of the search."""
+    machine = parse_profile(GENTLER, where="gentler.toml")
+    choice = choose_limits(machine, build_plant(machine), tune_loop(machine))
+    assert choice.meets_requirements
+    assert choice.bound_by.kind.startswith("bound-by")

@@ -8,15 +8,16 @@ from math import pi
 import pytest
 
 from mtcommission.errors import ComputationError, Outcome
+from mtcommission.loop.tuning.proposals import cascade_family, propose_cascades
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
-from mtcommission.loop.tuning.tuning import check_loop, tune_loop, tune_variants
+from mtcommission.loop.tuning.tuning import check_loop, tune_loop
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, StateFeedback
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.loop_choice import LoopChoice, settle_on_loop
 from mtcommission.study.settings import Settings
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
@@ -69,7 +70,8 @@ def test_one_given_gain_is_kept_and_the_largest_good_one_named(
     assert f" {unit}, all other given values" in ENGLISH.say(warning)
     assert has_all_margins(tune_loop(cascade(**{key: best})))
     assert tune_loop(cascade(**{key: best})).warnings == ()
-    assert not has_all_margins(tune_loop(cascade(**{key: 1.03 * best})))
+    more = {"velocity_gain": gains.velocity_gain, key: 1.03 * best}
+    assert not has_all_margins(tune_loop(cascade(**more)))
 
 
 def test_low_given_gains_are_used_without_warning() -> None:
@@ -87,10 +89,10 @@ def test_gains_that_no_single_change_cures_are_said_so() -> None:
 
 def test_poor_gains_never_hide_behind_a_sooner_settling_loop() -> None:
     """State feedback "auto" beside given gains keeps the margins or is left out."""
-    found = tune_variants(
-        quiet_copy(paper_machine(), velocity_gain=180e3, position_gain=30.0), settings=WANTED
-    )
-    assert found.feedback is None or has_all_margins(found.feedback)
+    machine = quiet_copy(paper_machine(), velocity_gain=180e3, position_gain=30.0)
+    chosen = choose(machine).tuned
+    assert has_all_margins(chosen) is (chosen.warnings == ())
+    assert has_all_margins(chosen) or not chosen.controller.state_gains.any()
 
 
 def test_bandwidth_that_given_gains_miss_is_a_warning_and_not_an_end() -> None:
@@ -102,42 +104,47 @@ def test_bandwidth_that_given_gains_miss_is_a_warning_and_not_an_end() -> None:
     assert f"{reached:.3g} Hz in its worst corner" in ENGLISH.say(warning)
 
 
-def test_tuned_loops_keep_the_minimum_bandwidth_with_state_feedback_too() -> None:
-    """State feedback trades bandwidth for damping: it must stop at the stated minimum."""
-    least = 25.0
-    machine = quiet_copy(paper_machine(), minimum_bandwidth_hz=23.0)
-    found = tune_variants(machine, settings=WANTED)
-    assert found.plain.least_bandwidth_hz >= 23.0
-    assert found.feedback is not None
-    assert found.feedback.least_bandwidth_hz >= 23.0
-    with pytest.raises(ComputationError, match=r"has 23\.8 Hz, minimum_bandwidth is 25 Hz") as end:
-        tune_loop(cascade(minimum_bandwidth_hz=least))
-    assert end.value.outcome is Outcome.BANDWIDTH_OUT_OF_REACH
+def choose(machine: Machine) -> LoopChoice:
+    return settle_on_loop(machine, build_plant(machine), Settings())
+
+
+def test_chosen_loops_keep_the_minimum_bandwidth() -> None:
+    """The stiffest loop may be slow: it must not be chosen below the stated minimum."""
+    for machine in (cascade(), paper_machine()):
+        reached = tune_loop(machine).least_bandwidth_hz
+        fast = quiet_copy(machine, minimum_bandwidth_hz=1.02 * reached)
+        assert choose(fast).tuned.least_bandwidth_hz >= 1.02 * reached
 
 
 def test_state_feedback_is_tried_where_the_cascade_is_too_slow() -> None:
     """A machine that state feedback makes fast enough would be refused."""
-    machine = quiet_copy(paper_machine(), minimum_bandwidth_hz=25.0)
-    found = tune_variants(machine, settings=WANTED)
-    assert found.is_needed
-    assert found.plain.least_bandwidth_hz < 25.0
-    assert found.feedback is not None
-    assert found.feedback.least_bandwidth_hz >= 25.0
-    assert has_all_margins(found.feedback)
-    choice = settle_on_loop(machine, build_plant(machine), Settings())
-    chosen = choice.tuned
-    assert chosen.controller.observer.states
-    said = [ENGLISH.say(remark) for remark in chosen.remarks]
-    assert any("has 23.8 Hz, minimum_bandwidth is 25 Hz" in text for text in said)
-    assert choice.remarks == (Message("control-needs-state-feedback"),)
-    assert check_loop(machine) == chosen.warnings  # no word of a bandwidth out of reach
-
-
-def test_a_bandwidth_that_state_feedback_misses_too_is_said() -> None:
-    """The remedy of the message would be tried in vain."""
-    with pytest.raises(ComputationError, match="none with state feedback has it either") as end:
-        tune_loop(quiet_copy(paper_machine(), minimum_bandwidth_hz=60.0))
+    fastest = propose_cascades(cascade_family(cascade(), WANTED)).fastest_hz
+    least = 1.02 * fastest
+    machine = quiet_copy(paper_machine(), minimum_bandwidth_hz=least)
+    choice = choose(machine)
+    assert choice.tuned.controller.state_gains.any()
+    assert choice.tuned.least_bandwidth_hz >= least
+    assert has_all_margins(choice.tuned)
+    assert choice.remarks[-1] == Message("control-needs-state-feedback")
+    assert check_loop(machine) == ()  # no word of a bandwidth out of reach
+    with pytest.raises(ComputationError, match="the fastest loop with the margins has") as end:
+        choose(cascade(minimum_bandwidth_hz=least))
     assert end.value.outcome is Outcome.BANDWIDTH_OUT_OF_REACH
+    assert check_loop(cascade(minimum_bandwidth_hz=least)) != ()
+
+
+def test_only_what_is_not_given_is_searched() -> None:
+    """Given gains stay as given, and the others are those that suit the moves best."""
+    free = choose(cascade()).tuned.controller
+    chosen = choose(cascade(position_gain=0.8 * free.position_gain)).tuned.controller
+    assert chosen.position_gain == 0.8 * free.position_gain
+    assert chosen.integral_time != pytest.approx(4.0 * 750.0 / chosen.velocity_gain)
+    fixed = {
+        "position_gain": 20.0, "velocity_gain": 60e3, "integral_time": 0.1
+    }  # fmt: skip
+    whole = choose(cascade(**fixed))
+    assert len(whole.trials) <= 1
+    assert {key: getattr(whole.tuned.controller, key) for key in fixed} == fixed
 
 
 def low_pass(frequency_hz: float) -> ForceFilter:
@@ -163,8 +170,8 @@ def test_filters_that_soften_the_loop_or_shake_a_mode_are_warned_about() -> None
 
 def test_check_says_what_run_would_say() -> None:
     """`check` is where one looks before a long run."""
-    poor = cascade(position_gain=70.0)
-    assert check_loop(poor) == tune_loop(poor).warnings != ()
+    poor = cascade(position_gain=95.0, velocity_gain=150e3, integral_time=15e-3)
+    assert check_loop(poor) == choose(poor).tuned.warnings != ()
     assert check_loop(paper_machine()) == ()
     (unstable,) = check_loop(cascade(position_gain=400.0, velocity_gain=600e3))
     assert unstable.kind == Outcome.UNSTABLE_LOOP.value

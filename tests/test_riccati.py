@@ -14,7 +14,7 @@ from mtcommission.loop.model.controller import filter_polynomials
 from mtcommission.loop.model.discrete import discretise_filter
 from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.riccati import observer_gains, regulator_gains
-from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop, tune_variants
+from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop
 from mtcommission.machine.machine import FilterKind, ForceFilter, StateFeedback, TcpSensor
 from mtcommission.profile.read import read_profile
 from tests.independent_loop import quiet_copy
@@ -48,7 +48,8 @@ def test_gains_are_those_of_python_control(name: str, monkeypatch: pytest.Monkey
 
     monkeypatch.setattr(state_feedback, "regulator_gains", regulator)
     monkeypatch.setattr(state_feedback, "observer_gains", observer)
-    tune_variants(MACHINES[name], settings=TuningSettings(mode_weights=(0.1, 10.0)))
+    auto = quiet_copy(MACHINES[name], state_feedback=StateFeedback.AUTO)
+    tune_loop(auto, settings=TuningSettings(mode_weights=(0.1, 10.0)))
     assert len(asked) >= 3  # the observer and both weights
     assert max(asked) < 1e-8
 

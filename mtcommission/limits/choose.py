@@ -161,7 +161,7 @@ def choose_limits(
         moves=moves,
         reserve=machine.requirements.reserve,
         reserve_used=met and found.machine is not strict,
-        explain=cache(partial(_explain, found.bench, found.region, candidate.limits, met)),
+        explain=cache(partial(_explain, found, candidate.limits, met)),
         chart=cache(partial(_chart, machine, plant, tuned, found.widest, settings)),
         evaluations=len(found.pool.settling),
     )
@@ -381,13 +381,13 @@ FEW = 8
 """Known limits whose force is simulated together, best first."""
 
 
-def _explain(bench: Bench, region: Region, limits: MotionLimits, feasible: bool) -> Message:
+def _explain(found: _Found, limits: MotionLimits, feasible: bool) -> Message:
     """Name what breaks when either limit is raised a little."""
     if not feasible:
         return Message("bound-by-nothing-met")
-    steps = (1.01, 1.03, 1.1)
+    steps, region = (1.01, 1.03, 1.1), found.region
     pairs = [(f, f) for f in steps]
-    if bench.machine.control.kind.has_jerk_limit:
+    if found.machine.control.kind.has_jerk_limit:
         pairs += [(f, 1.0) for f in steps] + [(1.0, f) for f in steps]
     allowed = [(f, g) for f, g in pairs if g * limits.jerk <= region.largest_jerk]
     if len(allowed) < len(pairs):
@@ -395,6 +395,9 @@ def _explain(bench: Bench, region: Region, limits: MotionLimits, feasible: bool)
     factors = np.array(pairs)
     a = limits.acceleration * factors[:, 0]
     t = a / (limits.jerk * factors[:, 1])
+    # Gentler limits than the search looked at may have been taken in the end.
+    longest = float(motion_time(found.machine, a, t).max())
+    bench = build_bench(found.machine, found.plant, found.tuned, longest=longest)
     residual = settle_exactly(bench, a, t).residual_deviation
     used = use_of_bounds(bench, a, t)
     columns = zip(

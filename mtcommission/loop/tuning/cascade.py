@@ -1,4 +1,4 @@
-"""Kp, Tn, Kv and τ of the cascade, by rules with a source.
+"""Kp, Tn, Kv and τ of the cascade: by rules with a source, or of another shape.
 
 - Delay of the force path T_σ = T + 2 T_v + filters (dead time, half for the hold, half for the
   velocity from differences); Kp = f m / (2 T_σ) (symmetrical optimum).
@@ -6,6 +6,9 @@
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isclose
 
 import numpy as np
 
@@ -22,8 +25,32 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 
 
-def build_cascade(machine: Machine, plant: Plant, *, fraction: float) -> Controller:
-    """Return the cascade without state feedback: given gains as given, the rest by rule.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """What a loop is beside its Kp; the defaults are the classic rule.
+
+    Parameters
+    ----------
+    position_ratio
+        Kv m / Kp [-]; 1/4: speed loop damping 1.
+    integral_ratio
+        Tn Kp / m [-]; 4: Yaskawa's lower bound for the speed loop.
+    mode_weight
+        Of the state feedback, see ``state_feedback.add_state_feedback`` [-]; 0: none.
+    """
+
+    position_ratio: float = 0.25
+    integral_ratio: float = 4.0
+    mode_weight: float = 0.0
+
+
+CLASSIC = Shape()
+
+
+def build_cascade(
+    machine: Machine, plant: Plant, *, fraction: float, shape: Shape = CLASSIC
+) -> Controller:
+    """Return the cascade without state feedback: given gains as given, the rest by its shape.
 
     Parameters
     ----------
@@ -31,6 +58,8 @@ def build_cascade(machine: Machine, plant: Plant, *, fraction: float) -> Control
         Nominal machine and its plant.
     fraction
         f, Kp over the symmetrical optimum [-]; without effect where Kp is given.
+    shape
+        Kv and Tn over Kp; without effect where they are given.
 
     Returns
     -------
@@ -41,8 +70,11 @@ def build_cascade(machine: Machine, plant: Plant, *, fraction: float) -> Control
     Kp = given.velocity_gain
     if Kp is None:
         Kp = fraction * symmetrical_optimum(machine)
-    Tn = 4.0 * mass / Kp if given.integral_time is None else given.integral_time
-    Kv = Kp / (4.0 * mass) if given.position_gain is None else given.position_gain
+    Tn, Kv = given.integral_time, given.position_gain
+    if Tn is None:
+        Tn = shape.integral_ratio * mass / Kp
+    if Kv is None:
+        Kv = shape.position_ratio * Kp / mass
     handing_down = handing_down_delay(
         given.position_loop,
         position_cycle=given.position_cycle,
@@ -114,18 +146,24 @@ def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, 
     tuple of Message
     """
     given, remarks = machine.control, []
+    Kp = controller.velocity_gain
+    mass = moving_mass(machine) + mid_payload(machine)
     if given.velocity_gain is None:
-        fraction = controller.velocity_gain / symmetrical_optimum(machine)
-        if fraction < 1.0 - 1e-9:
-            remarks.append(Message("loop-kp-lowered", fraction=fraction))
-        elif fraction > 1.0 + 1e-9:
-            remarks.append(Message("loop-kp-raised", fraction=fraction))
-        else:
+        fraction = Kp / symmetrical_optimum(machine)
+        if isclose(fraction, 1.0):
             remarks.append(Message("loop-kp-symmetrical-optimum"))
+        else:
+            remarks.append(Message("loop-kp-largest", fraction=fraction))
     if given.integral_time is None:
-        remarks.append(Message("loop-tn-yaskawa"))
+        ratio = controller.integral_time * Kp / mass
+        is_classic = isclose(ratio, CLASSIC.integral_ratio)
+        found = Message("loop-tn-searched", ratio=ratio)
+        remarks.append(Message("loop-tn-yaskawa") if is_classic else found)
     if given.position_gain is None:
-        remarks.append(Message("loop-kv-damping-one"))
+        ratio = controller.position_gain * mass / Kp
+        is_classic = isclose(ratio, CLASSIC.position_ratio)
+        found = Message("loop-kv-searched", ratio=ratio)
+        remarks.append(Message("loop-kv-damping-one") if is_classic else found)
     if given.reference_delay is None:
         remarks.append(Message("loop-reference-delay"))
     return tuple(remarks)

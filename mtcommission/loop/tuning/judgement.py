@@ -9,16 +9,9 @@ from math import floor, log10
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.tuning.tuned import (
-    CornerPlants,
-    TunedLoop,
-    TuningSettings,
-    close_within_margins,
-    describe_margins,
-    has_margins,
-    scan_corners,
-)
-from mtcommission.machine.machine import Machine
+from mtcommission.loop.tuning.cascade import CLASSIC
+from mtcommission.loop.tuning.proposals import LoopFamily, tune_shape
+from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, describe_margins, has_margins
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 
@@ -34,29 +27,16 @@ SOFTENED = 0.5
 UNDAMPED = 0.5
 """A mode that keeps less than this share of its own damping is warned about."""
 
-Build = Callable[[Machine], Controller]
 
-
-def judge_given(
-    machine: Machine,
-    bench: CornerPlants,
-    tuned: TunedLoop,
-    *,
-    settings: TuningSettings,
-    build: Build,
-) -> tuple[Message, ...]:
+def judge_given(family: LoopFamily, tuned: TunedLoop) -> tuple[Message, ...]:
     """Return what is poor about a loop with given gains, and which of them to lower.
 
     Parameters
     ----------
-    machine
-        With the given gains.
-    bench, tuned
-        The machine in every corner and its loop there.
-    settings
-        Required margins.
-    build
-        The controller of a machine whose gains are all given.
+    family
+        Of the machine with the given gains.
+    tuned
+        Its loop in every corner.
 
     Returns
     -------
@@ -68,9 +48,9 @@ def judge_given(
     ComputationError
         UNSTABLE_LOOP, with the corner.
     """
-    found = []
+    found, settings = [], family.settings
     if not all(has_margins(analysis, settings=settings) for analysis in tuned.analyses):
-        cure = _name_cure(machine, bench, tuned.controller, settings=settings, build=build)
+        cure = _name_cure(family, tuned.controller)
         _require_stable(tuned, cure)
         found.append(
             Message(
@@ -82,7 +62,7 @@ def judge_given(
                 cure=cure,
             )
         )
-    reached, wanted = tuned.least_bandwidth_hz, machine.control.minimum_bandwidth_hz
+    reached, wanted = tuned.least_bandwidth_hz, family.machine.control.minimum_bandwidth_hz
     if reached < wanted:
         found.append(Message("loop-given-gains-slow", reached=reached, wanted=wanted))
     return tuple(found)
@@ -155,23 +135,15 @@ def _name_corner(corner: Corner) -> tuple[Message, ...]:
     return tuple(found)
 
 
-def _name_cure(
-    machine: Machine,
-    bench: CornerPlants,
-    controller: Controller,
-    *,
-    settings: TuningSettings,
-    build: Build,
-) -> Message:
+def _name_cure(family: LoopFamily, controller: Controller) -> Message:
     """The largest value of each given gain that keeps the margins, the others as they are."""
-    given = machine.control
-    fixed = replace(machine, control=replace(given, velocity_gain=controller.velocity_gain))
-    scanned = scan_corners(bench, controller)
+    given = family.machine.control
+    fixed = replace(given, velocity_gain=controller.velocity_gain)
 
     def keeps(**gains: float) -> bool:
-        changed = replace(fixed, control=replace(fixed.control, **gains))  # type: ignore[arg-type]
-        found = close_within_margins(bench, build(changed), scanned, settings=settings)
-        return found is not None
+        control = replace(fixed, **gains)  # type: ignore[arg-type]
+        changed = replace(family, machine=replace(family.machine, control=control))
+        return tune_shape(changed, CLASSIC, largest=1.0) is not None
 
     cures = []
     if given.position_gain is not None:

@@ -1,4 +1,4 @@
-"""Active damping of one mode: LQR around the closed cascade, states by a Kalman observer."""
+"""Active damping of the tool: LQR around the closed cascade, states by a Kalman observer."""
 
 from __future__ import annotations
 
@@ -38,10 +38,8 @@ def is_seen(mode: PlantMode, sensors: tuple[str, ...]) -> bool:
     return mode.measured_gain != 0.0 or ("tcp" in sensors and mode.tcp_gain != 0.0)
 
 
-def most_resonant_mode(
-    plant: Plant, sensors: tuple[str, ...], damping: tuple[float, ...]
-) -> PlantMode | None:
-    """Return the visible mode that resonates most at the tool; None if none is visible.
+def moving_modes(plant: Plant, sensors: tuple[str, ...]) -> tuple[PlantMode, ...]:
+    """Return the visible modes that move the tool, the one that moves it most first.
 
     Parameters
     ----------
@@ -49,32 +47,30 @@ def most_resonant_mode(
         Nominal.
     sensors
         Names of measured outputs.
-    damping
-        Damping ratio of each mode under the cascade alone [-].
 
     Returns
     -------
-    PlantMode or None
-        The one with the largest |tcp_gain| / (2 ζ ω²), its peak deflection per newton.
+    tuple of PlantMode
+        By |tcp_gain| / ω.
     """
-    peaks = {
-        index: abs(mode.tcp_gain) / (mode.natural_frequency**2 * max(zeta, LEAST_DAMPING))
-        for index, (mode, zeta) in enumerate(zip(plant.modes, damping, strict=True))
-        if is_seen(mode, sensors)
-    }
-    return plant.modes[max(peaks, key=peaks.__getitem__)] if peaks else None
+    visible = [mode for mode in plant.modes if is_seen(mode, sensors) and mode.tcp_gain]
+    return tuple(sorted(visible, key=_tool_share, reverse=True))
+
+
+def _tool_share(mode: PlantMode) -> float:
+    """How far the tool moves by the mode, over the rate q' that this takes."""
+    return abs(mode.tcp_gain) / mode.natural_frequency
 
 
 def add_state_feedback(
     machine: Machine,
     plant: Plant,
     cascade: Controller,
-    mode: PlantMode,
     *,
     weight: float,
     observer: Observer,
 ) -> Controller:
-    """Return the cascade with the state feedback that damps a mode.
+    """Return the cascade with the state feedback that damps what moves the tool.
 
     Parameters
     ----------
@@ -82,11 +78,9 @@ def add_state_feedback(
         Nominal machine and its plant.
     cascade
         Without state feedback.
-    mode
-        To be damped; visible.
     weight
-        Of the mode's squared rate against the squared force, both in units of what F_max does
-        to the mode [-].
+        Of the squared vibration of the tool against the squared force, in units of what F_max
+        does to the mode that moves the tool most [-].
     observer
         From ``design_observer``.
 
@@ -94,7 +88,43 @@ def add_state_feedback(
     -------
     Controller
     """
-    gains = _mode_gains(machine, plant, cascade, mode, weight, observer.states)
+    gains = _gains(machine, plant, cascade, weight, observer.states)
+    return replace(cascade, state_gains=gains, observer=observer)
+
+
+def given_state_feedback(
+    machine: Machine, plant: Plant, cascade: Controller, *, settings: TuningSettings
+) -> Controller:
+    """Return the cascade with the state gains that the profile gives.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal machine and its plant.
+    cascade
+        Without state feedback.
+    settings
+        Assumed noises of the observer.
+
+    Returns
+    -------
+    Controller
+
+    Raises
+    ------
+    ComputationError
+        NOT_OBSERVABLE if a gain needs a state that the sensors do not see;
+        FEEDBACK_DESIGN_FAILED if the observer cannot be computed.
+    """
+    gains = np.zeros(plant.order)
+    for item in machine.control.state_gains:
+        gains[plant.states.index(item.state)] = item.value
+    observer = design_observer(machine, plant, cascade, settings=settings)
+    hidden = [plant.states[i] for i in np.flatnonzero(gains) if i not in observer.states]
+    if hidden:
+        raise ComputationError(
+            Outcome.NOT_OBSERVABLE, Message("loop-hidden-states", states=tuple(hidden))
+        )
     return replace(cascade, state_gains=gains, observer=observer)
 
 
@@ -137,11 +167,10 @@ def design_observer(
     return Observer(states=tuple(states), A=A, B=B, C=C, L=L)
 
 
-def _mode_gains(
+def _gains(
     machine: Machine,
     plant: Plant,
     controller: Controller,
-    mode: PlantMode,
     weight: float,
     observed: tuple[int, ...],
 ) -> Array:
@@ -160,8 +189,9 @@ def _mode_gains(
     A[n, :n] = -(encoder @ plant.A + controller.position_gain * encoder) / controller.integral_time
     law = Kp * np.concatenate([encoder @ plant.A + controller.position_gain * encoder, [-1.0]])
     B = np.append(plant.B, 0.0)
-    # States in units of what F_max does at the mode's frequency: all numbers near 1.
-    force, omega = machine.drive.max_force, mode.natural_frequency
+    # States in units of what F_max does at the first mode's frequency: all numbers near 1.
+    damped = moving_modes(plant, controller.sensors)
+    force, omega = machine.drive.max_force, damped[0].natural_frequency
     scale = np.full(n + 1, force / (plant.moving_mass * omega**2))
     scale[[plant.velocity, n]] *= omega
     scale[plant.force] = force
@@ -172,11 +202,12 @@ def _mode_gains(
         A[item.rate, item.rate] = -2.0 * zeta * item.natural_frequency
     A = (A - np.outer(B, law)) * scale / scale[:, None] / omega
     Q = np.zeros((n + 1, n + 1))
-    Q[mode.rate, mode.rate] = weight
+    for item in damped:
+        Q[item.rate, item.rate] = weight * (_tool_share(item) / _tool_share(damped[0])) ** 2
     kept = [*observed, n]
     inside = np.ix_(kept, kept)
     B = (B * force / scale / omega)[kept]
-    with _riccati_errors("loop-gains-failed", mode=mode.name):
+    with _riccati_errors("loop-gains-failed"):
         K = regulator_gains(A[inside], B, Q[inside])
     gains = np.zeros(n)
     gains[kept[:-1]] = (K * force / scale[kept])[:-1]
@@ -184,12 +215,12 @@ def _mode_gains(
 
 
 @contextmanager
-def _riccati_errors(kind: str, **values: str) -> Iterator[None]:
+def _riccati_errors(kind: str) -> Iterator[None]:
     """Name what scipy raises where a Riccati equation defeats them."""
     try:
         yield
     except (ValueError, np.linalg.LinAlgError) as error:
-        detail = Message(kind, error=str(error), **values)
+        detail = Message(kind, error=str(error))
         raise ComputationError(Outcome.FEEDBACK_DESIGN_FAILED, detail) from error
 
 

@@ -34,15 +34,20 @@ class TuningSettings:
     gain_margin_db, phase_margin_deg, sensitivity_peak
         Required in every corner; Åström & Hägglund recommend 6 ... 14 dB, 30 ... 60 degrees and
         1.2 ... 2.0.
+    position_ratios, integral_ratios
+        Kv m / Kp and Tn Kp / m of the loops that are tried; Tn is never shorter than by the
+        classic rule (Yaskawa).
     mode_weights
-        Weights of the dominant mode's squared rate against the squared force, both in units of
-        what F_max does to the mode; each is tried.
-    reduction
-        Factor from one try of Kp to the next.
+        Weights of the squared vibration of the tool against the squared force, see
+        ``state_feedback.add_state_feedback``; each is tried.
+    least_integral_share
+        Kp Kv / Tn over that of the classic rule, at least: what friction or a cutting force
+        displaces, summed over time, is the reciprocal (design choice).
     largest_fraction
-        Where Kp begins with state feedback, as a multiple of the symmetrical optimum: feedback
-        of the motor force shortens the lag for which that optimum is made (empirical: margins
-        end the search before).
+        Where Kp begins, as a multiple of the symmetrical optimum (empirical: margins end the
+        search before).
+    reduction
+        Factor from one try of Kp to the next, until the margins hold.
     force_noise, mode_noise, position_noise
         Standard deviations that the observer assumes: unknown force of the drive, and on each
         mode, relative to F_max [-], and encoder error [m] (empirical: they set its bandwidth,
@@ -53,9 +58,12 @@ class TuningSettings:
     gain_margin_db: float = 6.0
     phase_margin_deg: float = 30.0
     sensitivity_peak: float = 2.0
-    mode_weights: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0)
-    reduction: float = 0.92
-    largest_fraction: float = 2.0
+    position_ratios: tuple[float, ...] = (0.0625, 0.125, 0.25, 0.5)
+    integral_ratios: tuple[float, ...] = (4.0, 8.0, 16.0, 32.0)
+    mode_weights: tuple[float, ...] = (1.0, 10.0)
+    least_integral_share: float = 0.25
+    largest_fraction: float = 4.0
+    reduction: float = 0.85
     force_noise: float = 0.05
     mode_noise: float = 0.01
     position_noise: float = 1e-7
@@ -134,11 +142,6 @@ class TunedLoop:
         """Damping ratio of each mode in its worst corner."""
         return tuple(map(float, np.min([item.mode_damping for item in self.analyses], axis=0)))
 
-    @property
-    def least_own_damping(self) -> tuple[float, ...]:
-        """Damping ratio in its worst corner of the pole that each mode has turned into."""
-        return tuple(map(float, np.min([item.own_damping for item in self.analyses], axis=0)))
-
 
 def corner_plants(machine: Machine) -> CornerPlants:
     """Return the plant of a machine in every corner.
@@ -211,12 +214,13 @@ def close_within_margins(
     TunedLoop or None
         Without remarks and warnings.
     """
-    closed = []
-    for plant, known in zip(bench.plants, scanned, strict=True):
-        cut = open_loop(controller, known)
+    cuts, closed = [], []
+    for known in scanned:
+        cuts.append(open_loop(controller, known))
         # Refinement keeps every frequency: a peak that is too high now stays too high.
-        if cut.sensitivity_peak > settings.sensitivity_peak:
+        if cuts[-1].sensitivity_peak > settings.sensitivity_peak:
             return None
+    for plant, known, cut in zip(bench.plants, scanned, cuts, strict=True):
         response = refine(controller, known.blocks, close(known, cut))
         closed.append(_close_on(plant, controller, response, model=bench.model))
         if not has_margins(closed[-1].analysis, settings=settings):

@@ -2,26 +2,25 @@ loop-two-sentences = { $first } { $second }
 loop-one-or-other = { $first } oder { $second }
 
 loop-kp-symmetrical-optimum = Kp nach dem symmetrischen Optimum, m / (2 T_σ).
-loop-kp-lowered = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (gesenkt, bis die Reserven eingehalten sind).
-loop-kp-raised = Kp nach dem symmetrischen Optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (die Zustandsrückführung lässt mehr zu).
+loop-kp-largest = Kp = { PLAIN($fraction, digits: 2, style: "f") } × symmetrisches Optimum, m / (2 T_σ): das größte, mit dem die Reserven in allen Eckfällen eingehalten sind.
 loop-tn-yaskawa = Tn = 4 m / Kp (Untergrenze nach Yaskawa für den Geschwindigkeitsregelkreis).
 loop-kv-damping-one = Kv = Kp / (4 m): Dämpfungsgrad 1 des Geschwindigkeitsregelkreises.
+loop-tn-searched = Tn = { PLAIN($ratio, digits: 3) } m / Kp, aus der Suche.
+loop-kv-searched = Kv = { PLAIN($ratio, digits: 3) } Kp / m, aus der Suche.
 loop-reference-delay = Sollwertverzögerung: 1,5 Lagereglertakte + 1 Geschwindigkeitsreglertakt + der Teil der { $axis ->
     [rotary] Momentenverzögerung
    *[linear] Kraftverzögerung
 }, den die Ruckvorsteuerung übrig lässt + die Filter, damit Vorsteuerung und Regelung zusammentreffen.
 
 loop-unseen-modes = Die Geber sehen die Eigenform { $modes } nicht: keine Rückführung kann sie dämpfen.
-loop-no-state-feedback = Keine Zustandsrückführung.
-loop-state-feedback-design-failed = Keine Zustandsrückführung: ihr Entwurf ist gescheitert ({ $detail }).
-loop-state-feedback-damps-nothing = Keine Zustandsrückführung: keine dämpft bei eingehaltenen Reserven die Eigenform { $mode } besser als die Kaskade allein (Dämpfungsgrad { NUMBER($damping, digits: 3) }).
-loop-state-feedback = Zustandsrückführung (LQR um die Kaskade, Kalman-Beobachter an { $sensors }): Dämpfungsgrad der Eigenform { $mode } { NUMBER($own, digits: 3) } ohne Regelung, { NUMBER($cascade, digits: 3) } mit der Kaskade, { NUMBER($feedback, digits: 3) } mit Zustandsrückführung.
-loop-state-feedback-needed = Die Zustandsrückführung ist nötig: { $lacking }.
+loop-no-state-feedback = Keine Zustandsrückführung: { $detail }.
+loop-sees-no-mode = die Geber sehen keine Eigenform, die das Werkzeug bewegt
+loop-state-feedback-loses = keine hält die Reserven, minimum_bandwidth und die Steifigkeit der Kaskade nach der klassischen Regel ein
+loop-state-feedback = Zustandsrückführung (LQR um die Kaskade, Kalman-Beobachter an { $sensors }): Dämpfungsgrad der Eigenform { $mode } { NUMBER($own, digits: 3) } ohne Regelung, { NUMBER($feedback, digits: 3) } mit ihr.
 loop-observed-encoder = Lagegeber
 loop-observed-encoder-and-tcp = Lagegeber und TCP
 
-loop-lacks-bandwidth = die schnellste Kaskade mit den Reserven hat { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth ist { PLAIN($wanted, digits: 3) } Hz
-loop-lacks-bandwidth-anyway = { $lacking }, und auch keine mit Zustandsrückführung erreicht sie
+loop-lacks-bandwidth = der schnellste Regelkreis mit den Reserven hat { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth ist { PLAIN($wanted, digits: 3) } Hz
 
 loop-mixed-mode = Eigenform { $mode } und Antriebsregelung mischen sich im geschlossenen Kreis: Der angegebene Dämpfungsgrad gehört zu den Polen bei { NUMBER($shown_frequency, digits: 3) } Hz, die { PERCENT($shown_share) } der Eigenform enthalten; { PERCENT($larger_share) } von ihr schwingen bei { NUMBER($larger_frequency, digits: 3) } Hz mit { NUMBER($larger_damping, digits: 3) }.
 
@@ -52,7 +51,7 @@ loop-no-margins = bei Kp = { SI($Kp, "DAMPING") }, { PERCENT($share) } des symme
 loop-mode-without-damping = Eigenform { $mode } ({ PLAIN($frequency) } Hz) hat den Dämpfungsgrad 0
 loop-hidden-states = Zustandsrückführung von { $states }
 loop-observer-failed = Beobachter: { $error }
-loop-gains-failed = Verstärkungen für die Eigenform { $mode }: { $error }
+loop-gains-failed = Verstärkungen: { $error }
 
 budget-full-force = Bewegung { $move } dauert mindestens { PLAIN($time, digits: 3) } s mit { SI($force, "FORCE") } an { SI($mass, "MASS") }; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { NUMBER($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }
 budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } und eine Rampe von { PLAIN($jerk_time) } s, womit eine Bewegung { PLAIN($time) } s dauert; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { PLAIN($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }; { $remedy }

@@ -4,7 +4,10 @@ setting-gain-margin-db = Verlangte Amplitudenreserve
 setting-phase-margin-deg = Verlangte Phasenreserve
 setting-reserve-deg = Für die Zustandsrückführung vorgehaltene Phase
 setting-sensitivity-peak = Zulässiges Maximum der Empfindlichkeit
-setting-mode-weights = Versuchte Gewichte der Eigenform für die Zustandsrückführung
+setting-position-ratios = Versuchte Kv m / Kp
+setting-integral-ratios = Versuchte Tn Kp / m
+setting-least-integral-share = Kp Kv / Tn relativ zur klassischen Regel, mindestens
+setting-mode-weights = Versuchte Gewichte der Werkzeugschwingung für die Zustandsrückführung
 setting-reduction = Faktor von einem Versuch für Kp zum nächsten
 setting-force-noise = { $axis ->
     [rotary] Momentenrauschen des Beobachters, bezogen auf F_max
@@ -29,7 +32,7 @@ setting-seed = Startwert der Zufallszahlen
 setting-frequency-range = Größter versuchter Frequenzfehler, relativ
 setting-frequency-points = Versuchte Frequenzfehler
 setting-landscape = Punkte des Kennfelds je Richtung
-setting-largest-fraction = Größter versuchter Faktor auf Kp mit Zustandsrückführung
+setting-largest-fraction = Zuerst versuchtes Kp, relativ zum symmetrischen Optimum
 setting-mode-noise = Rauschen der Eigenform im Beobachter, bezogen auf F_max
 setting-evaluations = In jedem Eckfall beurteilte Grenzwerte
 

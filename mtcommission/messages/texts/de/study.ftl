@@ -25,6 +25,9 @@ time-value = { TIME($time) }
 state-feedback-chosen = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird verwendet.
 state-feedback-left-out = Beste Einschwingzeit { $with_it } damit, { $without } ohne sie: sie wird weggelassen.
 state-feedback-stiffness = Damit ist das Werkzeug { NUMBER($ratio, digits: 3) }-mal so steif gegen eine Störung.
+state-feedback-would = Eine Zustandsrückführung, die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (grobe Suche), mit einem { NUMBER($ratio, digits: 3) }-mal so steifen Werkzeug gegen eine Störung.
+loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel, ist dies der steifste unter denen, deren Bewegungen höchstens { PERCENT($later) } später einschwingen als beim schnellsten ({ $soonest }): { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
+loop-by-classic-rule = Nach der klassischen Regel (Tn = 4 m / Kp, Kv = Kp / (4 m)) wären es { $settling } bei { STIFFNESS($stiffness, digits: 3) }.
 control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, state_feedback = "off" setzen.
 
 # small changes

@@ -7,10 +7,12 @@ loop-one-or-other = { $first } or { $second }
 # By which rule a gain was chosen
 loop-kp-symmetrical-optimum = Kp by the symmetrical optimum, m / (2 T_σ).
 # $fraction: of the optimum
-loop-kp-lowered = Kp by the symmetrical optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (lowered until the margins hold).
-loop-kp-raised = Kp by the symmetrical optimum, m / (2 T_σ) × { PLAIN($fraction, digits: 2, style: "f") } (the state feedback allows more).
+loop-kp-largest = Kp = { PLAIN($fraction, digits: 2, style: "f") } × the symmetrical optimum, m / (2 T_σ): the largest that keeps the margins in every corner.
 loop-tn-yaskawa = Tn = 4 m / Kp (Yaskawa's lower bound for the speed loop).
 loop-kv-damping-one = Kv = Kp / (4 m): speed loop damping 1.
+# $ratio: Tn Kp / m and Kv m / Kp
+loop-tn-searched = Tn = { PLAIN($ratio, digits: 3) } m / Kp, by the search.
+loop-kv-searched = Kv = { PLAIN($ratio, digits: 3) } Kp / m, by the search.
 loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle + the { $axis ->
     [rotary] torque lag
    *[linear] force lag
@@ -18,17 +20,15 @@ loop-reference-delay = Reference delay: 1.5 position cycles + 1 velocity cycle +
 
 # State feedback; $mode, $modes: names of modes as the profile spells them
 loop-unseen-modes = The sensors do not see mode { $modes }: no feedback can damp it.
-loop-no-state-feedback = No state feedback.
-loop-state-feedback-design-failed = No state feedback: its design failed ({ $detail }).
-loop-state-feedback-damps-nothing = No state feedback: none damps mode { $mode } better than the cascade alone (damping ratio { NUMBER($damping, digits: 3) }) with the margins kept.
-loop-state-feedback = State feedback (LQR around the cascade, Kalman observer on { $sensors }): damping ratio of mode { $mode } { NUMBER($own, digits: 3) } without control, { NUMBER($cascade, digits: 3) } with the cascade, { NUMBER($feedback, digits: 3) } with state feedback.
-loop-state-feedback-needed = State feedback is needed: { $lacking }.
+# $detail: one of the next two, or why the design failed
+loop-no-state-feedback = No state feedback: { $detail }.
+loop-sees-no-mode = the sensors see no mode that moves the tool
+loop-state-feedback-loses = none keeps the margins, minimum_bandwidth and the stiffness of the cascade by the classic rule
+loop-state-feedback = State feedback (LQR around the cascade, Kalman observer on { $sensors }): damping ratio of mode { $mode } { NUMBER($own, digits: 3) } without control, { NUMBER($feedback, digits: 3) } with it.
 loop-observed-encoder = encoder
 loop-observed-encoder-and-tcp = encoder and tcp
 
-# $lacking: loop-lacks-bandwidth
-loop-lacks-bandwidth = the fastest cascade with the margins has { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth is { PLAIN($wanted, digits: 3) } Hz
-loop-lacks-bandwidth-anyway = { $lacking }, and none with state feedback has it either
+loop-lacks-bandwidth = the fastest loop with the margins has { PLAIN($reached, digits: 3) } Hz, minimum_bandwidth is { PLAIN($wanted, digits: 3) } Hz
 
 # Poles of which a mode holds a share; frequencies in Hz
 loop-mixed-mode = Mode { $mode } and the servo mix in the closed loop: the damping ratio shown is that of the poles at { NUMBER($shown_frequency, digits: 3) } Hz, which hold { PERCENT($shown_share) } of the mode; { PERCENT($larger_share) } of it ring at { NUMBER($larger_frequency, digits: 3) } Hz with { NUMBER($larger_damping, digits: 3) }.
@@ -64,7 +64,7 @@ loop-mode-without-damping = mode { $mode } ({ PLAIN($frequency) } Hz) has dampin
 loop-hidden-states = state feedback of { $states }
 # $error: what the solver said
 loop-observer-failed = observer: { $error }
-loop-gains-failed = gains for mode { $mode }: { $error }
+loop-gains-failed = gains: { $error }
 
 # What a move costs: more velocity cycles than are followed
 budget-full-force = move { $move } takes at least { PLAIN($time, digits: 3) } s with { SI($force, "FORCE") } on { SI($mass, "MASS") }; in { $corners } corner(s) all moves together are { NUMBER($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most

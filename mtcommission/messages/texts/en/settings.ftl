@@ -4,7 +4,10 @@ setting-gain-margin-db = Gain margin demanded
 setting-phase-margin-deg = Phase margin demanded
 setting-reserve-deg = Phase kept in reserve for the state feedback
 setting-sensitivity-peak = Sensitivity peak allowed
-setting-mode-weights = Weights of the mode tried for the state feedback
+setting-position-ratios = Kv m / Kp tried
+setting-integral-ratios = Tn Kp / m tried
+setting-least-integral-share = Kp Kv / Tn over that of the classic rule, at least
+setting-mode-weights = Weights of the tool vibration tried for the state feedback
 setting-reduction = Factor from one try of Kp to the next
 setting-force-noise = { $axis ->
     [rotary] Torque noise of the observer, relative to F_max
@@ -29,7 +32,7 @@ setting-seed = Seed of the random numbers
 setting-frequency-range = Largest frequency error tried, relative
 setting-frequency-points = Frequency errors tried
 setting-landscape = Points of the map in each direction
-setting-largest-fraction = Largest factor on Kp tried with state feedback
+setting-largest-fraction = Kp tried first, over the symmetrical optimum
 setting-mode-noise = Mode noise of the observer, relative to F_max
 setting-evaluations = Limits judged in every corner
 
