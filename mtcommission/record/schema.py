@@ -528,12 +528,13 @@ class JerkFeedforwardEntry:
 class ForceFilterEntry:
     """A filter in the set-force path: (s² + 2 ζ ω s + ω²) / (s² + 2 d ω s + ω²), or the low-pass.
 
-    ``natural_frequency`` is ω [rad/s], ``damping`` ζ [-].
+    ``natural_frequency`` is ω [rad/s], ``damping`` ζ and ``width`` d [-].
     """
 
     kind: str
     natural_frequency: float
     damping: float
+    width: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
