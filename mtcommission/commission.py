@@ -20,7 +20,7 @@ from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.study.attainable import Attainable, find_attainable
 from mtcommission.study.comparison import MoveComparison, compare_move
 from mtcommission.study.known_rules import evaluate_rules
-from mtcommission.study.loop_choice import LoopChoice, settle_on_loop, show_state_feedback
+from mtcommission.study.loop_choice import LoopChoice, settle_on_loop, show_alternatives
 from mtcommission.study.loop_study import LoopStudy, study_loop
 from mtcommission.study.machining_modes import ModeLimits, find_limits_by_mode
 from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
@@ -143,7 +143,7 @@ def commission(
     starts = [limits for _, limits in condensed]
     progress(Message("stage-feedback-loop"))
     loop = settle_on_loop(machine, plant, settings)
-    loop = show_state_feedback(machine, plant, loop, settings)
+    loop = show_alternatives(machine, plant, loop, settings)
     tuned = loop.tuned
     progress(Message("stage-limits"))
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)

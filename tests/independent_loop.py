@@ -215,7 +215,7 @@ class Biquad:
         if item.kind is FilterKind.LOW_PASS:
             top, bottom = (0.0, 0.0, w * w), (1.0, 2 * d * w, w * w)
         else:
-            top, bottom = (1.0, 2 * d * w, w * w), (1.0, 2 * w, w * w)
+            top, bottom = (1.0, 2 * d * w, w * w), (1.0, 2 * item.width * w, w * w)
         lead = bottom[0] * c * c + bottom[1] * c + bottom[2]
         self.b, self.a = (
             [

@@ -92,11 +92,12 @@ def test_recommended_limits_stand_beside_the_optimum_on_the_same_machines() -> N
     needs: Requirements = replace(machine.requirements, frequency_spread=0.05)
     spread = replace(machine, requirements=needs)
     assert [row.corner for row in rows] == list(corners(spread))
+    alone = tune_loop(quiet_copy(machine, state_feedback=StateFeedback.OFF)).controller
     fixed = quiet_copy(
         spread,
-        position_gain=tuned.controller.position_gain,
-        velocity_gain=tuned.controller.velocity_gain,
-        integral_time=tuned.controller.integral_time,
+        position_gain=alone.position_gain,
+        velocity_gain=alone.velocity_gain,
+        integral_time=alone.integral_time,
         state_feedback=StateFeedback.OFF,
     )
     plain = tune_loop(replace(fixed, requirements=machine.requirements))

@@ -9,7 +9,6 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError, Fault, InputError
 from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
-from mtcommission.loop.model.controller import NOTCH_POLE_DAMPING
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import (
     Control,
@@ -95,7 +94,7 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
             (Setting.FILTER_DAMPING, str(number)): item.damping,
         }
         if item.kind is FilterKind.NOTCH:
-            values[Setting.FILTER_WIDTH, str(number)] = NOTCH_POLE_DAMPING
+            values[Setting.FILTER_WIDTH, str(number)] = item.width
     return values
 
 
@@ -297,9 +296,6 @@ def _control(values: Values, subject: Subject) -> Control:
     missing = [setting for setting in ALWAYS if (setting, "") not in values]
     if values.get((Setting.FILTERS, ""), 0.0) != len(numbers):
         missing.append(Setting.FILTERS)
-    widths = {value for (setting, _), value in values.items() if setting is Setting.FILTER_WIDTH}
-    if widths - {NOTCH_POLE_DAMPING}:
-        missing.append(Setting.FILTER_WIDTH)
     if missing:
         raise unreadable(missing[0].value[0])
 
@@ -332,6 +328,9 @@ def _control(values: Values, subject: Subject) -> Control:
                 kind=FilterKind(values[Setting.FILTER_KIND, i]),
                 natural_frequency=2.0 * pi * number(values, Setting.FILTER_FREQUENCY, i),
                 damping=number(values, Setting.FILTER_DAMPING, i),
+                width=number(values, Setting.FILTER_WIDTH, i)
+                if (Setting.FILTER_WIDTH, i) in values
+                else 1.0,
             )
             for i in numbers
         ),

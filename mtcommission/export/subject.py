@@ -16,7 +16,14 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.export.wording import DEGREE, MILLI
 from mtcommission.loop.model.controller import Controller, handing_down_delay
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import Machine, Motion, StateFeedback, StateGain
+from mtcommission.machine.machine import (
+    FilterKind,
+    ForceFilter,
+    Machine,
+    Motion,
+    StateFeedback,
+    StateGain,
+)
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
@@ -197,6 +204,16 @@ def _as_recorded(record: Record) -> Machine:
         integral_time=loop.Tn,
         reference_delay=loop.reference_delay,
         feedforward_mass=loop.feedforward.mass,
+        force_filters=tuple(
+            ForceFilter(
+                kind=FilterKind(item.kind),
+                natural_frequency=item.natural_frequency,
+                damping=item.damping,
+                width=item.width,
+            )
+            for item in loop.force_filters
+        ),
+        seeks_force_filters=False,
         state_feedback=StateFeedback.GIVEN if gains else StateFeedback.OFF,
         state_gains=tuple(StateGain(state=state, value=gain) for state, gain in gains.items()),
     )

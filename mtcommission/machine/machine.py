@@ -272,11 +272,15 @@ class ForceFilter:
         [rad/s].
     damping
         Denominator damping ratio of the low-pass, numerator damping ratio of the notch [-].
+    width
+        Denominator damping ratio of the notch [-]: its depth is damping / width. 1 is the widest
+        without overshoot. Without effect on a low-pass.
     """
 
     kind: FilterKind
     natural_frequency: float
     damping: float
+    width: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -337,6 +341,8 @@ class Control:
         Length of the moving-average setpoint filter [s]; 0 = none.
     force_filters
         Filters in the set-force path, in order.
+    seeks_force_filters
+        Whether those that let Kp rise are used; otherwise they are only suggested.
     minimum_bandwidth_hz
         What tuning must at least reach, closed velocity loop, -3 dB [Hz]; 0 = none.
     """
@@ -359,6 +365,7 @@ class Control:
     state_gains: tuple[StateGain, ...] = ()
     moving_average_time: float = 0.0
     force_filters: tuple[ForceFilter, ...] = ()
+    seeks_force_filters: bool = False
     minimum_bandwidth_hz: float = 0.0
 
     @property

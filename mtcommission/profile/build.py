@@ -160,8 +160,9 @@ def _build_control(control: ControlTable) -> Control:
             kind=FilterKind(one.kind),
             natural_frequency=2.0 * pi * one.frequency,
             damping=one.damping,
+            width=one.width,
         )
-        for one in control.force_filters
+        for one in control.force_filters or ()
     )
     given = feedback if isinstance(feedback, dict) else {}
     mode = StateFeedback(feedback) if isinstance(feedback, str) else StateFeedback.GIVEN
@@ -187,5 +188,6 @@ def _build_control(control: ControlTable) -> Control:
         state_gains=tuple(StateGain(state=name, value=value) for name, value in given.items()),
         moving_average_time=setpoint_filter.time if setpoint_filter else 0.0,
         force_filters=filters,
+        seeks_force_filters=control.force_filters is None,
         minimum_bandwidth_hz=control.minimum_bandwidth or 0.0,
     )

@@ -290,6 +290,14 @@ class ForceFilterTable(Table):
     damping: Annotated[float, Read(FILTER_DAMPINGS)] = required(
         "Damping ratio: of the denominator of a low-pass, of the numerator of a notch.", "0.1"
     )
+    width: Annotated[float, Read(FILTER_DAMPINGS)] = optional(
+        "Damping ratio of the denominator of a notch; depth = damping / width.", "0.5", 1.0
+    )
+
+
+def _read_force_filters(value: object) -> object:
+    """Filters as they stand in the profile; None for "auto"."""
+    return None if value == "auto" else value
 
 
 class ControlTable(Table):
@@ -337,8 +345,12 @@ class ControlTable(Table):
     setpoint_filter: SetpointFilter = optional(
         'Filter behind the setpoint generator, or "none".', '"none"'
     )
-    force_filters: list[ForceFilterTable] = Field(
-        default_factory=list, description="Filters in the set-force path.", max_length=8
+    force_filters: Annotated[
+        Annotated[list[ForceFilterTable], Field(max_length=8)] | None,
+        BeforeValidator(_read_force_filters),
+    ] = Field(
+        default_factory=list,
+        description='Filters in the set-force path; "auto": those that let Kp rise.',
     )
     minimum_bandwidth: Annotated[float | None, Read(FREQUENCIES)] = optional(
         "What tuning must at least reach, closed velocity loop, -3 dB.", '"15 Hz"'
@@ -397,10 +409,11 @@ def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
     chosen = control.setpoint_filter
     if chosen and chosen.kind not in kind.setpoint_filters:
         faults.append(("setpoint_filter", _lacks_filter(chosen, kind)))
-    if len(control.force_filters) > kind.force_filters:
+    filters = control.force_filters or ()
+    if len(filters) > kind.force_filters:
         message = Message(
             "control-with-fewer-filters",
-            got=len(control.force_filters),
+            got=len(filters),
             control=key,
             most=kind.force_filters,
         )

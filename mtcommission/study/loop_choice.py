@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import inf, isfinite, pi
 from typing import Any
 
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.cascade import CLASSIC, Shape
+from mtcommission.loop.tuning.force_filters import find_filters
 from mtcommission.loop.tuning.proposals import (
+    LoopFamily,
     Proposal,
     Proposals,
     cascade_family,
+    feedback_family,
     feedback_shapes,
     propose_cascades,
     propose_feedback,
@@ -20,7 +23,7 @@ from mtcommission.loop.tuning.proposals import (
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
-from mtcommission.machine.machine import Machine, StateFeedback
+from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, StateFeedback
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -155,6 +158,13 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     ComputationError
         As ``tune_loop``.
     """
+    choice = _choose(machine, plant, settings)
+    if machine.control.seeks_force_filters:
+        return _with_filters(machine, plant, choice, settings)
+    return choice
+
+
+def _choose(machine: Machine, plant: Plant, settings: Settings) -> LoopChoice:
     cascades = propose_cascades(cascade_family(machine, settings.tuning))
     found = _try_all(machine, plant, settings, cascades)
     if machine.control.state_feedback is StateFeedback.AUTO:
@@ -182,6 +192,72 @@ def pick_loop(trials: Sequence[LoopTrial]) -> LoopTrial | None:
     soonest = min((item.candidate.settling_time for item in good), default=inf)
     near = [item for item in good if item.candidate.settling_time <= (1.0 + LATER) * soonest]
     return max(near, key=lambda item: item.tuned.least_stiffness, default=None)
+
+
+def show_alternatives(
+    machine: Machine, plant: Plant, choice: LoopChoice, settings: Settings
+) -> LoopChoice:
+    """Return the same choice with what filters and state feedback would add where not used.
+
+    Parameters
+    ----------
+    machine, plant, settings
+        As for ``settle_on_loop``.
+    choice
+        The loop that is used stays.
+
+    Returns
+    -------
+    LoopChoice
+    """
+    if not machine.control.seeks_force_filters:
+        choice = _with_filters(machine, plant, choice, settings)
+    return show_state_feedback(machine, plant, choice, settings)
+
+
+def _with_filters(
+    machine: Machine, plant: Plant, choice: LoopChoice, settings: Settings
+) -> LoopChoice:
+    """The choice with a remark on filters of the set force that let Kp rise, used if asked for."""
+    control = machine.control
+    used = next((item for item in choice.trials if item.is_used), None)
+    if used is None or control.kind.force_filters == 0:
+        return choice
+    family: LoopFamily | None = cascade_family(machine, settings.tuning)
+    if used.shape.mode_weight:
+        family = feedback_family(cascade_family(machine, settings.tuning))
+    found = find_filters(family, used.shape, used.tuned) if family else None
+    if found is None:
+        return replace(choice, remarks=(*choice.remarks, Message("loop-no-filters")))
+    after = _best_limits(machine, plant, settings, found.tuned, (used.candidate.limits,))
+    if after.settling_time > (1.0 + LATER) * used.candidate.settling_time:
+        return replace(choice, remarks=(*choice.remarks, Message("loop-no-filters")))
+    seeks = control.seeks_force_filters
+    remark = Message(
+        "loop-filters-used" if seeks else "loop-filters-suggested",
+        filters=tuple(map(_name_filter, found.filters)),
+        Kp=used.tuned.controller.velocity_gain,
+        higher=found.tuned.controller.velocity_gain,
+        stiffness=used.tuned.least_stiffness,
+        stiffer=found.tuned.least_stiffness,
+        settling=_settling(used.candidate),
+        settling_after=_settling(after),
+    )
+    choice = replace(choice, remarks=(*choice.remarks, remark))
+    if not seeks:
+        return choice
+    filtered = replace(used, tuned=found.tuned, candidate=after, is_classic=False)
+    trials = [filtered, *(replace(item, is_used=False) for item in choice.trials)]
+    trials.sort(key=lambda item: item.candidate.settling_time)
+    tuned = finish(found.family, found.tuned)
+    return replace(choice, tuned=tuned, trials=tuple(trials), variants=())
+
+
+def _name_filter(item: ForceFilter) -> Message:
+    frequency = item.natural_frequency / (2.0 * pi)
+    if item.kind is FilterKind.LOW_PASS:
+        return Message("loop-filter-low-pass", frequency=frequency, damping=item.damping)
+    return Message("loop-filter-notch", frequency=frequency, damping=item.damping, width=item.width)
 
 
 def show_state_feedback(

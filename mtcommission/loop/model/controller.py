@@ -194,11 +194,7 @@ def filter_delay(item: ForceFilter) -> float:
     zeta, omega = item.damping, item.natural_frequency
     if item.kind is FilterKind.LOW_PASS:
         return 2.0 * zeta / omega
-    return 2.0 * (NOTCH_POLE_DAMPING - zeta) / omega
-
-
-NOTCH_POLE_DAMPING = 1.0
-"""Damping ratio of a notch's denominator: the widest notch without overshoot (design choice)."""
+    return 2.0 * (item.width - zeta) / omega
 
 
 def filter_polynomials(item: ForceFilter) -> tuple[Array, Array]:
@@ -207,7 +203,8 @@ def filter_polynomials(item: ForceFilter) -> tuple[Array, Array]:
     Parameters
     ----------
     item
-        Notch (s² + 2 ζ ω s + ω²) / (s² + 2 ω s + ω²) or low-pass ω² / (s² + 2 ζ ω s + ω²).
+        Notch (s² + 2 ζ ω s + ω²) / (s² + 2 d ω s + ω²), d its width, or low-pass
+        ω² / (s² + 2 ζ ω s + ω²).
 
     Returns
     -------
@@ -219,7 +216,7 @@ def filter_polynomials(item: ForceFilter) -> tuple[Array, Array]:
         return np.array([0.0, 0.0, omega**2]), np.array([1.0, 2 * zeta * omega, omega**2])
     return (
         np.array([1.0, 2 * zeta * omega, omega**2]),
-        np.array([1.0, 2 * NOTCH_POLE_DAMPING * omega, omega**2]),
+        np.array([1.0, 2 * item.width * omega, omega**2]),
     )
 
 

@@ -32,7 +32,7 @@ from mtcommission.loop.tuning.tuned import (
     corner_plants,
     scan_corners,
 )
-from mtcommission.machine.machine import Machine, StateFeedback
+from mtcommission.machine.machine import ForceFilter, Machine, StateFeedback
 from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
@@ -341,6 +341,28 @@ def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:
         near += [replace(shape, mode_weight=step**2 * shape.mode_weight) for step in steps]
     found = _propose(proposals.family, proposals.classic, near)
     return tuple(item for item in found.loops if item.tuned is not proposals.classic)
+
+
+def tune_with_filters(
+    family: LoopFamily, shape: Shape, filters: tuple[ForceFilter, ...]
+) -> tuple[LoopFamily, TunedLoop | None]:
+    """Return the family with other filters in the set-force path, and its loop of a shape.
+
+    Parameters
+    ----------
+    family, shape
+        As for ``tune_shape``; plant and observer stay what they are.
+    filters
+        All of them, in order.
+
+    Returns
+    -------
+    (family, loop)
+        None for a loop without the margins.
+    """
+    control = replace(family.machine.control, force_filters=filters)
+    changed = replace(family, machine=replace(family.machine, control=control))
+    return changed, tune_shape(changed, shape, largest=family.settings.largest_fraction)
 
 
 def _propose(family: LoopFamily, classic: TunedLoop | None, shapes: Iterable[Shape]) -> Proposals:

@@ -28,6 +28,14 @@ state-feedback-stiffness = Damit ist das Werkzeug { NUMBER($ratio, digits: 3) }-
 state-feedback-would = Eine Zustandsrückführung, die hier nicht verwendet wird, ließe die Bewegungen in { $with_it } statt { $without } einschwingen (grobe Suche), mit einem { NUMBER($ratio, digits: 3) }-mal so steifen Werkzeug gegen eine Störung.
 loop-chosen = Von { $number } Regelkreisen mit den Reserven, keiner weicher als nach der klassischen Regel, ist dies der steifste unter denen, deren Bewegungen höchstens { PERCENT($later) } später einschwingen als beim schnellsten ({ $soonest }): { $settling } bei { STIFFNESS($stiffness, digits: 3) } dynamischer Steifigkeit im ungünstigsten Eckfall.
 loop-by-classic-rule = Nach der klassischen Regel (Tn = 4 m / Kp, Kv = Kp / (4 m)) wären es { $settling } bei { STIFFNESS($stiffness, digits: 3) }.
+loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" verwendet es): { $filters }. Damit darf Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } steigen, die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall), und die Bewegungen schwingen in { $settling_after } statt { $settling } ein (grobe Suche).
+loop-filters-used = Verwendet wegen force_filters = "auto": { $filters }. So steigen Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall), und die Bewegungen schwingen in { $settling_after } statt { $settling } ein (grobe Suche).
+loop-filter-notch = Bandsperre bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) } zu Breite { NUMBER($width, digits: 3) }
+loop-filter-low-pass = Tiefpass bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) }
+loop-no-filters = Keine Bandsperre und kein Tiefpass im { $axis ->
+    [rotary] Momentensollwert
+   *[linear] Kraftsollwert
+} lässt Kp und dynamische Steifigkeit um ein Zehntel steigen, ohne dass die Bewegungen später einschwingen.
 control-needs-state-feedback = Die Steuerung muss eine Zustandsrückführung bieten; wenn Ihre das nicht tut, state_feedback = "off" setzen.
 
 # small changes

@@ -31,6 +31,15 @@ state-feedback-would = State feedback, which is not used here, would let the mov
 # $number of loops tried; $later: what the stiffer tool may cost; $soonest: settling time of any
 loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule, this is the stiffest of those whose moves settle within { PERCENT($later) } of the soonest ({ $soonest }): { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
 loop-by-classic-rule = By the classic rule (Tn = 4 m / Kp, Kv = Kp / (4 m)) it would be { $settling } with { STIFFNESS($stiffness, digits: 3) }.
+# Filters of the set force that nobody asked for; $filters: the two messages that follow
+loop-filters-suggested = Suggested, not used (force_filters = "auto" uses it): { $filters }. Then Kp may rise from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner), and the moves settle in { $settling_after } instead of { $settling } (coarse search).
+loop-filters-used = Used, since force_filters = "auto": { $filters }. So Kp rises from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner), and the moves settle in { $settling_after } instead of { $settling } (coarse search).
+loop-filter-notch = notch at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) } over width { NUMBER($width, digits: 3) }
+loop-filter-low-pass = low-pass at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) }
+loop-no-filters = No notch or low-pass in the { $axis ->
+    [rotary] torque
+   *[linear] force
+} setpoint lets Kp and dynamic stiffness rise by a tenth without later settling.
 control-needs-state-feedback = The control must offer state feedback; if yours does not, set state_feedback = "off".
 
 # small changes

@@ -1,0 +1,131 @@
+"""Filters that are suggested must let Kp rise with the margins kept in every corner."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import pi
+
+import numpy as np
+import pytest
+
+from mtcommission.control_kinds.kinds import GENERIC
+from mtcommission.errors import InputError
+from mtcommission.loop.model.controller import filter_delay, filter_polynomials
+from mtcommission.loop.tuning.cascade import Shape
+from mtcommission.loop.tuning.force_filters import FilteredLoop, find_filters
+from mtcommission.loop.tuning.proposals import LoopFamily, cascade_family, tune_shape
+from mtcommission.loop.tuning.tuned import (
+    TunedLoop,
+    TuningSettings,
+    close_loop,
+    corner_plants,
+    has_margins,
+)
+from mtcommission.machine.machine import FilterKind, ForceFilter, Machine
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
+from mtcommission.profile.shipped import read_shipped
+from mtcommission.study.loop_choice import LoopChoice, settle_on_loop, show_alternatives
+from mtcommission.study.settings import Settings
+
+WANTED = TuningSettings()
+SHAPE = Shape(position_ratio=0.5, integral_ratio=16.0)
+
+
+def ball_screw(**changes: object) -> Machine:
+    """Nominal and with the frequencies off by 5 %: the payload would double the time."""
+    machine = read_shipped("ball-screw").machine
+    needs = replace(machine.requirements, payload=(0.0, 0.0), damping_spread=0.0)
+    control = replace(machine.control, **{"kind": GENERIC, **changes})  # type: ignore[arg-type]
+    return replace(machine, requirements=needs, control=control)
+
+
+@cache
+def loops() -> tuple[LoopFamily, TunedLoop, FilteredLoop]:
+    family = cascade_family(ball_screw(), WANTED)
+    tuned = tune_shape(family, SHAPE, largest=4.0)
+    assert tuned is not None
+    found = find_filters(family, SHAPE, tuned)
+    assert found is not None
+    return family, tuned, found
+
+
+def test_width_and_damping_make_depth_and_delay() -> None:
+    """A notch of another depth than the sheet says would be typed in."""
+    item = ForceFilter(
+        kind=FilterKind.NOTCH, natural_frequency=2 * pi * 72.0, damping=0.06, width=0.2
+    )
+    top, bottom = filter_polynomials(item)
+
+    def response(omega: float) -> complex:
+        return complex(np.polyval(top, 1j * omega) / np.polyval(bottom, 1j * omega))
+
+    assert abs(response(item.natural_frequency)) == pytest.approx(0.06 / 0.2)
+    slow = 1e-3 * item.natural_frequency
+    assert -np.angle(response(slow)) / slow == pytest.approx(filter_delay(item), rel=1e-5)
+
+
+def test_found_filters_let_Kp_rise_with_the_margins_in_every_corner() -> None:
+    _, tuned, found = loops()
+    machine = found.family.machine
+    assert machine.control.force_filters == found.filters == found.tuned.controller.force_filters
+    again = close_loop(corner_plants(machine), found.tuned.controller)
+    assert len(again.analyses) == 3
+    assert all(has_margins(item, settings=WANTED) for item in again.analyses)
+    assert found.tuned.controller.velocity_gain > 1.1 * tuned.controller.velocity_gain
+    assert again.least_stiffness > 1.1 * tuned.least_stiffness
+    # The resonance on the screw is what limits Kp.
+    assert found.filters[0].natural_frequency == pytest.approx(2 * pi * 137.9, rel=0.11)
+
+
+def test_without_its_filters_the_loop_would_lack_the_margins() -> None:
+    """Otherwise Kp could have risen anyway."""
+    _, _, found = loops()
+    bare = replace(found.tuned.controller, force_filters=())
+    again = close_loop(corner_plants(found.family.machine), bare)
+    assert not all(has_margins(item, settings=WANTED) for item in again.analyses)
+
+
+def test_no_more_filters_than_the_control_has() -> None:
+    family, tuned, _ = loops()
+    for kind in (replace(GENERIC, force_filters=0), replace(GENERIC, force_filters=1)):
+        control = replace(family.machine.control, kind=kind)
+        limited = replace(family, machine=replace(family.machine, control=control))
+        found = find_filters(limited, SHAPE, tuned)
+        assert len(found.filters if found else ()) <= kind.force_filters
+
+
+def choose(machine: Machine) -> LoopChoice:
+    plant = build_plant(machine)
+    choice = settle_on_loop(machine, plant, Settings())
+    return show_alternatives(machine, plant, choice, Settings())
+
+
+def test_filters_are_suggested_and_used_only_where_asked_for() -> None:
+    """A filter that nobody typed in would make the sheet's loop another than the machine's."""
+    suggested = choose(ball_screw())
+    assert suggested.tuned.controller.force_filters == ()
+    (remark,) = (item for item in suggested.remarks if item.kind == "loop-filters-suggested")
+    assert "notch at 1" in Catalogue().say(remark)
+    used = choose(ball_screw(seeks_force_filters=True))
+    assert used.tuned.controller.force_filters
+    (trial,) = (item for item in used.trials if item.is_used)
+    assert trial.tuned.controller is used.tuned.controller
+    assert "loop-filters-used" in [item.kind for item in used.remarks]
+    before = next(item for item in suggested.trials if item.is_used)
+    assert trial.tuned.least_stiffness > 1.1 * before.tuned.least_stiffness
+
+
+def test_profiles_ask_for_filters_and_state_their_width() -> None:
+    text = read_shipped("ball-screw").text
+    auto = parse_profile(text.replace("[control]", '[control]\nforce_filters = "auto"'), where="a")
+    assert auto.control.seeks_force_filters
+    assert auto.control.force_filters == ()
+    notch = 'force_filters = [{ kind = "notch", frequency = "72 Hz", damping = 0.1, width = 0.4 }]'
+    given = parse_profile(text.replace("[control]", f"[control]\n{notch}"), where="a")
+    assert given.control.force_filters[0].width == 0.4
+    assert not given.control.seeks_force_filters
+    with pytest.raises(InputError, match="force_filters"):
+        parse_profile(text.replace("[control]", '[control]\nforce_filters = "some"'), where="a")
