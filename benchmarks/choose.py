@@ -195,6 +195,8 @@ class VerdictRow:
 
 GENTLER = ((0.99, 0.99), (0.99, 1.0), (1.0, 0.99))
 GRID_SHARES, GRID_TIMES = np.geomspace(0.01, 1.0, 12), np.geomspace(1e-3, 0.3, 12)
+LONGEST = 2.0
+"""Longest motion of the coarse grid [s]: beyond it each simulation takes seconds."""
 
 
 def examine_verdict(seed: int, *, grid: bool = True) -> VerdictRow | None:
@@ -239,7 +241,7 @@ def promising(machine: Machine, plant: Plant, tuned: TunedLoop) -> Iterator[Moti
             a = float(largest * share)
             limits = MotionLimits(acceleration=a, jerk=a / float(jerk_time))
             longest = max(plan_setpoint(move, limits).duration for move in machine.moves)
-            if longest > min(machine.requirements.max_settling_time, 20.0):
+            if longest > min(machine.requirements.max_settling_time, LONGEST):
                 continue
             found = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
             if found.meets(machine).all():

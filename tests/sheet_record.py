@@ -399,6 +399,7 @@ def _limits() -> Any:
             "peak_deviation": best["peak_deviation"],
             "setpoint_filter": None,
             "frequency_range": [0.9475, 1.0525],
+            "damping_range": [0.61, 1.7],
             "valid_for": [{"smallest": 0.102, "largest": 0.102}],
         },
         "today": None,
@@ -551,6 +552,13 @@ def _loop() -> Any:
         "dynamic_stiffness": 6.724e6,
         "weakest_frequency_hz": 14.87,
         "mode_damping": {"base": 0.2075},
+        "candidates": [
+            _candidate(0.1, 5e6, classic=True),
+            _candidate(0.102, 6.1e6, used=True),
+            _candidate(0.104, 6.0e6),
+            _candidate(0.13, 7e6),
+        ],
+        "reasons": [said("state-feedback-stiffness", ratio=1.1)],
         "variants": [
             _variant("without-state-feedback", 1.0, used=False),
             _variant("with-state-feedback", 1.1, used=True),
@@ -595,6 +603,24 @@ def _loop() -> Any:
         },
         "remarks": [said("loop-tn-yaskawa")],
         "warnings": [],
+    }
+
+
+def _candidate(settling: float, stiffness: float, *, classic=False, used=False) -> Any:
+    return {
+        "Kv": 42.79,
+        "Kp": 128400.0,
+        "Tn": 0.02337,
+        "state_feedback": used,
+        "settling_time": settling,
+        "meets_requirements": True,
+        "classic": classic,
+        "used": used,
+        "gain_margin_db": 12.3,
+        "phase_margin_deg": 30.1,
+        "sensitivity_peak": 1.98,
+        "bandwidth_hz": 21.7,
+        "dynamic_stiffness": stiffness,
     }
 
 
@@ -710,6 +736,7 @@ def _robustness() -> Any:
             "kept_from": kept[0],
             "kept_to": kept[-1],
         },
+        "damping_error": {"factor": [0.3, 0.61, 1.0, 1.37, 1.7], "kept_from": 0.61, "kept_to": 1.7},
         "sensitivities": [
             {
                 "change": change,
@@ -739,6 +766,7 @@ def _unsettled_robustness() -> Any:
     error = found["frequency_error"]
     error["settling_time"] = error["residual_deviation"] = [None for _ in error["factor"]]
     error["kept_from"] = error["kept_to"] = None
+    found["damping_error"] |= {"kept_from": None, "kept_to": None}
     for item in found["sensitivities"]:
         item.update(dict.fromkeys(("settling_time", "residual_deviation")))
         item.update(dict.fromkeys(("settling_change", "residual_change")))

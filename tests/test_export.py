@@ -306,6 +306,9 @@ def test_what_the_control_lacks_is_neither_written_nor_simulated(paper: Case) ->
     assert "LEFT OUT OR CHANGED" in header
     assert "state feedback" in header
     assert 'control.kind = "sinumerik"' in header
+    assert re.search(
+        r"machining mode \w+ do not keep its band, .* with the loop of this text", header
+    )
     recommended = paper.record["limits"]["recommended"]
     assert export.verdict.settling_time != pytest.approx(recommended["settling_time"], rel=1e-3)
     assert not export.meets_requirements

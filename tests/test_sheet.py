@@ -1143,6 +1143,7 @@ def _with_today(**changes):
         "Kv": 31.0,
         "Kp": 128400.0,
         "Tn": 0.02337,
+        "stated": ["Kv"],
         "basis": said("today-in-mixed-loop", stated=("Kv",), others=("Kp", "Tn")),
         "failure": None,
         "bound_by": None,
@@ -1169,6 +1170,12 @@ def test_todays_values_stand_beside_the_recommended_ones_with_what_each_gives():
     for text in (Page(page).text, paper):
         assert squeeze(told) in squeeze(text)
         assert squeeze("Simulated with today's Kv; Kp, Tn, not stated") in squeeze(text)
+    old = {row[0]: row[3] for row in table_of(record, "parameters").rows if row[3]}
+    assert old == {
+        "Acceleration": f"2.03{THIN_SPACE}m/s²",
+        "Jerk": f"17.1{THIN_SPACE}m/s³",
+        "Position gain Kv": f"31{THIN_SPACE}1/s",
+    }
     terminal = render(record).replace(THIN_SPACE, " ")
     assert "now 310.1 ms" in terminal
     assert "now 45.2 µm" in terminal
@@ -1208,15 +1215,19 @@ def test_the_reserve_counts_in_the_verdict_of_each_requirement(value, verdict):
 def test_the_first_page_tells_what_was_assumed_and_what_was_stated():
     record = example_record()
     rows = dict(basis_rows(record, ENGLISH))
-    assert rows["Control"].startswith("state-space; position loop in the control, every 2")
+    assert rows["Control"].startswith(
+        "free controller (state space); position loop in the control, every 2"
+    )
     assert rows["Control"].endswith("(assumed)")
     assert rows["Frequencies"].replace(THIN_SPACE, " ") == (
-        "judged at ± 5.2 %; all requirements kept from −1 % to +1 %"
+        "judged at ± 5.2 %; all kept from −1 % to +1 %"
     )
-    assert rows["Damping ratios"] == "judged as stated, no spread"
+    assert rows["Damping ratios"].replace(THIN_SPACE, " ") == (
+        "judged as stated, no spread; all kept from −39 % to at least +70 %"
+    )
     spread = next(item for item in record["data"] if item["key"].endswith("frequency_spread"))
     spread["source"] = said("source-default")
-    assert "(assumed); all requirements" in dict(basis_rows(record, ENGLISH))["Frequencies"]
+    assert "(assumed); all kept from" in dict(basis_rows(record, ENGLISH))["Frequencies"]
     error = record["robustness"]["frequency_error"]
     error["kept_from"], error["kept_to"] = 1.0, error["factor"][-1]
     assert "from 0" in dict(basis_rows(record, ENGLISH))["Frequencies"]
@@ -1234,7 +1245,7 @@ def test_a_tool_on_a_path_is_told_that_the_contour_counts():
         notes = [b.text for b in blocks if isinstance(b, Paragraph) and b.tone is Tone.NOTE]
         return notes[-1].replace(THIN_SPACE, " ")
 
-    assert "up to 9.47 µm off; if it works along a path, state contour_deviation" in told()
+    assert "up to 9.47 µm off: for work along a path state contour_deviation" in told()
     datum = {"key": "requirements.contour_deviation", "value": 2e-5, "unit": "m", "source": "x"}
     record["data"].append(datum)
     assert "judged by the contour deviation, one that" in told()

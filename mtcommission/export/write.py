@@ -387,6 +387,8 @@ def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
         for value in (mode.band, mode.attainable)
     )
     name = name_mode(mode.name)
+    if mode.meets_requirements:
+        return Message("export-mode-fails", mode=name, band=band)
     if attainable:
         return Message("export-no-limits-but", mode=name, band=band, attainable=attainable)
     return Message("export-no-limits-within", mode=name, band=band)

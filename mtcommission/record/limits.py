@@ -34,7 +34,7 @@ from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.study.attainable import Attainable
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
-from mtcommission.study.robustness import FrequencyError
+from mtcommission.study.robustness import DampingRange, FrequencyError
 from mtcommission.study.today import TodaysValues
 from mtcommission.verdict.evaluate import Candidate
 
@@ -55,6 +55,7 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
             setpoint_filter=_filter_entry(machine.control.moving_average_time),
             bound_by=choice.bound_by,
             frequency_range=_range(commissioning.robustness.frequency_error),
+            damping_range=_range(commissioning.robustness.damping_range),
             valid_for=_sizes(machine),
         ),
         today=_today_entry(machine, today) if today else None,
@@ -80,7 +81,7 @@ def _filter_entry(time: float) -> SetpointFilterEntry | None:
     return SetpointFilterEntry(kind="moving_average", time=time) if time else None
 
 
-def _range(error: FrequencyError) -> list[float] | None:
+def _range(error: FrequencyError | DampingRange) -> list[float] | None:
     ends = [error.kept_from, error.kept_to]
     return ends if all(map(isfinite, ends)) else None
 
@@ -105,6 +106,7 @@ def _today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
         Kv=loop.position_gain,
         Kp=loop.velocity_gain,
         Tn=loop.integral_time,
+        stated=list(found.stated),
         basis=found.basis,
         failure=found.failure,
         bound_by=limiting.message if limiting else None,

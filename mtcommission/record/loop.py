@@ -18,6 +18,7 @@ from mtcommission.machine.requirement import SET_FORCE
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.record.schema import (
+    CandidateEntry,
     ClosedLoop,
     DelayEntry,
     EncoderNoiseEntry,
@@ -33,7 +34,7 @@ from mtcommission.record.schema import (
     VariantEntry,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
-from mtcommission.study.loop_choice import LoopVariant
+from mtcommission.study.loop_choice import LoopTrial, LoopVariant
 from mtcommission.study.loop_study import LoopStudy
 
 Array = NDArray[np.float64]
@@ -87,6 +88,8 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         closed_loop=entry_of(ClosedLoop, lifted),
         poles=[[float(pole.real), float(pole.imag)] for pole in nominal.poles],
         mode_damping=_by_mode(plant, nominal.mode_damping),
+        candidates=[_candidate_entry(trial) for trial in commissioning.loop.trials],
+        reasons=list(commissioning.loop.remarks),
         variants=[_variant_entry(plant, variant) for variant in commissioning.loop.variants],
         worst_corner=_worst_corner(tuned),
         worst_mode_damping=_by_mode(plant, tuned.least_damping),
@@ -95,7 +98,7 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         disturbance=_disturbance_entry(commissioning.loop_study),
         jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
         bode=_bode(tuned.responses[0]),
-        remarks=[*tuned.remarks, *commissioning.loop.remarks, *explain_mixing(mixed)],
+        remarks=[*tuned.remarks, *explain_mixing(mixed)],
     )
 
 
@@ -129,6 +132,22 @@ def _worst_corner(tuned: TunedLoop) -> Margins:
         sensitivity_peak=max(a.sensitivity_peak for a in tuned.analyses),
         bandwidth_hz=finite_or_none(tuned.least_bandwidth_hz),
         dynamic_stiffness=tuned.least_stiffness,
+    )
+
+
+def _candidate_entry(trial: LoopTrial) -> CandidateEntry:
+    controller, candidate = trial.tuned.controller, trial.candidate
+    return entry_of(
+        CandidateEntry,
+        _worst_corner(trial.tuned),
+        candidate,
+        Kv=controller.position_gain,
+        Kp=controller.velocity_gain,
+        Tn=controller.integral_time,
+        state_feedback=bool(controller.state_gains.any()),
+        meets_requirements=candidate.assessment.is_met,
+        classic=trial.is_classic,
+        used=trial.is_used,
     )
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Machine
 from mtcommission.record.schema import (
+    DampingErrorEntry,
     DistributionEntry,
     FrequencyErrorEntry,
     HistogramEntry,
@@ -19,7 +20,7 @@ from mtcommission.record.schema import (
     SensitivityEntry,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
-from mtcommission.study.robustness import MonteCarlo, Robustness
+from mtcommission.study.robustness import DAMPING_FACTORS, MonteCarlo, Robustness
 
 Array = NDArray[np.float64]
 
@@ -52,6 +53,9 @@ def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
     return RobustnessPart(
         monte_carlo=None if drawn is None else _monte_carlo_entry(machine, drawn),
         frequency_error=entry_of(FrequencyErrorEntry, robustness.frequency_error),
+        damping_error=entry_of(
+            DampingErrorEntry, robustness.damping_range, factor=DAMPING_FACTORS.tolist()
+        ),
         sensitivities=[
             entry_of(SensitivityEntry, item, meets_requirements=item.is_met)
             for item in robustness.sensitivities

@@ -183,7 +183,8 @@ class LimitsEntry:
     """Limits for the control, what binds them, and where they were judged.
 
     ``frequency_range``: every requirement is kept where all eigenfrequencies are off by a factor
-    between these two [-]; null: not even at those of the profile. ``valid_for``: by move.
+    between these two [-]; null: not even at those of the profile. ``damping_range``: likewise,
+    of all damping ratios. ``valid_for``: by move.
     """
 
     acceleration: float
@@ -195,6 +196,7 @@ class LimitsEntry:
     residual_deviation: float | None
     peak_deviation: float
     frequency_range: list[float] | None
+    damping_range: list[float] | None
     valid_for: list[SizesEntry]
 
 
@@ -203,7 +205,8 @@ class TodayEntry:
     """The values now in the control, judged like the recommended ones.
 
     ``jerk`` is null where the control has no limit of the jerk; ``jerk_time`` is then the ramp
-    that was simulated. ``basis`` says whose gains the loop has. All that was to be judged is null
+    that was simulated. ``stated`` names those of Kv, Kp and Tn that are today's, ``basis`` says
+    it as a sentence. All that was to be judged is null
     where ``failure`` says why it cannot be told, e.g. that the loop is unstable.
     """
 
@@ -214,6 +217,7 @@ class TodayEntry:
     Kv: float
     Kp: float
     Tn: float
+    stated: list[str]
     basis: Words
     failure: Message | None
     bound_by: Message | None
@@ -457,6 +461,23 @@ class VariantEntry(Margins):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CandidateEntry(Margins):
+    """A loop that was tried with the limits that suit it best; margins and stiffness worst case.
+
+    ``classic``: by the classic rule; ``used``: everything else in the record is about this one.
+    """
+
+    Kv: float
+    Kp: float
+    Tn: float
+    state_feedback: bool
+    settling_time: float | None
+    meets_requirements: bool
+    classic: bool
+    used: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LoopCornerEntry(Margins):
     """How good the loop is in one corner of payload and spread, the nominal machine first.
 
@@ -554,8 +575,9 @@ class LoopPart:
     (null: by any amount), ``gain_margin_db`` is the smaller one. ``worst_corner`` and
     ``worst_mode_damping`` are the least favourable values over ``corners``. ``disturbance`` is
     the tool's displacement per newton (m/N, rad/(N m)) after a step of force on the line of the
-    drive, by the name of the loop. ``remarks`` say which rule chose what; ``warnings`` say what
-    is poor about the loop, and are part of the record's warnings, too.
+    drive, by the name of the loop. ``candidates`` are the loops that were tried, soonest first,
+    and ``reasons`` say why one of them is used. ``remarks`` say which rule chose what;
+    ``warnings`` say what is poor about the loop, and are part of the record's warnings, too.
     """
 
     kind: str
@@ -591,6 +613,8 @@ class LoopPart:
     dynamic_stiffness: float
     weakest_frequency_hz: float
     mode_damping: dict[str, float]
+    candidates: list[CandidateEntry]
+    reasons: list[Words]
     variants: list[VariantEntry]
     worst_corner: Margins
     worst_mode_damping: dict[str, float]
@@ -826,6 +850,18 @@ class FrequencyErrorEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DampingErrorEntry:
+    """The recommended limits where all damping ratios are off by a common factor [-].
+
+    ``factor``: those looked at; ``kept_from`` and ``kept_to`` as for the frequencies.
+    """
+
+    factor: list[float]
+    kept_from: float | None
+    kept_to: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SensitivityEntry:
     """What a small change of limits or machine costs, worst over moves and corners.
 
@@ -852,6 +888,7 @@ class RobustnessPart:
 
     monte_carlo: MonteCarloEntry | None
     frequency_error: FrequencyErrorEntry
+    damping_error: DampingErrorEntry
     sensitivities: list[SensitivityEntry]
     warnings: list[Words]
 

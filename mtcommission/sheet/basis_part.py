@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import Record
+from mtcommission.record.schema import DampingErrorEntry, FrequencyErrorEntry, Record
 
 NOT_STATED = {"source-default", "source-illustrative", "source-accepted-default"}
 """Sources of values that nobody stated for this machine."""
@@ -16,7 +16,7 @@ def basis_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
     return (
         (text("basis-control"), _control(record, words)),
         (text("basis-frequencies"), _frequencies(record, words)),
-        (text("basis-damping"), _spread(record, "damping_spread", words)),
+        (text("basis-damping"), _damping(record, words)),
         (text("basis-reserve"), _reserve(record, words)),
         *_encoder(record, words),
     )
@@ -38,7 +38,13 @@ def control_name(kind: str, words: Catalogue) -> str:
 
 
 def _frequencies(record: Record, words: Catalogue) -> str:
-    return f"{_spread(record, 'frequency_spread', words)}; {_kept(record, words)}"
+    kept = _kept(record.robustness.frequency_error, words)
+    return f"{_spread(record, 'frequency_spread', words)}; {kept}"
+
+
+def _damping(record: Record, words: Catalogue) -> str:
+    kept = _kept(record.robustness.damping_error, words)
+    return f"{_spread(record, 'damping_spread', words)}; {kept}"
 
 
 def _spread(record: Record, name: str, words: Catalogue) -> str:
@@ -85,19 +91,19 @@ def _marked(record: Record, key: str, shown: str, words: Catalogue) -> str:
 
 def kept_sentence(record: Record, words: Catalogue) -> str:
     """Return between which frequency errors every requirement is kept, as a sentence."""
-    kept = _kept_ends(record, words)
+    kept = _kept_ends(record.robustness.frequency_error, words)
     return words.text("kept-between", **kept) if kept else words.text("kept-nowhere")
 
 
-def _kept(record: Record, words: Catalogue) -> str:
+def _kept(error: FrequencyErrorEntry | DampingErrorEntry, words: Catalogue) -> str:
     """The same in few words."""
-    kept = _kept_ends(record, words)
+    kept = _kept_ends(error, words)
     return words.text("all-kept-between", **kept) if kept else words.text("not-kept-nominally")
 
 
-def _kept_ends(record: Record, words: Catalogue) -> dict[str, str]:
-    """Both ends of the range that is kept; empty if not even the profile's frequencies are."""
-    text, f, error = words.text, words.format, record.robustness.frequency_error
+def _kept_ends(error: FrequencyErrorEntry | DampingErrorEntry, words: Catalogue) -> dict[str, str]:
+    """Both ends of the range that is kept; empty if not even the profile's own values are."""
+    text, f = words.text, words.format
     low, high = error.kept_from, error.kept_to
     if low is None or high is None:
         return {}

@@ -30,9 +30,9 @@ def control_has(record: Record, words: Catalogue) -> tuple[Block, ...]:
     functions = [item for item in features if item.name in FUNCTIONS]
     has = [_name(item, words) for item in functions if item.has]
     lacks = [_name(item, words) for item in functions if not item.has]
-    told = text("control-has-all", has=", ".join(has))
+    told = text("control-functions", has=", ".join(has))
     if lacks:
-        told = text("control-has-and-lacks", has=", ".join(has), lacks=", ".join(lacks))
+        told = text("control-functions-and-lacks", has=", ".join(has), lacks=", ".join(lacks))
     named = [item for item in features if item.parameters]
     sources = list(dict.fromkeys(source for item in named for source in _sources(item)))
     table = Table(

@@ -26,22 +26,27 @@ def parameters(record: Record, words: Catalogue) -> Section:
             acceleration(record, words),
             _other_unit(limits.acceleration, "s²", words),
         ),
-        (text("jerk"), jerk(record, words), _other_unit(limits.jerk, "s³", words)),
-        (text("jerk-time"), f.quantity(limits.jerk_time, "s"), ""),
     ]
+    if record.loop.jerk != "none":
+        rows += [
+            (text("jerk"), jerk(record, words), _other_unit(limits.jerk, "s³", words)),
+            (text("jerk-time"), f.quantity(limits.jerk_time, "s"), ""),
+        ]
     for name, value in gain_rows(record, words):
         rows.append((name, value, kv_text if name == words.name("Kv") else ""))
-    heads = (text("old-value"), text("new-value"), text("entered-by"), text("verified"))
+    old = todays_values(record, words)
+    heads = (text("new-value"), text("entered-by"), text("verified"))
     table = Table(
         caption=text("entry-caption"),
         columns=(
             Column(head=text("parameter"), width=1.9),
             Column(head=text("value"), width=1.3, is_number=True),
             Column(head=text("also"), width=1.4, is_number=True),
+            Column(head=text("old-value"), width=1.2),
             *(Column(head=head) for head in heads),
         ),
-        rows=tuple((*row, *("" for _ in heads)) for row in rows),
-        strong_rows=(0, 1, 2),
+        rows=tuple((*row, old.get(row[0], ""), *("" for _ in heads)) for row in rows),
+        strong_rows=(0, 1, 2) if record.loop.jerk != "none" else (0,),
         is_form=True,
     )
     return Section(
@@ -49,6 +54,22 @@ def parameters(record: Record, words: Catalogue) -> Section:
         heading=text("entry-heading"),
         blocks=(Paragraph(text=text("entry-note"), tone=Tone.NOTE), table),
     )
+
+
+def todays_values(record: Record, words: Catalogue) -> dict[str, str]:
+    """Return what is in the control now as the profile states it, by the name of the parameter."""
+    text, f, today = words.text, words.format, record.limits.today
+    if today is None:
+        return {}
+    found = {
+        text("acceleration"): f.axis(today.acceleration, "m/s^2"),
+        text("jerk"): f.axis(today.jerk, "m/s^3", missing=text("no-jerk-limit")),
+    }
+    gains = (("Kv", today.Kv, "1/s"), ("Kp", today.Kp, "N s/m"), ("Tn", today.Tn, "s"))
+    for name, value, unit in gains:
+        if name in today.stated:
+            found[words.name(name)] = f.axis(value, unit)
+    return found
 
 
 def signatures(record: Record, words: Catalogue) -> Section:

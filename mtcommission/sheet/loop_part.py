@@ -1,16 +1,16 @@
-"""The control loop: gains, margins, frequency response and poles."""
+"""The control loop: gains, margins, the loops that were tried, and frequency response."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
-from math import hypot, isfinite, pi
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit, symbol
-from mtcommission.record.schema import LoopPart, Record, VariantEntry
+from mtcommission.record.schema import CandidateEntry, LoopPart, Record, VariantEntry
 from mtcommission.sheet.control_part import control_has
 from mtcommission.sheet.diagram_part import structure
 from mtcommission.sheet.loop_study_part import loop_study
@@ -35,7 +35,7 @@ OPEN, CLOSED = 4, 1
 
 
 def loop(record: Record, words: Catalogue) -> Section:
-    """Return gains, margins, frequency response and poles."""
+    """Return gains, margins, the loops that were tried, and frequency response."""
     text, part = words.text, record.loop
     sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
     sentences = [text("sensors", names=", ".join(sensors))]
@@ -65,10 +65,10 @@ def loop(record: Record, words: Catalogue) -> Section:
             gains,
             Paragraph(text=" ".join(sentences), tone=Tone.NOTE),
             _margins(record, words),
+            *_trade_off(record, words),
             *_variants(record, words),
             _bode(record, words),
             *loop_study(record, words),
-            _poles(record, words),
             *remarks,
             *control_has(record, words),
         ),
@@ -148,6 +148,65 @@ def _margins(record: Record, words: Catalogue) -> Table:
         ),
         rows=rows,
     )
+
+
+def _trade_off(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Return the loops that no other one beats in both stiffness and settling, and the reasons."""
+    text, f, tried = words.text, words.format, record.loop.candidates
+    reasons = tuple(map(words.say, record.loop.reasons))
+    told = (Bullets(items=reasons),) if reasons else ()
+    shown = [item for item in tried if item.used or item.classic or not _is_beaten(item, tried)]
+    if len(shown) < 2:
+        return told
+    heads = (
+        "settling-time",
+        "stiffness-short",
+        "gain-margin",
+        "phase-margin",
+        "sensitivity-peak",
+    )
+    table = Table(
+        caption=text("trade-off-caption", shown=len(shown), tried=len(tried)),
+        columns=(
+            Column(head=text("loop"), width=1.5),
+            *(Column(head=name, width=1.2, is_number=True) for name in ("Kv", "Kp", "Tn")),
+            *(Column(head=text(head), is_number=True) for head in heads),
+        ),
+        rows=tuple(
+            (
+                _candidate_name(item, words),
+                f.quantity(item.Kv, "1/s"),
+                f.axis(item.Kp, "N s/m"),
+                f.quantity(item.Tn, "s"),
+                settling(item.settling_time, words),
+                f.axis(item.dynamic_stiffness, "N/m"),
+                decibel(item.gain_margin_db, words),
+                degree(item.phase_margin_deg, words),
+                f.number(item.sensitivity_peak, digits=3),
+            )
+            for item in shown
+        ),
+        strong_rows=tuple(k for k, item in enumerate(shown) if item.used),
+    )
+    return (table, *told)
+
+
+def _is_beaten(item: CandidateEntry, others: list[CandidateEntry]) -> bool:
+    """Whether another loop settles no later and is stiffer, or the other way round."""
+    time, stiffness = item.settling_time or inf, item.dynamic_stiffness
+    return any(
+        (other.settling_time or inf) <= time
+        and other.dynamic_stiffness >= stiffness
+        and ((other.settling_time or inf), -other.dynamic_stiffness) != (time, -stiffness)
+        for other in others
+    )
+
+
+def _candidate_name(item: CandidateEntry, words: Catalogue) -> str:
+    text = words.text
+    kind = text("with-state-feedback" if item.state_feedback else "cascade")
+    name = text("classic-loop", name=kind) if item.classic else kind
+    return text("variant-used", name=name) if item.used else name
 
 
 def _variants(record: Record, words: Catalogue) -> tuple[Table, ...]:
@@ -231,33 +290,4 @@ def _bode(record: Record, words: Catalogue) -> LinePlot:
                 borders=(Border(label="−180°", y=-180.0),),
             ),
         ),
-    )
-
-
-def _poles(record: Record, words: Catalogue) -> Table:
-    """Return one row for each real pole and each pair."""
-    text, f = words.text, words.format
-    upper = sorted(
-        ((real, imaginary) for real, imaginary in record.loop.poles if imaginary >= 0.0),
-        key=lambda pole: -pole[0],
-    )
-    rows = []
-    for real, imaginary in upper:
-        omega = hypot(real, imaginary)
-        is_pair = imaginary > 0.0
-        rows.append(
-            (
-                f.quantity(real, "1/s"),
-                f.quantity(omega / (2 * pi), "Hz") if is_pair else "–",
-                f.percent(-real / omega) if is_pair else "–",
-            )
-        )
-    return Table(
-        caption=text("poles-caption"),
-        columns=(
-            Column(head=text("real-part"), is_number=True),
-            Column(head=text("frequency"), is_number=True),
-            Column(head=text("damping-ratio"), is_number=True),
-        ),
-        rows=tuple(rows),
     )

@@ -114,9 +114,10 @@ def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, ...]]:
     today = record.limits.today
 
     def values(item: LimitsEntry | TodayEntry) -> tuple[str, ...]:
+        j = None if record.loop.jerk == "none" else item.jerk
         return (
             f.axis(item.acceleration, "m/s^2"),
-            f.axis(item.jerk, "m/s^3", missing=text("no-jerk-limit")),
+            f.axis(j, "m/s^3", missing=text("no-jerk-limit")),
             f.quantity(item.jerk_time, "s"),
             settling(item.settling_time, words),
             residual(item.residual_deviation, words),

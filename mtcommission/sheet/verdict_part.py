@@ -19,7 +19,7 @@ ROUNDING = 1e-6
 
 def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
     """Return verdict, values to enter, result and checks, with a picture of the first move."""
-    text, f, limits = words.text, words.format, record.limits.recommended
+    text, limits = words.text, record.limits.recommended
     assessment = record.assessment
     detail = f"{text('values-bound-by', bound=words.say(limits.bound_by))}."
     if assessment.obstacle:
@@ -32,11 +32,7 @@ def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
         values=(
             BigValue(label=text("acceleration"), value=acceleration(record, words), aside="a"),
             BigValue(label=text("jerk"), value=jerk(record, words), aside="j"),
-            BigValue(
-                label=text("jerk-time"),
-                value=f.quantity(limits.jerk_time, "s"),
-                aside="a / j",
-            ),
+            *_jerk_time(record, words),
         ),
     )
     return Section(
@@ -54,7 +50,7 @@ def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
             Paragraph(text=_judged_during(record, words), tone=Tone.NOTE),
             Table(
                 caption=text("basis-caption"),
-                columns=(Column(head=text("basis")), Column(head=text("value"), width=4.0)),
+                columns=(Column(head=text("basis")), Column(head=text("value"), width=5.0)),
                 rows=basis_rows(record, words),
             ),
             picture,
@@ -72,6 +68,14 @@ def jerk(record: Record, words: Catalogue) -> str:
     """Return the recommended jerk limit with its unit."""
     value = record.limits.recommended.jerk if record.loop.jerk != "none" else None
     return words.format.axis(value, "m/s^3", missing=words.text("no-jerk-limit"))
+
+
+def _jerk_time(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
+    """Return the jerk time; nothing where the control has no limit of the jerk."""
+    if record.loop.jerk == "none":
+        return ()
+    value = words.format.quantity(record.limits.recommended.jerk_time, "s")
+    return (BigValue(label=words.text("jerk-time"), value=value, aside="a / j"),)
 
 
 def band(record: Record) -> float | None:
@@ -181,6 +185,7 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
 def _result(record: Record, words: Catalogue) -> Table:
     """Return the recommended values, and today's before them, with what each gives."""
     text, f, today = words.text, words.format, record.limits.today
+    limits, no_limit = record.limits.recommended, text("no-jerk-limit")
 
     def row(name: str, item: TodayEntry | LimitsEntry, verdict: str) -> tuple[str, ...]:
         found = (
@@ -188,31 +193,37 @@ def _result(record: Record, words: Catalogue) -> Table:
             residual(item.residual_deviation, words),
             f.axis(item.peak_deviation, "m"),
         )
-        is_known = item is record.limits.recommended or today is None or not today.failure
+        is_known = item is limits or today is None or not today.failure
         return (
             name,
             f.axis(item.acceleration, "m/s^2"),
-            f.axis(item.jerk, "m/s^3", missing=text("no-jerk-limit")),
+            jerk(record, words) if item is limits else f.axis(item.jerk, "m/s^3", missing=no_limit),
             *(found if is_known else ("–", "–", "–")),
             verdict,
         )
 
     is_met = met_at_all(record.assessment.met, keeps_reserve(record), words)
-    best = row(text("recommended"), record.limits.recommended, is_met)
+    best = row(text("recommended"), limits, is_met)
     rows = []
     if today:
         is_met = met_at_all(today.meets_requirements, today.keeps_reserve, words)
         rows.append(row(text("today"), today, is_met))
-    heads = ("acceleration", "jerk", "settling-time", "residual", "peak-deviation")
+    heads = {
+        "acceleration": 1.55,
+        "jerk": 1.4,
+        "settling-time": 1.4,
+        "residual": 1.6,
+        "peak-deviation": 1.8,
+    }
     return Table(
         caption=text("result-caption"),
         columns=(
-            Column(head=text("limits-name"), width=1.3),
+            Column(head=text("limits-name"), width=1.2),
             *(
-                Column(head=text(head), width=1.8 if head == "residual" else 1.4, is_number=True)
-                for head in heads
+                Column(head=text(head), width=width, is_number=True)
+                for head, width in heads.items()
             ),
-            Column(head=text("meets"), width=0.8),
+            Column(head=text("meets"), width=1.2),
         ),
         rows=(*rows, best),
         strong_rows=(len(rows),),
@@ -281,10 +292,10 @@ def _checks(checks: list[Check], words: Catalogue) -> Table:
     return Table(
         caption=text("checks-caption"),
         columns=(
-            Column(head=text("check"), width=1.8),
-            *(Column(head=text(head), is_number=True) for head in heads),
-            Column(head=text("verdict"), width=1.8),
-            Column(head=text("where"), width=2.9),
+            Column(head=text("check"), width=1.6),
+            *(Column(head=text(head), width=0.95, is_number=True) for head in heads),
+            Column(head=text("verdict"), width=1.2),
+            Column(head=text("where"), width=4.2),
         ),
         rows=rows,
         strong_rows=tuple(i for i, check in enumerate(checks) if not check.met),

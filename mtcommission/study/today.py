@@ -20,6 +20,9 @@ from mtcommission.study.robustness import (
 from mtcommission.verdict.assess import describe_place
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
+SYMBOLS = {"position_gain": "Kv", "velocity_gain": "Kp", "integral_time": "Tn"}
+"""Gains as engineers write them."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TodaysValues:
@@ -37,8 +40,8 @@ class TodaysValues:
         What they do; None where ``failure`` says why that cannot be told.
     frequency_error
         Between which frequency errors they keep every requirement; None likewise.
-    basis
-        Which gains are today's, and which had to be taken from the recommendation.
+    stated
+        Those of Kv, Kp and Tn that are today's; the others are those of the recommendation.
     failure
         The loop is unstable, or the moves take too long; None otherwise.
     """
@@ -48,8 +51,18 @@ class TodaysValues:
     controller: Controller
     judged: Candidate | None
     frequency_error: FrequencyError | None
-    basis: Message
+    stated: tuple[str, ...]
     failure: Message | None
+
+    @property
+    def basis(self) -> Message:
+        """Which gains the loop has."""
+        others = tuple(symbol for symbol in SYMBOLS.values() if symbol not in self.stated)
+        if not self.stated:
+            return Message("today-in-recommended-loop")
+        if not others:
+            return Message("today-in-own-loop")
+        return Message("today-in-mixed-loop", stated=self.stated, others=others)
 
 
 def judge_today(
@@ -79,11 +92,7 @@ def judge_today(
         if today.jerk is None
         else MotionLimits(acceleration=today.acceleration, jerk=today.jerk)
     )
-    gains = {
-        name: value
-        for name in ("position_gain", "velocity_gain", "integral_time")
-        if (value := getattr(today, name)) is not None
-    }
+    gains = {name: value for name in SYMBOLS if (value := getattr(today, name)) is not None}
     controller = _with_gains(tuned.controller, gains)
     control = replace(machine.control, moving_average_time=today.moving_average_time)
     filtered = replace(machine, control=control)
@@ -109,7 +118,7 @@ def judge_today(
         controller=controller,
         judged=candidate,
         frequency_error=error,
-        basis=_describe_basis(gains),
+        stated=tuple(symbol for name, symbol in SYMBOLS.items() if name in gains),
         failure=failure,
     )
 
@@ -136,16 +145,3 @@ def _find_instability(loop: TunedLoop) -> Message | None:
                 corner=describe_place(1, corner, 1),
             )
     return None
-
-
-SYMBOLS = {"position_gain": "Kv", "velocity_gain": "Kp", "integral_time": "Tn"}
-
-
-def _describe_basis(gains: dict[str, float]) -> Message:
-    stated = [symbol for name, symbol in SYMBOLS.items() if name in gains]
-    others = [symbol for name, symbol in SYMBOLS.items() if name not in gains]
-    if not stated:
-        return Message("today-in-recommended-loop")
-    if not others:
-        return Message("today-in-own-loop")
-    return Message("today-in-mixed-loop", stated=tuple(stated), others=tuple(others))

@@ -40,6 +40,7 @@ export-feature = { $what ->
     [loop-interpolated] Lageregelung in der Steuerung mit interpolierter Vorsteuerung
    *[loop-drive] Lageregelung im Antrieb
 }
+export-mode-fails = die Grenzwerte der Bearbeitungsart { $mode } halten mit dem Regelkreis dieses Textes ihr Toleranzband nicht ein, { $band }
 export-mode-left-out = ENTFAELLT: { $why }. Diese Betriebsart nicht mit den alten Werten verwenden.
 export-warning-here = WARNUNG, fuer den Regelkreis dieses Textes: { $warning }
 export-shaft = Verstaerkung und Traegheit des Antriebs gelten an der Motorwelle: die Achse bewegt sich { LENGTH($travel) } je Radiant des Motors.

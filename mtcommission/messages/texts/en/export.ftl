@@ -43,6 +43,7 @@ export-feature = { $what ->
     [loop-interpolated] position loop in the control with interpolated feed-forward
    *[loop-drive] position loop in the drive
 }
+export-mode-fails = the limits of machining mode { $mode } do not keep its band, { $band }, with the loop of this text
 export-mode-left-out = LEFT OUT: { $why }. Do not use this mode with the old values.
 export-warning-here = WARNING, for the loop of this text: { $warning }
 export-shaft = Gain and inertia of the drive count at the motor's shaft: the axis moves { LENGTH($travel) } per radian of the motor.
