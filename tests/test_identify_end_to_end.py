@@ -187,4 +187,4 @@ def test_intervals_hold_the_true_values_as_often_as_they_say(tmp_path: Path) -> 
         held += [
             one is not None and abs(one.value - value) <= 2 * one.sigma for one, value in pairs
         ]
-    assert 0.9 <= np.mean(held)
+    assert np.mean(held) >= 0.9

@@ -48,12 +48,14 @@ from mtcommission.wizard.insight import find_insights
 from mtcommission.wizard.question import Question, read_reply, title
 from mtcommission.wizard.script import list_questions
 from mtcommission.wizard.session import Ending, Session, run_wizard
+from tests import identify_files as made
 
 PROFILES = Path(__file__).parent.parent / "profiles"
 ENGLISH = Catalogue("en")
 SHIPPED = replace(read_profile(PROFILES / "milling-manipulator.toml"), assumed=())
 
 PAPER = """\
+
 Milling machine workpiece manipulator
 X
 
@@ -152,10 +154,10 @@ def talk(
     return session, user.said
 
 
-def from_answers(output: Path, text: str, *, take_defaults: bool = True) -> str:
+def from_answers(output: Path, text: str, *, take_defaults: bool = True, typed: str = "") -> str:
     file = output.with_suffix(".in")
     file.write_text(text, "utf-8")
-    user = Talk("")
+    user = Talk(typed)
     console = LineConsole(read=user.read, write=user.write, is_interactive=False)
     run_wizard(
         output,
@@ -224,7 +226,7 @@ def test_measured_frequencies_give_stiffness_and_damping(tmp_path: Path) -> None
     """k = m (2 pi f)^2 and d = 2 zeta m 2 pi f: else the profile has another machine's modes."""
     talk(
         tmp_path / "tower.toml",
-        "Tower\nX\n\n\n2 kN\n\n\n\n2\n450\n750\n40\n0.25\n0.21\n"
+        "\nTower\nX\n\n\n2 kN\n\n\n\n2\n450\n750\n40\n0.25\n0.21\n"
         "50 Hz\n3 %\n60 N/um\n72\n0,05\n\n1\n20 mm\n30 m/min\n\n\n5 um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "tower.toml")
@@ -279,7 +281,7 @@ def test_pair_of_masses_from_a_file_of_answers(tmp_path: Path) -> None:
 def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "table.toml",
-        "Table\nC\nrotary\n\n800 N m\n\n420 N m\n\n1\n1.9\n6.4 kg m^2\n0.971e6\n\n"
+        "\nTable\nC\nrotary\n\n800 N m\n\n420 N m\n\n1\n1.9\n6.4 kg m^2\n0.971e6\n\n"
         "1\n90°\n60 rpm\n0.5\n\n10 arcsec\n\n\n\n0.2\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "table.toml")
@@ -294,7 +296,7 @@ def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
 def test_control_contour_and_todays_values_are_asked_in_turn(tmp_path: Path) -> None:
     """Each opens what belongs to it: a feed, a gear, a jerk where the control limits one."""
     path = tmp_path / "table.toml"
-    begin = "Table\nX\n\n\n2 kN\n\n\n\n3\n20\n300\n20 N/um\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
+    begin = "\nTable\nX\n\n\n2 kN\n\n\n\n3\n20\n300\n20 N/um\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
     talk(
         path,
         begin
@@ -339,7 +341,7 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     assert sources["drive.force_lag"] == sources["plant.base_mass"] == machine.source
     assert sources["requirements.tcp_deviation"] == Message("source-stated")
     # Whoever types the default has stated it; whoever only goes past it has not.
-    answers = "\n" * 7 + "0 N\n" + "\n" * 80
+    answers = "\n" * 8 + "0 N\n" + "\n" * 80
     talk(path, answers)
     changed = path.read_text("utf-8")
     (line,) = (line for line in changed.split("\n") if line not in text.split("\n"))
@@ -375,7 +377,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
     before = path.read_bytes()
     talk(path, "\n" * 80)
     assert path.read_bytes() == before
-    talk(path, "\n" * 5 + "3 ms\n" + "\n" * 80)
+    talk(path, "\n" * 6 + "3 ms\n" + "\n" * 80)
     after = path.read_bytes()
     assert b'force_lag = "3 ms"' in after
     assert b'assumed = ["drive.max_force", "drive.continuous_force"] # mine\r\n' in after
@@ -393,7 +395,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
 def test_changed_values_keep_the_users_comments(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text((PROFILES / "milling-manipulator.toml").read_text("utf-8"), "utf-8")
-    talk(path, "\n\n\n\n4 kN\n" + "\n" * 80)
+    talk(path, "\n\n\n\n\n4 kN\n" + "\n" * 80)
     text = path.read_text("utf-8")
     assert 'max_force = "4 kN"               # sec. 5.1; the mechanics allow up to 4 kN' in text
     assert "# h. The paper lists it, but uses it in no equation and gives no sign." in text
@@ -421,7 +423,7 @@ def test_another_kind_of_mechanics_replaces_the_old_one() -> None:
 def test_back_help_and_slips(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "m.toml",
-        "A\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n2 km\n-5 N\n2 kN\n" + "\n" * 3 + "5\n"
+        "\nA\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n2 km\n-5 N\n2 kN\n" + "\n" * 3 + "5\n"
         "800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n" + "\n" * 20,
     )
     assert read_profile(tmp_path / "m.toml").name == "B"
@@ -433,7 +435,7 @@ def test_back_help_and_slips(tmp_path: Path) -> None:
 
 def test_fault_of_the_whole_leads_back_to_its_question(tmp_path: Path) -> None:
     """A static load above the force is seen only when both are known."""
-    begin = "A\nX\n\n\n2 kN\n\n\n3 kN\n5\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
+    begin = "\nA\nX\n\n\n2 kN\n\n\n3 kN\n5\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
     _, said = talk(
         tmp_path / "m.toml", begin + "\n" * 15 + "1 kN\n" + "\n" * 40, is_interactive=True
     )
@@ -458,11 +460,16 @@ def test_leaving_at_any_point_keeps_the_answers_and_goes_on_from_there(
 
 
 def test_quit_keeps_the_answers(tmp_path: Path) -> None:
-    session, said = talk(tmp_path / "p.toml", "A\nX\nq\n")
+    session, said = talk(tmp_path / "p.toml", "\nA\nX\nq\n")
     assert session.ending is Ending.QUIT
     assert "answers kept in" in said
     kept = tomllib.loads((tmp_path / "p.toml.answers").read_text("utf-8"))
-    assert kept == {"machine.name": "A", "machine.axis": "X", "wizard.place": "machine.motion"}
+    assert kept == {
+        "wizard.measured": "",
+        "machine.name": "A",
+        "machine.axis": "X",
+        "wizard.place": "machine.motion",
+    }
 
 
 def test_missing_answers_are_named_all_at_once(tmp_path: Path) -> None:
@@ -522,9 +529,9 @@ def test_a_fault_in_the_answers_is_located_in_their_file(
 def test_going_back_and_leaving_goes_on_from_there(tmp_path: Path) -> None:
     """Whoever went back to mend an answer must not be put behind it the next day."""
     path = tmp_path / "p.toml"
-    session, _ = talk(path, "A\nX\n\nsheet 12\n2 kN\n<\n<\nq\n")
+    session, _ = talk(path, "\nA\nX\n\nsheet 12\n2 kN\n<\n<\nq\n")
     assert session.ending is Ending.QUIT
-    rest = PAPER.split("\n", 4)[4]
+    rest = PAPER.split("\n", 5)[5]
     _, said = talk(path, f"sheet 13\n{rest}")
     machine = read_profile(path)
     assert (machine.name, machine.source) == ("A", "sheet 13")
@@ -536,7 +543,7 @@ def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
     path = tmp_path / "p.toml"
     text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
     path.write_text(text.replace('"450 kg"', '"450 m"').replace('"2 kN"', '"much"'), "utf-8")
-    _, said = talk(path, "\n" * 4 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
+    _, said = talk(path, "\n" * 5 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
     assert replace(read_profile(path), assumed=()) == SHIPPED
     assert "mode base at 50 Hz" in said
 
@@ -783,6 +790,8 @@ def test_real_terminal_with_questionary(command: list[str], tmp_path: Path) -> N
             seen += os.read(terminal, 4096)
         seen = seen[seen.index(words) + len(words) :]
 
+    until(b"Files with a measured response")
+    os.write(terminal, b"\r")
     until(b"Name of the machine")
     os.write(terminal, b"Tablex\x7f\r")  # backspace takes the x away
     until(b"Name of the axis")
@@ -804,6 +813,7 @@ def test_real_terminal_with_questionary(command: list[str], tmp_path: Path) -> N
     assert b"Traceback" not in rest
     kept = tomllib.loads((tmp_path / "p.toml.answers").read_text("utf-8"))
     assert kept == {
+        "wizard.measured": "",
         "machine.name": "Table",
         "machine.axis": "C",
         "machine.motion": "rotary",
@@ -824,7 +834,7 @@ def test_a_load_that_takes_all_of_the_force_is_said_at_once() -> None:
 def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
     talk(
         tmp_path / "m.toml",
-        "A\nX\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n-2.4e-3\n\n\n"
+        "\nA\nX\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n-2.4e-3\n\n\n"
         "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "m.toml")
@@ -859,3 +869,54 @@ def test_end_of_input_leaves_a_list_of_choices() -> None:
         keys.send_text("\x04\r")  # Enter would take the first choice, were the key ignored
         with pytest.raises(EOFError):
             RichConsole(plain).ask(question, default="", words=ENGLISH)
+
+
+def _response(path: Path) -> str:
+    values = made.response(made.LINES)
+    heads = ["frequency_hz", "re [m/s/N]", "im [m/s/N]"]
+    path.write_bytes(made.table(heads, [made.LINES, values.real, values.imag]))
+    return str(path)
+
+
+def test_a_measured_response_answers_for_the_mechanics(tmp_path: Path) -> None:
+    """Only the rest is asked, the share at the tool with its worst case; intervals stay."""
+    file, path = _response(tmp_path / "e.csv"), tmp_path / "p.toml"
+    typed = f"nothing.csv\n{file}@encoder\nMill\nX\n2 kN\n\n\n\n0.002\n\n\n20 mm\n\n\n\n5 um\n"
+    session, said = talk(path, typed + "\n" * 30, is_interactive=True)
+    assert session.ending is Ending.WRITTEN
+    assert "nothing.csv" in said
+    assert "2 modes" in said
+    assert "Mass" not in said.partition("Name of the machine")[2].partition("Largest force")[0]
+    machine, text = read_profile(path), path.read_text("utf-8")
+    modes = machine.mechanics.modes
+    assert [mode.frequency_hz for mode in modes] == pytest.approx([38.0, 117.0], rel=1e-3)
+    assert (machine.name, modes[0].tcp_gain) == ("Mill", 0.002)
+    assert machine.is_assumed("plant.modes[2].tcp_gain")
+    assert not machine.is_assumed("plant.modes[1].tcp_gain")
+    assert "# ± " in text
+    assert "#   drive.max_force" not in text
+
+
+@pytest.mark.parametrize("take_defaults", [True, False])
+def test_answers_may_name_a_measured_response(tmp_path: Path, take_defaults: bool) -> None:
+    file = _response(tmp_path / "e.csv")
+    answers = f"""
+wizard.measured = ["{file}"]
+drive.max_force = "2 kN"
+moves = [{{ distance = "20 mm" }}]
+requirements.tcp_deviation = "5 um"
+"""
+    path = tmp_path / "p.toml"
+    said = from_answers(path, answers, take_defaults=take_defaults, typed="\n" * 60)
+    assert "2 modes" in said
+    machine = read_profile(path)
+    assert len(machine.mechanics.modes) == 2
+    assert machine.drive.max_force == 2000.0
+    assert machine.is_assumed("plant.modes[1].tcp_gain")
+    assert machine.is_assumed("drive.force_lag")
+
+
+def test_a_missing_measurement_in_the_answers_writes_nothing(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none\.csv"):
+        from_answers(tmp_path / "p.toml", 'wizard.measured = ["none.csv"]')
+    assert not (tmp_path / "p.toml").exists()

@@ -24,6 +24,9 @@ WAYS = (
 
 YES, NO = "yes", "no"
 
+MEASURED = "wizard.measured"
+"""Key of the first question: files with measured responses, with ; or , between them."""
+
 
 Span = tuple[float, float]
 """Least and largest common value [SI]; empirical, machine tool axes from a router to a gantry."""

@@ -12,6 +12,7 @@ from mtcommission.profile.model import MOST_MOVES
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import FREQUENCY, RATIO, parse_quantity
 from mtcommission.wizard.axis_units import (
+    MEASURED,
     MODAL,
     NO,
     PAIR_BY_FREQUENCY,
@@ -192,6 +193,9 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
     """
     answers = flatten(data)
     answers.pop("schema", None)
+    files = [answers.pop(key) for key in list(answers) if key.startswith(f"{MEASURED}.")]
+    if files:
+        answers[MEASURED] = "; ".join(files)
     assumed = [key for key in answers if key.startswith("machine.assumed.")]
     accepted = [read_key(answers.pop(key)) for key in assumed]
     if accepted:

@@ -17,9 +17,9 @@ from mtcommission.profile.lines import find_key_lines, read_key
 from mtcommission.profile.read import read_profile_text
 from mtcommission.profile.syntax import load_toml
 from mtcommission.profile.values import propose
-from mtcommission.wizard.axis_units import WAYS, YES
+from mtcommission.wizard.axis_units import MEASURED, WAYS, YES
 from mtcommission.wizard.convert import OWN, to_answers
-from mtcommission.wizard.question import Answers
+from mtcommission.wizard.question import Answers, list_accepted
 from mtcommission.wizard.script import list_questions
 
 KEPT = ".answers"
@@ -27,6 +27,10 @@ KEPT = ".answers"
 
 PLACE = "wizard.place"
 """Key of that file: the question at which the user left."""
+
+
+OPEN = re.compile(r"\n\n# [^\n]*\n(#   [\w.\[\]]+\n)+\Z")
+"""The list of open questions at the end of an identified profile: the wizard asks them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,6 +49,10 @@ class Source:
         Whether only open questions shall be asked.
     place
         Key of the question at which the user left last time; "" for the first open one.
+    passed
+        Keys that a measurement answered: they are not asked, but < goes back to them.
+    measured
+        Files that the file of answers names and that are not identified yet; "" for none.
     where
         Name of the file of answers; "" without one.
     lines
@@ -56,6 +64,8 @@ class Source:
     in_profile: frozenset[str]
     is_resumed: bool
     place: str
+    passed: frozenset[str]
+    measured: str
     where: str
     lines: Mapping[str, int]
 
@@ -65,7 +75,7 @@ class Source:
         return replace(fault, where=self.where or "answers", line=self.lines.get(key, 0))
 
 
-def gather(output: Path, answers_file: Path | None) -> Source:
+def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> Source:
     """Return what is known: existing profile, then kept answers, then the file of answers.
 
     Parameters
@@ -74,6 +84,8 @@ def gather(output: Path, answers_file: Path | None) -> Source:
         Profile to be written or changed.
     answers_file
         TOML with answers by the profile's own keys; None without one.
+    identified
+        Profile from a measurement that takes the place of the existing one; "" without one.
 
     Returns
     -------
@@ -85,8 +97,8 @@ def gather(output: Path, answers_file: Path | None) -> Source:
         If a file cannot be read, or the file of answers has a key that nobody knows.
     """
     text, answers = "", {}
-    if output.exists():
-        text = read_profile_text(output)
+    if identified or output.exists():
+        text = OPEN.sub("\n", identified or read_profile_text(output))
         answers = to_answers(_load(text, str(output)))
     in_profile = frozenset(answers)
     kept = Path(f"{output}{KEPT}")
@@ -94,21 +106,34 @@ def gather(output: Path, answers_file: Path | None) -> Source:
         answers |= to_answers(_load(read_profile_text(kept), str(kept)))
     place = answers.pop(PLACE, "")
     lines: dict[str, int] = {}
+    measured = ""
     if answers_file is not None:
         given = read_profile_text(answers_file)
         data = _load(given, str(answers_file))
         found = find_key_lines(given).lines
         lines = {".".join(map(str, path)): line for path, line in found.items()}
         answers |= _known(to_answers(data), where=str(answers_file), lines=lines)
-        place = ""
+        place, measured = "", "" if identified else answers.get(MEASURED, "")
     return Source(
         answers=answers,
         text=text,
         in_profile=in_profile,
         is_resumed=kept.exists() or answers_file is not None,
         place=place,
+        passed=_passed(answers) if identified or answers.get(MEASURED) else frozenset(),
+        measured=measured,
         where=str(answers_file or ""),
         lines=lines,
+    )
+
+
+def _passed(answers: Answers) -> frozenset[str]:
+    """What a measurement answers; what it had to assume is asked with that as default."""
+    beginnings = (MEASURED, "wizard.way", "machine.motion", "machine.source", "plant.")
+    spreads = ("requirements.frequency_spread", "requirements.damping_spread")
+    assumed = list_accepted(answers)
+    return frozenset(
+        key for key in answers if key.startswith((*beginnings, *spreads)) and key not in assumed
     )
 
 

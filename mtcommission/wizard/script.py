@@ -10,6 +10,7 @@ from mtcommission.control_kinds.kinds import GENERIC, KINDS
 from mtcommission.profile.model import MOST_MOVES
 from mtcommission.units.quantities import GAIN, RATIO, TIME
 from mtcommission.wizard.axis_units import (
+    MEASURED,
     NO,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
@@ -40,9 +41,10 @@ def list_questions(answers: Answers) -> tuple[Question, ...]:
     Examples
     --------
     >>> [question.key for question in list_questions({})][:3]
-    ['machine.name', 'machine.axis', 'machine.motion']
+    ['wizard.measured', 'machine.name', 'machine.axis']
     """
     return (
+        Question(key=MEASURED, is_optional=True),
         *_machine(),
         *_drive(answers),
         *ask_mechanics(answers),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from enum import Enum
 from functools import cache
 from pathlib import Path
@@ -16,7 +17,7 @@ from mtcommission.messages.message import Message
 from mtcommission.profile.faults import may_be_left_out
 from mtcommission.profile.lines import read_key, read_path, show_key
 from mtcommission.profile.read import parse_profile
-from mtcommission.wizard.axis_units import NO, YES, is_rotary
+from mtcommission.wizard.axis_units import MEASURED, NO, YES, is_rotary
 from mtcommission.wizard.console import (
     BACK,
     HELP,
@@ -29,6 +30,7 @@ from mtcommission.wizard.convert import list_unmeasured, to_profile
 from mtcommission.wizard.document import update_document, write_document
 from mtcommission.wizard.gather import KEPT, Source, gather, keep
 from mtcommission.wizard.insight import Insight, find_insights
+from mtcommission.wizard.measured import identify_files
 from mtcommission.wizard.question import (
     Answers,
     Question,
@@ -130,6 +132,8 @@ def run_wizard(
         so far are kept beside the output.
     """
     source, speaker = gather(output, answers_file), _Speaker(console, language)
+    if source.measured:
+        source = _take_measured(source, speaker, output, source.measured, answers_file)
     if take_defaults:
         answers = _fill(source)
         text = _compose(source, answers, speaker)
@@ -195,7 +199,15 @@ def _interview(
     if source.is_resumed and place:
         speaker.tell(answers, Message("wizard-going-on"), indent="")
     while True:
-        answers = _ask_from(place, answers, speaker)
+        answers = _ask_from(place, answers, speaker, passed=source.passed)
+        files = answers.get(MEASURED, "")
+        if files != source.answers.get(MEASURED, ""):
+            if files:
+                source, answers = _measure(source, answers, speaker, output)
+            else:
+                source = replace(source, answers=answers, passed=frozenset())
+            place = _first_place(source)
+            continue
         text = _compose(source, answers, speaker)
         try:
             return answers, text, parse_profile(text, where=str(output))
@@ -213,25 +225,75 @@ def not_possible(fault: Fault) -> Message:
     return Message("wizard-not-possible", key=fault.key, message=fault.message)
 
 
-def _ask_from(place: int, answers: dict[str, str], speaker: _Speaker) -> dict[str, str]:
-    """Ask every question from a place on; back, help and quit move about."""
-    known, shown = dict(answers), -1
+def _take_measured(
+    source: Source, speaker: _Speaker, output: Path, typed: str, answers_file: Path | None
+) -> Source:
+    """Identify the axis from files; what is known afterwards."""
+    measured = identify_files(
+        typed,
+        before=source.text,
+        answers=source.answers,
+        output=output,
+        date=datetime.now(UTC).date().isoformat(),
+        words=speaker.words,
+    )
+    found = gather(output, answers_file, identified=measured.text)
+    known = {"machine.motion": measured.motion, **found.answers, MEASURED: typed}
+    speaker.tell(known, measured.found)
+    for doubt in measured.doubts:
+        speaker.tell(known, Message("wizard-warning", what=doubt))
+    passed = found.passed | {"machine.motion", MEASURED}
+    return replace(found, answers=known, passed=passed)
+
+
+def _measure(
+    source: Source, answers: dict[str, str], speaker: _Speaker, output: Path
+) -> tuple[Source, dict[str, str]]:
+    """Identify the files that were just named; where that fails, they are asked for again."""
+    before = replace(source, answers=answers)
+    try:
+        found = _take_measured(before, speaker, output, answers[MEASURED], None)
+    except InputError as error:
+        if not speaker.console.is_interactive:
+            raise
+        speaker.console.tell(error.text(speaker.words(answers)))
+        speaker.tell(answers, Message("wizard-not-identified", file=str(output)))
+        return source, {key: text for key, text in answers.items() if key != MEASURED}
+    write_text(str(output), found.text)  # who leaves now keeps it with its intervals
+    typed = {key: text for key, text in answers.items() if key not in found.passed}
+    return found, {**found.answers, **typed}
+
+
+def _ask_from(
+    place: int, answers: dict[str, str], speaker: _Speaker, *, passed: frozenset[str]
+) -> dict[str, str]:
+    """Ask every question from a place on but those that are passed; return early with files.
+
+    Back, help and quit move about.
+    """
+    known, shown, asks_passed = dict(answers), -1, False
     while place < len(questions := list_questions(known)):
         question = questions[place]
+        if question.key in passed and not asks_passed:
+            place += 1
+            continue
         try:
             typed = _ask(question, known, speaker, is_new=place != shown)
             shown = place
             if typed.lower() in QUIT:
                 raise _Left(known, USER_LEFT, question.key)
             if typed.lower() in BACK and place:
-                place -= 1
+                place, asks_passed = place - 1, True
             elif typed.lower() in BACK:
                 speaker.tell(known, Message("wizard-first-question"))
             elif typed.lower() in HELP:
                 speaker.console.tell(explain(question, speaker.words(known)))
             else:
+                files = known.get(MEASURED, "")
                 known, is_taken = _take(question, typed, known, speaker)
-                place += is_taken
+                place, asks_passed = place + is_taken, asks_passed and not is_taken
+                if known.get(MEASURED, "") != files:
+                    return known
         except EOFError as error:
             raise _Left(known, Message("wizard-input-ended"), question.key) from error
         except KeyboardInterrupt as error:
@@ -288,7 +350,7 @@ def _tell_insight(speaker: _Speaker, answers: Answers, insight: Insight) -> None
 def _first_place(source: Source) -> int:
     """Where the user left, or the first open question; the first of all in a new session."""
     if not source.is_resumed:
-        return 0
+        return 0  # what a measurement answered is passed
     keys = [question.key for question in list_questions(source.answers)]
     if source.place in keys:
         return keys.index(source.place)

@@ -1,3 +1,6 @@
+ask-wizard-measured = Dateien mit einem gemessenen Frequenzgang dieser Achse
+ask-wizard-measured-empty = keine vorhanden
+ask-wizard-measured-where = Vom Antrieb, Analysator oder als Aufzeichnung; mehrere mit ; getrennt, DATEI@tcp für einen Sensor am Werkzeug. Sie ersetzen die Fragen zur Mechanik.
 ask-machine-name = Name der Maschine
 ask-machine-name-where = Das Typenschild; steht über dem Blatt.
 ask-machine-axis = Name der Achse
@@ -235,6 +238,11 @@ wizard-help = Hilfe
 wizard-quit = Ende
 wizard-going-on = Weiter mit den bekannten Antworten; < geht zu ihnen zurück.
 wizard-first-question = Das ist die erste Frage.
+wizard-identified = Aus den Dateien bestimmt: { $count ->
+        [one] eine Eigenform
+       *[other] { $count } Eigenformen
+    }. Es folgt, was noch fehlt; < geht zu den Werten zurück.
+wizard-not-identified = Andere Dateien nennen oder leer lassen; oder das Fehlende mit den Optionen von mtcommission identify -o { $file } angeben und danach wiederkommen.
 wizard-not-possible = Nicht möglich: { $key }: { $message }
 wizard-kept = { $how } bei { $where }; Antworten stehen in { $file }, derselbe Befehl macht dort weiter
 wizard-left-by-user = beendet

@@ -1,6 +1,9 @@
 # Questions of the wizard: ask-KEY is what is asked, -where where to find it, -empty what an empty answer means.
 # $number: which element of an array, $name: the last part of the key
 
+ask-wizard-measured = Files with a measured response of this axis
+ask-wizard-measured-empty = there is none
+ask-wizard-measured-where = From the drive, an analyser or a record; with ; between several, FILE@tcp for a sensor at the tool. It answers for the mechanics.
 ask-machine-name = Name of the machine
 ask-machine-name-where = The type plate; it heads the sheet.
 ask-machine-axis = Name of the axis
@@ -241,6 +244,12 @@ wizard-help = help
 wizard-quit = quit
 wizard-going-on = Going on with the answers that are known; < goes back to them.
 wizard-first-question = This is the first question.
+# $count: modes
+wizard-identified = Identified from the files: { $count ->
+        [one] one mode
+       *[other] { $count } modes
+    }. What is still missing follows; < goes back to what was found.
+wizard-not-identified = Name other files or leave it empty; or say what is missing with the options of mtcommission identify -o { $file }, and come back.
 # $key, $message: of a fault
 wizard-not-possible = Not possible: { $key }: { $message }
 # $how: wizard-left-by-user, wizard-input-ended or wizard-interrupted; $where: key of a question

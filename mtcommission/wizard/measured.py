@@ -1,0 +1,97 @@
+"""Measured responses -> profile, as ``mtcommission identify`` does."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.profile.read import parse_profile
+from mtcommission.units.quantities import LENGTH, RATIO
+from mtcommission.wizard.axis_units import is_rotary
+from mtcommission.wizard.question import Answers, si_value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """A profile from measurements.
+
+    Parameters
+    ----------
+    text
+        TOML; lacks what no response tells.
+    motion
+        "linear" or "rotary".
+    found
+        What was found, in a sentence.
+    doubts
+        What to mind about it.
+    """
+
+    text: str
+    motion: str
+    found: Message
+    doubts: tuple[Message, ...]
+
+
+def identify_files(
+    typed: str,
+    *,
+    before: str,
+    answers: Answers,
+    output: Path,
+    date: str,
+    words: Callable[[Answers], Catalogue],
+) -> Measured:
+    """Identify an axis from files.
+
+    Parameters
+    ----------
+    typed
+        Names, with ; or , between them, each possibly with ``@encoder`` or ``@tcp``.
+    before
+        Profile that takes the modes in; "" for a new one.
+    answers
+        What is known: kind of the axis and the motor's way to it.
+    output
+        Where the profile will stand, for hints.
+    date
+        ISO 8601, day.
+    words
+        Language of the comments, for the axis that answers describe.
+
+    Returns
+    -------
+    Measured
+
+    Raises
+    ------
+    InputError
+        A file cannot be read, or leaves open what its columns are; or the profile is not valid.
+    """
+    from mtcommission.identify.document import Writing, merge_profile, write_profile
+    from mtcommission.identify.gather import gather
+    from mtcommission.identify.given import Given
+    from mtcommission.identify.states import identify
+
+    if before:
+        parse_profile(before, where=str(output))
+    names = [name.strip().strip("'\"") for name in re.split("[;,]", typed)]
+    lead = si_value(answers, "drive.lead", LENGTH)
+    gear = si_value(answers, "drive.gear", RATIO) or 1.0
+    given = Given(
+        rotary=is_rotary(answers) if before else None,
+        motor_turn=2.0 * pi * gear / lead if lead and not is_rotary(answers) else 0.0,
+    )
+    found = identify(gather([name for name in names if name], given))
+    motion = "rotary" if found.rotary else "linear"
+    how = Writing(
+        date=date, file=str(output), tool_ratio=None, words=words({"machine.motion": motion})
+    )
+    text = merge_profile(before, found, how) if before else write_profile(found, how)
+    said = Message("wizard-identified", count=len(found.modes))
+    return Measured(text=text, motion=motion, found=said, doubts=found.doubts)
