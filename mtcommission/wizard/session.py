@@ -254,11 +254,13 @@ def _measure(
     try:
         found = _take_measured(before, speaker, output, answers[MEASURED], None)
     except InputError as error:
+        left = {key: text for key, text in answers.items() if key != MEASURED}
         if not speaker.console.is_interactive:
+            keep(output, left, place=MEASURED)
             raise
         speaker.console.tell(error.text(speaker.words(answers)))
         speaker.tell(answers, Message("wizard-not-identified", file=str(output)))
-        return source, {key: text for key, text in answers.items() if key != MEASURED}
+        return source, left
     write_text(str(output), found.text)  # who leaves now keeps it with its intervals
     typed = {key: text for key, text in answers.items() if key not in found.passed}
     return found, {**found.answers, **typed}

@@ -1,5 +1,5 @@
-ask-wizard-measured = Dateien mit einem gemessenen Frequenzgang dieser Achse
-ask-wizard-measured-empty = keine vorhanden
+ask-wizard-measured = Dateien mit gemessenem Frequenzgang der Achse
+ask-wizard-measured-empty = keine
 ask-wizard-measured-where = Vom Antrieb, Analysator oder als Aufzeichnung; mehrere mit ; getrennt, DATEI@tcp für einen Sensor am Werkzeug. Sie ersetzen die Fragen zur Mechanik.
 ask-machine-name = Name der Maschine
 ask-machine-name-where = Das Typenschild; steht über dem Blatt.

@@ -2,7 +2,7 @@
 # $number: which element of an array, $name: the last part of the key
 
 ask-wizard-measured = Files with a measured response of this axis
-ask-wizard-measured-empty = there is none
+ask-wizard-measured-empty = none
 ask-wizard-measured-where = From the drive, an analyser or a record; with ; between several, FILE@tcp for a sensor at the tool. It answers for the mechanics.
 ask-machine-name = Name of the machine
 ask-machine-name-where = The type plate; it heads the sheet.
