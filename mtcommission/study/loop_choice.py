@@ -285,12 +285,20 @@ def show_state_feedback(
     found = propose_feedback(cascade_family(machine, settings.tuning), classic, [shape])
     if found.remark is not None:
         return replace(choice, remarks=(*choice.remarks, found.remark))
-    best = max(found.loops, key=lambda item: item.tuned.least_stiffness)
     without = used.candidate if used else _best_limits(machine, plant, settings, choice.tuned, ())
-    with_it = _best_limits(machine, plant, settings, best.tuned, (without.limits,))
+    trials = [
+        LoopTrial(
+            shape=item.shape,
+            tuned=item.tuned,
+            candidate=_best_limits(machine, plant, settings, item.tuned, (without.limits,)),
+            is_classic=False,
+        )
+        for item in found.loops
+    ]
+    best = min(trials, key=lambda item: item.candidate.settling_time)
     remark = Message(
         "state-feedback-would",
-        with_it=_settling(with_it),
+        with_it=_settling(best.candidate),
         without=_settling(without),
         ratio=best.tuned.least_stiffness / choice.tuned.least_stiffness,
     )
@@ -298,7 +306,7 @@ def show_state_feedback(
         choice,
         variants=(
             LoopVariant(name=WITHOUT, tuned=choice.tuned, candidate=without, is_used=True),
-            LoopVariant(name=WITH, tuned=best.tuned, candidate=with_it, is_used=False),
+            LoopVariant(name=WITH, tuned=best.tuned, candidate=best.candidate, is_used=False),
         ),
         remarks=(*choice.remarks, remark),
     )
