@@ -523,7 +523,7 @@ def _loop() -> Any:
         "force_lag": 0.0025,
         "motion_force": 2010.0,
         "force_filters": [
-            {"kind": "notch", "natural_frequency": 452.0, "damping": 0.1, "width": 1.0}
+            {"kind": "notch", "natural_frequency": 452.0, "damping": 0.1, "width": 0.8}
         ],
         "encoder_resolution": 1e-8,
         "encoder_noise": {"tool": 3.3e-8, "force": 21.2},
