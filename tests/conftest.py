@@ -5,7 +5,10 @@
 
 import os
 
+import pytest
 from hypothesis import settings
+
+from mtcommission.cli.language import ENGLISH, choose
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
@@ -13,3 +16,9 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
 settings.register_profile("explore", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
+
+@pytest.fixture(autouse=True)
+def _english() -> None:
+    """A command that spoke German leaves its language behind in the process."""
+    choose(ENGLISH)

@@ -522,7 +522,9 @@ def _loop() -> Any:
         "velocity_cycle": 0.000125,
         "force_lag": 0.0025,
         "motion_force": 2010.0,
-        "force_filters": [{"kind": "notch", "natural_frequency": 452.0, "damping": 0.1}],
+        "force_filters": [
+            {"kind": "notch", "natural_frequency": 452.0, "damping": 0.1, "width": 0.8}
+        ],
         "encoder_resolution": 1e-8,
         "encoder_noise": {"tool": 3.3e-8, "force": 21.2},
         "sensors": ["encoder"],

@@ -159,12 +159,12 @@ def test_places_are_described_in_words() -> None:
 def test_a_contour_is_judged_at_its_feed_and_the_rest_at_the_velocity_of_the_move() -> None:
     """A rapid move would be slowed down to keep a contour that nobody cuts at that velocity."""
     machine = paper_machine()
-    needs = replace(machine.requirements, contour_deviation=1e-3, contour_feed=0.03)
+    needs = replace(machine.requirements, contour_deviation=1e-3, contour_feed=0.01)
     machine = replace(machine, requirements=needs)
     tuned, limits = tune_loop(machine), MotionLimits(acceleration=1.5, jerk=50.0)
     (fast,) = simulate_moves(machine, tuned, limits)
     (slow,) = simulate_moves(
-        replace(machine, moves=(VelocityStep(velocity_step=0.03),)), tuned, limits
+        replace(machine, moves=(VelocityStep(velocity_step=0.01),)), tuned, limits
     )
     for ours, path in zip(fast.responses, slow.responses, strict=True):
         assert ours.contour_deviation == path.peak_deviation < 0.9 * ours.peak_deviation

@@ -425,7 +425,7 @@ def test_simulate_refuses_what_would_take_for_ever(run: Run) -> None:
     code, _, err = run("simulate", PAPER, "--acceleration", "1e-6", "--jerk", "1e-3")
     assert code == 3
     # 0.1 m/s at 1e-6 m/s^2 and a ramp of 1 ms are 100 000 s, in cycles of 125 us.
-    assert "takes 1e+05 s; in 1 corner(s) all moves together are 8e+08 velocity cycles" in err
+    assert "takes 1e+05 s; in 5 corner(s) all moves together are 4e+09 velocity cycles" in err
     assert "check the units of --acceleration and --jerk" in err
 
 

@@ -75,7 +75,7 @@ def tuned_member(seed: int) -> TunedLoop:
     if not seen or seed % 2 == 0:
         return tuned
     observer = design_observer(machine, plant, cascade, settings=TuningSettings())
-    controller = add_state_feedback(machine, plant, cascade, seen[0], weight=0.3, observer=observer)
+    controller = add_state_feedback(machine, plant, cascade, weight=0.3, observer=observer)
     return close_loop(corner_plants(machine), controller)
 
 

@@ -27,7 +27,7 @@ from mtcommission.study.move_sizes import (
 from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine
 
-LIMITS = MotionLimits(acceleration=1.6, jerk=30.0)
+LIMITS = MotionLimits(acceleration=1.5, jerk=30.0)
 
 
 def two_moves() -> Machine:

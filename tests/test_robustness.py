@@ -340,7 +340,7 @@ def _kept(low: float, high: float) -> FrequencyError:
 
 
 @pytest.mark.parametrize(
-    ("acceleration", "jerk", "is_narrow"), [(1.3, 20.4, False), (1.75, 65.0, True)]
+    ("acceleration", "jerk", "is_narrow"), [(1.3, 20.4, False), (1.4, 83.1, True)]
 )
 def test_the_warning_is_about_the_machine_that_was_simulated(
     acceleration: float, jerk: float, is_narrow: bool

@@ -162,7 +162,7 @@ def choose_limits(
         reserve=machine.requirements.reserve,
         reserve_used=met and found.machine is not strict,
         explain=cache(partial(_explain, found, candidate.limits, met)),
-        chart=cache(partial(_chart, machine, plant, tuned, found.widest, settings)),
+        chart=cache(partial(_chart, machine, found, candidate.limits)),
         evaluations=len(found.pool.settling),
     )
 
@@ -298,18 +298,20 @@ class _Stage:
     best: tuple[MotionLimits, ...]
 
 
-def _chart(
-    machine: Machine, plant: Plant, tuned: TunedLoop, widest: Region, settings: SearchSettings
-) -> Landscape:
+def _chart(machine: Machine, found: _Found, chosen: MotionLimits) -> Landscape:
+    widest, plant = found.widest, found.plant
+    longest = max(widest.longest_jerk_time, CHOSEN_INSIDE * chosen.jerk_time)
     if widest.has_one_jerk_time:
         # The picture shows what a jerk limit would do, too.
-        widest = replace(
-            widest, longest_jerk_time=max(longest_period(plant), MAPPED * widest.shortest_jerk_time)
-        )
-    bench = build_bench(machine, plant, tuned, longest=_longest(machine, widest))
-    guess = guess_usage(bench, widest, widest=widest, points=settings.coarse_grid)
-    return chart_landscape(bench, guess, widest, points=settings.landscape)
+        longest = max(longest_period(plant), MAPPED * widest.shortest_jerk_time)
+    widest = replace(widest, longest_jerk_time=longest)
+    bench = build_bench(machine, plant, found.tuned, longest=_longest(machine, widest))
+    guess = guess_usage(bench, widest, widest=widest, points=found.settings.coarse_grid)
+    return chart_landscape(bench, guess, widest, points=found.settings.landscape)
 
+
+CHOSEN_INSIDE = 1.3
+"""Longest jerk time of the map over that of the chosen limits, at least."""
 
 MAPPED = 10.0
 """Longest jerk time of the map over the position cycle, where the control has no jerk limit."""

@@ -27,8 +27,8 @@ def keep_reserve(machine: Machine) -> Machine:
     >>> from tests.machines import paper_machine
     >>> needs = replace(paper_machine().requirements, reserve=Reserve(band=0.8, force=0.95))
     >>> strict = keep_reserve(replace(paper_machine(), requirements=needs))
-    >>> strict.requirements.tcp_deviation, strict.drive.max_force
-    (4e-06, 1900.0)
+    >>> round(1e6 * strict.requirements.tcp_deviation, 6), strict.drive.max_force
+    (4.0, 1900.0)
     """
     needs, drive, reserve = machine.requirements, machine.drive, machine.requirements.reserve
     if reserve == NO_RESERVE:

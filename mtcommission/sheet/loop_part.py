@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from math import inf, isfinite
+from math import inf, isfinite, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +93,16 @@ def gain_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
     for state, gain in part.state_feedback.items():
         unit = f"{units['F']}/({units[state]})" if state in units else ""
         rows.append((text("state-feedback", name=symbol(state)), f.quantity(gain, unit)))
+    if part.reference_model_time:
+        rows.append((text("reference-model"), f.quantity(part.reference_model_time, "s")))
+    for number, item in enumerate(part.force_filters, start=1):
+        said = text(
+            f"loop-filter-{item.kind.replace('_', '-')}",
+            frequency=item.natural_frequency / (2.0 * pi),
+            damping=item.damping,
+            width=item.width,
+        )
+        rows.append((text("force-filter", number=number), said))
     rows.append((text("position-cycle"), f.quantity(part.position_cycle, "s")))
     rows.append((text("velocity-cycle"), f.quantity(part.velocity_cycle, "s")))
     return tuple(rows)

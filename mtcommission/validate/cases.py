@@ -12,7 +12,7 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.condense import condense
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Control, Machine, TcpSensor, Weight
+from mtcommission.machine.machine import Machine, TcpSensor, Weight
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights
@@ -162,7 +162,7 @@ def solve_cases(progress: Progress = lambda _: None) -> Cases:
     loops = _loop_cases(machine, plant, (time.arcs, bounded.arcs, damping.arcs))
     progress("feedback loops of machines with other frequencies and sensors")
     soft, stiff = FREQUENCY_FACTORS
-    near_tool = replace(machine, control=Control(tcp_sensor=TcpSensor.POSITION))
+    near_tool = replace(machine, control=replace(machine.control, tcp_sensor=TcpSensor.POSITION))
     return Cases(
         machine=machine,
         plant=plant,

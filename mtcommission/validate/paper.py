@@ -5,7 +5,17 @@ Source: B. Christiansen, H. Maurer, O. Zirn, Optimal Control of Machine Tool Man
 
 from __future__ import annotations
 
-from mtcommission.machine.machine import Drive, Machine, Modes, Requirements, VelocityStep, Weight
+from mtcommission.control_kinds.kinds import STATE_SPACE
+from mtcommission.machine.machine import (
+    Control,
+    Drive,
+    Machine,
+    Modes,
+    Requirements,
+    StateFeedback,
+    VelocityStep,
+    Weight,
+)
 from mtcommission.plant.manipulator import Manipulator
 
 MECHANICS = Manipulator(
@@ -72,8 +82,9 @@ def paper_machine() -> Machine:
     Returns
     -------
     Machine
-        The band of 5 µm, in which the loop of sec. 3 has to settle, is ours: the paper states
-        none. The sign of the height of the tool is an assumption, too.
+        The band of 5 µm, in which the loop of sec. 3 has to settle, is ours, and so are the
+        spreads of frequencies and damping: the paper states none. The sign of the height of the
+        tool is an assumption, too. The cascade is extended by state feedback, as sec. 3 proposes.
 
     Source: Table 1; eq. (3).
 
@@ -90,6 +101,10 @@ def paper_machine() -> Machine:
         drive=Drive(force_lag=FORCE_LAG, max_force=FORCE_LIMIT),
         moves=(VelocityStep(velocity_step=VELOCITY_STEP),),
         requirements=Requirements(
-            tcp_deviation=5e-6, modes=Modes(surface=2e-6, accuracy=5e-6, speed=20e-6)
+            tcp_deviation=5e-6,
+            modes=Modes(surface=2e-6, accuracy=5e-6, speed=20e-6),
+            frequency_spread=0.05,
+            damping_spread=0.3,
         ),
+        control=Control(kind=STATE_SPACE, state_feedback=StateFeedback.AUTO),
     )

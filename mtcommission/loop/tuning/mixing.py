@@ -75,7 +75,7 @@ def find_mixed_modes(loop: SampledLoop, damping: Array) -> tuple[MixedMode, ...]
     --------
     >>> from mtcommission.loop.tuning.tuning import tune_loop
     >>> from mtcommission.profile.shipped import read_shipped
-    >>> tuned = tune_loop(read_shipped("modal-two-modes").machine)
+    >>> tuned = tune_loop(read_shipped("rotary-table").machine)
     >>> find_mixed_modes(tuned.loops[0], tuned.nominal.mode_damping)
     ()
     """

@@ -54,7 +54,7 @@ now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
 now = jetzt { $value }
 used = Genutzt vom Zulässigen: { $shares }.
 now-no-result = kein Ergebnis (siehe Warnung)
-basis-caption = Worauf das beruht (angenommen: im Profil nicht angegeben)
+basis-caption = Worauf das beruht (angenommen: weder angegeben noch gemessen)
 basis = Annahme
 basis-control = Steuerung
 basis-frequencies = Frequenzen
@@ -344,6 +344,11 @@ sensors = Geber: { $names }.
 sensor-encoder = Lagegeber
 sensor-tcp = Sensor am TCP
 observed = Beobachtete Zustände: { $names }.
+reference-model = Referenzmodell des Integralanteils
+force-filter = { $axis ->
+    [rotary] Filter { $number } im Momentensollwert
+   *[linear] Filter { $number } im Kraftsollwert
+}
 position-cycle = Lagereglertakt
 velocity-cycle = Geschwindigkeitsreglertakt
 trade-off-caption = Steifigkeit gegen Einschwingzeit: { $shown } von { $tried } versuchten Regelkreisen, jeder mit seinen besten Grenzwerten aus einer groben Suche, ungünstigster Fall

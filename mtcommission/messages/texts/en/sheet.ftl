@@ -54,7 +54,7 @@ now-and-then = Settling time / residual deviation: now { $now }, then { $then }.
 now = now { $value }
 used = Used of what is allowed: { $shares }.
 now-no-result = no result (see the warning)
-basis-caption = What this rests on (assumed: not stated in the profile)
+basis-caption = What this rests on (assumed: neither stated nor measured)
 basis = Assumption
 basis-control = Control
 basis-frequencies = Frequencies
@@ -341,6 +341,11 @@ sensors = Sensors: { $names }.
 sensor-encoder = encoder
 sensor-tcp = tcp
 observed = Observed states: { $names }.
+reference-model = Reference model of the integral part
+force-filter = { $axis ->
+    [rotary] Filter { $number } in the torque setpoint
+   *[linear] Filter { $number } in the force setpoint
+}
 position-cycle = Position cycle
 velocity-cycle = Velocity cycle
 trade-off-caption = Stiffness against settling time: { $shown } of { $tried } loops tried, each with its best limits by a coarse search, worst case
