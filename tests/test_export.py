@@ -304,6 +304,7 @@ def test_what_the_control_lacks_is_neither_written_nor_simulated(paper: Case) ->
     header = " ".join(export.header)
     assert paper.record["loop"]["state_feedback"]
     assert "LEFT OUT OR CHANGED" in header
+    assert "too little margin" in header, "a loop that lost its margins meets nothing"
     assert "state feedback" in header
     assert 'control.kind = "sinumerik"' in header
     assert re.search(

@@ -132,7 +132,7 @@ def today_of(subject: Subject, rapid: float) -> dict[Key, float | str]:
         Setting.POSITION_GAIN: today.position_gain,
         Setting.VELOCITY_GAIN: today.velocity_gain,
         Setting.INTEGRAL_TIME: today.integral_time,
-        Setting.AVERAGE: today.moving_average_time,
+        Setting.AVERAGE: today.moving_average_time or None,
     }
     return {(setting, ""): value for setting, value in known.items() if value is not None}
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from math import isfinite
+from math import inf, isfinite
 
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.export.catalogue import find_control_key, name_control
@@ -23,6 +23,7 @@ from mtcommission.export.plc import PLC_CONTROLS
 from mtcommission.export.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.subject import Subject, build_subject, for_mode
 from mtcommission.export.wording import name_mode, show_value, to_ascii
+from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.data import ACCEPTED_DEFAULT
@@ -117,7 +118,12 @@ def export_record(
         for mode in record.limits.modes
         if mode not in kept and any(row.index == mode.name for row in rows)
     )
-    judged = _Judged(held=held, verdict=verdict, left_out=left_out)
+    judged = _Judged(
+        held=held,
+        verdict=verdict,
+        left_out=left_out,
+        lost_margins=_find_lost_margins(record, held),
+    )
     header = tuple(
         " ".join(to_ascii(words.say(line)).split())
         for line in _header(subject, target, judged, written, words)
@@ -130,7 +136,7 @@ def export_record(
         entries=entries,
         limits=held.limits(),
         verdict=verdict,
-        meets_requirements=met and not left_out,
+        meets_requirements=met and not left_out and not judged.lost_margins,
         text="\n".join([*head, "", *lines]) + "\n",
     )
 
@@ -263,11 +269,14 @@ class _Judged:
         Of the recommendation.
     left_out
         Machining modes whose band no limits meet.
+    lost_margins
+        Margins of the text's loop where they are poor and those of the record were not; else None.
     """
 
     held: Held
     verdict: Candidate
     left_out: tuple[ModeLimitsEntry, ...]
+    lost_margins: Message | None
 
 
 def _header(
@@ -311,6 +320,24 @@ def _header(
     return sentences
 
 
+ROUNDED_MARGINS = TuningSettings(gain_margin_db=5.7, phase_margin_deg=29.0, sensitivity_peak=2.1)
+"""What rounding to the digits of a control may leave of the margins."""
+
+
+def _find_lost_margins(record: Record, held: Held) -> Message | None:
+    """The margins of the text's loop where these are poor and those of the record were not."""
+    worst = record.loop.worst_corner
+    had = (
+        (worst.gain_margin_db or inf) >= ROUNDED_MARGINS.gain_margin_db
+        and (worst.phase_margin_deg or inf) >= ROUNDED_MARGINS.phase_margin_deg
+        and worst.sensitivity_peak <= ROUNDED_MARGINS.sensitivity_peak
+    )
+    analyses = held.tuned.analyses
+    if not had or all(has_margins(one, settings=ROUNDED_MARGINS) for one in analyses):
+        return None
+    return Message("export-margins-lost", margins=describe_margins(analyses))
+
+
 def _verdict(subject: Subject, control: Control, judged: _Judged) -> Message:
     def show(value: float, unit: str) -> str | Message:
         return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
@@ -333,6 +360,7 @@ def _verdict(subject: Subject, control: Control, judged: _Judged) -> Message:
         if not check.is_met
     ]
     missed += [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out]
+    missed += [judged.lost_margins] if judged.lost_margins else []
     if not missed:
         return Message("export-all-met", judged=said)
     told = reduce(lambda first, then: Message("record-both", first=first, then=then), missed)

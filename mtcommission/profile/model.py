@@ -418,6 +418,8 @@ def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
             most=kind.force_filters,
         )
         faults.append(("force_filters", message))
+    if control.force_filters is None and kind.force_filters == 0:
+        faults.append(("force_filters", Message("control-without-force-filters", control=key)))
     return faults
 
 

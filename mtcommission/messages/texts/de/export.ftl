@@ -58,6 +58,8 @@ export-judged = Aus diesem Text simuliert, Zeile fuer Zeile zurueckgelesen (Mass
 export-all-met = { $judged }; alle Anforderungen erfuellt.
 export-not-all-met = { $judged }; ANFORDERUNGEN NICHT ERFUELLT: { $missed }.
 export-missed = { $name } { $value }, erlaubt { $limit }
+# $margins: of the loop that the text makes, worst corner
+export-margins-lost = zu wenig Stabilitätsreserve, { $margins }
 export-mode-missed = keine Grenzwerte fuer die Bearbeitungsart { $mode }
 export-not-settled = nicht eingeschwungen
 export-no-limits-within = keine Grenzwerte halten das Werkzeug im Toleranzband der Bearbeitungsart { $mode }, { $band }

@@ -88,6 +88,7 @@ control-without-delay = { PLAIN($got, digits: 6) } s angegeben; kind = "{ $contr
 control-without-state-feedback = kind = "{ $control }" führt keine Zustände zurück; "off" schreiben, oder kind = "state-space" für einen freien Regler
 control-without-observer = kind = "{ $control }" hat keinen Beobachter, der einen Geber am Werkzeug nutzen könnte; "none" schreiben, oder kind = "state-space" für einen freien Regler
 control-without-filter = { $got } angegeben; kind = "{ $control }" hat kein solches Sollwertfilter; "none" schreiben
+control-without-force-filters = "auto" angegeben; kind = "{ $control }" hat keine Filter im Momentensollwert; den Schlüssel weglassen
 control-with-fewer-filters = { $got } Filter angegeben; kind = "{ $control }" hat { $most } im Momentensollwert; nicht mehr angeben
 control-without-jerk-limit = kind = "{ $control }" begrenzt den Ruck nicht, also ist heute keiner eingestellt; den Schlüssel entfernen
 delay-below-drive = { PLAIN($got, digits: 6) } s angegeben; ein Antrieb, der den Lageregelkreis schließt, kennt keinen neueren Sollwert als den vor zwei Lagereglertakten: mindestens { PLAIN($least, digits: 6) } s schreiben oder den Schlüssel weglassen

@@ -62,6 +62,8 @@ export-judged = Simulated from this text, read back row by row (masses, modes, d
 export-all-met = { $judged }; all requirements met.
 export-not-all-met = { $judged }; REQUIREMENTS NOT MET: { $missed }.
 export-missed = { $name } { $value }, allowed { $limit }
+# $margins: of the loop that the text makes, worst corner
+export-margins-lost = too little margin, { $margins }
 export-mode-missed = no limits for machining mode { $mode }
 export-not-settled = not settled
 export-no-limits-within = no limits keep the tool within the band of machining mode { $mode }, { $band }

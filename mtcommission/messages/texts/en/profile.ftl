@@ -103,6 +103,7 @@ control-without-delay = got { PLAIN($got, digits: 6) } s; kind = "{ $control }" 
 control-without-state-feedback = kind = "{ $control }" cannot feed states back; write "off", or kind = "state-space" for a free controller
 control-without-observer = kind = "{ $control }" has no observer that could use a sensor at the tool; write "none", or kind = "state-space" for a free controller
 control-without-filter = got { $got }; kind = "{ $control }" has no such setpoint filter; write "none"
+control-without-force-filters = got "auto"; kind = "{ $control }" has no filters in the torque setpoint; leave the key out
 control-with-fewer-filters = got { $got } filters; kind = "{ $control }" has { $most } in the torque setpoint; write no more
 control-without-jerk-limit = kind = "{ $control }" limits no jerk, so none can be set today; remove the key
 delay-below-drive = got { PLAIN($got, digits: 6) } s; a drive that closes the position loop knows no newer setpoint than that of two position cycles ago: write at least { PLAIN($least, digits: 6) } s, or leave the key out

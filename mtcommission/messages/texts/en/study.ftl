@@ -27,7 +27,7 @@ time-value = { TIME($time) }
 state-feedback-chosen = Best settling time { $with_it } with it, { $without } without it: it is used.
 state-feedback-left-out = Best settling time { $with_it } with it, { $without } without it: it is left out.
 state-feedback-stiffness = With it the tool is { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
-state-feedback-would = State feedback, which is not used here, would let the moves settle in { $with_it } instead of { $without } (coarse search), with a tool { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
+state-feedback-would = State feedback (kind = "state-space" with state_feedback = "auto"; no other control has it), which is not used here, would let the moves settle in { $with_it } instead of { $without } (coarse search), with a tool { NUMBER($ratio, digits: 3) } times as stiff against a disturbance.
 # $number of loops tried; $later: what the stiffer tool may cost; $soonest: settling time of any
 loop-chosen = Of { $number } loops with the margins, none softer than by the classic rule, this is the stiffest of those whose moves settle within { PERCENT($later) } of the soonest ({ $soonest }): { $settling } with { STIFFNESS($stiffness, digits: 3) } dynamic stiffness in the worst corner.
 loop-by-classic-rule = By the classic rule (Tn = 4 m / Kp, Kv = Kp / (4 m)) it would be { $settling } with { STIFFNESS($stiffness, digits: 3) }.
