@@ -299,7 +299,7 @@ def test_a_run_on_its_own_kind_leaves_nothing_out(control: str, tmp_path: Path) 
 
 
 def test_what_the_control_lacks_is_neither_written_nor_simulated(paper: Case) -> None:
-    """Issue 18.1: state feedback has no row, so its result may not stand in the header."""
+    """State feedback has no row, so its result may not stand in the header."""
     export = export_record(paper.record, control="sinumerik")
     header = " ".join(export.header)
     assert paper.record["loop"]["state_feedback"]
