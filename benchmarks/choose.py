@@ -44,8 +44,8 @@ from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (
     JerkSteps,
+    filter_steps,
     jerk_steps,
-    moving_average_steps,
     plan_setpoint,
 )
 from mtcommission.verdict.evaluate import evaluate
@@ -112,8 +112,7 @@ def candidates(
 
 def steps_of(machine: Machine, move: Move, pairs: np.ndarray) -> JerkSteps:
     steps = jerk_steps(move, acceleration=pairs[:, 0], jerk=pairs[:, 0] / pairs[:, 1])
-    mean = machine.control.moving_average_time
-    return moving_average_steps(steps, time=mean) if mean else steps
+    return filter_steps(steps, machine.control.setpoint_filter)
 
 
 def brute_force(
@@ -133,10 +132,10 @@ def brute_force(
         return inf
     settling = np.zeros(len(pairs))
     for move in machine.moves:
-        longest = float(steps_of(machine, move, pairs).duration.max())
+        steps = steps_of(machine, move, pairs)
+        longest = float(steps.duration.max())
         for loop in tuned.loops:
-            filtered = machine.control.moving_average_time > 0.0
-            tables = build_tables(loop, longest=longest, filtered=filtered)
+            tables = build_tables(loop, longest=longest, order=steps.order)
             alive = np.flatnonzero(settling <= latest)
             for part in slices(alive):
                 band = machine.requirements.tcp_deviation
@@ -170,7 +169,6 @@ def keeps_bounds(machine: Machine, plant: Plant, tuned: TunedLoop, pairs: np.nda
                 loop,
                 steps_of(machine, move, pairs),
                 signals=signals,
-                order=4 if machine.control.moving_average_time else 3,
                 dwell=move.dwell,
                 tail=0.1,
                 static_load=drive.static_load,

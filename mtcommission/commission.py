@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 
-from mtcommission.limits.choose import Choice, choose_limits
+from mtcommission.limits.choose import Choice, choose_for_listed, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
 from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
 from mtcommission.loop.simulation_budget import require_affordable
@@ -19,6 +20,8 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.study.attainable import Attainable, find_attainable
 from mtcommission.study.comparison import MoveComparison, compare_move
+from mtcommission.study.friction import FrictionEffect, examine_friction
+from mtcommission.study.improvements import Improvement, find_improvements
 from mtcommission.study.known_rules import evaluate_rules
 from mtcommission.study.loop_choice import LoopChoice, settle_on_loop, show_alternatives
 from mtcommission.study.loop_study import LoopStudy, study_loop
@@ -27,6 +30,8 @@ from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
 from mtcommission.study.robustness import Robustness, examine_robustness
 from mtcommission.study.settings import Settings
 from mtcommission.study.today import TodaysValues, judge_today
+from mtcommission.study.tool_sensor import ToolSensor, value_tool_sensor
+from mtcommission.study.within_band import WithinBand, find_within_band
 from mtcommission.verdict.assess import Assessment
 from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate
 
@@ -45,12 +50,17 @@ class Commissioning:
         Numerical settings used.
     optima
         One for each move.
+    within_band
+        The fastest controls of each move that leave the tool within the band.
     loop
         The loop that is used, and its variants.
     loop_study
         Its answer to a disturbance, and the effect of the jerk feed-forward.
     choice
         Recommended limits, judged, each move with them, and the landscape of the search.
+    listed
+        The limits that would serve the listed sizes of move best; None where only these count, or
+        where every size cannot be served.
     alternatives
         Limits condensed from the optima.
     rules
@@ -68,17 +78,25 @@ class Commissioning:
     attainable
         What could be met in place of the requirements that stand in the way; empty if all are
         met, or if the force itself does not suffice.
+    friction
+        What the stated friction does to the recommended limits; empty where none is stated.
     today
         What the values now in the control do; None where the profile states none.
+    tool_sensor
+        What measuring at the tool could free; None where nothing was measured, or all of it.
+    improve
+        Finds what single changes would bring, when it is first asked for: a sweep never does.
     """
 
     machine: Machine
     plant: Plant
     settings: Settings
     optima: tuple[Optima, ...]
+    within_band: tuple[WithinBand, ...]
     loop: LoopChoice
     loop_study: LoopStudy
     choice: Choice
+    listed: Candidate | None
     alternatives: tuple[Candidate, ...]
     rules: tuple[Candidate, ...]
     comparisons: tuple[MoveComparison, ...]
@@ -87,7 +105,15 @@ class Commissioning:
     robustness: Robustness
     move_sizes: tuple[MoveSizes, ...]
     attainable: tuple[Attainable, ...]
+    friction: tuple[FrictionEffect, ...]
     today: TodaysValues | None
+    tool_sensor: ToolSensor | None
+    improve: Callable[[], tuple[Improvement, ...]]
+
+    @property
+    def improvements(self) -> tuple[Improvement, ...]:
+        """What single changes would bring, the most first."""
+        return self.improve()
 
     @property
     def tuned(self) -> TunedLoop:
@@ -139,6 +165,9 @@ def commission(
     plant = build_plant(machine)
     progress(Message("stage-optimal-controls"))
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
+    within_band = tuple(
+        find_within_band(machine, plant, item, settings=settings.band) for item in optima
+    )
     condensed = condense_optima(machine, plant, optima)
     starts = [limits for _, limits in condensed]
     progress(Message("stage-feedback-loop"))
@@ -147,6 +176,9 @@ def commission(
     tuned = loop.tuned
     progress(Message("stage-limits"))
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
+    listed = None
+    if machine.requirements.every_size and choice.meets_requirements:
+        listed = choose_for_listed(machine, plant, tuned, settings=settings.comparison)
     progress(Message("stage-responses"))
     alternatives = tuple(
         evaluate(machine, plant, tuned, limits, name=name) for name, limits in condensed
@@ -162,23 +194,32 @@ def commission(
         machine, plant, tuned, choice, starts=starts, settings=settings.search
     )
     progress(Message("stage-comparison"))
-    pairs = zip(optima, choice.moves, strict=True)
-    comparisons = tuple(compare_move(machine, plant, tuned, *pair) for pair in pairs)
+    triples = zip(optima, within_band, choice.moves, strict=True)
+    comparisons = tuple(
+        compare_move(machine, plant, tuned, item, result, robust=within.robust)
+        for item, within, result in triples
+    )
     progress(Message("stage-robustness"))
     robustness = examine_robustness(
         machine, plant, tuned, choice.limits, settings=settings.robustness
     )
+    friction = examine_friction(machine, tuned, choice.moves)
     today = judge_today(machine, plant, tuned, settings.robustness)
     loop_study = study_loop(machine, loop, choice.limits)
-    move_sizes = compare_move_sizes(machine, plant, tuned, choice.limits, rule.limits)
+    move_sizes = compare_move_sizes(
+        machine, tuned, choice.limits, listed.limits if listed else None, rule.limits
+    )
+    tool_sensor = value_tool_sensor(machine, tuned, choice, settings=settings.comparison)
     return Commissioning(
         machine=machine,
         plant=plant,
         settings=settings,
         optima=optima,
+        within_band=within_band,
         loop=loop,
         loop_study=loop_study,
         choice=choice,
+        listed=listed,
         alternatives=alternatives,
         rules=rules,
         comparisons=comparisons,
@@ -187,5 +228,8 @@ def commission(
         robustness=robustness,
         move_sizes=move_sizes,
         attainable=attainable,
+        friction=friction,
         today=today,
+        tool_sensor=tool_sensor,
+        improve=cache(partial(find_improvements, machine, loop, choice, comparisons, settings)),
     )

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from mtcommission.messages.message import Message
+from mtcommission.messages.message import Message, printable
 
 if TYPE_CHECKING:
     from mtcommission.messages.catalogue import Catalogue
@@ -43,8 +43,9 @@ class Fault:
 
     def text(self, catalogue: Catalogue) -> str:
         """Return the fault with its place, in the language of a catalogue."""
-        place = f"{self.where}:{self.line}" if self.line else self.where
-        return ": ".join(part for part in (place, self.key, catalogue.say(self.message)) if part)
+        where, key = printable(self.where), printable(self.key)
+        place = f"{where}:{self.line}" if self.line else where
+        return ": ".join(part for part in (place, key, catalogue.say(self.message)) if part)
 
     def __str__(self) -> str:
         return self.text(_english())

@@ -1,19 +1,31 @@
-"""Reading that says what is wrong with a file, and writing that leaves no half-written one."""
+"""Reading that says what is wrong with a file, and writing that leaves no half-written one.
+
+What is written replaces a file as a whole. A link stays and what it points to is replaced; a file
+keeps its mode, a new one has that of the umask; devices and pipes are written into.
+"""
 
 from __future__ import annotations
 
+import errno
 import os
+import select
+import stat
 import sys
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from tempfile import NamedTemporaryFile
+from secrets import token_hex
+from typing import BinaryIO
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
+PATIENCE = 10.0
+"""Seconds that a named pipe is waited for; whoever is at its other end has then been forgotten."""
 
-def read_bytes(path: Path, *, folder: Message, most: int = -1) -> bytes:
-    """Return what a file holds.
+
+def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
+    """Return what a file holds, or standard input if its name is ``-``.
 
     Parameters
     ----------
@@ -22,7 +34,7 @@ def read_bytes(path: Path, *, folder: Message, most: int = -1) -> bytes:
     folder
         What to say if it is a folder.
     most
-        Bytes that are read; -1 for all.
+        Bytes that are read at most.
 
     Returns
     -------
@@ -31,10 +43,12 @@ def read_bytes(path: Path, *, folder: Message, most: int = -1) -> bytes:
     Raises
     ------
     InputError
-        If it cannot be read.
+        If it cannot be read, or nothing comes through a named pipe.
     """
     try:
-        with path.open("rb") as file:
+        if str(path) == "-":
+            return sys.stdin.buffer.read(most)
+        with open(path, "rb", opener=_open_pipe_patiently) as file:
             return file.read(most)
     except (OSError, ValueError) as error:
         match error:
@@ -42,6 +56,8 @@ def read_bytes(path: Path, *, folder: Message, most: int = -1) -> bytes:
                 message = Message("file-missing")
             case IsADirectoryError():
                 message = folder
+            case TimeoutError():
+                message = Message("file-silent-pipe", seconds=PATIENCE)
             case OSError():
                 message = Message("file-unreadable", reason=error.strerror)
             case _:
@@ -49,18 +65,34 @@ def read_bytes(path: Path, *, folder: Message, most: int = -1) -> bytes:
         raise InputError([Fault(where=str(path), message=message)]) from error
 
 
-def require_folder(folder: Path) -> None:
+def _open_pipe_patiently(name: str, flags: int) -> int:
+    """Open for reading; a named pipe into which nobody writes would block for ever."""
+    if name.startswith(("/dev/", "/proc/")) or not stat.S_ISFIFO(os.stat(name).st_mode):
+        return os.open(name, flags)
+    descriptor = os.open(name, flags | os.O_NONBLOCK)
+    if not select.select([descriptor], [], [], PATIENCE)[0]:
+        os.close(descriptor)
+        raise TimeoutError
+    os.set_blocking(descriptor, True)
+    return descriptor
+
+
+def require_folder(folder: Path, *names: str, inputs: Sequence[Path] = ()) -> None:
     """Raise before anything is computed if files cannot be written into a folder.
 
     Parameters
     ----------
     folder
         May be missing; nothing is made yet.
+    names
+        Of the files.
+    inputs
+        Files that must stay as they are.
 
     Raises
     ------
     InputError
-        If it is a file, or may not be written to.
+        If it is a file, or it or a file in it may not be written.
     """
     place = folder
     while not place.exists() and place != place.parent:
@@ -71,6 +103,8 @@ def require_folder(folder: Path) -> None:
     elif not os.access(place, os.W_OK | os.X_OK):
         reason = Message("file-no-right", folder=str(place))
     else:
+        if place == folder:
+            require_writable(*(str(folder / name) for name in names), inputs=inputs)
         return
     raise no_folder(folder, reason)
 
@@ -82,39 +116,60 @@ def no_folder(folder: Path, reason: Message | OSError) -> InputError:
     return InputError([Fault(where=str(folder), message=message)])
 
 
-def require_writable(*names: str) -> None:
+def require_writable(*names: str, inputs: Sequence[Path] = ()) -> None:
     """Raise before anything is computed if a text cannot be written to one of these files.
 
     Parameters
     ----------
     names
-        File names; "" and "-" (standard output) are always good.
+        File names; "" is none, "-" standard output.
+    inputs
+        Files that must stay as they are.
 
     Raises
     ------
     InputError
-        With a fault for each that is a folder or whose folder is missing or write-protected.
+        With a fault for each that is a folder or write-protected, whose folder is missing or
+        write-protected, that is named twice, or that is an input.
     """
-    faults = []
-    for name in names:
-        path = Path(name)
-        if name in ("", "-"):
-            continue
-        if path.is_dir():
-            message = Message("file-is-folder")
-        elif not path.parent.is_dir():
-            message = Message("file-without-folder", folder=str(path.parent))
-        elif not os.access(path.parent, os.W_OK | os.X_OK):
-            message = Message("file-folder-closed", folder=str(path.parent))
-        else:
-            continue
-        faults.append(Fault(where=name, message=message))
+    faults, places = [], list[str]()
+    for name in filter(None, names):
+        wrong = _twice(name, places) or _wrong_with(name, inputs)
+        places.append(os.path.realpath(name))
+        if wrong:
+            faults.append(Fault(where=name, message=wrong))
     if faults:
         raise InputError(faults)
 
 
+def _twice(name: str, places: Sequence[str]) -> Message | None:
+    is_stream = name != "-" and _is_stream(Path(name))
+    is_twice = os.path.realpath(name) in places and not is_stream
+    return Message("file-named-twice") if is_twice else None
+
+
+def _wrong_with(name: str, inputs: Sequence[Path]) -> Message | None:
+    """Why a name cannot be written to; None if it can."""
+    path = Path(os.path.realpath(name) if os.path.islink(name) else name)
+    if name == "-":
+        return None
+    if path.is_dir():
+        return Message("file-is-folder")
+    if _is_stream(Path(name)):
+        return None
+    if not path.parent.is_dir():
+        return Message("file-without-folder", folder=str(path.parent))
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        return Message("file-folder-closed", folder=str(path.parent))
+    if any(os.path.realpath(other) == os.path.realpath(path) for other in inputs):
+        return Message("file-is-input")
+    if path.exists() and not os.access(path, os.W_OK):
+        return Message("file-write-protected")
+    return None
+
+
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write files into a folder, each under a temporary name first.
+    """Write files into a folder, each as a whole.
 
     Parameters
     ----------
@@ -131,7 +186,7 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in files.items():
-            _replace(folder / name, content)
+            replace_file(folder / name, content)
     except OSError as error:
         raise no_folder(folder, error) from error
 
@@ -155,20 +210,68 @@ def write_text(name: str, text: str) -> None:
         sys.stdout.write(text)
         return
     try:
-        _replace(Path(name), text.encode())
+        replace_file(Path(name), text.encode(errors="replace"))
     except OSError as error:
-        message = Message("file-not-writable", reason=str(error.strerror))
+        is_unread = isinstance(error, TimeoutError)
+        reason = Message("file-unread-pipe", seconds=PATIENCE) if is_unread else error.strerror
+        message = Message("file-not-writable", reason=reason)
         raise InputError([Fault(where=name, message=message)]) from error
 
 
-def _replace(path: Path, content: bytes) -> None:
-    with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
+def replace_file(path: Path, content: bytes | Callable[[BinaryIO], object]) -> None:
+    """Write a file as a whole or not at all; into a device or a pipe as it comes.
+
+    Parameters
+    ----------
+    path
+        A link is followed.
+    content
+        Or what fills the file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; what was there before is unchanged.
+    """
+    fill = content if callable(content) else lambda file: file.write(content)
+    if _is_stream(path):
+        with os.fdopen(_open_stream(path), "wb") as file:
+            fill(file)
+        return
+    place = Path(os.path.realpath(path))
+    fresh = place.with_name(f".mtcommission-{token_hex(8)}")
+    with fresh.open("xb") as file:
         try:
-            file.write(content)
+            if place.exists():
+                os.chmod(fresh, stat.S_IMODE(place.stat().st_mode))
+            fill(file)
+            file.flush()
+            os.fsync(file.fileno())
             file.close()
-            os.chmod(file.name, 0o644)
-            os.replace(file.name, path)
-        except OSError:
+            os.replace(fresh, place)
+        except BaseException:
             file.close()
-            Path(file.name).unlink(missing_ok=True)
+            fresh.unlink(missing_ok=True)
             raise
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether a name stands for a device, a pipe or a socket, which nothing may replace."""
+    return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def _open_stream(path: Path) -> int:
+    """Open for writing; a named pipe that nobody reads is not waited for without end."""
+    flags, end = os.O_WRONLY | getattr(os, "O_NONBLOCK", 0), time.monotonic() + PATIENCE
+    while True:
+        try:
+            descriptor = os.open(path, flags)
+        except OSError as error:
+            if error.errno != errno.ENXIO:
+                raise
+            if time.monotonic() > end:
+                raise TimeoutError from error
+            time.sleep(0.05)
+        else:
+            os.set_blocking(descriptor, True)
+            return descriptor

@@ -83,6 +83,36 @@ class OptimalRequest:
     transcription: TranscriptionSettings
 
 
+SIZES = {"every": True, "listed": False}
+"""Words of ``--for``, and whether they ask for every smaller move."""
+
+
+def with_sizes(machine: Machine, text: str) -> Machine:
+    """Return the machine with other sizes of move that its limits must serve.
+
+    Parameters
+    ----------
+    machine
+        From its profile.
+    text
+        Of ``--for``: ``every`` or ``listed``.
+
+    Returns
+    -------
+    Machine
+
+    Raises
+    ------
+    InputError
+        If the text is neither.
+    """
+    faults: list[Fault] = []
+    require_one_of("--for", text, list(SIZES), faults)
+    _raise(faults)
+    needs = replace(machine.requirements, every_size=SIZES[text])
+    return replace(machine, requirements=needs)
+
+
 def with_force(machine: Machine, text: str) -> Machine:
     """Return the machine with another force limit.
 
@@ -106,11 +136,12 @@ def with_force(machine: Machine, text: str) -> Machine:
     faults: list[Fault] = []
     force = read_positive("--f-max", text, dimension, faults)
     _raise(faults)
-    if force <= abs(machine.drive.static_load):
+    taken = machine.drive.max_force - machine.drive.motion_force
+    if force <= taken:
         message = Message(
             "option-force-below-static-load",
             force=force,
-            load=abs(machine.drive.static_load),
+            load=taken,
             unit=dimension.si,
         )
         raise InputError([Fault(where="--f-max", message=message)])

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mtcommission.control_kinds.kind import FEATURES, ControlKind, Feature, PositionLoop
+from mtcommission.control_kinds.kind import (
+    FEATURES,
+    ControlKind,
+    Feature,
+    FilterChoice,
+    PositionLoop,
+)
 from mtcommission.control_kinds.kinds import ADDRESSES, GENERIC, KINDS, STATE_SPACE
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -79,9 +85,20 @@ def _has(kind: ControlKind, name: str) -> str:
         case float():
             return f"{1e3 * value:g} ms"
         case tuple():
-            words = [v.value if isinstance(v, PositionLoop) else v for v in value]
-            return ", ".join(words) or "none"
+            return ", ".join(_word(item) for item in value) or "none"
     return str(getattr(value, "value", value))
+
+
+def _word(item: object) -> str:
+    match item:
+        case PositionLoop():
+            return item.value
+        case FilterChoice(kind=kind) if not item.advised_cycles:
+            return f"{kind} (never chosen)"
+        case FilterChoice(kind=kind) if item.least_cycles:
+            most = min(item.most_cycles, item.advised_cycles)
+            return f"{kind} ({item.least_cycles:g} to {most:g} position cycles)"
+    return str(getattr(item, "kind", item))
 
 
 if __name__ == "__main__":

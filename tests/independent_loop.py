@@ -10,18 +10,19 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from cmath import exp
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import sqrt
+from math import cos, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicHermiteSpline
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Move, VelocityStep
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.manipulator import Manipulator
 
 Array = NDArray[np.float64]
@@ -143,15 +144,15 @@ def _pole(mass: float, damping: float, stiffness: float) -> complex:
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """Cubics switched on one after another; perhaps behind a sliding mean."""
+    """Cubics switched on one after another; perhaps behind sliding means."""
 
     knots: tuple[float, ...]
     jerks: tuple[float, ...]
-    mean: float = 0.0
+    means: tuple[float, ...] = ()
 
     @property
     def end(self) -> float:
-        return self.knots[-1] + self.mean
+        return self.knots[-1] + sum(self.means)
 
     def at(self, t: float) -> Array:
         """x, v, a, j."""
@@ -163,26 +164,38 @@ class Profile:
         return self._values(t)
 
     def _values(self, t: float) -> Array:
-        if not self.mean:
-            return self._powers(t)[1:]
-        whole = (self._powers(t) - self._powers(t - self.mean)) / self.mean
-        return whole[:4]
+        count = len(self.means)
+        return self._powers(t, self.means)[2 - count : 6 - count]
 
-    def _powers(self, t: float) -> Array:
-        """Integral of x, then x, v, a, j without a mean."""
-        total = np.zeros(5)
+    def _powers(self, t: float, means: tuple[float, ...]) -> Array:
+        """Integrals of x, then x, v, a, j (without the last ones), behind some of the means."""
+        if means:
+            T, rest = means[0], means[1:]
+            return (self._powers(t, rest) - self._powers(t - T, rest))[:-1] / T
+        total = np.zeros(6)
         for knot, jerk in zip(self.knots, self.jerks, strict=True):
             s = t - knot
             if s >= -1e-9:
-                total += jerk * np.array([s**4 / 24, s**3 / 6, s**2 / 2, s, 1.0])
+                powers = [s**5 / 120, s**4 / 24, s**3 / 6, s**2 / 2, s, 1.0]
+                total += jerk * np.array(powers)
         return total
 
+    def copied(self, delays: Sequence[float], shares: Sequence[float]) -> Profile:
+        """The sum of copies, so much later and so large."""
+        both = [
+            (knot + delay, jerk * share)
+            for delay, share in zip(delays, shares, strict=True)
+            for knot, jerk in zip(self.knots, self.jerks, strict=True)
+        ]
+        knots, jerks = zip(*sorted(both), strict=True)
+        return replace(self, knots=knots, jerks=jerks)
 
-def profile_of(move: Move, a: float, j: float, *, mean: float = 0.0) -> Profile:
+
+def profile_of(move: Move, a: float, j: float, *, means: tuple[float, ...] = ()) -> Profile:
     """The seven-segment profile (four for a velocity step)."""
     if isinstance(move, VelocityStep):
         rise = _rise(move.velocity_step, a, j)
-        return Profile(knots=rise, jerks=(j, -j, -j, j), mean=mean)
+        return Profile(knots=rise, jerks=(j, -j, -j, j), means=means)
 
     def shortest(v: float) -> float:
         return v * _rise(v, a, j)[-1]  # up and down again
@@ -196,8 +209,61 @@ def profile_of(move: Move, a: float, j: float, *, mean: float = 0.0) -> Profile:
     rise = _rise(top, a, j)
     down = max(move.distance / top, rise[-1])
     return Profile(
-        knots=(*rise, *(down + t for t in rise)), jerks=(j, -j, -j, j, -j, j, j, -j), mean=mean
+        knots=(*rise, *(down + t for t in rise)), jerks=(j, -j, -j, j, -j, j, j, -j), means=means
     )
+
+
+def behind(profile: Profile, item: SetpointFilter | None) -> Profile:
+    """The setpoint that a control with this filter sends."""
+    if item is None:
+        return profile
+    if item.frequency_hz:
+        return profile.copied(*shaper(item.kind, item.frequency_hz, item.damping_ratio))
+    if item.taps:
+        return profile.copied([n * item.spacing for n in range(len(item.taps))], item.taps)
+    return replace(profile, means=tuple(T for T in (item.time, item.second_time) if T))
+
+
+def shaper(kind: str, f: float, zeta: float) -> tuple[list[float], list[float]]:
+    """Delays and shares; those of EI from their condition: no hump above 5 %."""
+    half = 0.5 / (f * sqrt(1 - zeta**2))
+    if kind == "mzv":
+        half, plain = 0.75 * half, [1 - sqrt(0.5), sqrt(2) - 1, 1 - sqrt(0.5)]
+    elif kind in ("zv", "zvd"):
+        plain = [1.0, 1.0] if kind == "zv" else [1.0, 2.0, 1.0]
+    else:
+        plain = _with_humps({"ei": 1, "2hump_ei": 2, "3hump_ei": 3}[kind], 0.05)
+    fade = [exp(-2 * pi * f * zeta * half * n).real for n in range(len(plain))]
+    total = sum(share * c for share, c in zip(plain, fade, strict=True))
+    shares = [share * c / total for share, c in zip(plain, fade, strict=True)]
+    return [n * half for n in range(len(plain))], shares
+
+
+def _with_humps(count: int, V: float) -> list[float]:
+    if count == 1:
+        return [(1 + V) / 4, (1 - V) / 2, (1 + V) / 4]
+
+    def shares(a: float) -> list[float]:
+        if count == 2:
+            return [a, 0.5 - a, 0.5 - a, a]
+        b = (1 - V) / 4
+        return [a, b, 1 - 2 * (a + b), b, a]
+
+    def excess(a: float) -> float:
+        """The hump beside the design frequency, over what it may be."""
+        own = shares(a)
+
+        def left(r: float) -> float:
+            middle = (len(own) - 1) / 2
+            # From 0 with two humps, from V with three; the next extreme is the other way.
+            sign = -1 if count == 2 else 1
+            return sign * sum(s * cos(pi * r * (n - middle)) for n, s in enumerate(own))
+
+        best = minimize_scalar(left, bounds=(1.0, 1.4), method="bounded", options={"xatol": 1e-11})
+        return float(-best.fun - V)
+
+    between = (0.13, 0.19) if count == 2 else (0.1, 0.13)
+    return shares(float(brentq(excess, *between, xtol=1e-14)))
 
 
 def _rise(v: float, a: float, j: float) -> tuple[float, float, float, float]:

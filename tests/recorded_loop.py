@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import exp, floor, inf
+from math import exp, factorial, floor, inf
 from typing import Any
 
 import numpy as np
@@ -26,20 +26,26 @@ def setpoint_of(move: Json) -> Callable[[float], Array]:
     entry, coasts = move["setpoint"], "velocity_step" in move["move"]
     lengths = [segment["duration"] for segment in entry["segments"]]
     jerks = [segment["jerk"] for segment in entry["segments"]]
-    knots, mean = np.concatenate([[0.0], np.cumsum(lengths)]), entry["moving_average"]
-    steps = np.diff(jerks, prepend=0.0, append=0.0)
-    end = float(knots[-1]) + mean
+    item = entry["setpoint_filter"] or {"delays": [0], "shares": [1], "time": 0, "second_time": 0}
+    knots = np.add.outer(item["delays"], np.concatenate([[0.0], np.cumsum(lengths)])).ravel()
+    steps = np.outer(item["shares"], np.diff(jerks, prepend=0.0, append=0.0)).ravel()
+    means = [item[key] for key in ("time", "second_time") if item[key]]
+    end = float(knots[-1]) + sum(means)
 
     def powers(t: float) -> Array:
         s = t - knots
         on = steps * (s >= -ROUNDING)
         s = np.maximum(s, 0.0)
-        return np.array([on @ s**4 / 24, on @ s**3 / 6, on @ s**2 / 2, on @ s, np.sum(on)])
+        return np.array([on @ s**k / factorial(k) for k in (5, 4, 3, 2, 1, 0)])
+
+    def averaged(t: float, behind: list[float]) -> Array:
+        if not behind:
+            return powers(t)
+        T, *rest = behind
+        return np.asarray(averaged(t, rest) - averaged(t - T, rest))[:-1] / T
 
     def inside(t: float) -> Array:
-        if not mean:
-            return powers(t)[1:]
-        return np.asarray(powers(t) - powers(t - mean))[:4] / mean
+        return averaged(t, means)[2 - len(means) :][:4]
 
     def at(t: float) -> Array:
         if t < -ROUNDING:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import configparser
 import re
 from dataclasses import dataclass
-from math import ceil, exp, pi, sqrt
+from math import ceil, pi
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from mtcommission.loop.model.controller import Controller, no_observer
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Motion
 from mtcommission.machine.variations import corners, vary
 from mtcommission.plant.plant import build_plant
-from tests.independent_loop import Profile, judge, profile_of, run
+from tests.independent_loop import judge, profile_of, run, shaper
 
 TAIL = 0.3
 """Free motion simulated after the end [s]."""
@@ -37,6 +37,7 @@ REMARKS = {
     "per_jerk": ("jerk feed-forward", 1.0),
     "delay": ("reference delay", 1e-6),
     "average": ("moving average", 1e-3),
+    "second average": ("second moving average", 1e-3),
     "T_p": ("position cycle", 1e-6),
     "T_v": ("velocity cycle", 1e-6),
 }
@@ -50,7 +51,7 @@ class Reading:
     values: dict[str, float]
     loop: str
     filters: tuple[tuple[str, float, float], ...]
-    shaper: tuple[int, float, float] | None
+    shaper: tuple[str, float, float] | None
 
 
 def read_file(control: str, text: str, machine: Machine) -> Reading:
@@ -131,8 +132,11 @@ def _own(control: str, text: str, machine: Machine) -> tuple[dict[str, Any], dic
                 own["Kp"] = (p["1460"], i**2)
                 own["mass"] = (n["32650 $MA_AX_INERTIA"] if force else "0", i**2)
             if n["32400 $MA_AX_JERK_ENABLE"] == "1":
-                assert n["32402 $MA_AX_JERK_MODE"] == "2"
                 own["average"] = (n["32410 $MA_AX_JERK_TIME"], 1.0)
+                if n["32402 $MA_AX_JERK_MODE"] == "4":
+                    own["second average"] = (n["32411 $MA_AX_JERK_TIME_ADD"], 1.0)
+                else:
+                    assert n["32402 $MA_AX_JERK_MODE"] == "2"
             filters = []
             for number in range(bin(int(p["1656"])).count("1")):
                 first = 1657 + 5 * number
@@ -239,18 +243,19 @@ def _own(control: str, text: str, machine: Machine) -> tuple[dict[str, Any], dic
         case "klipper":
             ini = ini_file(text)
             part = ini["input_shaper"]
-            shaper = (
-                {"zv": 1, "zvd": 2}[part["shaper_type_x"]],
+            kind = (
+                part["shaper_type_x"],
                 float(part["shaper_freq_x"]),
                 float(part["damping_ratio_x"]),
             )
-            return {"a": (ini["printer"]["max_accel"], 1e-3)}, {"shaper": shaper}
+            return {"a": (ini["printer"]["max_accel"], 1e-3)}, {"shaper": kind}
         case "marlin":
             g = re.findall(r"^M(\d+) (?:X ?)?([A-Z]?)([\d.]+) *;", text, re.MULTILINE)
             words = {f"{number}{letter}": value for number, letter, value in g}
             assert words["493S"] == "1"
-            shaper = (int(words["493C"]), float(words["493A"]), float(words["493I"]))
-            return {"a": (words["201"], 1e-3)}, {"shaper": shaper}
+            kinds = {"1": "zv", "2": "zvd", "5": "ei", "6": "2hump_ei", "7": "3hump_ei", "8": "mzv"}
+            kind = (kinds[words["493C"]], float(words["493A"]), float(words["493I"]))
+            return {"a": (words["201"], 1e-3)}, {"shaper": kind}
         case "ros2":
             tree = yaml.safe_load(text)
             (limits,) = tree["joint_limits"].values()
@@ -303,10 +308,12 @@ def simulate_file(control: str, text: str, machine: Machine) -> tuple[float, flo
     limit, band = machine.drive.motion_force, machine.requirements.tcp_deviation
     settling, residual, saturates = 0.0, 0.0, False
     for move in machine.moves:
-        mean = reading.values.get("average", 0.0)
-        profile = profile_of(move, reading.values["a"], reading.values["j"], mean=mean)
+        times = tuple(reading.values.get(name, 0.0) for name in ("average", "second average"))
+        profile = profile_of(
+            move, reading.values["a"], reading.values["j"], means=tuple(filter(None, times))
+        )
         if reading.shaper:
-            profile = _shaped(profile, *reading.shaper)
+            profile = profile.copied(*shaper(*reading.shaper))
         samples = ceil((profile.end + gains.reference_delay + TAIL) / gains.velocity_cycle)
         for corner in corners(machine):
             motion = run(
@@ -323,18 +330,3 @@ def simulate_file(control: str, text: str, machine: Machine) -> tuple[float, flo
             residual = max(residual, found.residual)
             saturates |= bool(np.max(np.abs(motion.force)) >= limit * (1.0 - 1e-9))
     return settling, residual, saturates
-
-
-def _shaped(profile: Profile, order: int, frequency_hz: float, damping: float) -> Profile:
-    """Singer & Seering's ZV, or twice it, on a profile without a mean."""
-    root = sqrt(1.0 - damping**2)
-    K, half = exp(-damping * pi / root), 0.5 / (frequency_hz * root)
-    knots, jerks = profile.knots, profile.jerks
-    for _ in range(order):
-        both = [
-            (knot + delay, jerk * share)
-            for delay, share in ((0.0, 1.0 / (1.0 + K)), (half, K / (1.0 + K)))
-            for knot, jerk in zip(knots, jerks, strict=True)
-        ]
-        knots, jerks = (tuple(column) for column in zip(*sorted(both), strict=True))
-    return Profile(knots=knots, jerks=jerks)

@@ -12,7 +12,7 @@ from functools import wraps
 from math import exp, pi, sin
 from typing import Any
 
-from mtcommission.limits.commissioning_rule.by_hand import Kp, f, formulas_for, m, t_j
+from mtcommission.limits.commissioning_rule.by_hand import T_F, Kp, f, formulas_for, m
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.machine.machine import VelocityStep
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
@@ -146,6 +146,7 @@ def _unsealed_record() -> Json:
             ],
             "obstacle": "",
         },
+        "identified": None,
     }
 
 
@@ -176,6 +177,8 @@ def unsettled_record() -> Json:
         mode["bound_by"] = mode["reason"] = to_json(NO_LIMITS)
         mode["meets_requirements"] = False
     limits["modes"][0]["attainable"] = 3.17e-6
+    limits["recommended"]["valid_for"] = [{"smallest": 0.102, "largest": 0.102}]
+    limits["listed_only"] = None
     limits["attainable"] = [
         {
             "requirement": "settling time",
@@ -233,6 +236,10 @@ def five_moves_record() -> Json:
     for item in (*record["limits"]["alternatives"], *record["limits"]["rules"]):
         item["name"] = HOSTILE
     record["limits"]["recommended"]["bound_by"] = HOSTILE
+    sizes = [move.get("velocity_step") or move["distance"] for move in moves]
+    listed = [{"smallest": size, "largest": size} for size in sizes]
+    record["limits"]["recommended"] |= {"valid_for": listed, "worst_sizes": []}
+    record["limits"]["listed_only"] = None
     record["data"][0]["source"] = HOSTILE
     return record
 
@@ -365,6 +372,22 @@ def _optima(move: dict[str, float]) -> Any:
         "time": _optimum(move, 0.0435),
         "constrained": None,
         "damping": damping,
+        "band": {
+            "t_f": 0.0431,
+            "lower_bound": 0.043098,
+            "gap": 4.6e-5,
+            "band": 5e-6,
+            "offset": 1.2e-6,
+            "segments": [{"duration": 0.0431, "force": 1900.0}],
+        },
+        "robust": {
+            "t_f": 0.0493,
+            "band": 5e-6,
+            "offset": 0.9e-6,
+            "machines": 243,
+            "peak": 4.98e-6,
+            "segments": [{"duration": 0.0493, "force": 1700.0}],
+        },
         "remarks": [said("damping-optimum-exceeds-velocity", times=1.25)],
     }
 
@@ -374,8 +397,11 @@ def _trial(name: str, scale: float) -> Any:
 
 
 def _alternative(name: str, scale: float) -> Any:
+    return {"name": name, **_judged(scale)}
+
+
+def _judged(scale: float) -> Any:
     return {
-        "name": name,
         "acceleration": 2.41 * scale,
         "jerk": 41.2 * scale,
         "settling_time": 0.1056 * scale,
@@ -400,15 +426,46 @@ def _limits() -> Any:
             "setpoint_filter": None,
             "frequency_range": [0.9475, 1.0525],
             "damping_range": [0.61, 1.7],
-            "valid_for": [{"smallest": 0.102, "largest": 0.102}],
+            "valid_for": [{"smallest": 0.0, "largest": 0.102}],
+            "worst_sizes": [
+                {
+                    "requirement": "residual deviation",
+                    "value": 4.61e-6,
+                    "bound": 4.63e-6,
+                    "move": 1,
+                    "size": 0.0173,
+                }
+            ],
         },
+        "listed_only": _judged(0.9)
+        | {"setpoint_filter": None, "valid_for": [{"smallest": 0.102, "largest": 0.102}]},
         "today": None,
         "modes": [_mode("surface", 2e-6), _mode("accuracy", 5e-6), _mode("speed", 2e-5)],
+        "would_bring": [
+            {
+                "name": "dsc",
+                "change": said("change-dsc"),
+                "settling_time": 0.0891,
+                "saved": 0.0158,
+                "share": 0.1506,
+                "meets_requirements": True,
+                "outcome": "",
+            },
+            {
+                "name": "force-filters",
+                "change": said("change-force-filters"),
+                "settling_time": None,
+                "saved": None,
+                "share": None,
+                "meets_requirements": False,
+                "outcome": said("change-no-filters"),
+            },
+        ],
         "attainable": [],
         "move_sizes": [
             _move_sizes("way-recommended", 41.0, 0.0),
             _move_sizes("commissioning-rule", 24.0, 0.0),
-            _move_sizes("way-moving-average", None, 0.0199),
+            _move_sizes("way-listed", 52.0, 0.0199),
         ],
         "alternatives": [_alternative("gentler", 0.8)],
         "rules": [_trial("j = a f", 1.3), _trial("j = 10 a", 1.7)],
@@ -426,21 +483,22 @@ def _limits() -> Any:
             "acceleration": 1.4,
             "jerk": 24.0,
             "jerk_time": 1.4 / 24.0,
-            "chosen": to_json(Message("rule-periods", count=3, mode="base")),
-            "bound_by": to_json(Message("rule-band")),
+            "average": 0.05,
+            "chosen": to_json(Message("rule-average", time=0.05)),
+            "bound_by": to_json(Message("rule-force")),
             "predicted_settling_time": 0.14,
             "predicted_residual": 4.9e-6,
             "steps": [
                 _step(Message("rule-speed-loop"), formula.to_json(Kp / m), 170.97, "1/s"),
                 _step(
-                    Message("rule-jerk-time"),
-                    to_json(Message("rule-periods", count=3, mode="base")),
-                    0.06,
+                    Message("rule-average-length"),
+                    to_json(Message("rule-average", time=0.05)),
+                    0.05,
                     "s",
                 ),
                 _step(
-                    Message("rule-mode-vibration", mode="base"),
-                    formula.to_json(call("R", f * t_j)),
+                    Message("rule-mode-passed", mode="base"),
+                    formula.to_json(call("R", f * T_F)),
                     0.4,
                     "1",
                 ),
@@ -480,13 +538,26 @@ def _step(name: Message, how: object, value: float, unit: str) -> Any:
     return {"name": to_json(name), "formula": how, "value": value, "unit": unit}
 
 
-def _move_sizes(way: str, jerk: float | None, moving_average: float) -> Any:
+def average(time: float) -> Any:
+    return {
+        "kind": "moving_average",
+        "time": time,
+        "second_time": 0.0,
+        "frequency_hz": 0.0,
+        "damping_ratio": 0.0,
+        "delays": [0.0],
+        "shares": [1.0],
+        "duration": time,
+    }
+
+
+def _move_sizes(way: str, jerk: float | None, time: float) -> Any:
     size = [0.00102 * 300 ** (k / 31) for k in range(32)]
     return {
         "way": to_json(Message(way)),
         "acceleration": 1.9,
         "jerk": jerk,
-        "moving_average": moving_average,
+        "setpoint_filter": average(time) if time else None,
         "move": {"velocity_step": 0.102},
         "own": 0.102,
         "size": size,
@@ -860,7 +931,7 @@ def _move(move: dict[str, float]) -> Any:
         "move": move,
         "setpoint": {
             "duration": 0.0999,
-            "moving_average": 0.0,
+            "setpoint_filter": None,
             "segments": [{"duration": 0.0585, "jerk": 41.2}, {"duration": 0.0414, "jerk": -41.2}],
         },
         "response": _response(),

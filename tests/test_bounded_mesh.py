@@ -139,7 +139,7 @@ def test_excess_between_points_is_found_in_cells_of_many_periods() -> None:
     for cell in coarse.segments:
         tau = np.linspace(0.0, cell.start - cell.end, 20_001)
         force = coarse.unknowns[cell.column] * 2e3
-        states = transition(problem.plant, tau) @ coarse.state(cell.first)
+        states = transition(problem.plant, tau) @ cell.first
         peaks.append(np.abs((states + step_response(problem.plant, tau) * force) @ problem.rows.T))
     assert largest == pytest.approx(max(peak.max() for peak in peaks) - 1.0, rel=1e-4)
 

@@ -14,7 +14,7 @@ from mtcommission.optimal.bounded.mesh.arcs import mesh_arcs
 from mtcommission.optimal.bounded.mesh.exchange import exchange
 from mtcommission.optimal.bounded.mesh.forms import MeshOptimum, solve_mesh, solve_relaxation
 from mtcommission.optimal.bounded.mesh.plan import first_features, plan_mesh
-from mtcommission.optimal.bounded.mesh.rows import bound_rows
+from mtcommission.optimal.bounded.mesh.rows import bound_rows, mesh_segments
 from mtcommission.optimal.bounded.mesh.violations import (
     saturations,
     violations,
@@ -81,7 +81,7 @@ def test_a_peak_beside_the_end_of_a_core_is_seen() -> None:
     segment = next(s for s in restriction.segments if s.start == interior.start)
     piece = Piece(limit=interior.limit, side=0, duration=interior.start - interior.end)
     tau = np.linspace(0.0, piece.duration, 20_001)
-    states = piece_states(problem, piece, restriction.state(segment.first), tau)
+    states = piece_states(problem, piece, segment.first, tau)
     level = np.abs(states @ problem.plant.row("v_phi"))
     at = int(np.nonzero((level[1:-1] > level[:-2]) & (level[1:-1] > level[2:]))[0][-1]) + 1
     for beyond in (0.02, 0.1, 0.19):
@@ -91,7 +91,7 @@ def test_a_peak_beside_the_end_of_a_core_is_seen() -> None:
         )
         cut = solve_mesh(problem, replace(restriction.plan, interiors=shorter), relaxed=False)
         assert cut is not None
-        begin = cut.state(next(s for s in cut.segments if s.start == interior.start).first)
+        begin = next(s for s in cut.segments if s.start == interior.start).first
         reached = piece_states(problem, piece, begin, tau[: at + 2])
         peak = float(np.abs(reached[-30:] @ problem.plant.row("v_phi")).max())
         both = paper_problem(("F", 1500.0), ("v_phi", 0.999 * peak))
@@ -110,7 +110,7 @@ def test_boundary_control_beyond_the_force_limit_is_found_in_the_middle_of_an_ar
     for interior in (s for s in restriction.segments if s.limit >= 0):
         tau = np.linspace(0.0, interior.start - interior.end, 20_001)
         piece = Piece(limit=interior.limit, side=0, duration=float(tau[-1]))
-        states = piece_states(problem, piece, restriction.state(interior.first), tau)
+        states = piece_states(problem, piece, interior.first, tau)
         worst = max(worst, float(np.abs(states @ problem.limits[interior.limit].feedback).max()))
     weaker = replace(problem, force_limit=0.98 * worst)
     over = max(
@@ -118,9 +118,8 @@ def test_boundary_control_beyond_the_force_limit_is_found_in_the_middle_of_an_ar
     )
     assert over.point.limit == FORCE
     assert over.excess == pytest.approx(1.0 / 0.98 - 1.0, rel=1e-6)
-    rows, rooms = bound_rows(
-        weaker, replace(restriction.plan, points=(over.point,)), restriction.segments
-    )
+    maps = mesh_segments(problem, restriction.plan, relaxed=False)
+    rows, rooms = bound_rows(weaker, replace(restriction.plan, points=(over.point,)), maps)
     taken = rows @ np.append(restriction.unknowns, restriction.reach) - rooms
     assert float(taken[0]) == pytest.approx(over.excess, rel=1e-6)
 
@@ -136,9 +135,9 @@ def test_a_miss_of_the_target_is_relative_to_the_peaks() -> None:
     )
     assert found is not None
     assert found.reach == pytest.approx(restriction.reach, abs=1e-7)
-    rows = found.segments[-1].last[fixed]
+    rows = mesh_segments(problem, found.plan, relaxed=False)[-1].last[fixed]
     assert (np.abs(rows[:, :-2]).sum(axis=1) / sizes).max() > 30.0
-    miss = found.state(found.segments[-1].last) - found.reach * problem.target
+    miss = found.segments[-1].last - found.reach * problem.target
     assert np.all(np.abs(miss[fixed]) < 3e-10 * sizes)
 
 

@@ -33,6 +33,7 @@ from mtcommission.machine.machine import (
     moving_mass,
 )
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, RMS_FORCE, SET_FORCE, SETTLING_TIME
+from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -42,9 +43,9 @@ from mtcommission.profile.shipped import read_shipped
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import (
     JerkSteps,
+    filter_steps,
     jerk_steps,
-    moving_average_steps,
-    plan_setpoint,
+    plan_within,
 )
 from mtcommission.verdict.assess import Assessment, assess
 from mtcommission.verdict.evaluate import evaluate
@@ -69,7 +70,7 @@ CASES: dict[str, Machine] = {
     "two moves": replace(PAPER, moves=(*PAPER.moves, Positioning(distance=0.01, max_velocity=0.2))),
     "dwell": replace(PAPER, moves=tuple(replace(move, dwell=1.5) for move in PAPER.moves)),
     "contour": require(PAPER, contour_deviation=6e-5, contour_feed=0.05),
-    "moving average": quiet_copy(PAPER, moving_average_time=20e-3),
+    "moving average": quiet_copy(PAPER, setpoint_filter=moving_average(20e-3)),
     "tiny step": replace(PAPER, moves=(VelocityStep(velocity_step=2e-3),)),
     "narrow band": require(PAPER, tcp_deviation=5e-7),
     "wide band": require(PAPER, tcp_deviation=1e-4),
@@ -98,9 +99,7 @@ def solve(machine: Machine) -> Case:
     choice = choose_limits(machine, plant, tuned)
     responses = []
     for move in machine.moves:
-        setpoint = plan_setpoint(
-            move, choice.limits, moving_average=machine.control.moving_average_time
-        )
+        setpoint = plan_within(machine, choice.limits)(move)
         responses.append(
             [
                 simulate(
@@ -138,16 +137,15 @@ def brute_force(case: Case, points: int) -> tuple[float, float]:
             indexing="ij",
         )
     )
-    mean, needs = machine.control.moving_average_time, machine.requirements
+    needs = machine.requirements
     settling, residual = np.zeros((2, a.size))
     motions: list[JerkSteps] = []
     for move in machine.moves:
         steps = jerk_steps(move, acceleration=a, jerk=a / t)
-        motions.append(moving_average_steps(steps, time=mean) if mean else steps)
+        motions.append(filter_steps(steps, machine.control.setpoint_filter))
         for loop in tuned.loops:
-            tables = build_tables(
-                loop, longest=float(motions[-1].duration.max()), filtered=mean > 0.0
-            )
+            longest = float(motions[-1].duration.max())
+            tables = build_tables(loop, longest=longest, order=motions[-1].order)
             found = settle(tables, motions[-1], band=needs.tcp_deviation)
             settling = np.maximum(settling, found.settling_time)
             residual = np.maximum(residual, found.residual_deviation)
@@ -172,13 +170,12 @@ def first_within_force(
         part = order[start : start + 100]
         fits = np.ones(len(part), dtype=bool)
         for move, steps in zip(machine.moves, motions, strict=True):
-            some = JerkSteps(times=steps.times[part], steps=steps.steps[part])
+            some = replace(steps, times=steps.times[part], steps=steps.steps[part])
             for loop in case.tuned.loops:
                 found = find_extremes(
                     loop,
                     some,
                     signals=signals,
-                    order=4 if machine.control.moving_average_time else 3,
                     dwell=move.dwell,
                     tail=0.1,
                 )

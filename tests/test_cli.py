@@ -399,14 +399,18 @@ def test_run_writes_everything_and_the_sheet_prints_again(run: Run, tmp_path: Pa
         assert (first / name).read_bytes() == (second / name).read_bytes()
 
 
-def test_simulate_and_limits_agree_with_each_other(run: Run) -> None:
+def test_simulate_and_limits_agree_with_each_other(run: Run, tmp_path: Path) -> None:
     """The limits that are recommended must do in `simulate` what `limits` says."""
-    code, out, _ = run("limits", PAPER, "--json", "-")
+    profile = tmp_path / "plain.toml"
+    text = PAPER.read_text("utf-8")
+    assert "[control]" in text
+    profile.write_text(text.replace("[control]", '[control]\nsetpoint_filter = "none"'), "utf-8")
+    code, out, _ = run("limits", profile, "--json", "-")
     assert code == 0
     best = json.loads(out)["recommended"]
     code, out, _ = run(
         "simulate",
-        PAPER,
+        profile,
         "--acceleration",
         repr(best["acceleration"]),
         "--jerk",
@@ -501,3 +505,39 @@ def test_errors_of_a_rotary_axis_speak_its_units(language: str, tmp_path: Path, 
     assert code == 3
     assert "N m s/rad" in errors
     assert "N s/m" not in errors
+
+
+def test_ctrl_c_says_what_was_written_and_ends_with_130(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("mtcommission.plant.plant.build_plant", interrupt)
+    code, out, err = run("check", PAPER)
+    assert (code, out) == (130, "")
+    assert err.startswith("interrupted; every file is whole")
+
+
+def test_closed_streams_and_odd_texts_end_with_a_message(run: Run, tmp_path: Path) -> None:
+    """Closed, sys.stderr is None; a quoted key once steered the terminal."""
+    command = [sys.executable, "-m", "mtcommission", "check", "missing.toml"]
+    closed = subprocess.run(
+        ["sh", "-c", '"$@" 2>&- >&- <&-', "sh", *command], check=False, env={**os.environ}
+    )
+    assert closed.returncode == 2
+    odd = tmp_path / "odd.toml"
+    for text in ('schema = 1\n"a\\u001b[31m\\nb" = 1\n', "[" + ".".join("a" * 9999) + "]\n"):
+        odd.write_text(text)
+        code, _, err = run("check", odd)
+        assert code == 2
+        assert "\x1b" not in err
+        assert all("odd.toml:" in line for line in err.splitlines())
+    odd.write_text('{"schema": 3}')
+    assert "is JSON, as the record of a run is" in run("check", odd)[2]
+
+
+def test_a_wrong_epoch_is_named(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "garbage")
+    code, _, err = run("sweep", PAPER, "--f-max", "1kN,2kN", "-o", tmp_path / "out")
+    assert (code, err.partition(":")[0]) == (2, "SOURCE_DATE_EPOCH")

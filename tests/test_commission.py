@@ -19,10 +19,12 @@ from mtcommission.machine.machine import FilterKind, ForceFilter, Motion
 from mtcommission.messages.quantities import Formatter
 from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.record.build import build_record
+from mtcommission.record.data import read_filter
 from mtcommission.record.files import dump_json, load_record
 from mtcommission.record.limits import limits_part
 from mtcommission.record.schema import Profile, Record
-from tests.independent_loop import judge, profile_of, run
+from tests.independent_loop import behind, judge, profile_of, run
+from tests.recorded_loop import setpoint_of
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -62,7 +64,7 @@ def test_optima_are_certified_and_faster_than_the_recommendation(found: Commissi
 
 
 def test_record_simulated_again_by_an_outsider(record: Record) -> None:
-    """Closed-loop matrices and Ruckig's segments alone must give what the record claims."""
+    """Closed-loop matrices, segments and the filter alone must give what the record claims."""
     _simulate_again(json.loads(dump_json(record)))
 
 
@@ -73,8 +75,8 @@ def test_record_alone_gives_a_second_program_the_loop(record: Record) -> None:
     gains = _controller_of(data["loop"], states=data["plant"]["states"])
     for entry, move in zip(record.moves, machine.moves, strict=True):
         best = record.limits.recommended
-        mean = best.setpoint_filter.time if best.setpoint_filter else 0.0
-        profile = profile_of(move, best.acceleration, best.jerk, mean=mean)
+        item = read_filter(best.setpoint_filter) if best.setpoint_filter else None
+        profile = behind(profile_of(move, best.acceleration, best.jerk), item)
         tau, T_v = gains.reference_delay, gains.velocity_cycle
         samples = ceil((profile.end + tau + 0.4) / T_v)
         motion = run(machine, gains, profile, nominal=machine, samples=samples)
@@ -128,22 +130,22 @@ def _simulate_again(record: dict[str, Any]) -> None:
     force = [i for i, name in enumerate(loop["outputs"]) if name.startswith("force[")]
     for entry in record["moves"]:
         claimed, t_e = entry["response"], entry["setpoint"]["duration"]
-        segments = entry["setpoint"]["segments"]
+        setpoint = setpoint_of(entry)
         count = ceil((t_e + tau + 1.5) / dt)
         X, tcp, set_force = np.zeros(len(A)), [], []
         for k in range(count):
-            r = _state_of(segments, k * dt)
+            r = setpoint(k * dt)
             Y = C @ X + D @ r
             tcp.append(Y[tool])
             set_force.append(Y[force])
             X = A @ X + B @ r
         position = np.concatenate(tcp)
         t = np.arange(position.size) * cycle
-        reference = np.array([_state_of(segments, moment - tau)[0] for moment in t])
+        reference = np.array([setpoint(moment - tau)[0] for moment in t])
         e = position - reference
         # At t_e + tau, between two samples, the tool is interpolated against the coasting setpoint.
         first = int(np.argmax(t >= t_e + tau - 1e-12))
-        _, speed, _, _ = _state_of(segments, t_e + 1.0)
+        _, speed, _, _ = setpoint(t_e + 1.0)
         before = position[first - 1] - (reference[first] - speed * (t[first] - t[first - 1]))
         share = (t_e + tau - t[first - 1]) / cycle
         judged = np.abs(np.append(before + share * (e[first] - before), e[first:]))
@@ -153,23 +155,6 @@ def _simulate_again(record: dict[str, Any]) -> None:
         assert residual == pytest.approx(claimed["residual_deviation"], rel=1e-2)
         assert settling == pytest.approx(claimed["settling_time"], rel=1e-2)
         assert np.max(np.abs(set_force)) == pytest.approx(claimed["max_force"], rel=1e-2)
-
-
-def _state_of(segments: list, t: float) -> np.ndarray:  # type: ignore[type-arg]
-    """x, v, a, j of a jerk-limited motion, written without the package's code."""
-    x = v = a = j = 0.0
-    if t < 0.0:
-        return np.zeros(4)
-    for segment in segments:
-        j = segment["jerk"]
-        h = min(segment["duration"], t)
-        x += v * h + a * h**2 / 2 + j * h**3 / 6
-        v += a * h + j * h**2 / 2
-        a += j * h
-        t -= h
-        if t <= 1e-9 and h < segment["duration"] - 1e-9:
-            return np.array([x, v, a, j])
-    return np.array([x + v * t, v, 0.0, 0.0])
 
 
 def test_record_survives_its_file(record: Record, tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,21 +15,34 @@ import pytest
 
 from mtcommission.identify.check import check_records
 from mtcommission.identify.document import Writing, merge_profile, write_profile
+from mtcommission.identify.entry import identified_part
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
+from mtcommission.identify.identified import Identified
 from mtcommission.identify.states import identify
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
+from mtcommission.record.identified import read_evidence
+from mtcommission.wizard.gather import gather as known_before
+from mtcommission.wizard.script import list_questions
 from tests import identify_files as made
 from tests.test_cli import Run, run
 
 __all__ = ["run"]
 
-HOW = Writing(date="2026-11-22", file="machine.toml", tool_ratio=None, words=Catalogue())
+
+def _how(found: Identified, *, tool_ratio: float | None = None) -> Writing:
+    return Writing(
+        date="2026-11-22",
+        file="machine.toml",
+        tool_ratio=tool_ratio,
+        words=Catalogue(),
+        part=identified_part(found, checks=(), created="2026-11-22"),
+    )
 
 
-def _table(path: Path, *, sensor: str = "encoder", seed: int = 0) -> str:
+def table_file(path: Path, *, sensor: str = "encoder", seed: int = 0) -> str:
     rng = np.random.default_rng(seed)
     f = made.LINES
     values = made.response(f, sensor=sensor)
@@ -43,21 +55,29 @@ def _table(path: Path, *, sensor: str = "encoder", seed: int = 0) -> str:
     return str(path)
 
 
+def _both_files(folder: Path) -> list[str]:
+    tool = table_file(folder / "t.csv", sensor="tcp", seed=1)
+    return [table_file(folder / "e.csv"), f"{tool}@tcp"]
+
+
 @pytest.fixture(scope="module")
 def both(tmp_path_factory):
     folder = tmp_path_factory.mktemp("measured")
-    files = [_table(folder / "e.csv"), _table(folder / "t.csv", sensor="tcp", seed=1) + "@tcp"]
+    files = [
+        table_file(folder / "e.csv"),
+        table_file(folder / "t.csv", sensor="tcp", seed=1) + "@tcp",
+    ]
     return identify(gather(files, Given()))
 
 
 @pytest.fixture(scope="module")
 def encoder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("measured")
-    return identify(gather([_table(folder / "e.csv")], Given()))
+    return identify(gather([table_file(folder / "e.csv")], Given()))
 
 
 def test_a_new_profile_holds_what_was_measured_and_asks_for_the_rest(both) -> None:
-    text = write_profile(both, HOW)
+    text = write_profile(both, _how(both))
     data = tomllib.loads(text)
     assert float(data["plant"]["moving_mass"].split()[0]) == pytest.approx(made.MASS, rel=0.01)
     for mode, (hertz, zeta, own, tool) in zip(data["plant"]["modes"], made.MODES, strict=True):
@@ -70,7 +90,7 @@ def test_a_new_profile_holds_what_was_measured_and_asks_for_the_rest(both) -> No
 
 
 def test_without_a_sensor_at_the_tool_its_gain_is_the_worst_case_and_an_assumption(encoder) -> None:
-    data = tomllib.loads(write_profile(encoder, HOW))
+    data = tomllib.loads(write_profile(encoder, _how(encoder)))
     gain = float(data["plant"]["modes"][0]["tcp_gain"].split()[0])
     assert gain == pytest.approx(-1.0 / made.MASS, rel=0.01)
     assert "plant.modes[1].tcp_gain" in data["machine"]["assumed"]
@@ -78,7 +98,7 @@ def test_without_a_sensor_at_the_tool_its_gain_is_the_worst_case_and_an_assumpti
 
 
 def test_the_users_word_on_the_tool_scales_the_share_of_the_encoder(encoder) -> None:
-    data = tomllib.loads(write_profile(encoder, replace(HOW, tool_ratio=-1.5)))
+    data = tomllib.loads(write_profile(encoder, _how(encoder, tool_ratio=-1.5)))
     mode = data["plant"]["modes"][0]
     own, tool = (float(mode[key].split()[0]) for key in ("measured_gain", "tcp_gain"))
     assert tool == pytest.approx(-1.5 * own, rel=1e-3)
@@ -86,7 +106,7 @@ def test_the_users_word_on_the_tool_scales_the_share_of_the_encoder(encoder) -> 
 
 def test_merging_touches_no_other_line_and_keeps_names_and_unmeasured_gains(encoder) -> None:
     before = read_shipped("modal-two-modes").text
-    after = merge_profile(before, encoder, HOW)
+    after = merge_profile(before, encoder, _how(encoder))
     parse_profile(after, where="merged.toml")
     changed = ("moving_mass", "frequency", "damping_ratio", "measured_gain", "damping_spread")
     kept = [
@@ -122,7 +142,10 @@ def test_a_record_is_explained_by_the_model_that_came_from_it(tmp_path) -> None:
 
 
 def test_the_command_writes_profile_page_and_json(run: Run, tmp_path) -> None:
-    files = [_table(tmp_path / "e.csv"), _table(tmp_path / "t.csv", sensor="tcp", seed=1) + "@tcp"]
+    files = [
+        table_file(tmp_path / "e.csv"),
+        table_file(tmp_path / "t.csv", sensor="tcp", seed=1) + "@tcp",
+    ]
     out, page, entry = (tmp_path / name for name in ("m.toml", "identify.html", "i.json"))
     written = ("-o", str(out), "--page", str(page), "--json", str(entry))
     code, _, errors = run("identify", *files, *written, "--language", "de")
@@ -152,6 +175,26 @@ def test_the_command_writes_profile_page_and_json(run: Run, tmp_path) -> None:
     ],
 )
 def test_a_wrong_option_is_named(run: Run, tmp_path, option: str, value: str, said: str) -> None:
-    code, _, errors = run("identify", _table(tmp_path / "e.csv"), option, value)
+    code, _, errors = run("identify", table_file(tmp_path / "e.csv"), option, value)
     assert code == 2
     assert said in errors
+
+
+def test_the_wizard_goes_on_where_identify_ended(run: Run, tmp_path) -> None:
+    """What was measured is not asked again, and the delay is offered as the lag of the force."""
+    profile, answers = tmp_path / "m.toml", tmp_path / "answers.toml"
+    assert run("identify", *_both_files(tmp_path), "-o", str(profile))[0] == 0
+    source = known_before(profile, None)
+    asked = {question.key for question in list_questions(source.answers)} - source.passed
+    assert not {key for key in asked if key.startswith("plant.") and not key.endswith(".more")}
+    answers.write_text(
+        'drive.max_force = "2 kN"\nmoves = [{ distance = "15 mm", max_velocity = "0.4 m/s" }]\n'
+        'requirements.tcp_deviation = "8 um"\n'
+    )
+    code, _, errors = run("wizard", "-o", str(profile), "--answers", str(answers), "--yes")
+    assert code == 0, errors
+    machine = parse_profile(profile.read_text(), where="m.toml")
+    assert machine.drive.force_lag == pytest.approx(made.DELAY, rel=0.05)
+    assert machine.is_assumed("drive.force_lag")
+    assert machine.identified is not None
+    assert read_evidence(machine, tmp_path).responses

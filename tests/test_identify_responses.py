@@ -6,14 +6,18 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from mtcommission.errors import InputError
 from mtcommission.identify.gather import read_file
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import (
+    Evidence,
     FreeVibration,
     FrequencyResponse,
+    Input,
     Sensor,
     Spectrum,
 )
+from mtcommission.identify.states import identify
 from tests import identify_files as made
 
 STEP = 1e-3
@@ -217,3 +221,35 @@ def test_the_bench_gives_the_same_response_by_periods_as_its_makers_did() -> Non
         assert one.frequency_hz.size > 230
         assert np.median(apart / stated) < 2.0
         assert np.median(apart) < 0.01
+
+
+@pytest.mark.parametrize("drive", ["noise", "multisine"])
+def test_a_tool_shaken_by_its_motor_shows_the_modes_on_a_held_motor(drive: str) -> None:
+    """Base-excited: q'' + 2 zeta omega q' + omega² q = -x_ref'', tool = x_ref + q."""
+    rng, hertz, zeta = np.random.default_rng(4), 41.0, 0.05
+    if drive == "noise":
+        shaken = 3.0 * rng.standard_normal(60000)
+    else:
+        shaken = np.tile(made.multisine(2000, STEP, 5.0, 200.0), 12)
+    omega = 2 * np.pi * hertz
+    f = np.fft.rfftfreq(shaken.size, STEP)
+    s = 2j * np.pi * f
+    share = (2 * zeta * omega * s + omega**2) / (s**2 + 2 * zeta * omega * s + omega**2)
+    tool = np.fft.irfft(share * np.fft.rfft(shaken), shaken.size)
+    tool += 0.02 * tool.std() * rng.standard_normal(tool.size)
+    columns = [STEP * np.arange(shaken.size), shaken, tool]
+    given = Given(input="acceleration", sensor=Sensor.TCP)
+    heads = ["t [s]", "motor_acceleration [m/s^2]", "acceleration [m/s^2]"]
+    one = found(heads, columns, given)
+    assert one.input is Input.ACCELERATION
+    assert one.sensor is Sensor.TCP
+    assert "identify-no-reference" not in kinds(one)
+    axis = identify(Evidence(responses=(one,), spectra=(), vibrations=(), records=()))
+    assert axis.is_base_excited
+    assert axis.moving_mass is None
+    (mode,) = axis.modes
+    assert abs(mode.frequency_hz.value - hertz) < 3 * mode.frequency_hz.sigma + 0.05
+    assert mode.damping_ratio.value == pytest.approx(zeta, rel=0.06)
+    assert mode.tcp_gain.value == pytest.approx(1.0, rel=0.06)
+    with pytest.raises(InputError, match="no acceleration of the motor"):
+        found([heads[0], "motor_velocity [m/s]", heads[2]], columns, given)

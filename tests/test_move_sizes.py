@@ -11,6 +11,7 @@ import pytest
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Control, Machine, Positioning, StateFeedback, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
@@ -19,7 +20,6 @@ from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.study.move_sizes import (
     MoveSizes,
     SetpointWay,
-    find_size_filter,
     full_size,
     resize,
     vary_move_sizes,
@@ -41,18 +41,17 @@ def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> t
     """Settling time and residual of one size, by the full simulation in every corner."""
     own = item.move.velocity_step if isinstance(item.move, VelocityStep) else item.move.distance
     move = resize(item.move, float(item.size[index]) / own)
-    control = replace(machine.control, moving_average_time=item.way.moving_average)
-    one = replace(machine, moves=(move,), control=control)
+    one = replace(machine, moves=(move,))
     candidate = evaluate(one, build_plant(one), tuned, item.way.limits)
     return candidate.settling_time, candidate.residual_deviation
 
 
-@pytest.mark.parametrize("moving_average", [0.0, 0.0139])
-def test_every_size_is_what_the_simulation_says(moving_average: float) -> None:
+@pytest.mark.parametrize("average", [0.0, 0.0139])
+def test_every_size_is_what_the_simulation_says(average: float) -> None:
     """If it failed, the sheet would promise limits for jogs that leave the band."""
     machine = two_moves()
     tuned = tune_loop(machine)
-    way = SetpointWay(name="x", limits=LIMITS, moving_average=moving_average)
+    way = SetpointWay(name="x", limits=replace(LIMITS, setpoint_filter=moving_average(average)))
     found = vary_move_sizes(machine, tuned, [way])
     assert [item.move for item in found] == list(machine.moves)
     for item in found:
@@ -66,7 +65,7 @@ def test_range_about_the_own_size_ends_where_the_band_is_first_left() -> None:
     """If it failed, the step "from which on the limits hold" would be wrong."""
     machine = two_moves()
     band = machine.requirements.tcp_deviation
-    way = SetpointWay(name="x", limits=LIMITS, moving_average=0.0)
+    way = SetpointWay(name="x", limits=LIMITS)
     for item in vary_move_sizes(machine, tune_loop(machine), [way]):
         kept = item.residual_deviation <= band
         own = int(np.argmin(np.abs(item.size / item.size[-1] - 1.0 / 3.0)))
@@ -83,15 +82,15 @@ def test_range_about_the_own_size_ends_where_the_band_is_first_left() -> None:
 @pytest.mark.parametrize(
     "move", [VelocityStep(velocity_step=1.0), Positioning(distance=1.0, max_velocity=10.0)]
 )
-@pytest.mark.parametrize("moving_average", [0.0, 0.0139])
+@pytest.mark.parametrize("average", [0.0, 0.0139])
 def test_acceleration_is_reached_from_the_full_size_on(
-    move: VelocityStep | Positioning, moving_average: float
+    move: VelocityStep | Positioning, average: float
 ) -> None:
     """If it failed, engineers would look for an acceleration that small steps never show."""
-    way = SetpointWay(name="x", limits=LIMITS, moving_average=moving_average)
+    way = SetpointWay(name="x", limits=replace(LIMITS, setpoint_filter=moving_average(average)))
     full = full_size(way, move)
     for share, reaches in ((1.02, True), (0.9, False)):
-        setpoint = plan_setpoint(resize(move, share * full), LIMITS, moving_average=moving_average)
+        setpoint = plan_setpoint(resize(move, share * full), way.limits)
         t = np.linspace(0.0, setpoint.duration, 4001)
         reached = float(np.max(sample_setpoint(setpoint, t)[:, 2]))
         assert (reached > 0.9995 * LIMITS.acceleration) == reaches
@@ -99,34 +98,10 @@ def test_acceleration_is_reached_from_the_full_size_on(
 
 def test_slow_positioning_never_reaches_the_acceleration() -> None:
     """If it failed, a distance would be named from which on a is reached, though v_max forbids."""
-    way = SetpointWay(name="x", limits=LIMITS, moving_average=0.0)
+    way = SetpointWay(name="x", limits=LIMITS)
     slow = LIMITS.acceleration**2 / LIMITS.jerk
     assert full_size(way, Positioning(distance=1.0, max_velocity=0.99 * slow)) == inf
     assert full_size(way, Positioning(distance=1.0, max_velocity=1.01 * slow)) < inf
-
-
-def test_the_filter_cures_small_steps_where_the_limits_do_not() -> None:
-    """If it failed, the cure that the sheet offers would not cure."""
-    machine = replace(paper_machine(), moves=(VelocityStep(velocity_step=0.1),))
-    plant, tuned = build_plant(machine), tune_loop(machine)
-    cure = find_size_filter(machine, plant, tuned)
-    assert cure is not None
-    assert any(cure.moving_average == pytest.approx(1.0 / m.frequency_hz) for m in plant.modes)
-    a, T = cure.limits.acceleration, cure.moving_average
-    as_jerk = MotionLimits(acceleration=a, jerk=a / T)
-    ramps = SetpointWay(name="x", limits=as_jerk, moving_average=0.0)
-    band = machine.requirements.tcp_deviation
-    limited, filtered = vary_move_sizes(machine, tuned, [ramps, cure])
-    smaller = filtered.size <= 0.1
-    assert np.all(filtered.residual_deviation[smaller] <= 1.02 * band)
-    # From v = a T on both are the same setpoint.
-    same = filtered.size > a * T
-    assert filtered.residual_deviation[same] == pytest.approx(
-        limited.residual_deviation[same], rel=0.02
-    )
-    settling, residual = judged(machine, tuned, filtered, int(np.sum(smaller)) - 1)
-    assert residual <= band
-    assert settling == pytest.approx(float(filtered.settling_time[smaller][-1]), abs=2e-6)
 
 
 def test_only_the_filter_keeps_whole_periods_on_small_steps() -> None:
@@ -144,22 +119,14 @@ def test_only_the_filter_keeps_whole_periods_on_small_steps() -> None:
         control=Control(state_feedback=StateFeedback.OFF),
         moves=(VelocityStep(velocity_step=0.1),),
     )
-    ramps = SetpointWay(
-        name="j = a f", limits=MotionLimits(acceleration=1.0, jerk=20.0), moving_average=0.0
-    )
+    ramps = SetpointWay(name="j = a f", limits=MotionLimits(acceleration=1.0, jerk=20.0))
     average = SetpointWay(
-        name=Message("way-moving-average"),
-        limits=MotionLimits(acceleration=1.0, jerk=1.0 / NO_JERK_LIMIT),
-        moving_average=0.05,
+        name=Message("way-recommended"),
+        limits=MotionLimits(
+            acceleration=1.0, jerk=1.0 / NO_JERK_LIMIT, setpoint_filter=moving_average(0.05)
+        ),
     )
     limited, filtered = vary_move_sizes(machine, tune_loop(machine), [ramps, average])
     small = filtered.size < 0.04  # a²/j = 0.05 m/s
     assert limited.residual_deviation[small].max() > 3.0 * limited.residual_deviation[~small].max()
     assert filtered.residual_deviation.max() < 1.1 * limited.residual_deviation[~small].max()
-
-
-def test_no_filter_is_offered_where_none_keeps_the_band() -> None:
-    """If it failed, a filter would be recommended that leaves the band."""
-    machine = paper_machine()
-    strict = replace(machine, requirements=replace(machine.requirements, tcp_deviation=1e-9))
-    assert find_size_filter(strict, build_plant(strict), tune_loop(strict)) is None

@@ -24,6 +24,7 @@ from mtcommission.machine.machine import (
     Today,
     VelocityStep,
 )
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
@@ -222,7 +223,8 @@ minimum_bandwidth = "15 Hz"
     assert control.state_feedback is StateFeedback.GIVEN
     gains = {gain.state: gain.value for gain in control.state_gains}
     assert gains == {"v_phi": 1e4, "phi": -2e5}
-    assert control.moving_average_time == 0.02
+    assert control.setpoint_filter == SetpointFilter(kind="moving_average", time=0.02)
+    assert not control.seeks_setpoint_filter
     (notch,) = control.force_filters
     assert (notch.kind, notch.damping) == (FilterKind.NOTCH, 0.1)
     assert notch.natural_frequency == pytest.approx(2 * pi * 72)
@@ -248,7 +250,8 @@ def test_words_stand_for_what_is_left_out() -> None:
     )
     control = parse_profile(text, where="p.toml").control
     assert control.reference_delay is None
-    assert control.moving_average_time == 0.0
+    assert control.setpoint_filter is None
+    assert not control.seeks_setpoint_filter
     assert control.state_feedback is StateFeedback.OFF
 
 
@@ -347,11 +350,92 @@ def test_drive_train_contour_and_todays_values_reach_the_machine() -> None:
         jerk=40.0,
         position_gain=60.0,
         integral_time=0.02,
-        moving_average_time=8e-3,
+        setpoint_filter=SetpointFilter(kind="moving_average", time=8e-3),
     )
 
 
+@pytest.mark.parametrize(
+    ("control", "table", "expected"),
+    [
+        (
+            "sinumerik",
+            'kind = "two_moving_averages", time = "20 ms", second_time = "9 ms"',
+            SetpointFilter(kind="two_moving_averages", time=0.02, second_time=9e-3),
+        ),
+        (
+            "klipper",
+            'kind = "2hump_ei", frequency = "48 Hz", damping = "3 %"',
+            SetpointFilter(kind="2hump_ei", frequency_hz=48.0, damping_ratio=0.03),
+        ),
+        (
+            "state-space",
+            'kind = "fir", taps = [0.25, 0.5, 0.25], spacing = "2 ms"',
+            SetpointFilter(kind="fir", taps=(0.25, 0.5, 0.25), spacing=2e-3),
+        ),
+        ("heidenhain", 'kind = "none"', None),
+    ],
+)
+def test_every_kind_of_setpoint_filter_is_read(
+    control: str, table: str, expected: SetpointFilter | None
+) -> None:
+    """Otherwise a control is simulated without what it does."""
+    text = f'[control]\nkind = "{control}"\nsetpoint_filter = {{ {table} }}\n'
+    found = parse_profile(MANIPULATOR + text, where="p.toml").control
+    assert found.setpoint_filter == expected
+    assert not found.seeks_setpoint_filter
+
+
+def test_a_setpoint_filter_is_sought_unless_it_is_said() -> None:
+    """What is left out is chosen, as with the gains; a word must not choose silently."""
+    for text in ("", '[control]\nsetpoint_filter = "auto"\n'):
+        found = parse_profile(MANIPULATOR + text, where="p.toml").control
+        assert found.seeks_setpoint_filter
+        assert found.setpoint_filter is None
+
+
 # Broken profiles: the exact message
+
+BROKEN_FILTERS = [
+    (
+        "sinumerik",
+        'kind = "second_order", time = "40 ms"',
+        'kind: got "second_order": behind such a filter a setpoint never ends, so no time of '
+        "settling and no proof for every size of move could be stated; choose another kind, or "
+        '"none" with the filter off in the control',
+    ),
+    (
+        "sinumerik",
+        'kind = "moving_average"',
+        'time: missing: a filter with kind = "moving_average" needs it',
+    ),
+    (
+        "klipper",
+        'kind = "zv", frequency = "40 Hz", damping = 0.1, time = "1 ms"',
+        'time: means nothing to a filter with kind = "zv": remove it',
+    ),
+    (
+        "sinumerik",
+        'kind = "moving_average", time = "1 ms"',
+        'time: got 0.001 s; kind = "sinumerik" takes 0.002 to 1 s with this position cycle',
+    ),
+    (
+        "marlin",
+        'kind = "ei", frequency = "12 Hz", damping = 0.1',
+        'frequency: got 12 Hz; kind = "marlin" takes 20 to 500 Hz for a shaper',
+    ),
+    (
+        "klipper",
+        'kind = "3hump_ei", frequency = "40 Hz", damping = 0.3',
+        'damping: got 0.3; kind = "klipper" takes a damping ratio of 0 to 0.2 for this shaper',
+    ),
+    (
+        "state-space",
+        'kind = "fir", taps = [0.5, 0.4], spacing = "2 ms"',
+        "taps: got taps whose sum is 0.9, must be 1, or the axis would not arrive where it "
+        "should: divide each by the sum",
+    ),
+]
+"""Control, filter, and what is said of it."""
 
 
 def test_what_a_control_lacks_is_refused_key_by_key() -> None:
@@ -378,6 +462,9 @@ def test_what_a_control_lacks_is_refused_key_by_key() -> None:
     assert lines[4][2] == (
         'got "control"; kind = "fluidnc" closes its position loop otherwise: write "drive", '
         "or leave the key out"
+    )
+    assert lines[5][2] == (
+        'got "moving_average"; kind = "fluidnc" has no such setpoint filter: write "none"'
     )
     todays = '[control]\nkind = "fluidnc"\n[today]\nacceleration = 1\njerk = 10\n'
     assert faults_in(MANIPULATOR + todays) == [
@@ -602,7 +689,16 @@ def test_the_assumed_spread_of_damping_is_refused_where_no_vibration_is_left() -
         (
             '"5 um"',
             '"5 um"\n[control]\nsetpoint_filter = "some"',
-            '25: control.setpoint_filter: got "some", must be "none" or a table with kind and time',
+            '25: control.setpoint_filter: got "some", must be "auto" or "none" or a table with '
+            "kind",
+        ),
+        *(
+            (
+                '"5 um"',
+                f'"5 um"\n[control]\nkind = "{control}"\nsetpoint_filter = {{ {table} }}',
+                f"26: control.setpoint_filter.{said}",
+            )
+            for control, table, said in BROKEN_FILTERS
         ),
         (
             '"5 um"',

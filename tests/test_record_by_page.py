@@ -12,6 +12,7 @@ import pytest
 from mtcommission.commission import commission
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, TcpSensor
+from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.profile.read import read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json
@@ -40,7 +41,7 @@ def machine_of(name: str) -> Machine:
             reference_model_time=2e-3,
             velocity_feedforward=1.0,
         )
-    return quiet_copy(modal, position_loop=PositionLoop.DRIVE, moving_average_time=7e-3)
+    return quiet_copy(modal, position_loop=PositionLoop.DRIVE, setpoint_filter=moving_average(7e-3))
 
 
 NAMES = ("state feedback in the control", "filters, interpolated", "moving average in the drive")

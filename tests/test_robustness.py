@@ -15,6 +15,7 @@ from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Control, Machine, Peak, Positioning, StateFeedback
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE, peak_of
+from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import (
     Corner,
     Variations,
@@ -29,7 +30,7 @@ from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.setpoint.setpoint import plan_setpoint, plan_within
 from mtcommission.study.robustness import (
     FrequencyError,
     RobustnessSettings,
@@ -74,7 +75,7 @@ def spread_paper_machine(*, state_feedback: StateFeedback = StateFeedback.OFF) -
         (
             replace(
                 random_machine(6),
-                control=replace(random_machine(6).control, moving_average_time=0.015),
+                control=replace(random_machine(6).control, setpoint_filter=moving_average(0.015)),
             ),
             MotionLimits(acceleration=0.8, jerk=100.0),
         ),
@@ -90,11 +91,10 @@ def test_all_at_once_is_one_by_one(machine: Machine, limits: MotionLimits) -> No
     for i in range(5):
         varied = build_plant(vary(machine, variations.corner(i)))
         loop = build_loop(varied, tuned.controller, model=plant)
-        time = machine.control.moving_average_time
         one = [
             simulate(
                 loop,
-                plan_setpoint(move, limits, moving_average=time),
+                plan_within(machine, limits)(move),
                 drive=replace(machine.drive, max_force=1e9),
                 band=machine.requirements.tcp_deviation,
             )

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
 from mtcommission.loop.model.discrete import discretise
 from mtcommission.loop.model.interpolation import delay_weights
 from mtcommission.loop.simulate.continuous import simulate_continuous
@@ -27,12 +27,13 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
+from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.machine.variations import vary
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint
-from tests.independent_loop import Run, axis_of, delayed, profile_of, quiet_copy, run
+from mtcommission.setpoint.setpoint import plan_setpoint, plan_within
+from tests.independent_loop import Run, axis_of, behind, delayed, profile_of, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine
 
 Array = NDArray[np.float64]
@@ -53,7 +54,11 @@ VARIANTS: dict[str, dict[str, object]] = {
     "force filters": {"force_filters": (NOTCH, LOW_PASS)},
     "jerk feed-forward": {"jerk_feedforward": 1.0, "acceleration_feedforward": 0.9},
     "reference model": {"reference_model_time": 4e-3, "velocity_feedforward": 0.8},
-    "moving average": {"moving_average_time": 11e-3},
+    "moving average": {"setpoint_filter": moving_average(11e-3)},
+    "two averages": {
+        "setpoint_filter": SetpointFilter(kind=TWO_AVERAGES, time=11e-3, second_time=5e-3)
+    },
+    "shaper": {"setpoint_filter": SetpointFilter(kind="ei", frequency_hz=31.0, damping_ratio=0.02)},
     "short reference delay": {"reference_delay": 0.7e-3},
     "other clocks": {"position_cycle": 3e-3, "velocity_cycle": 500e-6},
 }
@@ -65,17 +70,16 @@ def both(
     """The same motion through the product and through the second program."""
     a = share * machine.drive.motion_force / moving_mass(machine)
     limits = MotionLimits(acceleration=a, jerk=a / 9e-3)
-    mean = machine.control.moving_average_time
     response = simulate(
         tuned.loops[corner],
-        plan_setpoint(move, limits, moving_average=mean),
+        plan_within(machine, limits)(move),
         drive=machine.drive,
         band=machine.requirements.tcp_deviation,
     )
     again = run(
         vary(machine, tuned.corners[corner]),
         tuned.controller,
-        profile_of(move, limits.acceleration, limits.jerk, mean=mean),
+        behind(profile_of(move, limits.acceleration, limits.jerk), machine.control.setpoint_filter),
         nominal=machine,
         samples=min(len(response.t), 2500),
         force_limit=machine.drive.motion_force,

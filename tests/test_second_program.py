@@ -21,7 +21,7 @@ from mtcommission.profile.read import read_profile
 from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.settings import Settings
 from mtcommission.verdict.evaluate import evaluate
-from tests.independent_loop import judge, profile_of, quiet_copy, run
+from tests.independent_loop import behind, judge, profile_of, quiet_copy, run
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
 
@@ -42,8 +42,9 @@ def broken_requirements(machine: Machine) -> list[str] | None:
     needs, drive, gains = machine.requirements, machine.drive, tuned.controller
     broken = []
     for number, move in enumerate(machine.moves, start=1):
-        profile = profile_of(
-            move, limits.acceleration, limits.jerk, mean=machine.control.moving_average_time
+        profile = behind(
+            profile_of(move, limits.acceleration, limits.jerk),
+            limits.setpoint_filter or machine.control.setpoint_filter,
         )
         samples = ceil((profile.end + gains.reference_delay + TAIL) / gains.velocity_cycle)
         for corner in tuned.corners:

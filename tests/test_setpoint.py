@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 import mtcommission
 from mtcommission.errors import ComputationError
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import jerk_steps, plan_setpoint, sample_setpoint
 
@@ -67,8 +69,7 @@ def test_derivatives_are_consistent_between_samples() -> None:
     """A wrong polynomial between the knots would reach the loop as a false acceleration."""
     setpoint = plan_setpoint(
         VelocityStep(velocity_step=0.1),
-        MotionLimits(acceleration=2.0, jerk=150.0),
-        moving_average=7e-3,
+        MotionLimits(acceleration=2.0, jerk=150.0, setpoint_filter=moving_average(7e-3)),
     )
     t = np.linspace(-0.01, 0.1, 110001)
     values = sample_setpoint(setpoint, t)
@@ -84,7 +85,7 @@ def test_moving_average_is_the_average_of_the_unfiltered_setpoint() -> None:
     """The filter of the control is a sliding mean over the stated time."""
     move, limits = VelocityStep(velocity_step=0.1), MotionLimits(acceleration=2.0, jerk=500.0)
     plain = plan_setpoint(move, limits)
-    filtered = plan_setpoint(move, limits, moving_average=0.02)
+    filtered = plan_setpoint(move, replace(limits, setpoint_filter=moving_average(0.02)))
     assert filtered.duration == pytest.approx(plain.duration + 0.02, rel=1e-12)
     window = np.linspace(0.0, 0.02, 20001)
     for t in (0.003, 0.02, 0.041, 0.06):

@@ -1,101 +1,126 @@
-"""Input shapers: their zeros, their setpoints, and their place in the comparison."""
+"""Setpoint filters: their zeros, their setpoints, and shapers in the comparison."""
 
 from __future__ import annotations
 
 from cmath import exp
 from dataclasses import replace
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 import pytest
 
+from mtcommission.control_kinds.kind import SHAPERS
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Control, Positioning, StateFeedback, VelocityStep
+from mtcommission.machine.setpoint_filter import DESIGNS, SetpointFilter
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.plant.plant import PlantMode, build_plant
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.filter_tables import KEYS
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.study.shapers import Shaper, compare_shapers, design_shapers, shape_setpoint
+from mtcommission.study.shapers import compare_shapers
+from tests.independent_loop import behind, profile_of, shaper
 from tests.machines import paper_machine
 
-
-def mode(damping: float) -> PlantMode:
-    return PlantMode(
-        name="m",
-        natural_frequency=2 * pi * 40.0,
-        damping_ratio=damping,
-        tcp_gain=1.0,
-        measured_gain=0.0,
-        scale=1.0,
-        deflection=2,
-        rate=3,
-    )
+F = 40.0
 
 
-def vibration(shaper: Shaper, pole: complex) -> float:
-    """Residual vibration over that of a single impulse at the end of the sequence."""
-    end = shaper.times[-1]
-    total = sum(
-        a * exp(pole * (end - t)) for a, t in zip(shaper.amplitudes, shaper.times, strict=True)
-    )
-    return abs(total)
+def design(kind: str, damping: float = 0.0) -> SetpointFilter:
+    return SetpointFilter(kind=kind, frequency_hz=F, damping_ratio=damping)
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.02, 0.1])
-def test_singer_seering_1990_zeros(damping: float) -> None:
-    """If it failed, ZV and ZVD would not cancel the mode they are designed for."""
-    own = mode(damping)
-    zv, _, zvd, _ = design_shapers(own)
-    assert vibration(zv, own.pole) < 1e-12
-    assert vibration(zvd, own.pole) < 1e-12
-    shifted = own.pole + 1e-4j * own.natural_frequency
-    # A double zero: a small error of frequency counts squared.
-    assert vibration(zvd, shifted) < 0.01 * vibration(zv, shifted)
+FILTERS = [
+    SetpointFilter(kind="moving_average", time=0.021),
+    SetpointFilter(kind="two_moving_averages", time=0.017, second_time=0.009),
+    SetpointFilter(kind="fir", taps=(0.2, -0.1, 0.6, 0.3), spacing=3e-3),
+    *(design(kind, 0.03) for kind in SHAPERS),
+]
 
 
-def test_singhose_1994_ei_tolerates_five_per_cent_at_its_centre_and_none_beside() -> None:
-    """If it failed, the comparison would hold a weak EI against the recommendation."""
-    own = mode(0.0)
-    ei = design_shapers(own)[3]
-    assert vibration(ei, own.pole) == pytest.approx(0.05)
-    ratios = np.linspace(0.8, 1.2, 401)
-    curve = [vibration(ei, own.pole * r) for r in ratios]
-    inside = [r for r, v in zip(ratios, curve, strict=True) if v <= 0.0501]
-    # Published insensitivity of EI at 5 %: 0.399, from about 0.8 to 1.2 of the frequency.
-    assert max(inside) - min(inside) == pytest.approx(0.399, abs=0.005)
+def vibration(item: SetpointFilter, ratio: float, damping: float = 0.0) -> float:
+    """Residual vibration of a mode over that of a single impulse at the end of the sequence."""
+    pole = 2 * pi * F * ratio * complex(-damping, (1 - damping**2) ** 0.5)
+    delays, shares = item.impulses
+    pairs = zip(delays, shares, strict=True)
+    return abs(sum(share * exp(pole * (delays[-1] - t)) for t, share in pairs))
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.02, 0.2])
+@pytest.mark.parametrize("kind", ["zv", "zvd", "mzv", "2hump_ei"])
+def test_singer_seering_1990_zeros(kind: str, damping: float) -> None:
+    """If it failed, these would not cancel the mode they are designed for."""
+    assert vibration(design(kind, damping), 1.0, damping) < 1e-12
+
+
+def test_zvd_has_a_double_zero() -> None:
+    """If it failed, a small error of the frequency would cost as much as with ZV."""
+    assert vibration(design("zvd"), 1.001) < 0.01 * vibration(design("zv"), 1.001)
+
+
+@pytest.mark.parametrize(
+    ("kind", "width"), [("ei", 0.399), ("2hump_ei", 0.726), ("3hump_ei", 0.965)]
+)
+def test_singhose_humps_tolerate_five_per_cent_over_the_published_width(
+    kind: str, width: float
+) -> None:
+    """If it failed, the robust shapers would be robust in name only."""
+    item = design(kind)
+    ratios = np.linspace(1.0, 1.6, 6001)
+    curve = np.array([vibration(item, r) for r in ratios])
+    out = int(np.argmax(curve > 0.05 * (1 + 1e-6)))
+    assert curve[:out].max() == pytest.approx(0.05, rel=1e-4)
+    assert 2 * (ratios[out] - 1) == pytest.approx(width, abs=0.005)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05])
-def test_amplitudes_are_shares(damping: float) -> None:
-    """If it failed, the shaped setpoint would not arrive."""
-    for shaper in design_shapers(mode(damping)):
-        assert sum(shaper.amplitudes) == pytest.approx(1.0, abs=1e-14)
-        assert min(shaper.amplitudes) > 0.0
-        assert shaper.times[0] == 0.0
+@pytest.mark.parametrize("kind", SHAPERS)
+def test_impulses_are_those_of_the_second_program(kind: str, damping: float) -> None:
+    """If it failed, the control would shape otherwise than was simulated."""
+    delays, shares = design(kind, damping).impulses
+    times, sizes = shaper(kind, F, damping)
+    assert delays == pytest.approx(times, abs=1e-15)
+    assert shares == pytest.approx(sizes, abs=1e-8)
+    assert sum(shares) == pytest.approx(1.0, abs=1e-14)
 
 
-def test_mzv_vibration_at_its_frequency() -> None:
-    """If it failed, MZV would not be the shaper of Klipper: a zero at f, 0.75/f long."""
-    own = mode(0.0)
-    mzv = design_shapers(own)[1]
-    assert vibration(mzv, own.pole) < 1e-12
-    assert mzv.times[-1] == pytest.approx(0.75 / 40.0)
-    assert mzv.amplitudes[0] == pytest.approx(1 - 1 / sqrt(2))
-
-
+@pytest.mark.parametrize("item", FILTERS, ids=lambda item: item.kind)
 @pytest.mark.parametrize("move", [VelocityStep(velocity_step=0.1), Positioning(distance=0.03)])
-def test_shaped_setpoint_is_the_sum_of_copies(move: VelocityStep | Positioning) -> None:
-    """If it failed, the shapers would be judged on a motion that no control produces."""
-    plain = plan_setpoint(move, MotionLimits(acceleration=2.0, jerk=2e5))
-    shaper = design_shapers(mode(0.03))[2]
-    shaped = shape_setpoint(plain, shaper)
-    assert shaped.duration == pytest.approx(plain.duration + shaper.times[-1])
-    t = np.linspace(0.0, shaped.duration + 0.01, 300)
-    copies = sum(
-        a * sample_setpoint(plain, t - delay)
-        for a, delay in zip(shaper.amplitudes, shaper.times, strict=True)
-    )
-    assert sample_setpoint(shaped, t)[:, :3] == pytest.approx(copies[:, :3], abs=1e-8)
+def test_filtered_setpoint_is_that_of_the_second_program(
+    move: VelocityStep | Positioning, item: SetpointFilter
+) -> None:
+    """If it failed, limits would be judged on a motion that no control produces."""
+    limits = MotionLimits(acceleration=2.0, jerk=150.0, setpoint_filter=item)
+    ours = plan_setpoint(move, limits)
+    other = behind(profile_of(move, 2.0, 150.0), item)
+    assert ours.duration == pytest.approx(other.end, rel=1e-9)
+    t = np.linspace(-0.01, ours.duration + 0.01, 353)
+    expected = np.array([other.at(time) for time in t])
+    found = sample_setpoint(ours, t)
+    scale = np.abs(expected).max(axis=0)
+    assert found[:, :3] == pytest.approx(expected[:, :3], abs=1e-9 * scale.max())
+
+
+@pytest.mark.parametrize("item", FILTERS, ids=lambda item: item.kind)
+def test_mean_delay_is_that_of_a_slow_setpoint(item: SetpointFilter) -> None:
+    """If it failed, the path of two axes with different filters would be thought to agree."""
+    limits = MotionLimits(acceleration=1.0, jerk=1e3)
+    move, t = VelocityStep(velocity_step=1.0), np.array([0.5])
+    plain = sample_setpoint(plan_setpoint(move, limits), t)[0]
+    late = sample_setpoint(plan_setpoint(move, replace(limits, setpoint_filter=item)), t)[0]
+    assert (plain[1] - late[1]) / plain[2] == pytest.approx(item.mean_delay, rel=1e-6)
+
+
+def test_every_kind_of_filter_is_known_wherever_it_is_named() -> None:
+    """If it failed, a control would offer what cannot be computed, or a profile not be read."""
+    assert tuple(DESIGNS) == SHAPERS
+    offered = {choice.kind for kind in KINDS.values() for choice in kind.setpoint_filters}
+    assert offered == {*KEYS} - {"none"}
+    for kind in KINDS.values():
+        for choice in kind.setpoint_filters:
+            least, most = choice.times(kind.position_cycle)
+            assert least < most or not choice.advised_cycles
+            assert choice.least_damping < choice.most_damping < 1.0
 
 
 def test_comparison_on_the_papers_machine() -> None:

@@ -61,6 +61,7 @@ from mtcommission.units.symbols import read_unit
 
 from .sheet_record import (
     HOSTILE,
+    average,
     example_record,
     extreme_record,
     five_moves_record,
@@ -604,21 +605,21 @@ def test_every_formula_of_the_rule_is_set_and_every_symbol_explained(language):
     ]
     section = next(s for s in compose(record, language).sections if s.key == "rule")
     formulas = [block for block in section.blocks if isinstance(block, Formula)]
-    assert len(formulas) == 7
+    assert len(formulas) == 6
     words = " ".join(block.text for block in section.blocks if isinstance(block, Paragraph))
     assert not re.search("[<>^]|Originaltext", words)
     symbols, hand = (block for block in section.blocks if isinstance(block, Table))
     named = {row[0].letter for row in symbols.rows if plain(row[0]) != "t_j"}
     trees = [b.tree for b in formulas] + [r[1] for r in hand.rows if isinstance(r[1], Expression)]
     used = set().union(*map(find_symbols, trees))
-    by_hand = {"C", "V", "ε", "π"}  # the steps themselves give these
+    by_hand = {"C", "W", "ε", "π"}  # the steps themselves give these
     assert {symbol.letter for symbol in used} - by_hand <= named | {"t", "T", "m"}
     assert all(row[2] for row in symbols.rows)
 
 
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_the_rule_for_positioning_has_its_own_formulas_and_their_length(language):
-    """If it failed, V and a of the steps could not be calculated again on a positioning axis."""
+    """If it failed, a of the steps could not be calculated again on a positioning axis."""
     record = example_record()
     move = Positioning(distance=0.02, max_velocity=0.5)
     record["moves"][0]["move"] = {"distance": move.distance, "max_velocity": move.max_velocity}
@@ -627,9 +628,7 @@ def test_the_rule_for_positioning_has_its_own_formulas_and_their_length(language
     formulas = [block for block in section.blocks if isinstance(block, Formula)]
     spoken = [(write_formula(item.tree), item.aside) for item in formulas if item.aside]
     word = "for positioning" if language == "en" else "beim Positionieren"
-    echo = "V = R(f t_j) (1 + exp(-omega zeta v/a)) (1 + exp(-omega zeta L/v))"
-    assert (echo, word) in spoken
-    assert ("L >= 2 a t_j^2", word) in spoken
+    assert ("2 a^3 <= L j^2", word) in spoken
     symbols = next(block for block in section.blocks if isinstance(block, Table))
     lengths = {plain(row[0]): row[2] for row in symbols.rows}
     assert lengths["L"] == f"20{THIN_SPACE}mm"
@@ -1103,6 +1102,8 @@ def test_a_move_that_became_another_is_not_compared_by_its_numbers():
     before, after = example_record(), five_moves_record()
     for key in ("moves", "optima", "comparisons"):
         after[key] = after[key][1:2]
+    sizes = after["limits"]["recommended"]
+    sizes["valid_for"] = sizes["valid_for"][1:2]
     row = changes(before, after)["Move 1"]
     assert ("velocity step" in row[0], "positioning" in row[1], row[2]) == (True, True, "changed")
 
@@ -1179,6 +1180,32 @@ def test_todays_values_stand_beside_the_recommended_ones_with_what_each_gives():
     terminal = render(record).replace(THIN_SPACE, " ")
     assert "now 310.1 ms" in terminal
     assert "now 45.2 µm" in terminal
+
+
+def test_the_filter_is_entered_by_the_names_of_the_control_beside_todays():
+    """Limits without the filter that was chosen with them leave the band."""
+    record = _with_today(setpoint_filter=average(0.03))
+    record["loop"]["kind"] = "sinumerik"
+    two = average(0.012) | {"kind": "two_moving_averages", "second_time": 0.008, "duration": 0.02}
+    record["limits"]["recommended"]["setpoint_filter"] = two
+    rows = {row[0]: row[1:4] for row in table_of(record, "parameters").rows}
+    gap = THIN_SPACE
+    assert rows["Setpoint filter"] == ("two moving averages", "MD32402 = 4", "moving average")
+    assert rows["Filter length"] == (f"12{gap}ms", "MD32410 = 0.012 s", f"30{gap}ms")
+    assert rows["Second filter length"] == (f"8{gap}ms", "MD32411 = 0.008 s", "")
+    told = f"two moving averages 12{gap}ms, 8{gap}ms"
+    assert ("Setpoint filter", told, f"now moving average 30{gap}ms") in summary_rows(
+        record, ENGLISH
+    )
+    first = squeeze(pdf_pages(print_pdf(record))[0])
+    assert squeeze("Two moving averages 12 ms, 8 ms") in first
+    shaper = average(0.0) | {"kind": "zv", "frequency_hz": 48.0, "damping_ratio": 0.03}
+    record["limits"]["recommended"]["setpoint_filter"] = shaper
+    record["loop"]["kind"] = "klipper"
+    rows = {row[0]: row[1:3] for row in table_of(record, "parameters").rows}
+    assert rows["Setpoint filter"] == ("shaper ZV", "shaper_type = zv")
+    assert rows["Filter frequency"] == (f"48{gap}Hz", "shaper_freq = 48")
+    assert rows["Filter damping ratio"] == ("ζ 0.03", "damping_ratio = 0.030")
 
 
 def test_an_unstable_loop_of_today_is_said_and_has_no_numbers():

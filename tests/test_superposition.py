@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import settle
 from mtcommission.loop.batch.tables import build_tables, sketch_tables
@@ -22,12 +22,13 @@ from mtcommission.machine.machine import (
     VelocityStep,
     moving_mass,
 )
+from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (
     JerkSteps,
+    filter_steps,
     jerk_steps,
-    moving_average_steps,
-    plan_setpoint,
+    plan_within,
 )
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine
@@ -42,11 +43,19 @@ MOVES: list[Move] = [
 ]
 MACHINES = {
     "paper": paper_machine(),
-    "filtered": quiet_copy(paper_machine(), moving_average_time=17e-3),
+    "filtered": quiet_copy(paper_machine(), setpoint_filter=moving_average(17e-3)),
+    "two averages": quiet_copy(
+        paper_machine(),
+        setpoint_filter=SetpointFilter(kind=TWO_AVERAGES, time=17e-3, second_time=6e-3),
+    ),
+    "shaped": quiet_copy(
+        paper_machine(),
+        setpoint_filter=SetpointFilter(kind="2hump_ei", frequency_hz=31.0, damping_ratio=0.02),
+    ),
     "two encoders": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
     "interpolated": quiet_copy(paper_machine(), position_loop=PositionLoop.INTERPOLATED),
     "drive": quiet_copy(
-        paper_machine(), position_loop=PositionLoop.DRIVE, moving_average_time=7e-3
+        paper_machine(), position_loop=PositionLoop.DRIVE, setpoint_filter=moving_average(7e-3)
     ),
     "short delay": quiet_copy(paper_machine(), reference_delay=0.6e-3),
     "four modes": random_modal_machine(7, n_modes=4),
@@ -62,8 +71,7 @@ def limits(machine: Machine, count: int) -> tuple[Array, Array]:
 
 def steps_of(machine: Machine, move: Move, a: Array, j: Array) -> JerkSteps:
     steps = jerk_steps(move, acceleration=a, jerk=j)
-    time = machine.control.moving_average_time
-    return moving_average_steps(steps, time=time) if time else steps
+    return filter_steps(steps, machine.control.setpoint_filter)
 
 
 def linear_response(
@@ -72,11 +80,7 @@ def linear_response(
     strong = replace(machine.drive, max_force=1e12)
     return simulate(
         tuned.loops[0],
-        plan_setpoint(
-            move,
-            MotionLimits(acceleration=a, jerk=j),
-            moving_average=machine.control.moving_average_time,
-        ),
+        plan_within(machine, MotionLimits(acceleration=a, jerk=j))(move),
         drive=strong,
         band=machine.requirements.tcp_deviation,
     )
@@ -87,7 +91,6 @@ def test_settling_and_residual_agree_with_the_full_simulation(name: str) -> None
     """The search would recommend limits that the sheet then judges otherwise."""
     machine = MACHINES[name]
     tuned = tune_loop(machine)
-    filtered = machine.control.moving_average_time > 0.0
     checked = 0
     for move in MOVES:
         a, j = limits(machine, 4)
@@ -95,7 +98,7 @@ def test_settling_and_residual_agree_with_the_full_simulation(name: str) -> None
         tables = build_tables(
             tuned.loops[0],
             longest=float(np.max(steps.duration)),
-            filtered=filtered,
+            order=steps.order,
         )
         band = machine.requirements.tcp_deviation
         found = settle(tables, steps, band=band)
@@ -111,7 +114,9 @@ def test_settling_and_residual_agree_with_the_full_simulation(name: str) -> None
     assert checked >= 12
 
 
-@pytest.mark.parametrize("name", ["paper", "filtered", "drive", "four modes"])
+@pytest.mark.parametrize(
+    "name", ["paper", "filtered", "two averages", "shaped", "drive", "four modes"]
+)
 def test_peaks_and_forces_agree_with_the_full_simulation(name: str) -> None:
     """Limits beyond the force or a bounded peak would be recommended."""
     machine = MACHINES[name]
@@ -126,7 +131,6 @@ def test_peaks_and_forces_agree_with_the_full_simulation(name: str) -> None:
             tuned.loops[0],
             steps_of(machine, move, a, j),
             signals=signals,
-            order=4 if machine.control.moving_average_time else 3,
             dwell=move.dwell,
             tail=0.3,
             static_load=machine.drive.static_load,

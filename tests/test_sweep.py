@@ -45,14 +45,15 @@ from mtcommission.sweep.cases import (
 )
 from mtcommission.sweep.engine import Engine, Lane, open_lane, run_sweep
 from mtcommission.sweep.library import sweep
-from mtcommission.sweep.lock import hold_folder
+from mtcommission.sweep.lock import NAME as LOCK
+from mtcommission.sweep.lock import OWNER, hold_folder
 from mtcommission.sweep.meanings import meaning_of
 from mtcommission.sweep.page import print_sweep
 from mtcommission.sweep.pieces import piece_size
 from mtcommission.sweep.request import read_plan
 from mtcommission.sweep.rows import Answer, Work, columns, key_unit
 from mtcommission.sweep.solve import solve_case
-from mtcommission.sweep.store import NAME
+from mtcommission.sweep.store import DAMAGED, NAME
 from mtcommission.sweep.table import read_table, summarise_table, write_table
 from tests.machines import paper_machine
 
@@ -525,9 +526,10 @@ def test_limits_of_a_case_are_those_of_the_command(tmp_path: Path) -> None:
     assert row["t_f"] == found.optima[0].time.t_f
     assert row["certified"]
     assert row["relative_gap"] <= 1e-9
-    checks = {check.name: check.value for check in found.assessment.checks}
-    assert row["peak_v_phi"] == checks["peak v_phi"]
-    assert row["peak_F_set"] == checks["set force"]
+    responses = [response for move in found.moves for response in move.responses]
+    column = found.plant.signals.index("v_phi")
+    assert row["peak_v_phi"] == max(response.peaks[column] for response in responses)
+    assert row["peak_F_set"] == max(response.max_force for response in responses)
 
 
 def test_forces_of_a_sweep_fall_in_time_and_are_certified(tmp_path: Path) -> None:
@@ -687,7 +689,7 @@ def test_a_killed_sweep_leaves_no_lock(tmp_path: Path) -> None:
     held.wait()
     held.stdout.close()
     with hold_folder(tmp_path):
-        assert (tmp_path / ".lock-owner").read_text() == str(os.getpid())
+        assert (tmp_path / OWNER).read_text() == str(os.getpid())
 
 
 def test_peaks_of_a_curve_are_those_of_single_solves(tmp_path: Path) -> None:
@@ -1055,3 +1057,67 @@ def test_cluster_that_does_not_answer_is_wrong_input(tmp_path: Path) -> None:
     engine = Engine(scheduler="tcp:nowhere")
     with pytest.raises(InputError, match="no scheduler answers"):
         run_sweep(plan_of(), folder=tmp_path, engine=engine)
+
+
+def flipped(path: Path, at: int) -> None:
+    data = bytearray(path.read_bytes())
+    data[at] ^= 1
+    path.write_bytes(bytes(data))
+
+
+@pytest.mark.parametrize("line", [0, 3, 6])
+def test_a_damaged_line_costs_its_own_cases_only(
+    tmp_path: Path, undisturbed: pl.DataFrame, line: int
+) -> None:
+    """One flipped bit once deleted the whole store, or all sound pieces behind it."""
+    plan = masses_plan()
+    path = run_sweep(plan, folder=tmp_path).path
+    lines = path.read_bytes().splitlines(keepends=True)
+    flipped(path, sum(map(len, lines[:line])) + 20)
+    seen: list[int] = []
+    store = run_sweep(
+        plan, folder=tmp_path, resume=True, progress=lambda done, *_: seen.append(done)
+    )
+    assert store.damaged == (line + 1,)
+    assert len((tmp_path / DAMAGED).read_bytes().splitlines()) == 1
+    assert seen[0] == 4
+    assert len(seen) == 6, "each piece was counted or computed once"
+    assert lines_in(tmp_path) == (6 if line == 0 else 7), "only the lost piece is computed"
+    assert read_table(plan, store).frame.equals(undisturbed)
+
+
+@pytest.mark.parametrize("name", ["rows.csv", "records", NAME])
+def test_a_folder_with_files_of_others_is_refused(tmp_path: Path, name: str) -> None:
+    theirs = tmp_path / name
+    theirs.write_text("mine\n")
+    for resume in (False, True):
+        with pytest.raises(InputError, match=name):
+            run_sweep(masses_plan(), folder=tmp_path, resume=resume)
+    assert theirs.read_text() == "mine\n"
+
+
+@pytest.mark.parametrize("name", [LOCK, OWNER, NAME])
+def test_links_in_the_folder_reach_no_foreign_file(tmp_path: Path, name: str) -> None:
+    """The target of a link named .lock was once truncated."""
+    theirs, folder = tmp_path / "theirs", tmp_path / "out"
+    theirs.write_text("mine")
+    folder.mkdir()
+    (folder / name).symlink_to(theirs)
+    for resume in (False, True):
+        with pytest.raises(InputError, match="give another folder"):
+            run_sweep(masses_plan(), folder=folder, resume=resume)
+    assert theirs.read_text() == "mine"
+
+
+def test_own_files_named_like_locks_stay(tmp_path: Path) -> None:
+    for name in (".lock", "finished.log"):
+        (tmp_path / name).write_text("mine")
+    run_sweep(masses_plan(), folder=tmp_path)
+    for name in (".lock", "finished.log"):
+        assert (tmp_path / name).read_text() == "mine"
+
+
+def test_an_element_of_an_array_of_tables_is_no_value() -> None:
+    """It ended as an internal error."""
+    with pytest.raises(InputError, match="there is no such key"):
+        vary_profile(TEXT, (("moves.0", "1"),), where="machine.toml")

@@ -9,6 +9,7 @@ import pytest
 
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Today
+from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
@@ -77,7 +78,9 @@ def test_a_filter_of_today_lengthens_the_move_by_its_time() -> None:
     """The recommended setpoint has none: it must not be forgotten, nor stay for the others."""
     machine = paper_machine()
     plain = judged(machine, Today(acceleration=1.2, jerk=30.0))
-    filtered = judged(machine, Today(acceleration=1.2, jerk=30.0, moving_average_time=0.1))
+    filtered = judged(
+        machine, Today(acceleration=1.2, jerk=30.0, setpoint_filter=moving_average(0.1))
+    )
     assert plain is not None
     assert filtered is not None
     assert plain.judged is not None

@@ -1,4 +1,4 @@
-"""The command line: ``machines``, ``measured``, ``compute``, ``records``, ``batch`` hold commands.
+"""The command line: ``machines``, ``measured``, ``compute``, ``records``, ``verify``, ``batch``.
 
 Each command is a few lines: read the input, call one verb, write the result. Heavy imports sit
 inside the commands, so that ``--help`` answers at once.
@@ -17,16 +17,22 @@ import typer
 from mtcommission import __version__
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
+from mtcommission.cli.inputs import now
 from mtcommission.cli.language import ENGLISH, choose, say, words
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
 from mtcommission.cli.measured import identify
 from mtcommission.cli.records import export, sheet
+from mtcommission.cli.verify import verify
 from mtcommission.errors import MtcommissionError
 
 EXIT_CODES = (
     "Exit codes: 0 done and all requirements met, 1 a requirement is not met, 2 wrong input, "
-    "3 a computation ended with a named outcome."
+    "3 a computation ended with a named outcome, 130 interrupted by Ctrl-C."
 )
+
+INTERRUPTED = 130
+LONGEST_ERROR = 500
+"""Letters: an error of encoding holds the whole text."""
 
 app = typer.Typer(
     name="mtcommission",
@@ -46,6 +52,7 @@ for command in (
     simulate,
     export,
     sheet,
+    verify,
     sweep,
     validate,
 ):
@@ -64,6 +71,7 @@ def main() -> NoReturn:
     # summation would change from run to run.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    _open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="replace")
@@ -72,18 +80,33 @@ def main() -> NoReturn:
         sys.stdin.reconfigure(errors="surrogateescape")
     choose(ENGLISH)
     try:
+        now()  # numpy reads a wrong SOURCE_DATE_EPOCH, too, but does not say what is wrong
         app()
     except MtcommissionError as error:
         _fail(error.text(words()), error.exit_code)
     except KeyboardInterrupt:
-        _fail(say("cli-interrupted"), 3)
+        _fail(say("cli-interrupted"), INTERRUPTED)
+    except SystemExit as end:
+        if end.code == INTERRUPTED:  # typer has met Ctrl-C, and says nothing
+            _fail(say("cli-interrupted"), INTERRUPTED)
+        raise
     except BrokenPipeError:
         os._exit(0)  # the reader of our output has gone: nobody to tell
     except OSError as error:
         _fail(f"{error.filename or say('cli-file-system')}: {error.strerror or error}", 2)
     except Exception as error:
-        _fail(say("cli-internal-error", error=repr(error)), 3)
+        _fail(say("cli-internal-error", error=repr(error)[:LONGEST_ERROR]), 3)
     sys.exit(0)
+
+
+def _open_closed_streams() -> None:
+    """Lead closed standard streams nowhere, else the first file that is opened becomes one."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) < 3:
+        pass
+    os.close(descriptor)
+    sys.stdin = sys.stdin or open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stdout = sys.stdout or open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stderr = sys.stderr or open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
 
 
 def _fail(message: str, code: int) -> NoReturn:

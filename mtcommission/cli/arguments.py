@@ -20,4 +20,8 @@ CsvOption = Annotated[
 ]
 RecordArgument = Annotated[Path, typer.Argument(metavar="RECORD", help="record.json of a run.")]
 FolderOption = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder.")]
+SizesOption = Annotated[
+    str,
+    typer.Option("--for", metavar="every|listed", help="Sizes of move that the limits serve."),
+]
 NoPdfOption = Annotated[bool, typer.Option("--no-pdf", help="Leave the PDF out.")]

@@ -11,6 +11,7 @@ import typer
 
 from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
 from mtcommission.cli.inputs import now
+from mtcommission.cli.language import say
 from mtcommission.cli.progress import print_written, show_bar, show_stage
 
 
@@ -58,12 +59,13 @@ def sweep(
     Several ranges make a grid. DIR gets rows.parquet, rows.csv and sweep.html.
     """
     from mtcommission.files import require_folder
-    from mtcommission.sweep.engine import Engine, run_sweep
+    from mtcommission.sweep.engine import RESULTS, Engine, run_sweep
     from mtcommission.sweep.page import print_sweep
     from mtcommission.sweep.request import read_plan
+    from mtcommission.sweep.store import DAMAGED
     from mtcommission.sweep.table import read_table, summarise_table, write_safely, write_table
 
-    require_folder(output)
+    require_folder(output, *RESULTS, inputs=[profile, *([cases] if cases else [])])
     plan = read_plan(
         profile,
         f_max=f_max,
@@ -84,7 +86,11 @@ def sweep(
     write_safely(output / "sweep.html", lambda file: file.write(page.encode()))
     summary = summarise_table(table)
     sys.stdout.write(summary.text + "\n")
-    print_written(output, ("rows.parquet", "rows.csv", "sweep.html"))
+    print_written(output, RESULTS)
+    if store.damaged:
+        lines = ", ".join(map(str, store.damaged))
+        aside = str(output / DAMAGED)
+        sys.stderr.write(say("sweep-lines-set-aside", lines=lines, file=aside) + "\n")
     raise typer.Exit(0 if summary.is_met else 1 if summary.done else 3)
 
 
@@ -108,7 +114,7 @@ def validate(
 
     require_writable(json_file)
     if output:
-        require_folder(Path(output))
+        require_folder(Path(output), "validation.html")
     with show_stage() as progress:
         found = compare(progress)
     if json_file:

@@ -9,7 +9,7 @@ import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,6 +20,7 @@ from mtcommission.cli.arguments import (
     JsonOption,
     NoPdfOption,
     ProfileArgument,
+    SizesOption,
 )
 from mtcommission.cli.inputs import (
     describe_profile,
@@ -32,6 +33,9 @@ from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
 from mtcommission.messages.message import Message
 
+if TYPE_CHECKING:
+    from mtcommission.record.schema import Words
+
 
 def run(
     profile: ProfileArgument,
@@ -39,6 +43,7 @@ def run(
     f_max: ForceOption = "",
     language: LanguageOption = ENGLISH,
     no_pdf: NoPdfOption = False,
+    sizes: SizesOption = "",
 ) -> None:
     """Compute the limits; write record, sheet and setpoint.
 
@@ -46,20 +51,28 @@ def run(
     """
     from mtcommission.files import require_folder, write_files
 
-    require_folder(output)
+    names = ("record.json", "sheet.html", "sheet.pdf", "setpoint.csv")
+    require_folder(output, *names, inputs=[profile])
     source = describe_profile(profile)
-    machine = parse_machine(source, f_max, where=profile)
+    machine = parse_machine(source, f_max, where=profile, sizes=sizes)
 
     from mtcommission.cli.csv_texts import setpoint_csv
     from mtcommission.cli.terminal import show
     from mtcommission.commission import commission
     from mtcommission.record.build import build_record
     from mtcommission.record.files import dump_json
+    from mtcommission.record.identified import read_evidence
     from mtcommission.sheet import print_html, print_pdf, summarise
 
     with show_stage() as progress:
         found = commission(machine, progress=progress)
-    record = build_record(found, profile=source, created=now(), warnings=list_warnings(machine))
+    record = build_record(
+        found,
+        profile=source,
+        created=now(),
+        warnings=list_warnings(machine),
+        identified=read_evidence(machine, profile.parent),
+    )
     with show_stage() as progress:
         progress(Message("stage-sheet"))
         files = {
@@ -141,7 +154,7 @@ def optimal(
     from mtcommission.record.optima import optimum_entry
     from mtcommission.record.shape import to_plain
 
-    require_writable(json_file, csv_file)
+    require_writable(json_file, csv_file, inputs=[profile])
     machine = read_machine(profile, f_max)
     plant = build_plant(machine)
     request: OptimalRequest = read_optimal_request(
@@ -176,14 +189,15 @@ def optimal(
 def limits(
     profile: ProfileArgument,
     f_max: ForceOption = "",
+    sizes: SizesOption = "",
     language: LanguageOption = ENGLISH,
     json_file: JsonOption = "",
 ) -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
     from mtcommission.files import require_writable, write_text
 
-    require_writable(json_file)
-    machine = read_machine(profile, f_max)
+    require_writable(json_file, inputs=[profile])
+    machine = read_machine(profile, f_max, sizes=sizes)
 
     from mtcommission.cli.results_view import describe_limits
     from mtcommission.cli.terminal import show
@@ -207,6 +221,7 @@ def simulate(
     acceleration: Annotated[str, typer.Option("--acceleration", metavar="A", help="E.g. 2m/s^2.")],
     jerk: Annotated[str, typer.Option("--jerk", metavar="J", help="E.g. 100m/s^3.")],
     f_max: ForceOption = "",
+    sizes: SizesOption = "",
     language: LanguageOption = ENGLISH,
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
@@ -216,8 +231,8 @@ def simulate(
     from mtcommission.limits.optima import require_force
     from mtcommission.options import read_limits, require_short_moves
 
-    require_writable(json_file, csv_file)
-    machine = read_machine(profile, f_max)
+    require_writable(json_file, csv_file, inputs=[profile])
+    machine = read_machine(profile, f_max, sizes=sizes)
     chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
     require_force(machine)
     require_short_moves(machine, chosen)
@@ -233,7 +248,10 @@ def simulate(
     from mtcommission.study.settings import Settings
     from mtcommission.verdict.evaluate import simulate_moves
 
-    asked, notes = chosen, []
+    asked = chosen
+    notes: list[Words] = []
+    if machine.control.seeks_setpoint_filter:
+        notes.append(Message("simulated-without-filter"))
     if asked.jerk_time < machine.control.position_cycle:
         chosen = without_jerk_limit(machine, asked.acceleration)
         notes.append(
@@ -247,6 +265,15 @@ def simulate(
         tuned = settle_on_loop(machine, plant, Settings()).tuned
         progress(Message("stage-response"))
         moves = simulate_moves(machine, tuned, chosen)
+    loop = tuned.controller
+    notes.append(
+        Message(
+            "simulated-with-loop",
+            Kv=loop.position_gain,
+            Kp=loop.velocity_gain,
+            Tn=loop.integral_time,
+        )
+    )
     part = simulation_part(machine, plant, tuned, moves)
     part = replace(part, warnings=[*notes, *part.warnings])
     if json_file:

@@ -7,34 +7,40 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mtcommission.cli.language import speak_of
+from mtcommission.errors import Fault, InputError
+from mtcommission.messages.message import Message, printable
 
 if TYPE_CHECKING:
     from mtcommission.machine.machine import Machine
-    from mtcommission.messages.message import Message
     from mtcommission.record.schema import Profile
 
 
-def read_machine(profile: Path, f_max: str) -> Machine:
-    """Return the machine of a profile, with the force limit of ``--f-max`` if one is given."""
+def read_machine(profile: Path, f_max: str, *, sizes: str = "") -> Machine:
+    """Return the machine of a profile, with what ``--f-max`` and ``--for`` say in its place."""
+    from mtcommission.options import with_sizes
     from mtcommission.profile.read import read_profile
 
-    return _with_force(read_profile(profile), f_max)
+    machine = _with_force(read_profile(profile), f_max)
+    return with_sizes(machine, sizes) if sizes else machine
 
 
-def parse_machine(source: Profile, f_max: str, *, where: Path) -> Machine:
+def parse_machine(source: Profile, f_max: str, *, where: Path, sizes: str = "") -> Machine:
     """Return the machine of a profile that was read already, so that record and machine agree."""
+    from mtcommission.options import with_sizes
     from mtcommission.profile.read import parse_profile
 
-    return _with_force(parse_profile(source.text, where=str(where)), f_max)
+    machine = _with_force(parse_profile(source.text, where=str(where)), f_max)
+    return with_sizes(machine, sizes) if sizes else machine
 
 
 def describe_profile(path: Path) -> Profile:
     """Return name, hash and text of a profile, as the record keeps them."""
-    from mtcommission.profile.read import profile_text_hash, read_profile_text
+    from mtcommission.profile.read import decode_profile, profile_text_hash, read_profile_bytes
     from mtcommission.record.schema import Profile
 
-    text = read_profile_text(path)  # first: it says what is wrong with a file
-    return Profile(name=path.name, sha256=profile_text_hash(path.read_bytes()), text=text)
+    data = read_profile_bytes(path)  # once: a pipe gives it only once
+    text = decode_profile(data, where=str(path))
+    return Profile(name=printable(path.name), sha256=profile_text_hash(data), text=text)
 
 
 def _with_force(machine: Machine, f_max: str) -> Machine:
@@ -63,5 +69,9 @@ def now() -> str:
     from datetime import UTC, datetime
 
     fixed = os.environ.get("SOURCE_DATE_EPOCH")
-    moment = datetime.fromtimestamp(int(fixed), UTC) if fixed else datetime.now(UTC)
+    try:
+        moment = datetime.fromtimestamp(int(fixed), UTC) if fixed else datetime.now(UTC)
+    except (ValueError, OverflowError, OSError) as error:
+        message = Message("cli-no-epoch", got=str(fixed)[:40])
+        raise InputError([Fault(where="SOURCE_DATE_EPOCH", message=message)]) from error
     return moment.isoformat(timespec="seconds")

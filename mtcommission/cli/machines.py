@@ -34,7 +34,7 @@ def wizard(
     from mtcommission.files import require_writable
     from mtcommission.wizard import Ending, open_console, run_wizard
 
-    require_writable(str(output))
+    require_writable(str(output), inputs=[answers] if answers else [])
     session = run_wizard(
         output,
         console=open_console(),

@@ -79,18 +79,25 @@ def identify(
     """
     from mtcommission.files import require_writable, write_text
 
-    require_writable(json_file, page, output)
+    beside = json_file
+    if not beside and output not in ("", "-"):
+        from mtcommission.identify.statement import evidence_file
+
+        beside = evidence_file(output)
+    from mtcommission.identify.gather import gather, split_sensor
+
+    require_writable(beside, page, output, inputs=[Path(split_sensor(one)[0]) for one in files])
+    _keep_others(output, profile)
     given = _read_given(sensor, input_, constant, measured, columns or [], profile)
     limits, count = _read_band(band), _read_count(modes)
-    ratio = _read_number("--tool-ratio", tool_ratio) if tool_ratio else None
+    ratio = read_number("--tool-ratio", tool_ratio) if tool_ratio else None
     before = _read_before(profile)
 
     from mtcommission.cli.identified_view import describe_identified
     from mtcommission.cli.terminal import show
     from mtcommission.identify.check import check_records
     from mtcommission.identify.document import Writing, merge_profile, write_profile
-    from mtcommission.identify.entry import identified_entry
-    from mtcommission.identify.gather import gather
+    from mtcommission.identify.entry import identified_json, identified_part
     from mtcommission.identify.page import print_identified
     from mtcommission.identify.states import identify as identify_axis
     from mtcommission.record.files import dump_json
@@ -101,27 +108,47 @@ def identify(
         found = identify_axis(evidence, band_hz=limits, count=count)
         checks = check_records(found, force_per_unit=given.constant, band_hz=limits, count=count)
     created = now()
+    part = identified_part(found, checks=checks, created=created)
     target = output or (str(profile) if profile else "machine.toml")
     how = Writing(
-        date=created[:10], file=target, tool_ratio=ratio, words=words(rotary=found.rotary)
+        date=created[:10],
+        file=target,
+        tool_ratio=ratio,
+        words=words(rotary=found.rotary),
+        part=part,
+        evidence=_seen_from(output, beside),
     )
     text = merge_profile(before, found, how) if before else write_profile(found, how)
-    written = [name for name in (output, page) if name and name != "-"]
     if page:
-        html = print_identified(
-            found, checks=checks, profile=text, created=created, language=language
-        )
-        write_text(page, html)
+        write_text(page, print_identified(part, profile=text, language=language))
     if output:
         write_text(output, text)
-    if json_file:
-        write_text(json_file, dump_json(identified_entry(found, checks=checks, profile=text)))
+    if beside:
+        write_text(beside, dump_json(identified_json(part, profile=text)))
     if "-" in (json_file, output, page):
         return
-    show(describe_identified(found, checks))
-    print_written(Path(), written)
+    show(describe_identified(part))
+    if written := [name for name in (output, page, beside) if name]:
+        print_written(Path(), written)
     if output:
         sys.stdout.write(say("identify-next", file=output) + "\n")
+
+
+def _keep_others(output: str, profile: Path | None) -> None:
+    """Refuse to write over a profile that somebody else has written."""
+    file = Path(output)
+    if output in ("", "-") or not file.is_file() or (profile and profile.samefile(file)):
+        return
+    if "[identified]" not in file.read_text(encoding="utf-8", errors="replace"):
+        _refuse("-o", Message("identify-profile-there", file=output))
+
+
+def _seen_from(profile: str, other: str) -> str:
+    """The name of a file as a profile states it; "" where one of them is no file."""
+    if {profile, other} & {"", "-"}:
+        return ""
+    place, folder = Path(other).resolve(), Path(profile).resolve().parent
+    return place.name if place.parent == folder else str(place)
 
 
 def _read_given(
@@ -142,9 +169,9 @@ def _read_given(
     return Given(
         sensor=Sensor(sensor) if sensor else None,
         input=input_,
-        constant=_read_number("--constant", constant) if constant else None,
+        constant=read_number("--constant", constant) if constant else None,
         output=Output(measured) if measured else None,
-        columns=_read_columns(columns),
+        columns=read_columns(columns),
         rotary=rotary,
         motor_turn=turn,
     )
@@ -182,7 +209,7 @@ def _require_word(option: str, got: str, allowed: Sequence[str]) -> None:
         _refuse(option, Message("option-one-of", got=got, allowed=shown))
 
 
-def _read_number(option: str, text: str) -> float:
+def read_number(option: str, text: str) -> float:
     """A positive number; a unit of SI behind it may stand, it says nothing new."""
     number = text.strip().split(" ")[0].replace("N/A", "").replace(",", ".")
     try:
@@ -215,7 +242,8 @@ def _read_count(text: str) -> int | None:
     return int(text)
 
 
-def _read_columns(pairs: Sequence[str]) -> Mapping[str, str]:
+def read_columns(pairs: Sequence[str]) -> Mapping[str, str]:
+    """Return our names to those of a file, as ``--columns`` gives them."""
     found = {}
     for pair in pairs:
         name, equals, column = pair.partition("=")

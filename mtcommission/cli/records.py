@@ -22,23 +22,35 @@ def sheet(
         Path | None,
         typer.Option("--compare", metavar="BEFORE", help="Earlier record.json: say what changed."),
     ] = None,
+    verified: Annotated[
+        Path | None,
+        typer.Option(
+            "--verified", metavar="VERDICT.json", help="Of verify: fills what it measured."
+        ),
+    ] = None,
     language: LanguageOption = ENGLISH,
     no_pdf: NoPdfOption = False,
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.files import require_folder, write_files
     from mtcommission.record.files import load_record
+    from mtcommission.record.verified import load_verdict
     from mtcommission.sheet import print_html, print_pdf
 
-    require_folder(output)
+    inputs = [record, *(one for one in (compare, verified) if one)]
+    require_folder(output, "sheet.html", "sheet.pdf", inputs=inputs)
     loaded = load_record(record)
     before = load_record(compare) if compare else None
+    found = load_verdict(verified, loaded) if verified else None
     try:
         with show_stage() as progress:
             progress(Message("stage-sheet"))
-            files = {"sheet.html": print_html(loaded, language=language, before=before).encode()}
+            page = print_html(loaded, language=language, before=before, verified=found)
+            files = {"sheet.html": page.encode()}
             if not no_pdf:
-                files["sheet.pdf"] = print_pdf(loaded, language=language, before=before)
+                files["sheet.pdf"] = print_pdf(
+                    loaded, language=language, before=before, verified=found
+                )
     except KeyError as error:
         message = Message("cli-record-lacks", key=str(error))
         raise InputError([Fault(where=str(record), message=message)]) from error
@@ -75,7 +87,7 @@ def export(
     if record is None:
         raise InputError([Fault(where="export", message=Message("cli-no-record"))])
     key = find_control_key(control)
-    require_writable(output)
+    require_writable(output, inputs=[record])
 
     from mtcommission.export.write import export_record
     from mtcommission.record.files import load_record

@@ -40,11 +40,16 @@ def heading(text: str) -> Text:
     return Text(text, style="bold")
 
 
+WORD = 19
+"""Width that no word of a first column exceeds in either language."""
+
+
 def empty_table(spoken: Catalogue, *columns: str) -> Table:
     """Return a table with these columns; their headings are texts of the catalogue."""
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for column in columns:
-        table.add_column(spoken.text(f"terminal-head-{column}"), overflow="fold")
+    for number, column in enumerate(columns):
+        head = spoken.text(f"terminal-head-{column}")
+        table.add_column(head, overflow="fold", min_width=None if number else WORD)
     return table
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from math import inf
 
 
 class Jerk(Enum):
@@ -86,6 +87,79 @@ def believed(parameters: str = "", note: str = "", *, beside: str = "") -> Featu
     return Feature(parameters=parameters, note=note, source=beside, is_verified=False)
 
 
+MOVING_AVERAGE, TWO_AVERAGES, FIR = "moving_average", "two_moving_averages", "fir"
+SHAPERS = ("zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei")
+"""Kinds of setpoint filter, as in profiles: averages, taps, and shapers by rising duration."""
+
+LONGEST_AVERAGE = 0.2
+"""Longest average that is looked for where a control does not bound it [s]: empirical."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterChoice:
+    """A kind of setpoint filter that a control has, and how far it can be set.
+
+    Parameters
+    ----------
+    kind
+        As in profiles.
+    least_cycles, most_cycles
+        Lengths of an average between these act [position cycles].
+    advised_cycles
+        What the maker advises at most [position cycles]; 0: not to use it at all.
+    longest
+        Longest average that a search tries, whatever the cycle [s].
+    step
+        Lengths are whole multiples of it [s]; 0: any.
+    least_frequency_hz, most_frequency_hz
+        Of a shaper [Hz].
+    least_damping, most_damping
+        Damping ratios that a shaper takes [-].
+    typed
+        What is typed in, by the control's own names: for the kind, then for each of its numbers,
+        in ``enter``'s places; empty: not read.
+    """
+
+    kind: str
+    typed: tuple[str, ...] = ()
+    least_cycles: float = 0.0
+    most_cycles: float = inf
+    advised_cycles: float = inf
+    longest: float = LONGEST_AVERAGE
+    step: float = 0.0
+    least_frequency_hz: float = 0.0
+    most_frequency_hz: float = inf
+    least_damping: float = 0.0
+    most_damping: float = 0.99
+
+    def enter(
+        self, *, time: float, second_time: float, frequency_hz: float, damping_ratio: float
+    ) -> tuple[str, ...]:
+        """Return what is typed in, by the control's own names.
+
+        Examples
+        --------
+        >>> jerk_filter = FilterChoice(kind="moving_average", typed=("mode = 2", "T = {ms[0]:g}"))
+        >>> jerk_filter.enter(time=0.02, second_time=0.0, frequency_hz=0.0, damping_ratio=0.0)
+        ('mode = 2', 'T = 20')
+        """
+        s = (time, second_time)
+        ms, us = ([factor * one for one in s] for factor in (1e3, 1e6))
+        return tuple(
+            part.format(s=s, ms=ms, us=us, hz=frequency_hz, zeta=damping_ratio)
+            for part in self.typed
+        )
+
+    def possible_times(self, position_cycle: float) -> tuple[float, float]:
+        """Return between which lengths an average acts [s]."""
+        return self.least_cycles * position_cycle, self.most_cycles * position_cycle
+
+    def times(self, position_cycle: float) -> tuple[float, float]:
+        """Return between which lengths of an average to choose [s]; reversed: none is advised."""
+        least, most = self.possible_times(position_cycle)
+        return least, min(self.longest, most, self.advised_cycles * position_cycle)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlKind:
     """What a kind of control has; what it lacks is neither tuned nor simulated nor exported.
@@ -103,7 +177,7 @@ class ControlKind:
     modes
         Its columns of limits by machining mode; empty: one set of limits.
     setpoint_filters
-        Kinds of setpoint filter, as in profiles; one at a time.
+        Its kinds of setpoint filter; one at a time.
     velocity_feedforward, acceleration_feedforward, jerk_feedforward
         Whether it has them.
     reference_delay
@@ -123,7 +197,7 @@ class ControlKind:
     follows_steps: bool = False
     jerk: Jerk = Jerk.LIMIT
     modes: tuple[str, ...] = ()
-    setpoint_filters: tuple[str, ...] = ()
+    setpoint_filters: tuple[FilterChoice, ...] = ()
     velocity_feedforward: bool = True
     acceleration_feedforward: bool = True
     jerk_feedforward: bool = False
@@ -138,3 +212,7 @@ class ControlKind:
     def has_jerk_limit(self) -> bool:
         """Whether the jerk is limited at all, be it by a number or by a time."""
         return self.jerk is not Jerk.NONE
+
+    def find_filter(self, kind: str) -> FilterChoice | None:
+        """Return how far a kind of setpoint filter can be set; None: the control lacks it."""
+        return next((choice for choice in self.setpoint_filters if choice.kind == kind), None)

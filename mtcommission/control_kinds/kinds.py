@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from mtcommission.control_kinds import numeric, open_source, plc
-from mtcommission.control_kinds.kind import FEATURES, ControlKind, PositionLoop, read
+from mtcommission.control_kinds.kind import (
+    FEATURES,
+    FIR,
+    MOVING_AVERAGE,
+    SHAPERS,
+    TWO_AVERAGES,
+    ControlKind,
+    FilterChoice,
+    PositionLoop,
+    read,
+)
 
 DEFINED = "defined here, not a product"
 
@@ -13,7 +23,7 @@ ANYWHERE = (PositionLoop.CONTROL, PositionLoop.INTERPOLATED, PositionLoop.DRIVE)
 
 GENERIC = ControlKind(
     key="generic",
-    setpoint_filters=("moving_average",),
+    setpoint_filters=(FilterChoice(kind=MOVING_AVERAGE),),
     position_loops=ANYWHERE,
     force_filters=8,
     features=dict.fromkeys(FEATURES, read(DEFINED)),
@@ -22,7 +32,12 @@ GENERIC = ControlKind(
 
 STATE_SPACE = ControlKind(
     key="state-space",
-    setpoint_filters=("moving_average",),
+    setpoint_filters=(
+        FilterChoice(kind=MOVING_AVERAGE),
+        FilterChoice(kind=TWO_AVERAGES),
+        FilterChoice(kind=FIR),
+        *(FilterChoice(kind=shaper) for shaper in SHAPERS),
+    ),
     jerk_feedforward=True,
     position_loops=ANYWHERE,
     force_filters=8,

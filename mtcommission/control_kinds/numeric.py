@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from mtcommission.control_kinds.kind import ControlKind, Jerk, PositionLoop, believed, read
+from mtcommission.control_kinds.kind import (
+    MOVING_AVERAGE,
+    TWO_AVERAGES,
+    ControlKind,
+    FilterChoice,
+    Jerk,
+    PositionLoop,
+    believed,
+    read,
+)
 
 EARLIER = "maker's text read earlier, place not kept"
 
@@ -59,7 +68,20 @@ ADDRESSES = {
 SINUMERIK = ControlKind(
     key="sinumerik",
     modes=("DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH"),
-    setpoint_filters=("moving_average",),
+    setpoint_filters=(
+        FilterChoice(
+            kind=MOVING_AVERAGE,
+            typed=("MD32402 = 2", "MD32410 = {s[0]:.6g} s"),
+            least_cycles=1.0,
+            advised_cycles=16.0,
+        ),
+        FilterChoice(
+            kind=TWO_AVERAGES,
+            typed=("MD32402 = 4", "MD32410 = {s[0]:.6g} s", "MD32411 = {s[1]:.6g} s"),
+            least_cycles=1.0,
+            advised_cycles=16.0,
+        ),
+    ),
     position_loops=(PositionLoop.DRIVE, PositionLoop.CONTROL, PositionLoop.INTERPOLATED),
     force_filters=4,
     features={
@@ -80,9 +102,11 @@ SINUMERIK = ControlKind(
         ),
         "setpoint_filters": read(
             f"{AXES_2019}; {LIST_808}; {JERK_2005}",
-            "MD32400 = 1, MD32402 = 2, MD32410 [s]",
-            "One per axis: second order, moving average, band-stop, two averages or FIR; here the "
-            "moving average. It acts only above one position cycle; the maker advises 1 to 16.",
+            "MD32400 = 1; MD32402 = 2 (one average) or 4 (two); MD32410, MD32411 [s]",
+            "One per axis. An average acts only above one position cycle; the maker advises 1 to "
+            "16, and warns of contour error with two equal ones. Second order, band-stop and FIR "
+            "(MD32402 = 1, 3, 5) are not offered: the first two ring on without end, and the taps "
+            "of the third were not read.",
         ),
         "velocity_feedforward": read(
             f"{COMPENSATIONS}; {SPEED_FFW}",
@@ -132,7 +156,7 @@ SINUMERIK = ControlKind(
 
 HEIDENHAIN = ControlKind(
     key="heidenhain",
-    setpoint_filters=("moving_average",),
+    setpoint_filters=(FilterChoice(kind=MOVING_AVERAGE, advised_cycles=0.0),),
     position_loops=(PositionLoop.CONTROL, PositionLoop.INTERPOLATED, PositionLoop.DRIVE),
     position_cycle=3e-3,
     velocity_cycle=200e-6,
@@ -154,8 +178,8 @@ HEIDENHAIN = ControlKind(
         "setpoint_filters": read(
             f"{TECHNICAL}, pp. 811, 1124; {ITNC}",
             "CfgFilter, CfgPositionFilter",
-            "One of average (advised against), triangle, HSC, Advanced HSC; set by limit "
-            "frequency and tolerance, not by a time.",
+            "One of average (advised against, so never chosen here), triangle, HSC, Advanced HSC; "
+            "set by limit frequency and tolerance, not by a time.",
         ),
         "velocity_feedforward": read(
             f"{TECHNICAL}, p. 840; {SERVICE}",
@@ -209,7 +233,9 @@ FANUC_MANUAL = "check against FANUC AC Servo Motor Parameter Manual B-65270EN"
 FANUC = ControlKind(
     key="fanuc",
     jerk=Jerk.TIME,
-    setpoint_filters=("moving_average",),
+    setpoint_filters=(
+        FilterChoice(kind=MOVING_AVERAGE, typed=("", "1769 = {ms[0]:.6g} ms (?)"), step=1e-3),
+    ),
     reference_delay=False,
     position_loops=(PositionLoop.DRIVE,),
     position_cycle=1e-3,
@@ -256,7 +282,15 @@ FANUC = ControlKind(
 ISG = ControlKind(
     key="isg",
     jerk=Jerk.TIME,
-    setpoint_filters=("moving_average",),
+    setpoint_filters=(
+        FilterChoice(
+            kind=MOVING_AVERAGE,
+            typed=("filter_fir.type = 1", "order_time = {us[0]:.9g} us"),
+            least_cycles=1.0,
+            most_cycles=200.0,
+            step=1e-6,
+        ),
+    ),
     jerk_feedforward=True,
     position_loops=(PositionLoop.DRIVE, PositionLoop.CONTROL),
     position_cycle=1e-3,
@@ -278,7 +312,8 @@ ISG = ControlKind(
         "setpoint_filters": read(
             FILTER,
             "filter_fir.type = 1, order_time [us]",
-            "One FIR of 1 to 200 NC cycles; beside it three in series and a shaper of four modes.",
+            "One FIR of 1 to 200 NC cycles; beside it three in series and a shaper of four modes "
+            "(Vibration Guard), which shaper each is was not read: not offered.",
         ),
         "velocity_feedforward": read(
             f"{AXIS}; {FEEDFORWARD}",

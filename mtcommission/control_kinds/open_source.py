@@ -6,8 +6,10 @@ from collections.abc import Mapping
 
 from mtcommission.control_kinds.kind import (
     FEATURES,
+    SHAPERS,
     ControlKind,
     Feature,
+    FilterChoice,
     Jerk,
     PositionLoop,
     believed,
@@ -88,8 +90,23 @@ def _steps(source: str, **read_there: Feature) -> Mapping[str, Feature]:
     return common | read_there
 
 
+MOST_DAMPING = {"ei": 0.4, "2hump_ei": 0.3, "3hump_ei": 0.2}
+"""Largest damping ratios that Klipper takes, where it is not 0.99."""
+
 KLIPPER = ControlKind(
     key="klipper",
+    setpoint_filters=tuple(
+        FilterChoice(
+            kind=shaper,
+            typed=(
+                f"shaper_type = {shaper}",
+                "shaper_freq = {hz:.5g}",
+                "damping_ratio = {zeta:.3f}",
+            ),
+            most_damping=MOST_DAMPING.get(shaper, 0.99),
+        )
+        for shaper in SHAPERS
+    ),
     follows_steps=True,
     jerk=Jerk.NONE,
     acceleration_feedforward=False,
@@ -108,8 +125,7 @@ KLIPPER = ControlKind(
         setpoint_filters=read(
             KLIPPER_SOURCE,
             "[input_shaper] shaper_type_x, shaper_freq_x [Hz], damping_ratio_x",
-            "One shaper per axis: zv, mzv, zvd, ei, 2hump_ei, 3hump_ei. Suggested by the export, "
-            "not yet part of the loop.",
+            "One shaper per axis. Damping at most 0.99, ei 0.4, 2hump_ei 0.3, 3hump_ei 0.2.",
         ),
         reference_delay=read(
             KLIPPER_SOURCE, note="None; pulses are centred, so a shaper's delay is not one."
@@ -164,8 +180,29 @@ FLUIDNC = ControlKind(
     ),
 )
 
+MARLIN_SHAPERS: Mapping[str, str] = {
+    "zv": "1",
+    "mzv": "8",
+    "zvd": "2",
+    "ei": "5",
+    "2hump_ei": "6",
+    "3hump_ei": "7",
+}
+"""Values of M493 C."""
+
 MARLIN = ControlKind(
     key="marlin",
+    setpoint_filters=tuple(
+        FilterChoice(
+            kind=shaper,
+            typed=(f"M493 C{code} (?)", "M493 A{hz:.5g} (?)", "M493 I{zeta:.3f} (?)"),
+            least_frequency_hz=20.0,
+            most_frequency_hz=500.0,
+            least_damping=0.01,
+            most_damping=0.25,
+        )
+        for shaper, code in MARLIN_SHAPERS.items()
+    ),
     follows_steps=True,
     jerk=Jerk.NONE,
     acceleration_feedforward=False,
@@ -184,8 +221,8 @@ MARLIN = ControlKind(
         setpoint_filters=read(
             MARLIN_SOURCE,
             "M593 X/Y F [Hz] D; M493 C, A [Hz], I 0.01..0.25; M494 [s]",
-            "ZV, or with FT motion ZV to ZVDDD, EI, 2HEI, 3HEI, MZV per axis. Suggested by the "
-            "export, not yet part of the loop.",
+            "ZV, or with FT motion ZV to ZVDDD, EI, 2HEI, 3HEI, MZV per axis, 10 or 20 to 500 Hz; "
+            "ZVDD and ZVDDD are not offered.",
         ),
         position_cycle=read(MARLIN_SOURCE, "FTM_FS", "FT motion computes at 1000 Hz."),
     ),

@@ -68,6 +68,7 @@ def neutral_rows(units: AxisUnits) -> dict[Setting, Row]:
         Row(Setting.ACCELERATION, "acceleration", unit=units.acceleration.si),
         Row(Setting.JERK, "jerk", unit=units.jerk.si),
         Row(Setting.AVERAGE, "moving average", unit="ms", scale=MILLI, digits=9),
+        Row(Setting.SECOND_AVERAGE, "second moving average", unit="ms", scale=MILLI, digits=9),
         Row(Setting.POSITION_LOOP, "position loop", codes=loops),
         time(Setting.POSITION_CYCLE, "position cycle", digits=9),
         time(Setting.VELOCITY_CYCLE, "velocity cycle", digits=9),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import pi
 
-from mtcommission.control_kinds.kind import PositionLoop
+from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, PositionLoop
 from mtcommission.errors import ComputationError, Fault, InputError
 from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
@@ -15,18 +15,14 @@ from mtcommission.machine.machine import (
     FilterKind,
     ForceFilter,
     Machine,
-    Move,
     StateFeedback,
 )
+from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import Setpoint, plan_within
-from mtcommission.study.shapers import shape_setpoint, zero_vibration
+from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_planned
-
-SHAPERS = {"zv": 1, "zvd": 2}
-"""Order of each kind of shaper."""
 
 ALWAYS = (
     Setting.POSITION_LOOP,
@@ -52,7 +48,7 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
     dict
         SI. What the control has but the loop does not use is there with 0.
     """
-    kind, loop, control = subject.kind, subject.controller, subject.machine.control
+    kind, loop = subject.kind, subject.controller
     values: dict[Key, float | str] = {
         (Setting.POSITION_LOOP, ""): subject.position_loop.value,
         (Setting.POSITION_CYCLE, ""): loop.position_cycle,
@@ -81,12 +77,14 @@ def loop_of(subject: Subject) -> dict[Key, float | str]:
             max(loop.reference_delay, subject.own_delay),
             kind.reference_delay,
         ),
-        (Setting.AVERAGE, control.moving_average_time, "moving_average" in kind.setpoint_filters),
         (Setting.FILTERS, min(len(loop.force_filters), kind.force_filters), kind.force_filters > 0),
     ):
         if has:
             values[setting, ""] = float(value)
     values[Setting.FEEDFORWARD, ""] = _feedforward(values)
+    if kind.find_filter(MOVING_AVERAGE):
+        values[Setting.AVERAGE, ""] = 0.0
+    values |= write_filter(subject.setpoint_filter)
     for number, item in enumerate(loop.force_filters[: kind.force_filters], start=1):
         values |= {
             (Setting.FILTER_KIND, str(number)): item.kind.value,
@@ -132,9 +130,9 @@ def today_of(subject: Subject, rapid: float) -> dict[Key, float | str]:
         Setting.POSITION_GAIN: today.position_gain,
         Setting.VELOCITY_GAIN: today.velocity_gain,
         Setting.INTEGRAL_TIME: today.integral_time,
-        Setting.AVERAGE: today.moving_average_time or None,
     }
-    return {(setting, ""): value for setting, value in known.items() if value is not None}
+    given = {(setting, ""): value for setting, value in known.items() if value is not None}
+    return given | write_filter(today.setpoint_filter)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -173,21 +171,7 @@ class Held:
         -------
         Candidate
         """
-        within = plan_within(self.machine, limits)
-        shaper = self.values.get((Setting.SHAPER, ""))
-        if shaper is None:
-            plan = within
-        else:
-            impulses = zero_vibration(
-                SHAPERS[str(shaper)],
-                frequency_hz=number(self.values, Setting.SHAPER_FREQUENCY),
-                damping_ratio=number(self.values, Setting.SHAPER_DAMPING),
-            )
-
-            def plan(move: Move) -> Setpoint:
-                return shape_setpoint(within(move), impulses)
-
-        moves = simulate_planned(machine, self.tuned, plan)
+        moves = simulate_planned(machine, self.tuned, plan_within(machine, limits))
         return evaluate_moves(machine, build_plant(machine), self.tuned, moves)
 
 
@@ -225,10 +209,12 @@ def read_limits(values: Values, mode: str = "") -> MotionLimits:
     else:
         a = number(values, Setting.ACCELERATION, mode)
     if (Setting.JERK, mode) in values:
-        return MotionLimits(acceleration=a, jerk=number(values, Setting.JERK, mode))
-    if (Setting.JERK_TIME, mode) in values:
-        return MotionLimits(acceleration=a, jerk=a / number(values, Setting.JERK_TIME, mode))
-    return MotionLimits(acceleration=a, jerk=a / number(values, Setting.POSITION_CYCLE))
+        jerk = number(values, Setting.JERK, mode)
+    elif (Setting.JERK_TIME, mode) in values:
+        jerk = a / number(values, Setting.JERK_TIME, mode)
+    else:
+        jerk = a / number(values, Setting.POSITION_CYCLE)
+    return MotionLimits(acceleration=a, jerk=jerk, setpoint_filter=_read_filter(values))
 
 
 def write_limits(limits: MotionLimits, rapid: float, mode: str = "") -> dict[Key, float | str]:
@@ -322,7 +308,6 @@ def _control(values: Values, subject: Subject) -> Control:
         position_cycle=given(Setting.POSITION_CYCLE),
         velocity_cycle=given(Setting.VELOCITY_CYCLE),
         state_feedback=StateFeedback.OFF,
-        moving_average_time=given(Setting.AVERAGE),
         force_filters=tuple(
             ForceFilter(
                 kind=FilterKind(values[Setting.FILTER_KIND, i]),
@@ -335,3 +320,34 @@ def _control(values: Values, subject: Subject) -> Control:
             for i in numbers
         ),
     )
+
+
+def write_filter(item: SetpointFilter | None) -> dict[Key, float | str]:
+    """Return the settings of a setpoint filter; none for none."""
+    if item is None:
+        return {}
+    if item.kind in SHAPERS:
+        return {
+            (Setting.SHAPER, ""): item.kind,
+            (Setting.SHAPER_FREQUENCY, ""): item.frequency_hz,
+            (Setting.SHAPER_DAMPING, ""): item.damping_ratio,
+        }
+    times = zip((Setting.AVERAGE, Setting.SECOND_AVERAGE), item.averages, strict=False)
+    return {(setting, ""): time for setting, time in times}
+
+
+def _read_filter(values: Values) -> SetpointFilter | None:
+    """The setpoint filter that a control makes of its settings."""
+    if (Setting.SHAPER, "") in values:
+        return SetpointFilter(
+            kind=str(values[Setting.SHAPER, ""]),
+            frequency_hz=number(values, Setting.SHAPER_FREQUENCY),
+            damping_ratio=number(values, Setting.SHAPER_DAMPING),
+        )
+    time, second = (
+        number(values, setting) if (setting, "") in values else 0.0
+        for setting in (Setting.AVERAGE, Setting.SECOND_AVERAGE)
+    )
+    if time and second:
+        return SetpointFilter(kind=TWO_AVERAGES, time=time, second_time=second)
+    return moving_average(time)

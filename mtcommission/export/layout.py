@@ -161,7 +161,7 @@ def _bracket_comment(text: str) -> str:
 
 
 def _text_comment(text: str) -> str:
-    return f"(* {text.replace('*)', '* )')} *)"
+    return f"(* {text.replace('*)', '* )').replace('(*', '( *')} *)"
 
 
 def _write_table(entries: Sequence[Entry], words: Catalogue) -> list[str]:
@@ -274,6 +274,10 @@ def _read_constants(text: str) -> Iterator[Found]:
             yield INLINE, f"{found[1]}[{number}]", value
 
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""How a formula of a spreadsheet begins."""
+
+
 def _write_list(entries: Sequence[Entry], words: Catalogue) -> list[str]:
     stream = StringIO()
     writer = csv.writer(stream, lineterminator="\n")
@@ -283,14 +287,28 @@ def _write_list(entries: Sequence[Entry], words: Catalogue) -> list[str]:
         doubt = words.text("export-verified" if row.is_verified else "export-doubted")
         place = words.text("export-elsewhere") if row.is_elsewhere else row.section
         meaning = entry.meaning(words)
-        writer.writerow((place, row.name, row.unit, entry.old, entry.value, "", "", meaning, doubt))
+        cells = (place, row.name, row.unit, entry.old, entry.value, "", "", meaning, doubt)
+        writer.writerow(map(_harmless, cells))
     return stream.getvalue().splitlines()
 
 
+def _harmless(cell: str) -> str:
+    """A cell that no spreadsheet takes for a formula; numbers stay."""
+    is_formula = cell[:1] in FORMULA and not re.fullmatch(r"[-+]?[\d.]+([eE][-+]?\d+)?", cell)
+    return f"'{cell}" if cell and is_formula else cell
+
+
+def _list_comment(line: str) -> str:
+    """One cell, whatever commas and quotation marks are in it."""
+    comment = hash_comment(line).replace('"', '""')
+    return f'"{comment}"'
+
+
 def _read_list(text: str) -> Iterator[Found]:
-    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
+    lines = [line for line in text.splitlines() if line and not line.startswith('"#')]
     for row in csv.DictReader(lines):
-        yield row["section"], row["parameter"], row["new_value"]
+        section, name = (row[key].removeprefix("'") for key in ("section", "parameter"))
+        yield section, name, row["new_value"]
 
 
 MACHINE_DATA = lines_of(
@@ -309,5 +327,5 @@ CONFIG = Layout(
 )
 YAML = Layout(comment=hash_comment, write=_write_yaml, read=_read_yaml)
 CONSTANTS = Layout(comment=_text_comment, write=_write_constants, read=_read_constants)
-LIST = Layout(comment=hash_comment, write=_write_list, read=_read_list)
+LIST = Layout(comment=_list_comment, write=_write_list, read=_read_list)
 """The parameter list as CSV: what is set elsewhere stands in it like all else."""

@@ -111,8 +111,11 @@ def _sinumerik_average(loop: Values) -> Iterator[Row]:
         )
         return
     yield fixed("N32400 $MA_AX_JERK_ENABLE", "1", Message("sinumerik-filter-on"))
-    yield fixed("N32402 $MA_AX_JERK_MODE", "2", Message("sinumerik-moving-average"))
+    has_two = (Setting.SECOND_AVERAGE, "") in loop
+    kind = "sinumerik-two-averages" if has_two else "sinumerik-moving-average"
+    yield fixed("N32402 $MA_AX_JERK_MODE", "4" if has_two else "2", Message(kind))
     yield Row(Setting.AVERAGE, "N32410 $MA_AX_JERK_TIME", unit="s", digits=6)
+    yield Row(Setting.SECOND_AVERAGE, "N32411 $MA_AX_JERK_TIME_ADD", unit="s", digits=6)
 
 
 def _sinumerik_feedforward(subject: Subject, loop: Values) -> Iterator[Row]:
@@ -319,7 +322,7 @@ def _isg(subject: Subject, loop: Values) -> Iterator[Row]:
         )
     if loop.get((Setting.AVERAGE, "")):
         yield fixed("filter_fir.type", "1", Message("isg-moving-average"))
-        yield doubted(Setting.AVERAGE, "filter_fir.order_time", unit="us", scale=MICRO, digits=9)
+        yield Row(Setting.AVERAGE, "filter_fir.order_time", unit="us", scale=MICRO, digits=9)
 
 
 def _isg_notes(_subject: Subject, _chosen: Chosen) -> tuple[Message, ...]:

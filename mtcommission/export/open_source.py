@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from functools import partial
 
+from mtcommission.control_kinds.kind import SHAPERS
+from mtcommission.control_kinds.open_source import MARLIN_SHAPERS
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.choose import Chosen
 from mtcommission.export.control import Control
-from mtcommission.export.held import SHAPERS, read_limits
+from mtcommission.export.held import read_limits, write_filter
 from mtcommission.export.layout import CONFIG, G_CODE, INI, MACHINE_DATA, YAML
 from mtcommission.export.plc import identifier
 from mtcommission.export.row import Row, Setting, Values, fixed
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import MILLI
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 
 LETTERS = "XYZABCUVW"
@@ -25,6 +28,10 @@ LEAST_DAMPING, MOST_DAMPING = 0.01, 0.25
 
 FREQUENCY_STEP, DAMPING_STEP = 0.01, 0.001
 """Decimals of a shaper's frequency [Hz] and damping ratio; Klipper and Marlin print as many."""
+
+
+WHOLE = 0.999
+"""Share of the recommended acceleration that is all of it, but for rounding."""
 
 
 def _letter(subject: Subject, allowed: str, control: str) -> str:
@@ -59,13 +66,12 @@ def _jerk(subject: Subject, name: str, meaning: Message, *, section: str = "") -
 def _shapers(subject: Subject) -> tuple[Values, ...]:
     """Zero-vibration shapers on the mode that a setpoint excites most."""
     mode = subject.mode
+    damping = min(max(LEAST_DAMPING, mode.damping_ratio), MOST_DAMPING)
     return tuple(
-        {
-            (Setting.SHAPER, ""): name,
-            (Setting.SHAPER_FREQUENCY, ""): mode.frequency_hz,
-            (Setting.SHAPER_DAMPING, ""): min(max(LEAST_DAMPING, mode.damping_ratio), MOST_DAMPING),
-        }
-        for name in SHAPERS
+        write_filter(
+            SetpointFilter(kind=kind, frequency_hz=mode.frequency_hz, damping_ratio=damping)
+        )
+        for kind in ("zv", "zvd")
     )
 
 
@@ -120,26 +126,35 @@ def _fluidnc(subject: Subject, _loop: Values) -> list[Row]:
 def _fluidnc_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("fluidnc-no-jerk"),
-        _make_up(subject, chosen),
+        *_make_up(subject, chosen),
         Message("export-segments"),
         *((Message("fluidnc-degrees"),) if subject.is_rotary else ()),
     )
 
 
-def _make_up(subject: Subject, chosen: Chosen) -> Message:
-    """What the acceleration had to give for the missing jerk limit."""
+def _of_mode(subject: Subject) -> Message:
+    """Where frequency and damping of the shaper come from."""
+    if subject.setpoint_filter:
+        return Message("shaper-of-run")
+    return Message("klipper-of-mode", mode=subject.mode.name)
+
+
+def _make_up(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
+    """What the acceleration had to give for the missing jerk limit; nothing if it gave none."""
     share = read_limits(chosen.values).acceleration / subject.limits.acceleration
     shaper = "yes" if (Setting.SHAPER, "") in chosen.values else "no"
     if not chosen.verdict.assessment.is_met:
-        return Message("export-least-vibration", share=share, shaper=shaper)
-    return Message("export-share-of-acceleration", share=share, shaper=shaper)
+        return (Message("export-least-vibration", share=share, shaper=shaper),)
+    if share > WHOLE:
+        return ()
+    return (Message("export-share-of-acceleration", share=share, shaper=shaper),)
 
 
 def _klipper(subject: Subject, _loop: Values) -> list[Row]:
     _require_linear(subject, "Klipper")
     letter = _letter(subject, "XYZ", "Klipper").lower()
     row = partial(Row, section="input_shaper", is_verified=letter != "z")
-    of_mode = Message("klipper-of-mode", mode=subject.mode.name)
+    of_mode = _of_mode(subject)
     return [
         Row(
             Setting.ACCELERATION,
@@ -149,7 +164,7 @@ def _klipper(subject: Subject, _loop: Values) -> list[Row]:
             meaning=Message("klipper-tool-head"),
             section="printer",
         ),
-        row(Setting.SHAPER, f"shaper_type_{letter}", codes={name: name for name in SHAPERS}),
+        row(Setting.SHAPER, f"shaper_type_{letter}", codes={kind: kind for kind in SHAPERS}),
         row(
             Setting.SHAPER_FREQUENCY,
             f"shaper_freq_{letter}",
@@ -164,9 +179,9 @@ def _klipper(subject: Subject, _loop: Values) -> list[Row]:
 def _klipper_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("klipper-no-jerk"),
-        _make_up(subject, chosen),
+        *_make_up(subject, chosen),
         Message("klipper-cruise"),
-        Message("klipper-shaper", mode=subject.mode.name),
+        Message("klipper-shaper"),
     )
 
 
@@ -174,14 +189,14 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
     _require_linear(subject, "Marlin")
     letter = _letter(subject, "XYZ", "Marlin")
     row = partial(Row, is_verified=False)
-    of_mode = Message("klipper-of-mode", mode=subject.mode.name)
+    of_mode = _of_mode(subject)
     return [
         _acceleration(subject, f"M201 {letter}"),
         fixed("M493 S", "1", Message("marlin-fixed-time")),
         row(
             Setting.SHAPER,
             f"M493 {letter} C",
-            codes={"zv": "1", "zvd": "2"},
+            codes={kind: MARLIN_SHAPERS[kind] for kind in SHAPERS},
             meaning=Message("marlin-shaper"),
         ),
         row(
@@ -196,7 +211,7 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
 
 
 def _marlin_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
-    return (Message("marlin-jerk"), _make_up(subject, chosen), Message("marlin-build"))
+    return (Message("marlin-jerk"), *_make_up(subject, chosen), Message("marlin-build"))
 
 
 def _ros(subject: Subject, loop: Values) -> list[Row]:

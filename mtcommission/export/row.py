@@ -30,6 +30,7 @@ class Setting(Enum):
     SHAPER_FREQUENCY = ("frequency of the shaper", ROUND_HALF_EVEN, "")
     SHAPER_DAMPING = ("damping of the shaper", ROUND_HALF_EVEN, "")
     AVERAGE = ("moving average of the setpoint", ROUND_HALF_EVEN, "filter-average")
+    SECOND_AVERAGE = ("second moving average", ROUND_HALF_EVEN, "filter-second-average")
     POSITION_LOOP = ("where the position loop closes", "", "loop-place")
     POSITION_CYCLE = ("position cycle", ROUND_HALF_EVEN, "cycle-position")
     VELOCITY_CYCLE = ("velocity cycle", ROUND_HALF_EVEN, "cycle-velocity")

@@ -25,9 +25,11 @@ from mtcommission.machine.machine import (
     StateGain,
 )
 from mtcommission.machine.rigid_body import peak_velocity
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
 from mtcommission.profile.read import parse_profile, profile_text_hash
+from mtcommission.record.data import read_filter
 from mtcommission.record.schema import ModeLimitsEntry, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -112,6 +114,21 @@ class Subject:
         return place if place in there_are else there_are[0]
 
     @property
+    def setpoint_filter(self) -> SetpointFilter | None:
+        """That of the record as this control can be set; None: none, or it lacks it."""
+        item = self.limits.setpoint_filter
+        choice = self.kind.find_filter(item.kind) if item else None
+        if item is None or choice is None:
+            return None
+        least, most = choice.possible_times(self.controller.position_cycle)
+        damping = min(max(choice.least_damping, item.damping_ratio), choice.most_damping)
+        fits = all(least <= time <= most for time in item.averages) and (
+            not item.frequency_hz
+            or choice.least_frequency_hz <= item.frequency_hz <= choice.most_frequency_hz
+        )
+        return replace(item, damping_ratio=damping if item.frequency_hz else 0.0) if fits else None
+
+    @property
     def own_delay(self) -> float:
         """How old the newest setpoint is that the control can compare with [s]."""
         if self.position_loop is not PositionLoop.DRIVE:
@@ -134,8 +151,7 @@ class Subject:
             and not kind.acceleration_feedforward,
             "jerk": loop.jerk_feedforward > 0.0 and not kind.jerk_feedforward,
             "delay": loop.reference_delay > self.own_delay + ROUNDING and not kind.reference_delay,
-            "average": control.moving_average_time > 0.0
-            and "moving_average" not in kind.setpoint_filters,
+            "setpoint-filter": self.limits.setpoint_filter != self.setpoint_filter,
             "force-filters": len(loop.force_filters) > kind.force_filters,
             f"loop-{control.position_loop.value}": self.position_loop is not control.position_loop,
         }
@@ -166,12 +182,17 @@ def build_subject(record: Record, kind: ControlKind) -> Subject:
     tuned = tune_loop(machine)
     _require_same_loop(record, tuned)
     recommended = record.limits.recommended
+    entry = recommended.setpoint_filter
     return Subject(
         record=record,
         kind=kind,
         machine=machine,
         controller=tuned.controller,
-        limits=MotionLimits(acceleration=recommended.acceleration, jerk=recommended.jerk),
+        limits=MotionLimits(
+            acceleration=recommended.acceleration,
+            jerk=recommended.jerk,
+            setpoint_filter=read_filter(entry) if entry else None,
+        ),
     )
 
 

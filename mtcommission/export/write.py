@@ -215,7 +215,8 @@ def _choose_limits(
         shared = {Setting.SHAPER, Setting.SHAPER_FREQUENCY, Setting.SHAPER_DAMPING, Setting.RAPID}
         own = [row for row in rows if row.key not in held.values and row.index == ""]
         own = [row for row in own if row.setting in LIMITS | shared]
-        return choose_limits(subject, held, own, shapers=target.shapers(subject))
+        proposed = () if subject.setpoint_filter else target.shapers(subject)
+        return choose_limits(subject, held, own, shapers=proposed)
     own = [row for row in rows if row.setting in LIMITS and row.index == mode.name]
     if not own or not mode.meets_requirements:
         return None

@@ -11,11 +11,13 @@ import tomlkit
 from tomlkit.items import AoT, Table
 
 from mtcommission import __version__
-from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.identified import Identified, IdentifiedMode
 from mtcommission.identify.matching import FARTHEST
+from mtcommission.identify.statement import statement
+from mtcommission.machine.identified import Estimate
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import MOST_MODES
+from mtcommission.record.schema import IdentifiedPart
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 COLUMN = 34
@@ -44,12 +46,18 @@ class Writing:
         Peak at the tool by peak at the motor, as the user says; None where nobody knows.
     words
         Language of the comments.
+    part
+        What was measured, as the sheet prints it.
+    evidence
+        Name of the file with its points, as seen from the profile; "" for none.
     """
 
     date: str
     file: str
     tool_ratio: float | None
     words: Catalogue
+    part: IdentifiedPart
+    evidence: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +110,10 @@ def write_profile(found: Identified, how: Writing) -> str:
     for rows in modes:
         lines += ["", "[[plant.modes]]", *map(_line, rows)]
     lines += ["", "[requirements]", *map(_line, _spread_rows(found, how))]
+    stated = tomlkit.document()
+    stated["identified"] = statement(how.part, evidence=how.evidence)
+    lines += ["", f"# {words.text('identify-document-measured')}"]
+    lines += tomlkit.dumps(stated).rstrip().splitlines()
     lines += ["", f"# {words.text('identify-document-open', file=how.file)}"]
     lines += [f"#   {key}" for key in asked]
     return "\n".join(lines) + "\n"
@@ -130,10 +142,14 @@ def merge_profile(text: str, found: Identified, how: Writing) -> str:
         document["plant"] = plant
     if mass := _mass_row(found, _units(found)):
         _set(plant, mass)
-    assumed = _merge_modes(plant, found, how)
+    names: dict[str, str] = {}
+    assumed = _merge_modes(plant, found, how, names)
+    document["identified"] = statement(how.part, evidence=how.evidence, names=names)
     requirements = document.setdefault("requirements", tomlkit.table())
     for row in _spread_rows(found, how):
-        _set(requirements, row)
+        # Who stated a wider one knows more states of the machine than were measured.
+        if _share(requirements.get(row.key, 0.0)) < _share(row.value):
+            _set(requirements, row)
     machine = document.setdefault("machine", tomlkit.table())
     measured = ("plant.moving_mass", "plant.modes", "requirements.frequency_spread")
     kept = [key for key in machine.get("assumed", []) if not str(key).startswith(measured)]
@@ -147,7 +163,15 @@ def merge_profile(text: str, found: Identified, how: Writing) -> str:
     return tomlkit.dumps(head) + tomlkit.dumps(document)
 
 
-def _merge_modes(plant: Any, found: Identified, how: Writing) -> list[str]:
+def _share(value: object) -> float:
+    """A share as profiles state it, a number or per cent [-]."""
+    text = str(value).strip()
+    return float(text.removesuffix("%")) / 100.0 if text.endswith("%") else float(text)
+
+
+def _merge_modes(
+    plant: Any, found: Identified, how: Writing, names_of: dict[str, str]
+) -> list[str]:
     """Put the measured modes among those of a profile; return the keys that are assumptions."""
     old = plant.get("modes")
     tables = list(old) if isinstance(old, AoT) else []
@@ -166,6 +190,7 @@ def _merge_modes(plant: Any, found: Identified, how: Writing) -> list[str]:
             _set(table, row)
             if row.is_assumed:
                 assumed.append(f"plant.modes[{len(merged) + 1}].{row.key}")
+        names_of[mode.name] = str(table["name"])
         merged.append(table)
     low, high = _band(found)
     merged += [table for table in free if not low <= (_frequency(table) or 0.0) <= high]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.fit.peaks import FittedSpectrum
 from mtcommission.identify.measurement import (
@@ -14,28 +13,8 @@ from mtcommission.identify.measurement import (
     Input,
     Spectrum,
 )
+from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.message import Message
-
-INFORMATION = ("identify-by-", "identify-hold", "identify-band-given", "identify-loudest-axis")
-"""How the kinds of messages begin that warn of nothing."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Seen:
-    """A mode in one state.
-
-    Parameters
-    ----------
-    frequency_hz, damping_ratio
-        f [Hz] and ζ [-].
-    measured_gain, tcp_gain
-        Of encoder and tool; None where no sensor with a force tells.
-    """
-
-    frequency_hz: Estimate
-    damping_ratio: Estimate
-    measured_gain: Estimate | None = None
-    tcp_gain: Estimate | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -50,16 +29,17 @@ class State:
         By frequency.
     moving_mass
         None without a rigid body in the band.
-    delay
-        None without phase.
+    delay, lag
+        None without phase; no lag where none shows.
     result
         Where the modes come from.
     """
 
     name: str
-    modes: tuple[Seen, ...]
+    modes: tuple[MeasuredMode, ...]
     moving_mass: Estimate | None
     delay: Estimate | None
+    lag: Estimate | None
     result: Fitted | FittedSpectrum | FreeVibration
 
 
@@ -114,7 +94,7 @@ class Identified:
         In the order of the files.
     modes
         By frequency.
-    moving_mass, delay
+    moving_mass, delay, lag
         Over all states; None where nothing tells.
     spread
         Of frequencies and damping.
@@ -127,6 +107,7 @@ class Identified:
     modes: tuple[IdentifiedMode, ...]
     moving_mass: Estimate | None
     delay: Estimate | None
+    lag: Estimate | None
     spread: Spread
     warnings: tuple[Message, ...]
 
@@ -135,16 +116,6 @@ class Identified:
         """Everything that was measured, in the order of the files within each kind."""
         evidence = self.evidence
         return (*evidence.responses, *evidence.spectra, *evidence.vibrations)
-
-    @property
-    def notes(self) -> tuple[Message, ...]:
-        """Those of the warnings that only say how something was done."""
-        return tuple(one for one in self.warnings if one.kind.startswith(INFORMATION))
-
-    @property
-    def doubts(self) -> tuple[Message, ...]:
-        """The other warnings: what to mind, and what to measure better."""
-        return tuple(one for one in self.warnings if not one.kind.startswith(INFORMATION))
 
     @property
     def rotary(self) -> bool:

@@ -9,8 +9,8 @@ from math import ceil, log
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.identified import IdentifiedMode, Spread, State
+from mtcommission.machine.identified import Estimate
 from mtcommission.messages.message import Message
 
 FARTHEST = 0.25

@@ -9,11 +9,10 @@ from itertools import pairwise
 import numpy as np
 
 from mtcommission.identify.doubts import list_doubts
-from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.fit.fit import fit_state
 from mtcommission.identify.fit.fitted import Fitted
 from mtcommission.identify.fit.peaks import FittedSpectrum, fit_spectrum
-from mtcommission.identify.identified import Identified, Seen, State
+from mtcommission.identify.identified import Identified, State
 from mtcommission.identify.matching import find_spread, match_modes, middle_of
 from mtcommission.identify.measurement import (
     Evidence,
@@ -22,6 +21,7 @@ from mtcommission.identify.measurement import (
     Input,
     Sensor,
 )
+from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.message import Message
 
 SAME = 3.0
@@ -68,6 +68,7 @@ def identify(
         modes=modes,
         moving_mass=middle_of([state.moving_mass for state in states]),
         delay=middle_of([state.delay for state in states]),
+        lag=middle_of([state.lag for state in states]),
         spread=find_spread(states, modes),
         warnings=(),
     )
@@ -183,7 +184,7 @@ def _of_fit(fit: Fitted) -> State:
     return State(
         name=first.state or ", ".join(files),
         modes=tuple(
-            Seen(
+            MeasuredMode(
                 frequency_hz=mode.frequency_hz,
                 damping_ratio=mode.damping_ratio,
                 measured_gain=_gain(fit, k, Sensor.ENCODER),
@@ -193,6 +194,7 @@ def _of_fit(fit: Fitted) -> State:
         ),
         moving_mass=masses[0] if masses else None,
         delay=delays[0].delay,
+        lag=delays[0].lag,
         result=fit,
     )
 
@@ -211,11 +213,12 @@ def _of_spectrum(one: FittedSpectrum) -> State:
     return State(
         name=one.spectrum.source.state or one.spectrum.source.name,
         modes=tuple(
-            Seen(frequency_hz=peak.frequency_hz, damping_ratio=peak.damping_ratio)
+            MeasuredMode(frequency_hz=peak.frequency_hz, damping_ratio=peak.damping_ratio)
             for peak in one.modes
         ),
         moving_mass=None,
         delay=None,
+        lag=None,
         result=one,
     )
 
@@ -225,7 +228,7 @@ def _of_vibration(one: FreeVibration) -> State:
     return State(
         name=one.source.state or one.source.name,
         modes=tuple(
-            Seen(
+            MeasuredMode(
                 frequency_hz=Estimate(value=mode.frequency_hz, sigma=mode.frequency_sigma_hz),
                 damping_ratio=Estimate(value=mode.damping_ratio, sigma=mode.damping_sigma),
             )
@@ -233,5 +236,6 @@ def _of_vibration(one: FreeVibration) -> State:
         ),
         moving_mass=None,
         delay=None,
+        lag=None,
         result=one,
     )

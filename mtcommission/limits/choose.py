@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
+from mtcommission.limits.every.search import search_every_size
+from mtcommission.limits.every.typed import Typed, bound_of, find_for_every_size
 from mtcommission.limits.reserve import keep_reserve
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.limits.search.bench import (
@@ -35,12 +37,14 @@ from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.loop.simulation_budget import require_affordable, require_affordable_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve
-from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verdict.assess import assess
 from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
+from mtcommission.verdict.every_size import judge_every_size
 
 __all__ = ["Choice", "SearchSettings", "choose_limits"]
 
@@ -112,6 +116,7 @@ def choose_limits(
     tuned: TunedLoop,
     *,
     starts: Sequence[MotionLimits] = (),
+    near: MotionLimits | None = None,
     largest_jerk: float = inf,
     settings: SearchSettings | None = None,
 ) -> Choice:
@@ -128,6 +133,9 @@ def choose_limits(
         Its loop in every corner.
     starts
         Limits to begin with besides those of the rules, e.g. from the optima.
+    near
+        Best limits of a loop much like this one: where every size counts, only their
+        neighbourhood is looked at.
     largest_jerk
         [m/s³].
     settings
@@ -149,6 +157,12 @@ def choose_limits(
     require_affordable(machine)
     settings = settings or SearchSettings()
     strict = keep_reserve(machine)
+    if not machine.requirements.every_size and machine.control.seeks_setpoint_filter:
+        return _choose_filter(machine, plant, tuned, starts, largest_jerk, settings)
+    if machine.requirements.every_size:
+        choice = _choose_for_every_size(machine, strict, plant, tuned, near, largest_jerk, settings)
+        if choice is not None:
+            return choice
     found = _search(strict, plant, tuned, starts, largest_jerk, settings)
     judged = _first_met(machine, strict, plant, tuned, found.proposals())
     if judged is None and strict is not machine:
@@ -162,9 +176,131 @@ def choose_limits(
         reserve=machine.requirements.reserve,
         reserve_used=met and found.machine is not strict,
         explain=cache(partial(_explain, found, candidate.limits, met)),
-        chart=cache(partial(_chart, machine, found, candidate.limits)),
+        chart=cache(
+            partial(_chart, machine, plant, tuned, found.widest, candidate.limits, settings)
+        ),
         evaluations=len(found.pool.settling),
     )
+
+
+def choose_for_listed(
+    machine: Machine, plant: Plant, tuned: TunedLoop, *, settings: SearchSettings
+) -> Candidate:
+    """Return what would serve the listed sizes alone best, whatever smaller moves do.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    settings
+        Of the search.
+
+    Returns
+    -------
+    Candidate
+        Judged on the listed sizes.
+    """
+    machine = replace(machine, requirements=replace(machine.requirements, every_size=False))
+    return choose_limits(machine, plant, tuned, settings=settings).candidate
+
+
+def _choose_filter(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    starts: Sequence[MotionLimits],
+    largest_jerk: float,
+    settings: SearchSettings,
+) -> Choice:
+    """The best choice over no setpoint filter and those that serve every size best.
+
+    What serves every size with a filter serves the listed sizes, too: the search begins there.
+    """
+    strict = keep_reserve(machine)
+    likely: dict[SetpointFilter | None, list[MotionLimits]] = {None: list(starts)}
+    for item in search_every_size(strict, plant, tuned, largest_jerk=largest_jerk):
+        own = MotionLimits(acceleration=item.acceleration, jerk=item.acceleration / item.jerk_time)
+        likely.setdefault(item.setpoint_filter, [*starts]).append(own)
+    choices = []
+    for given, known in islice(likely.items(), 1 + LIKELY_FILTERS):
+        control = replace(machine.control, setpoint_filter=given, seeks_setpoint_filter=False)
+        choices.append(
+            choose_limits(
+                replace(machine, control=control),
+                plant,
+                tuned,
+                starts=known,
+                largest_jerk=largest_jerk,
+                settings=settings,
+            )
+        )
+    met = [choice for choice in choices if choice.meets_requirements] or choices
+    return min(met, key=lambda choice: choice.candidate.settling_time)
+
+
+LIKELY_FILTERS = 2
+"""Setpoint filters that are tried for the listed sizes, the best for every size first."""
+
+
+def _choose_for_every_size(
+    machine: Machine,
+    strict: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    near: MotionLimits | None,
+    largest_jerk: float,
+    settings: SearchSettings,
+) -> Choice | None:
+    """The limits and the filter that serve every smaller move, too.
+
+    Where they only take longer than is wanted, they are still what may be typed in. None where no
+    limits keep the rest.
+    """
+    late: Choice | None = None
+    for allowed in dict.fromkeys((strict, machine)):
+        typed = find_for_every_size(allowed, plant, tuned, largest_jerk=largest_jerk, near=near)
+        if typed is None:
+            continue
+        moves = simulate_moves(machine, tuned, typed.limits)
+        candidate = evaluate_moves(machine, plant, tuned, moves, sizes=typed.sizes)
+        choice = Choice(
+            candidate=candidate,
+            moves=moves,
+            reserve=machine.requirements.reserve,
+            reserve_used=allowed is not strict,
+            explain=cache(partial(_explain_sizes, allowed, plant, tuned, typed, largest_jerk)),
+            chart=cache(partial(_chart_widest, machine, plant, tuned, typed.limits, settings)),
+            evaluations=typed.evaluations,
+        )
+        if candidate.assessment.is_met:
+            return choice
+        missed = [item for item in candidate.assessment.checks if not item.is_met]
+        if all(item.requirement == SETTLING_TIME for item in missed):
+            late = late or choice
+    return late
+
+
+def _explain_sizes(
+    machine: Machine, plant: Plant, tuned: TunedLoop, typed: Typed, largest_jerk: float
+) -> Message:
+    """Name what breaks at some size when either limit is raised a little."""
+    limits, broken = typed.limits, dict[Requirement, None]()
+    for a, j in RAISED:
+        if j * limits.jerk > largest_jerk:
+            return Message("bound-by-jerk-in-proportion", jerk=largest_jerk)
+        raised = replace(limits, acceleration=a * limits.acceleration, jerk=j * limits.jerk)
+        for check in judge_every_size(machine, plant, tuned, raised):
+            if check.value > bound_of(machine, check.requirement):
+                broken[check.requirement] = None
+    if not broken:
+        return Message("bound-by-settling-later")
+    return Message(
+        "bound-by-requirements", requirements=join_by_and([item.message for item in broken])
+    )
+
+
+RAISED = ((1.03, 1.03), (1.03, 1.0), (1.0, 1.03))
+"""Factors of acceleration and jerk with which it is seen what forbids more."""
 
 
 _Judged = tuple[Candidate, tuple[MoveResult, ...]]
@@ -298,16 +434,36 @@ class _Stage:
     best: tuple[MotionLimits, ...]
 
 
-def _chart(machine: Machine, found: _Found, chosen: MotionLimits) -> Landscape:
-    widest, plant = found.widest, found.plant
+def _chart_widest(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    chosen: MotionLimits,
+    settings: SearchSettings,
+) -> Landscape:
+    """The map behind the filter that was chosen with the limits, about them."""
+    own = chosen.setpoint_filter
+    machine = replace(machine, control=replace(machine.control, setpoint_filter=own))
+    widest = widest_region(machine, plant, settings, [chosen])
+    return _chart(machine, plant, tuned, widest, chosen, settings)
+
+
+def _chart(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    widest: Region,
+    chosen: MotionLimits,
+    settings: SearchSettings,
+) -> Landscape:
     longest = max(widest.longest_jerk_time, CHOSEN_INSIDE * chosen.jerk_time)
     if widest.has_one_jerk_time:
         # The picture shows what a jerk limit would do, too.
         longest = max(longest_period(plant), MAPPED * widest.shortest_jerk_time)
     widest = replace(widest, longest_jerk_time=longest)
-    bench = build_bench(machine, plant, found.tuned, longest=_longest(machine, widest))
-    guess = guess_usage(bench, widest, widest=widest, points=found.settings.coarse_grid)
-    return chart_landscape(bench, guess, widest, points=found.settings.landscape)
+    bench = build_bench(machine, plant, tuned, longest=_longest(machine, widest))
+    guess = guess_usage(bench, widest, widest=widest, points=settings.coarse_grid)
+    return chart_landscape(bench, guess, widest, points=settings.landscape)
 
 
 CHOSEN_INSIDE = 1.3

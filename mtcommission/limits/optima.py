@@ -155,7 +155,8 @@ def find_time_optimum(
     try:
         return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
     except ComputationError as error:
-        if bounds or cruise is None or error.outcome is not Outcome.NO_CONVERGENCE:
+        ends = (Outcome.NO_CONVERGENCE, Outcome.MOVE_TOO_LONG)
+        if bounds or cruise is None or error.outcome not in ends:
             raise
         return compose_cruise(plant, cruise, force_limit=force_limit)
 

@@ -44,7 +44,7 @@ def keep_reserve(machine: Machine) -> Machine:
         ),
         drive=replace(
             drive,
-            max_force=reserve.force * drive.motion_force + abs(drive.static_load),
+            max_force=drive.max_force - drive.motion_force + reserve.force * drive.motion_force,
             continuous_force=reserve.force * drive.continuous_force,
         ),
     )

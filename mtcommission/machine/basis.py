@@ -34,7 +34,7 @@ def describe_kind(kind: ControlKind) -> Message:
     """
     counts: dict[str, int] = {
         "jerk": int(kind.has_jerk_limit),
-        "setpoint-filters": len(kind.setpoint_filters),
+        "setpoint-filters": bool(kind.setpoint_filters),
         "velocity-feedforward": kind.velocity_feedforward,
         "acceleration-feedforward": kind.acceleration_feedforward,
         "jerk-feedforward": kind.jerk_feedforward,

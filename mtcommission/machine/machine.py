@@ -12,7 +12,9 @@ from math import inf
 
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.control_kinds.kinds import GENERIC
+from mtcommission.machine.identified import Identification
 from mtcommission.machine.mechanics import Mechanics
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 
@@ -37,6 +39,8 @@ class Drive:
         Thermal (RMS) limit over move and dwell [N]; inf if none was given.
     static_load
         Weight or process force [N]; its amount is not available for motion.
+    coulomb_friction, viscous_friction
+        Of the guides, on the line of the drive [N, N s/m]; 0: not stated.
     lead
         Travel of a linear axis per turn of the screw or pinion [m]; None: a linear motor, a
         rotary axis, or not stated.
@@ -50,14 +54,26 @@ class Drive:
     max_force: float
     continuous_force: float = inf
     static_load: float = 0.0
+    coulomb_friction: float = 0.0
+    viscous_friction: float = 0.0
     lead: float | None = None
     gear: float = 1.0
     encoder_resolution: float = 0.0
 
     @property
     def motion_force(self) -> float:
-        """Force left for motion, max_force - |static_load| [N]."""
+        """Force left for motion, max_force - |static_load| - coulomb_friction [N]."""
+        return self.usable_force - self.coulomb_friction
+
+    @property
+    def usable_force(self) -> float:
+        """Force left for motion and friction, max_force - |static_load| [N]."""
         return self.max_force - abs(self.static_load)
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether any friction was stated."""
+        return self.coulomb_friction > 0.0 or self.viscous_friction > 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,6 +182,8 @@ class Requirements:
         Share of band and force that recommendations may use.
     frequency_spread, damping_spread
         Relative uncertainty of all eigenfrequencies / damping ratios [-], e.g. 0.05.
+    every_size
+        Whether all but the settling time must hold for every smaller move, too.
     payload
         Least and largest payload [kg].
     payload_radius
@@ -184,6 +202,7 @@ class Requirements:
     reserve: Reserve = NO_RESERVE
     frequency_spread: float = 0.0
     damping_spread: float = 0.0
+    every_size: bool = False
     payload: tuple[float, float] = (0.0, 0.0)
     payload_radius: float = 0.0
     peaks: tuple[Peak, ...] = ()
@@ -293,8 +312,8 @@ class Today:
         [m/s², m/s³].
     position_gain, velocity_gain, integral_time
         Kv [1/s], Kp [N s/m], Tn [s].
-    moving_average_time
-        Length of the moving-average setpoint filter [s]; 0 = none.
+    setpoint_filter
+        Behind the setpoint generator; None: none.
     """
 
     acceleration: float
@@ -302,7 +321,7 @@ class Today:
     position_gain: float | None = None
     velocity_gain: float | None = None
     integral_time: float | None = None
-    moving_average_time: float = 0.0
+    setpoint_filter: SetpointFilter | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -337,8 +356,10 @@ class Control:
         Auto, off, or given by ``state_gains``.
     state_gains
         Gains for ``StateFeedback.GIVEN``.
-    moving_average_time
-        Length of the moving-average setpoint filter [s]; 0 = none.
+    setpoint_filter
+        Behind the setpoint generator, as given; None: none given.
+    seeks_setpoint_filter
+        Whether one is chosen together with the limits; else it is ``setpoint_filter``, or none.
     force_filters
         Filters in the set-force path, in order.
     seeks_force_filters
@@ -363,7 +384,8 @@ class Control:
     tcp_sensor: TcpSensor = TcpSensor.NONE
     state_feedback: StateFeedback = StateFeedback.OFF
     state_gains: tuple[StateGain, ...] = ()
-    moving_average_time: float = 0.0
+    setpoint_filter: SetpointFilter | None = None
+    seeks_setpoint_filter: bool = False
     force_filters: tuple[ForceFilter, ...] = ()
     seeks_force_filters: bool = False
     minimum_bandwidth_hz: float = 0.0
@@ -400,6 +422,8 @@ class Machine:
     assumed
         Keys and tables of the profile whose values nobody stated or measured, spelt as in
         messages, e.g. ``plant.modes[1].damping_ratio``.
+    identified
+        What was measured; None where the numbers come from elsewhere.
     """
 
     name: str
@@ -415,6 +439,7 @@ class Machine:
     today: Today | None = None
     illustrative: bool = False
     assumed: tuple[str, ...] = ()
+    identified: Identification | None = None
 
     def is_assumed(self, key: str) -> bool:
         """Return whether a key, or a table that holds it, is one of ``assumed``."""

@@ -85,6 +85,7 @@ GEARS = _same(RATIO, 1e-4, 1e4, 0.0)
 RESOLUTIONS = AxisRange(
     Range(LINEAR.length, 1e-13, 1e-3, 0.0), Range(ROTARY.length, 1e-13, 0.1, 0.0)
 )
+FRICTIONS = AxisRange(Range(LINEAR.force, 0.0, 1e8), Range(ROTARY.force, 0.0, 1e8))
 STATIC_LOADS = AxisRange(Range(LINEAR.force, -1e8, 1e8), Range(ROTARY.force, -1e8, 1e8))
 VELOCITIES = AxisRange(
     Range(LINEAR.velocity, 1e-6, 100.0, 0.0), Range(ROTARY.velocity, 1e-6, 1e4, 0.0)
@@ -112,4 +113,9 @@ RATIOS = _same(RATIO, -1e30, 1e30)
 SPREADS = _same(RATIO, 0.0, 1e30)
 SHARES = _same(RATIO, 0.01, 1.0, 0.0)
 FILTER_DAMPINGS = _same(RATIO, 0.0, 10.0)
+TAPS = _same(RATIO, -10.0, 10.0)
 FEEDFORWARDS = _same(RATIO, 0.0, 10.0)
+# A standard error may be as small as it likes; a delay as a clock shows it may be negative.
+MEASURED_FREQUENCIES = _same(FREQUENCY, 0.0, 1e6)
+MEASURED_TIMES = _same(TIME, -10.0, 10.0)
+MEASURED_MASSES = AxisRange(Range(LINEAR.mass, 0.0, 1e8), Range(ROTARY.mass, 0.0, 1e8))

@@ -20,7 +20,7 @@ from fluent.runtime.types import FluentNone, FluentNumber, fluent_number
 
 from mtcommission.messages.functions import functions_of
 from mtcommission.messages.languages import LANGUAGES
-from mtcommission.messages.message import Message, Value
+from mtcommission.messages.message import Message, Value, printable
 from mtcommission.messages.quantities import Formatter
 
 TEXTS = Path(__file__).with_name("texts")
@@ -125,6 +125,8 @@ class Catalogue:
             return ", ".join(str(self._spoken(inner)) for inner in value)
         if isinstance(value, int):
             return fluent_number(value, useGrouping=False)
+        if isinstance(value, str):
+            return printable(value)
         return "" if value is None else value
 
     def _load(self, kind: str) -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import NoReturn, TypeAlias
 
 Value: TypeAlias = "float | int | str | bool | Message | tuple[Value, ...] | None"
 """SI number, text of the user (names of modes, files), key of another text, or messages inside."""
+
+STEERING = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Characters that move a cursor, turn the direction of writing, or are none."""
 
 NO_VALUES: Mapping[str, Value] = MappingProxyType({})
 
@@ -58,6 +62,17 @@ class Message:
 
 def _again(kind: str, values: dict[str, Value]) -> Message:
     return Message(kind, **values)
+
+
+def printable(text: str) -> str:
+    r"""Return a foreign text that neither steers a terminal nor begins a line of its own.
+
+    Examples
+    --------
+    >>> printable("a\x1b[31mb")
+    'a?[31mb'
+    """
+    return STEERING.sub("?", text)
 
 
 def join_by_and(messages: Sequence[Message]) -> Message:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import inf
 
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.machine.machine import (
     Control,
     DampingOptimal,
     Drive,
-    FilterKind,
-    ForceFilter,
     Machine,
     Modes,
     Motion,
@@ -34,6 +32,7 @@ from mtcommission.profile.model import (
     RequirementsTable,
     TodayTable,
     closes_in,
+    cycle_of,
 )
 
 MODE_BANDS = (0.4, 1.0, 4.0)
@@ -70,6 +69,8 @@ def build_machine(table: ProfileTable) -> Machine:
             max_force=table.drive.max_force,
             continuous_force=_or_infinite(table.drive.continuous_force),
             static_load=table.drive.static_load,
+            coulomb_friction=table.drive.coulomb_friction,
+            viscous_friction=table.drive.viscous_friction,
             lead=table.drive.lead,
             gear=table.drive.gear,
             encoder_resolution=table.drive.encoder_resolution or 0.0,
@@ -81,6 +82,7 @@ def build_machine(table: ProfileTable) -> Machine:
         today=_build_today(table.today) if table.today else None,
         illustrative=table.machine.illustrative,
         assumed=(*table.machine.assumed, *_left_out(table)),
+        identified=table.identified.build() if table.identified else None,
     )
 
 
@@ -129,6 +131,7 @@ def _build_requirements(needs: RequirementsTable) -> Requirements:
         reserve=Reserve(band=needs.reserve.band, force=needs.reserve.force),
         frequency_spread=needs.frequency_spread,
         damping_spread=needs.damping_spread,
+        every_size=needs.move_sizes == "every",
         payload=(low, high),
         payload_radius=needs.payload_radius,
         peaks=tuple(Peak(name=name, bound=bound) for name, bound in needs.peaks.items()),
@@ -142,31 +145,21 @@ def _build_damping_optimal(settings: DampingOptimalTable) -> DampingOptimal:
 
 
 def _build_today(today: TodayTable) -> Today:
-    setpoint_filter = today.setpoint_filter
     return Today(
         acceleration=today.acceleration,
         jerk=today.jerk,
         position_gain=today.position_gain,
         velocity_gain=today.velocity_gain,
         integral_time=today.integral_time,
-        moving_average_time=setpoint_filter.time if setpoint_filter else 0.0,
+        setpoint_filter=today.setpoint_filter.build() if today.setpoint_filter else None,
     )
 
 
 def _build_control(control: ControlTable) -> Control:
     kind, feedback = KINDS[control.kind], control.state_feedback
-    filters = tuple(
-        ForceFilter(
-            kind=FilterKind(one.kind),
-            natural_frequency=2.0 * pi * one.frequency,
-            damping=one.damping,
-            width=one.width,
-        )
-        for one in control.force_filters or ()
-    )
     given = feedback if isinstance(feedback, dict) else {}
     mode = StateFeedback(feedback) if isinstance(feedback, str) else StateFeedback.GIVEN
-    setpoint_filter = control.setpoint_filter
+    chosen = control.setpoint_filter
     return Control(
         kind=kind,
         position_loop=closes_in(control),
@@ -181,13 +174,14 @@ def _build_control(control: ControlTable) -> Control:
         jerk_feedforward=control.jerk_feedforward,
         feedforward_mass=control.feedforward_mass,
         reference_delay=control.reference_delay if kind.reference_delay else 0.0,
-        position_cycle=control.position_cycle or kind.position_cycle,
+        position_cycle=cycle_of(control),
         velocity_cycle=control.velocity_cycle or kind.velocity_cycle,
         tcp_sensor=TcpSensor(control.tcp_sensor),
         state_feedback=mode,
         state_gains=tuple(StateGain(state=name, value=value) for name, value in given.items()),
-        moving_average_time=setpoint_filter.time if setpoint_filter else 0.0,
-        force_filters=filters,
+        setpoint_filter=chosen.build() if chosen else None,
+        seeks_setpoint_filter=chosen is None,
+        force_filters=tuple(one.build() for one in control.force_filters or ()),
         seeks_force_filters=control.force_filters is None,
         minimum_bandwidth_hz=control.minimum_bandwidth or 0.0,
     )

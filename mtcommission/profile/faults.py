@@ -12,19 +12,23 @@ from pydantic_core import ErrorDetails
 
 from mtcommission.errors import Fault
 from mtcommission.messages.message import Message
+from mtcommission.profile.filter_tables import ForceFilterTable, SetpointFilterTable
+from mtcommission.profile.identified_tables import (
+    IdentifiedTable,
+    MeasuredFileTable,
+    MeasuredModeTable,
+)
 from mtcommission.profile.lines import KeyLines, KeyPath, show_key
 from mtcommission.profile.model import (
     ControlTable,
     DampingOptimalTable,
     DriveTable,
-    ForceFilterTable,
     MachineTable,
     ModeBands,
     MoveTable,
     ProfileTable,
     RequirementsTable,
     ReserveTable,
-    SetpointFilterTable,
     TodayTable,
 )
 from mtcommission.profile.plant_tables import PLANT_TABLES, element_tables
@@ -51,6 +55,9 @@ _TABLES: Mapping[tuple[str, ...], type[Table]] = {
     ("control", "force_filters"): ForceFilterTable,
     ("today",): TodayTable,
     ("today", "setpoint_filter"): SetpointFilterTable,
+    ("identified",): IdentifiedTable,
+    ("identified", "files"): MeasuredFileTable,
+    ("identified", "modes"): MeasuredModeTable,
 }
 
 

@@ -19,14 +19,14 @@ from mtcommission.machine.ranges import (
     ARMS,
     BANDS,
     CYCLES,
+    DAMPINGS,
     DELAYS,
     DISTANCES,
     DWELLS,
     FEEDFORWARDS,
-    FILTER_DAMPINGS,
-    FILTER_TIMES,
     FORCES,
     FREQUENCIES,
+    FRICTIONS,
     GEARS,
     JERKS,
     LAGS,
@@ -43,6 +43,14 @@ from mtcommission.machine.ranges import (
     VELOCITY_GAINS,
 )
 from mtcommission.messages.message import Message
+from mtcommission.profile.filter_tables import (
+    ChosenFilter,
+    ForceFilterTable,
+    HeldFilter,
+    list_misfits,
+    read_force_filters,
+)
+from mtcommission.profile.identified_tables import IdentifiedTable
 from mtcommission.profile.plant_tables import AnyKind, PlantTable
 from mtcommission.profile.table import Table, optional, raise_all, required
 from mtcommission.profile.values import (
@@ -104,6 +112,12 @@ class DriveTable(Table):
     static_load: Annotated[float, Read(STATIC_LOADS)] = optional(
         "Weight or process force; its amount is not available for motion.", '"0 N"', 0.0
     )
+    coulomb_friction: Annotated[float, Read(FRICTIONS)] = optional(
+        "Friction that any motion must overcome; not available for motion.", '"0 N"', 0.0
+    )
+    viscous_friction: Annotated[float, Read(DAMPINGS)] = optional(
+        "Friction per velocity, on the line of the drive.", '"0 N s/m"', 0.0
+    )
     lead: Annotated[float | None, Read(LEADS)] = optional(
         "Travel of a linear axis per turn of screw or pinion; left out: linear motor, or unknown.",
         '"10 mm"',
@@ -119,6 +133,15 @@ class DriveTable(Table):
     def _check(self, info: ValidationInfo) -> Self:
         faults: list[Misfit] = []
         axis = context_of(info).axis
+        taken = abs(self.static_load) + self.coulomb_friction
+        if abs(self.static_load) < self.max_force <= taken:
+            message = Message(
+                "friction-takes-all",
+                got=self.coulomb_friction,
+                left=self.max_force - abs(self.static_load),
+                unit=axis.force.si,
+            )
+            faults.append(("coulomb_friction", message))
         if abs(self.static_load) >= self.max_force:
             message = Message(
                 "static-load-takes-all",
@@ -204,6 +227,11 @@ class RequirementsTable(Table):
     damping_spread: Annotated[float, Read(SPREADS)] = optional(
         "Relative uncertainty of all damping ratios; none must be said.", '"30 %"', 0.3
     )
+    move_sizes: Literal["every", "listed"] = optional(
+        "Whether limits hold for every smaller move, too, or for the listed sizes only.",
+        '"every"',
+        "every",
+    )
     payload: list[Annotated[float, Read(LOADS)]] | None = Field(
         None,
         description="Least and largest payload.",
@@ -250,23 +278,6 @@ class DampingOptimalTable(Table):
     )
 
 
-class SetpointFilterTable(Table):
-    """setpoint_filter of [control]."""
-
-    kind: Literal["moving_average"] = required("Kind of filter.", '"moving_average"')
-    time: Annotated[float, Read(FILTER_TIMES)] = required("Length of the filter.", '"20 ms"')
-
-
-def _read_filter(value: object) -> object:
-    """A filter as it stands in the profile; None for "none"."""
-    if isinstance(value, str) and value != "none":
-        raise Faults([("", Message("got-no-filter", got=describe(value)))])
-    return None if value == "none" else value
-
-
-SetpointFilter = Annotated[SetpointFilterTable | None, BeforeValidator(_read_filter)]
-
-
 class TodayTable(Table):
     """[today]: what the control holds now."""
 
@@ -277,27 +288,9 @@ class TodayTable(Table):
     position_gain: Annotated[float | None, Read(POSITION_GAINS)] = optional("Kv.", '"60 1/s"')
     velocity_gain: Annotated[float | None, Read(VELOCITY_GAINS)] = optional("Kp.", '"200 kN s/m"')
     integral_time: Annotated[float | None, Read(TIMES)] = optional("Tn.", '"20 ms"')
-    setpoint_filter: SetpointFilter = optional(
+    setpoint_filter: HeldFilter = optional(
         'Filter behind the setpoint generator, or "none".', '"none"'
     )
-
-
-class ForceFilterTable(Table):
-    """An element of force_filters of [control]."""
-
-    kind: Literal["notch", "low_pass"] = required("Kind of filter.", '"notch"')
-    frequency: Annotated[float, Read(FREQUENCIES)] = required("Frequency of the filter.", '"72 Hz"')
-    damping: Annotated[float, Read(FILTER_DAMPINGS)] = required(
-        "Damping ratio: of the denominator of a low-pass, of the numerator of a notch.", "0.1"
-    )
-    width: Annotated[float, Read(FILTER_DAMPINGS)] = optional(
-        "Damping ratio of the denominator of a notch; depth = damping / width.", "0.5", 1.0
-    )
-
-
-def _read_force_filters(value: object) -> object:
-    """Filters as they stand in the profile; None for "auto"."""
-    return None if value == "auto" else value
 
 
 class ControlTable(Table):
@@ -342,12 +335,13 @@ class ControlTable(Table):
     ] = optional(
         "Active damping of the dominant mode: auto, off, or gains by state.", '"off"', "off"
     )
-    setpoint_filter: SetpointFilter = optional(
-        'Filter behind the setpoint generator, or "none".', '"none"'
+    setpoint_filter: ChosenFilter = optional(
+        'Filter behind the setpoint generator, "none", or "auto": chosen with the limits.',
+        '"auto"',
     )
     force_filters: Annotated[
         Annotated[list[ForceFilterTable], Field(max_length=8)] | None,
-        BeforeValidator(_read_force_filters),
+        BeforeValidator(read_force_filters),
     ] = Field(
         default_factory=list,
         description='Filters in the set-force path; "auto": those that let Kp rise.',
@@ -360,7 +354,10 @@ class ControlTable(Table):
     def _check(self) -> Self:
         kind = KINDS[self.kind]
         faults = _list_lacking(self, kind)
-        position = self.position_cycle or kind.position_cycle
+        position = cycle_of(self)
+        faults += list_misfits(
+            "setpoint_filter", self.setpoint_filter, kind, position_cycle=position
+        )
         velocity = self.velocity_cycle or kind.velocity_cycle
         if closes_in(self) is PositionLoop.DRIVE and self.reference_delay is not None:
             least = 2.0 * position
@@ -381,6 +378,11 @@ def closes_in(control: ControlTable) -> PositionLoop:
     """Return where the position loop closes, as stated or as the kind of control does."""
     loop = control.position_loop
     return PositionLoop(loop) if loop else KINDS[control.kind].position_loops[0]
+
+
+def cycle_of(control: ControlTable) -> float:
+    """Return the position cycle, as stated or as usual for the kind of control [s]."""
+    return control.position_cycle or KINDS[control.kind].position_cycle
 
 
 def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
@@ -406,9 +408,6 @@ def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
         faults.append(("state_feedback", message))
     if control.tcp_sensor != "none" and not kind.state_feedback:
         faults.append(("tcp_sensor", Message("control-without-observer", control=key)))
-    chosen = control.setpoint_filter
-    if chosen and chosen.kind not in kind.setpoint_filters:
-        faults.append(("setpoint_filter", _lacks_filter(chosen, kind)))
     filters = control.force_filters or ()
     if len(filters) > kind.force_filters:
         message = Message(
@@ -421,10 +420,6 @@ def _list_lacking(control: ControlTable, kind: ControlKind) -> list[Misfit]:
     if control.force_filters is None and kind.force_filters == 0:
         faults.append(("force_filters", Message("control-without-force-filters", control=key)))
     return faults
-
-
-def _lacks_filter(chosen: SetpointFilterTable, kind: ControlKind) -> Message:
-    return Message("control-without-filter", got=describe(chosen.kind), control=kind.key)
 
 
 class ProfileTable(Table):
@@ -447,6 +442,7 @@ class ProfileTable(Table):
     )
     control: ControlTable = Field(default_factory=ControlTable, description="The cascade.")
     today: TodayTable | None = optional("What the control holds now, to see before and after.", "")
+    identified: IdentifiedTable | None = optional("What was measured; identify writes it.", "")
 
     @field_validator("schema_version", mode="before")
     @classmethod
@@ -471,8 +467,12 @@ class ProfileTable(Table):
         if self.today and self.today.jerk and not kind.has_jerk_limit:
             message = Message("control-without-jerk-limit", control=kind.key)
             faults.append(("today.jerk", message))
-        chosen = self.today and self.today.setpoint_filter
-        if chosen and chosen.kind not in kind.setpoint_filters:
-            faults.append(("today.setpoint_filter", _lacks_filter(chosen, kind)))
+        if self.today:
+            faults += list_misfits(
+                "today.setpoint_filter",
+                self.today.setpoint_filter,
+                kind,
+                position_cycle=cycle_of(self.control),
+            )
         raise_all(faults)
         return self

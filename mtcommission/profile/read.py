@@ -68,8 +68,35 @@ def read_profile_text(path: Path | str) -> str:
     InputError
         If the file cannot be read as text.
     """
-    where = str(path)
-    data = read_bytes(Path(path), folder=Message("file-is-directory"), most=LARGEST_FILE + 1)
+    return decode_profile(read_profile_bytes(path), where=str(path))
+
+
+def read_profile_bytes(path: Path | str) -> bytes:
+    """Return a profile file as it is; raise InputError if it cannot be read."""
+    return read_bytes(Path(path), folder=Message("file-is-directory"), most=LARGEST_FILE + 1)
+
+
+def decode_profile(data: bytes, *, where: str) -> str:
+    """Return the text of a profile's bytes, without byte order mark.
+
+    Parameters
+    ----------
+    data
+        From ``read_profile_bytes``.
+    where
+        Name for messages.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        If they are no text of a profile's size.
+    """
+    if data.lstrip()[:1] == b"{":
+        raise _file_fault(where, Message("file-is-json"))
     if len(data) > LARGEST_FILE:
         raise _file_fault(where, Message("file-too-large", most=LARGEST_FILE))
     if b"\0" in data:

@@ -18,6 +18,9 @@ from mtcommission.profile.lines import find_key_lines, find_repetition, show_key
 MOST_FAULTS = 50
 """Lines named in one go; every one costs another reading of the text."""
 
+MOST_PARTS = 300
+"""Parts of a dotted key: the time to read one grows with their square."""
+
 MOST_LINES = 500
 """Lines tried from the end for the one where an open value begins."""
 
@@ -78,6 +81,10 @@ def load_toml(text: str, *, where: str) -> Parsed:
     p.toml:2: b: got 450 kg without quotes; write "450 kg"
     """
     lines, faults = text.split("\n"), list[Fault]()
+    for number, line in enumerate(lines, start=1):
+        if line.partition("=")[0].partition("#")[0].count(".") > MOST_PARTS:
+            message = Message("toml-nested-deeply")
+            raise InputError([Fault(where=where, line=number, message=message)])
     while True:
         try:
             read = "\n".join(lines)

@@ -5,35 +5,42 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from importlib.metadata import version
+from math import isinf
 
 from mtcommission import __version__
 from mtcommission.commission import Commissioning
-from mtcommission.limits.optima import Optima
+from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.comparisons import comparison_entry
-from mtcommission.record.data import describe_move, list_assumptions, list_data
+from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.files import find_checksum
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
 from mtcommission.record.moves import assessment_part, move_entry
-from mtcommission.record.optima import optimum_entry
+from mtcommission.record.optima import optima_entry
 from mtcommission.record.robustness import robustness_part
 from mtcommission.record.schema import (
     SCHEMA,
+    IdentifiedPart,
     MachineEntry,
     ModeEntry,
-    OptimaEntry,
     PlantEntry,
     Profile,
     Record,
     Tool,
+    ToolSensorEntry,
     Words,
 )
 from mtcommission.record.shape import entry_of, to_plain
 
 
 def build_record(
-    commissioning: Commissioning, *, profile: Profile, created: str, warnings: Sequence[Words]
+    commissioning: Commissioning,
+    *,
+    profile: Profile,
+    created: str,
+    warnings: Sequence[Words],
+    identified: IdentifiedPart | None = None,
 ) -> Record:
     """Return the record of a commissioning.
 
@@ -47,6 +54,8 @@ def build_record(
         Date and time, ISO 8601.
     warnings
         Physical warnings about the profile; those about its loop and its robustness are added.
+    identified
+        What was measured on the axis.
 
     Returns
     -------
@@ -54,7 +63,7 @@ def build_record(
     """
     machine, plant = commissioning.machine, commissioning.plant
     robustness = robustness_part(machine, commissioning.robustness)
-    limits = limits_part(commissioning)
+    limits = limits_part(commissioning, improvements=commissioning.improvements)
     record = Record(
         schema=SCHEMA,
         checksum="",
@@ -66,15 +75,19 @@ def build_record(
         ),
         data=list_data(machine, plant, profile.text),
         settings=_settings_entry(commissioning),
-        assumptions=[*list_assumptions(machine)],
+        assumptions=[*list_assumptions(machine), *_friction(commissioning, is_kept=True)],
         warnings=[
             *warnings,
             *limits.warnings,
             *commissioning.tuned.warnings,
             *robustness.warnings,
+            *_friction(commissioning, is_kept=False),
         ],
         plant=_plant_entry(plant),
-        optima=[_optima_entry(plant, item) for item in commissioning.optima],
+        optima=[
+            optima_entry(plant, item, within)
+            for item, within in zip(commissioning.optima, commissioning.within_band, strict=True)
+        ],
         limits=limits,
         loop=loop_part(commissioning),
         moves=[move_entry(plant, commissioning.tuned, result) for result in commissioning.moves],
@@ -84,8 +97,34 @@ def build_record(
         ],
         robustness=robustness,
         assessment=assessment_part(commissioning.assessment, machine.requirements.reserve),
+        identified=identified
+        and replace(
+            identified,
+            tool_sensor=entry_of(ToolSensorEntry, freed)
+            if (freed := commissioning.tool_sensor)
+            else None,
+        ),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
+
+
+def _friction(commissioning: Commissioning, *, is_kept: bool) -> list[Message]:
+    """What the stated friction does to moves that keep their requirements, or do not."""
+    drive = commissioning.machine.drive
+    return [
+        Message(
+            "friction-kept" if is_kept else "friction-broken",
+            move=one.number,
+            coulomb=drive.coulomb_friction,
+            viscous=drive.viscous_friction,
+            settling="" if isinf(one.settling_time) else one.settling_time,
+            without="" if isinf(one.without_friction) else one.without_friction,
+            residual=one.residual_deviation,
+            force=one.max_force,
+        )
+        for one in commissioning.friction
+        if one.is_kept is is_kept
+    ]
 
 
 def _settings_entry(commissioning: Commissioning) -> dict[str, float | str]:
@@ -106,16 +145,6 @@ def _plant_entry(plant: Plant) -> PlantEntry:
         outputs=dict(zip(plant.outputs, plant.C.tolist(), strict=True)),
         modes=[entry_of(ModeEntry, mode) for mode in plant.modes],
         controllability_rank=kalman_rank(plant),
-    )
-
-
-def _optima_entry(plant: Plant, item: Optima) -> OptimaEntry:
-    return OptimaEntry(
-        move=describe_move(item.move),
-        time=optimum_entry(plant, item.time),
-        constrained=optimum_entry(plant, item.constrained) if item.constrained else None,
-        damping=optimum_entry(plant, item.damping) if item.damping else None,
-        remarks=list(item.remarks),
     )
 
 

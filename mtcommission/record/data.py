@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from math import isfinite
 
+from mtcommission.control_kinds.kind import FIR
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine, Move, VelocityStep
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
-from mtcommission.record.schema import Datum
+from mtcommission.record.schema import Datum, SetpointFilterEntry
+from mtcommission.record.shape import entry_of
 
 Row = tuple[str, float | str, str]
 """Key, value and SI unit."""
@@ -37,7 +40,7 @@ def list_assumptions(machine: Machine) -> list[Message]:
     return [
         *([Message("assumption-illustrative")] if machine.illustrative else []),
         *machine.mechanics.assumptions(),
-        Message("assumption-linear"),
+        Message(f"assumption-linear{'-with-friction' if machine.drive.has_friction else ''}"),
         Message("assumption-encoder"),
         Message("assumption-cycles"),
         Message("assumption-exact-rest"),
@@ -94,6 +97,8 @@ def _drive_rows(machine: Machine) -> list[Row]:
         ("drive.lead", drive.lead or 0.0, length),
         ("drive.gear", drive.gear if drive.lead else 0.0, ""),
         ("drive.encoder_resolution", drive.encoder_resolution, length),
+        ("drive.coulomb_friction", drive.coulomb_friction, force),
+        ("drive.viscous_friction", drive.viscous_friction, machine.axis_units.damping.si),
     ]
     return [
         ("drive.force_lag", drive.force_lag, "s"),
@@ -155,3 +160,22 @@ def _source(machine: Machine, key: str, given: set[str], assumed: set[str]) -> M
     if plain not in given:
         return Message("source-default")
     return machine.source if key.startswith(("plant.", "drive.")) else Message("source-stated")
+
+
+def filter_entry(item: SetpointFilter | None) -> SetpointFilterEntry | None:
+    """Return a setpoint filter as the record holds it."""
+    return entry_of(SetpointFilterEntry, item, item.impulses) if item else None
+
+
+def read_filter(entry: SetpointFilterEntry) -> SetpointFilter:
+    """Return the setpoint filter of a record's entry."""
+    is_fir = entry.kind == FIR
+    return SetpointFilter(
+        kind=entry.kind,
+        time=entry.time,
+        second_time=entry.second_time,
+        frequency_hz=entry.frequency_hz,
+        damping_ratio=entry.damping_ratio,
+        taps=tuple(entry.shares) if is_fir else (),
+        spacing=entry.delays[1] if is_fir else 0.0,
+    )

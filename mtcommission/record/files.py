@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import reduce
 from hashlib import sha256
 from itertools import islice
@@ -14,10 +14,14 @@ from cattrs import BaseValidationError
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
-from mtcommission.messages.message import Message
+from mtcommission.messages.message import STEERING, Message
 from mtcommission.record.schema import SCHEMA, Record
 from mtcommission.record.shape import WrongFormError, find_faults, to_entry, to_plain
 
+LARGEST_FILE = 50_000_000
+"""Bytes; a record of many moves has a few million."""
+LAYOUT = {ord(letter): None for letter in "\n\r\t"}
+"""Stand in the profile's text."""
 MOST_NAMED = 3
 """Entries of an unexpected form that a message names."""
 
@@ -68,13 +72,17 @@ def load_record(path: Path) -> Record:
     InputError
         If the file is no such record; says what is wrong.
     """
-    content = read_bytes(path, folder=Message("record-is-directory"))
+    content = read_bytes(path, folder=Message("record-is-directory"), most=LARGEST_FILE + 1)
+    if len(content) > LARGEST_FILE:
+        raise _fault(path, Message("record-too-large", most=LARGEST_FILE))
     try:
         data = json.loads(content.decode(), parse_constant=_refuse)
     except _NoNumberError as error:
         raise _fault(path, Message("record-not-readable", why=error.message)) from error
     except (ValueError, RecursionError) as error:
         raise _fault(path, Message("record-not-json")) from error
+    if any(STEERING.search(text.translate(LAYOUT)) for text in _texts(data)):
+        raise _fault(path, Message("record-steers"))
     missing = sorted({"schema", "checksum"} - (data.keys() if isinstance(data, dict) else set()))
     if missing:
         raise _fault(path, Message("record-lacks-keys", keys=", ".join(missing)))
@@ -89,6 +97,18 @@ def load_record(path: Path) -> Record:
     if record is None:
         raise _fault(path, _named("record-of-other-version", wrong))
     return record
+
+
+def _texts(data: object) -> Iterator[str]:
+    """Every text and key."""
+    if isinstance(data, str):
+        yield data
+    elif isinstance(data, dict):
+        yield from data
+        yield from _texts(list(data.values()))
+    elif isinstance(data, list):
+        for inner in data:
+            yield from _texts(inner)
 
 
 def _read(data: object) -> tuple[Record | None, list[Message]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isfinite
 from typing import TypeVar
 
@@ -10,28 +11,32 @@ from numpy.typing import NDArray
 
 from mtcommission.commission import Commissioning
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
-from mtcommission.machine.machine import Machine, Reserve, VelocityStep
-from mtcommission.record.data import describe_move
+from mtcommission.machine.machine import Machine, Reserve
+from mtcommission.record.data import describe_move, filter_entry
 from mtcommission.record.schema import (
     Alternative,
     AttainableEntry,
+    ImprovementEntry,
     JudgedLimits,
     Landscape,
     LimitsEntry,
     LimitsPart,
+    ListedEntry,
     ModeLimitsEntry,
     MoveSizesEntry,
     RuleFormulaEntry,
     RuleResult,
     RuleStepEntry,
     RuleText,
-    SetpointFilterEntry,
     SizesEntry,
     TodayEntry,
+    WorstSizeEntry,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
+from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.attainable import Attainable
+from mtcommission.study.improvements import Improvement
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
 from mtcommission.study.robustness import DampingRange, FrequencyError
@@ -42,8 +47,22 @@ Array = NDArray[np.float64]
 Judged = TypeVar("Judged", bound=JudgedLimits)
 
 
-def limits_part(commissioning: Commissioning) -> LimitsPart:
-    """Return all about the limits, as ``limits --json`` prints it."""
+def limits_part(
+    commissioning: Commissioning, *, improvements: Sequence[Improvement] = ()
+) -> LimitsPart:
+    """Return all about the limits, as ``limits --json`` prints it.
+
+    Parameters
+    ----------
+    commissioning
+        What was computed.
+    improvements
+        What single changes would bring, for a record.
+
+    Returns
+    -------
+    LimitsPart
+    """
     choice, best, machine = commissioning.choice, commissioning.recommended, commissioning.machine
     seen, today = choice.landscape, commissioning.today
     reserve = machine.requirements.reserve
@@ -52,12 +71,19 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
             LimitsEntry,
             best,
             best.limits,
-            setpoint_filter=_filter_entry(machine.control.moving_average_time),
+            setpoint_filter=filter_entry(
+                best.limits.setpoint_filter or machine.control.setpoint_filter
+            ),
             bound_by=choice.bound_by,
             frequency_range=_range(commissioning.robustness.frequency_error),
             damping_range=_range(commissioning.robustness.damping_range),
-            valid_for=_sizes(machine),
+            valid_for=_sizes(machine, every=best.assessment.is_met),
+            worst_sizes=[
+                entry_of(WorstSizeEntry, check, requirement=check.requirement.value)
+                for check in best.sizes
+            ],
         ),
+        listed_only=_listed_entry(machine, commissioning.listed),
         today=_today_entry(machine, today) if today else None,
         modes=[_mode_entry(mode) for mode in commissioning.modes],
         attainable=[_attainable_entry(item) for item in commissioning.attainable],
@@ -74,11 +100,18 @@ def limits_part(commissioning: Commissioning) -> LimitsPart:
         ),
         search={"evaluations": choice.evaluations},
         warnings=[*choice.warnings, *([today.failure] if today and today.failure else [])],
+        would_bring=[_improvement_entry(item, before=best.settling_time) for item in improvements],
     )
 
 
-def _filter_entry(time: float) -> SetpointFilterEntry | None:
-    return SetpointFilterEntry(kind="moving_average", time=time) if time else None
+def _improvement_entry(item: Improvement, *, before: float) -> ImprovementEntry:
+    return entry_of(
+        ImprovementEntry,
+        item,
+        name=item.change.kind.removeprefix("change-"),
+        share=item.saved / before,
+        outcome=item.outcome or "",
+    )
 
 
 def _range(error: FrequencyError | DampingRange) -> list[float] | None:
@@ -86,13 +119,25 @@ def _range(error: FrequencyError | DampingRange) -> list[float] | None:
     return ends if all(map(isfinite, ends)) else None
 
 
-def _sizes(machine: Machine) -> list[SizesEntry]:
-    """Of each move the one size that is listed; no other was judged."""
-    sizes = [
-        move.velocity_step if isinstance(move, VelocityStep) else move.distance
-        for move in machine.moves
-    ]
-    return [SizesEntry(smallest=size, largest=size) for size in sizes]
+def _sizes(machine: Machine, *, every: bool) -> list[SizesEntry]:
+    """From which size of each move to which all requirements hold, if they do at the listed one."""
+    every &= machine.requirements.every_size
+    sizes = map(size_of, machine.moves)
+    return [SizesEntry(smallest=0.0 if every else size, largest=size) for size in sizes]
+
+
+def _listed_entry(machine: Machine, found: Candidate | None) -> ListedEntry | None:
+    if found is None:
+        return None
+    return entry_of(
+        ListedEntry,
+        found,
+        found.limits,
+        meets_requirements=found.assessment.is_met,
+        keeps_reserve=found.assessment.keeps(machine.requirements.reserve),
+        setpoint_filter=filter_entry(found.limits.setpoint_filter),
+        valid_for=_sizes(machine, every=False),
+    )
 
 
 def _today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
@@ -102,7 +147,7 @@ def _today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
         acceleration=today.acceleration,
         jerk=today.jerk,
         jerk_time=found.limits.jerk_time,
-        setpoint_filter=_filter_entry(today.moving_average_time),
+        setpoint_filter=filter_entry(today.setpoint_filter),
         Kv=loop.position_gain,
         Kp=loop.velocity_gain,
         Tn=loop.integral_time,
@@ -116,7 +161,7 @@ def _today_entry(machine: Machine, found: TodaysValues) -> TodayEntry:
         meets_requirements=judged is not None and judged.assessment.is_met,
         keeps_reserve=judged is not None and judged.assessment.keeps(machine.requirements.reserve),
         frequency_range=_range(found.frequency_error) if found.frequency_error else None,
-        valid_for=_sizes(machine),
+        valid_for=_sizes(machine, every=judged is not None and judged.assessment.is_met),
     )
 
 
@@ -193,8 +238,9 @@ def _move_sizes_entry(item: MoveSizes) -> MoveSizesEntry:
         way.limits,
         way=way.name,
         jerk=way.limits.jerk if is_limited else None,
+        setpoint_filter=filter_entry(way.limits.setpoint_filter),
         move=describe_move(move),
-        own=move.velocity_step if isinstance(move, VelocityStep) else move.distance,
+        own=size_of(move),
         size=[_five_digits(value) for value in item.size.tolist()],
         settling_time=_row(item.settling_time),
         residual_deviation=_row(item.residual_deviation),

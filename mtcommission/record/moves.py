@@ -11,7 +11,7 @@ from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant
-from mtcommission.record.data import describe_move
+from mtcommission.record.data import describe_move, filter_entry
 from mtcommission.record.optima import series_entry
 from mtcommission.record.schema import (
     AssessmentPart,
@@ -24,8 +24,8 @@ from mtcommission.record.schema import (
 )
 from mtcommission.record.shape import entry_of
 from mtcommission.setpoint.setpoint import sample_setpoint
-from mtcommission.verdict.assess import Assessment, assess
-from mtcommission.verdict.evaluate import MoveResult
+from mtcommission.verdict.assess import Assessment
+from mtcommission.verdict.evaluate import MoveResult, evaluate_moves
 
 PLOT_STEP = 0.25e-3
 """Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""
@@ -50,7 +50,6 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
         Series thinned out to ``PLOT_STEP``, for plots.
     """
     setpoint, nominal = result.setpoint, result.responses[0]
-    filtered = setpoint.duration - float(np.sum(setpoint.segment_durations))
     every = max(1, round(PLOT_STEP / tuned.controller.velocity_cycle))
     shown = nominal.t <= nominal.t_end + PLOT_TAIL
     shown[:] &= np.arange(len(shown)) % every == 0
@@ -69,7 +68,7 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
         move=describe_move(setpoint.move),
         setpoint=SetpointEntry(
             duration=setpoint.duration,
-            moving_average=max(filtered, 0.0) if filtered > 1e-12 else 0.0,
+            setpoint_filter=filter_entry(setpoint.setpoint_filter),
             segments=[
                 Segment(duration=float(duration), jerk=float(jerk))
                 for duration, jerk in zip(
@@ -116,7 +115,7 @@ def simulation_part(
     SimulationPart
     """
     entries = [move_entry(plant, tuned, result) for result in results]
-    verdict = assess(machine, plant, tuned.corners, [result.responses for result in results])
+    verdict = evaluate_moves(machine, plant, tuned, results).assessment
     return SimulationPart(
         setpoint=entries[0].setpoint,
         response=entries[0].response,

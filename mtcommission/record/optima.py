@@ -7,6 +7,8 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.limits.optima import Optima
+from mtcommission.optimal.band.force import BandForce
 from mtcommission.optimal.solution import (
     Certificate,
     DampingOptimum,
@@ -19,18 +21,62 @@ from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
 from mtcommission.record.schema import (
     ArcEntry,
+    BandEntry,
+    ForceSegment,
     LawEntry,
+    OptimaEntry,
     OptimumEntry,
     ProofEntry,
+    RobustEntry,
     Series,
     TouchPointEntry,
 )
 from mtcommission.record.shape import entry_of
+from mtcommission.study.within_band import WithinBand
 
 Array = NDArray[np.float64]
 
 PLOT_SAMPLES = 800
 """Samples of an optimal control for its plot."""
+
+
+def optima_entry(plant: Plant, item: Optima, within: WithinBand) -> OptimaEntry:
+    """Return the optima of one move.
+
+    Parameters
+    ----------
+    plant
+        The plant they were computed for.
+    item, within
+        Exact rest, and the band, of the same move.
+
+    Returns
+    -------
+    OptimaEntry
+    """
+    band, robust = within.optimum, within.robust
+    return OptimaEntry(
+        move=describe_move(item.move),
+        time=optimum_entry(plant, item.time),
+        constrained=optimum_entry(plant, item.constrained) if item.constrained else None,
+        damping=optimum_entry(plant, item.damping) if item.damping else None,
+        band=entry_of(BandEntry, band, band.force, segments=_segments(band.force))
+        if band
+        else None,
+        robust=(
+            entry_of(RobustEntry, robust, robust.force, segments=_segments(robust.force))
+            if robust
+            else None
+        ),
+        remarks=[*item.remarks, *within.remarks],
+    )
+
+
+def _segments(force: BandForce) -> list[ForceSegment]:
+    return [
+        ForceSegment(duration=arc.t_end - arc.t_start, force=float(arc.output @ arc.initial))
+        for arc in force.arcs
+    ]
 
 
 def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> OptimumEntry:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from mtcommission.machine.identified import Estimate, MeasuredFile, MeasuredMode
 from mtcommission.messages.formula import Expression
 from mtcommission.messages.message import Message
 
@@ -152,22 +153,78 @@ class OptimumEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ForceSegment:
+    """A set force and how long it acts [N or N m, s]."""
+
+    duration: float
+    force: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BandEntry:
+    """The fastest control to a state from which the free motion keeps the tool within the band.
+
+    ``lower_bound`` is proved, ``gap`` is what lies between it and ``t_f``, relative to ``t_f``.
+    The reference lies ``offset`` beyond the place at which the tool comes to rest [m or rad].
+    """
+
+    t_f: float
+    lower_bound: float
+    gap: float
+    band: float
+    offset: float
+    segments: list[ForceSegment]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobustEntry:
+    """The fastest force found after which all ``machines`` of the spread keep the band.
+
+    ``peak`` is the largest deviation afterwards, over those machines [m or rad].
+    """
+
+    t_f: float
+    band: float
+    offset: float
+    machines: int
+    peak: float
+    segments: list[ForceSegment]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class OptimaEntry:
-    """The optima of one move; ``constrained`` is null where the profile bounds no peaks."""
+    """The optima of one move; ``constrained`` is null where the profile bounds no peaks.
+
+    ``band`` is null where it was not found, ``robust`` where there is no spread, too; then
+    ``remarks`` say why.
+    """
 
     move: dict[str, float]
     time: OptimumEntry
     constrained: OptimumEntry | None
     damping: OptimumEntry | None
+    band: BandEntry | None
+    robust: RobustEntry | None
     remarks: list[Words]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetpointFilterEntry:
-    """A filter of the control in the setpoint; ``time`` is its length [s]."""
+    """A filter of the control in the setpoint.
+
+    Lengths of averages [s], and a shaper's mode [Hz, -]. The filtered setpoint is the sum of
+    copies, ``delays`` later [s] and times ``shares`` [-], behind the averages; ``duration`` is by
+    how much it lengthens every setpoint [s].
+    """
 
     kind: str
     time: float
+    second_time: float
+    frequency_hz: float
+    damping_ratio: float
+    delays: list[float]
+    shares: list[float]
+    duration: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,12 +236,29 @@ class SizesEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WorstSizeEntry:
+    """The worst of all sizes of move for one requirement.
+
+    ``value``: worst of the sizes that were looked at; ``bound``: what no size between them exceeds
+    either, null where that was not proved. ``move``: its number, from 1; ``size``: velocity step or
+    distance of the worst.
+    """
+
+    requirement: str
+    value: float
+    bound: float | None
+    move: int
+    size: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LimitsEntry:
     """Limits for the control, what binds them, and where they were judged.
 
     ``frequency_range``: every requirement is kept where all eigenfrequencies are off by a factor
     between these two [-]; null: not even at those of the profile. ``damping_range``: likewise,
-    of all damping ratios. ``valid_for``: by move.
+    of all damping ratios. ``valid_for``: by move; ``worst_sizes``: empty where the listed sizes
+    alone count.
     """
 
     acceleration: float
@@ -198,6 +272,7 @@ class LimitsEntry:
     frequency_range: list[float] | None
     damping_range: list[float] | None
     valid_for: list[SizesEntry]
+    worst_sizes: list[WorstSizeEntry]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -247,6 +322,14 @@ class JudgedLimits:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ListedEntry(JudgedLimits):
+    """Limits for the listed sizes alone: what it costs to serve every smaller move, too."""
+
+    setpoint_filter: SetpointFilterEntry | None
+    valid_for: list[SizesEntry]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Alternative(JudgedLimits):
     """Other limits, and why they are shown."""
 
@@ -289,6 +372,7 @@ class RuleText:
     acceleration: float
     jerk: float
     jerk_time: float
+    average: float
     chosen: Words
     bound_by: Words
     predicted_settling_time: float | None
@@ -367,7 +451,7 @@ class MoveSizesEntry:
     way: Words
     acceleration: float
     jerk: float | None
-    moving_average: float
+    setpoint_filter: SetpointFilterEntry | None
     move: dict[str, float]
     own: float
     size: list[float]
@@ -379,15 +463,35 @@ class MoveSizesEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ImprovementEntry:
+    """What a single change would bring.
+
+    ``saved`` is what the settling time is less than with the recommendation [s], ``share`` the same
+    relative to that [-]. ``outcome`` says why numbers are null, or what was not judged;
+    empty where all was.
+    """
+
+    name: str
+    change: Words
+    settling_time: float | None
+    saved: float | None
+    share: float | None
+    meets_requirements: bool
+    outcome: Words
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LimitsPart:
     """All about the limits.
 
     ``attainable`` is empty if all requirements are met, or if no single one is the obstacle.
+    ``listed_only`` is null where the listed sizes alone count anyway, or where no limits are met.
     ``today`` is null where the profile does not state the values now in the control.
-    ``warnings`` are part of the record's warnings, too.
+    ``warnings`` are part of the record's warnings, too. ``would_bring`` is empty but in a record.
     """
 
     recommended: LimitsEntry
+    listed_only: ListedEntry | None
     today: TodayEntry | None
     modes: list[ModeLimitsEntry]
     attainable: list[AttainableEntry]
@@ -398,6 +502,7 @@ class LimitsPart:
     landscape: Landscape
     search: dict[str, float]
     warnings: list[Words]
+    would_bring: list[ImprovementEntry]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -640,7 +745,7 @@ class SetpointEntry:
     """The setpoint of a move with the recommended limits."""
 
     duration: float
-    moving_average: float
+    setpoint_filter: SetpointFilterEntry | None
     segments: list[Segment]
 
 
@@ -894,6 +999,96 @@ class RobustnessPart:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SpreadEntry:
+    """What the corners must hold [-], and why; ``because`` is empty where only a profile tells."""
+
+    frequency: float
+    damping: float
+    because: list[Message]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuredStateEntry:
+    """One state of the machine: position, payload or level; its modes have the axis' names."""
+
+    name: str
+    moving_mass: Estimate | None
+    modes: list[MeasuredMode]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuredResponseEntry:
+    """Measured points of a response or of a spectrum, and the curve that was fitted.
+
+    ``magnitude`` and ``error`` (standard error of real and imaginary part) in ``unit``; ``missed``:
+    distance of point and curve in that error. A spectrum has no such error and no phase, and its
+    scale means nothing.
+    """
+
+    name: str
+    unit: str
+    misfit: float | None
+    frequency_hz: list[float]
+    magnitude: list[float]
+    error: list[float] | None
+    phase_deg: list[float] | None
+    coherence: list[float] | None
+    missed: list[float] | None
+    curve_hz: list[float]
+    curve_magnitude: list[float]
+    curve_phase_deg: list[float] | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordCheckEntry:
+    """Share of a record's power in the band that the identified model explains."""
+
+    record: str
+    explained: float
+    held_back: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToolSensorEntry:
+    """What a sensor at the tool could free: the settling time where the modes stand still there.
+
+    ``modes`` are those whose share at the tool was assumed; ``least`` is null where no limits meet
+    the requirements even then.
+    """
+
+    modes: list[str]
+    settling_time: float | None
+    least: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IdentifiedPart:
+    """What was measured on the axis.
+
+    ``formats`` (by name of a source), ``states``, ``responses``, ``checks`` and ``warnings`` come
+    from the file beside the profile; without it they are empty, and the warnings say so.
+    """
+
+    created: str
+    rotary: bool
+    base_excited: bool
+    sources: list[MeasuredFile]
+    formats: dict[str, Message]
+    band_hz: list[float] | None
+    moving_mass: Estimate | None
+    delay: Estimate | None
+    lag: Estimate | None
+    modes: list[MeasuredMode]
+    states: list[MeasuredStateEntry]
+    spread: SpreadEntry
+    misfit: float | None
+    checks: list[RecordCheckEntry]
+    warnings: list[Message]
+    responses: list[MeasuredResponseEntry]
+    tool_sensor: ToolSensorEntry | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
     """A whole commissioning; ``checksum`` is the SHA-256 of all the rest."""
 
@@ -915,3 +1110,4 @@ class Record:
     comparisons: list[ComparisonEntry]
     robustness: RobustnessPart
     assessment: AssessmentPart
+    identified: IdentifiedPart | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from mtcommission.machine.machine import Machine
+from mtcommission.machine.setpoint_filter import SetpointFilter
 
 NO_JERK_LIMIT = 1e-6
 """Jerk time that stands for "no jerk limit" ahead of a setpoint filter [s]: far below every
@@ -21,10 +22,13 @@ class MotionLimits:
         a [m/s²].
     jerk
         j [m/s³].
+    setpoint_filter
+        Typed in with them; None: the one that the control has already, if any.
     """
 
     acceleration: float
     jerk: float
+    setpoint_filter: SetpointFilter | None = None
 
     @property
     def jerk_time(self) -> float:

@@ -3,14 +3,14 @@
 The only door to Ruckig. Only state-to-state moves are planned: the Community build sends
 waypoint problems over the network, so waypoints are never set.
 
-A setpoint is a polynomial between knots; its jerk (and, behind a moving-average filter, its
-snap) steps at the knots. It is therefore exact at any time, not only at the position cycle.
+A setpoint is a polynomial between knots, at which one derivative steps: the jerk, and behind a
+moving average the one above. It is therefore exact at any time, not only at the position cycle.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import isfinite, sqrt
 
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
+from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
 
@@ -40,13 +41,16 @@ class JerkSteps:
     Parameters
     ----------
     times
-        Instants of the jerk steps, shape (n_limits, n_steps) [s].
+        Instants of the steps, shape (n_limits, n_steps) [s].
     steps
-        Change of the jerk there, shape (n_limits, n_steps) [m/s³].
+        Change of the highest derivative there, shape (n_limits, n_steps) [m/s³, ...].
+    order
+        Which derivative steps: 3 the jerk, and one more for each moving average.
     """
 
     times: Array
     steps: Array
+    order: int = 3
 
     @property
     def duration(self) -> Array:
@@ -66,19 +70,23 @@ class Setpoint:
         With which limits.
     segment_durations, segment_jerks
         Ruckig's profile before filtering, shape (n_segments,) [s, m/s³].
-    knot_times
-        Instants at which a derivative steps, shape (n_knots,) [s].
-    jerk_steps, snap_steps
-        Changes there, shape (n_knots,) [m/s³, m/s⁴].
+    setpoint_filter
+        Behind it; None: none.
+    knot_times, knot_steps
+        Instants at which the highest derivative steps, and by how much, shape (n_knots,) [s, m/s³
+        or more seconds below].
+    order
+        Which derivative steps: 3 the jerk, and one more for each moving average.
     """
 
     move: Move
     limits: MotionLimits
     segment_durations: Array
     segment_jerks: Array
+    setpoint_filter: SetpointFilter | None
     knot_times: Array
-    jerk_steps: Array
-    snap_steps: Array
+    knot_steps: Array
+    order: int
 
     @property
     def duration(self) -> float:
@@ -86,7 +94,7 @@ class Setpoint:
         return float(self.knot_times[-1])
 
 
-def plan_setpoint(move: Move, limits: MotionLimits, *, moving_average: float = 0.0) -> Setpoint:
+def plan_setpoint(move: Move, limits: MotionLimits) -> Setpoint:
     """Return the fastest jerk-limited motion, computed by Ruckig.
 
     Parameters
@@ -94,9 +102,7 @@ def plan_setpoint(move: Move, limits: MotionLimits, *, moving_average: float = 0
     move
         Velocity step (velocity interface) or positioning (position interface).
     limits
-        Acceleration and jerk limits.
-    moving_average
-        Length of the control's moving-average setpoint filter [s]; 0 = none.
+        Acceleration and jerk limits, and the setpoint filter.
 
     Returns
     -------
@@ -148,7 +154,7 @@ def plan_setpoint(move: Move, limits: MotionLimits, *, moving_average: float = 0
     profile = trajectory.profiles[0][0]
     durations, jerks = np.array(profile.t), np.array(profile.j)
     used = durations > 0.0
-    return _assemble(move, limits, durations[used], jerks[used], moving_average)
+    return _assemble(move, limits, durations[used], jerks[used])
 
 
 Plan = Callable[[Move], Setpoint]
@@ -157,31 +163,31 @@ Plan = Callable[[Move], Setpoint]
 
 def plan_within(machine: Machine, limits: MotionLimits) -> Plan:
     """Return how a machine's control plans moves within limits, behind its setpoint filter."""
-    return partial(plan_setpoint, limits=limits, moving_average=machine.control.moving_average_time)
+    given = machine.control.setpoint_filter
+    if limits.setpoint_filter is None and given is not None:
+        limits = replace(limits, setpoint_filter=given)
+    return partial(plan_setpoint, limits=limits)
 
 
-def _assemble(
-    move: Move, limits: MotionLimits, durations: Array, jerks: Array, moving_average: float
-) -> Setpoint:
-    times = np.concatenate([[0.0], np.cumsum(durations)])
-    steps = np.diff(jerks, prepend=0.0, append=0.0)
-    snaps = np.zeros_like(steps)
-    if moving_average > 0.0:
-        times = np.concatenate([times, times + moving_average])
-        snaps = np.concatenate([steps, -steps]) / moving_average
-        steps = np.zeros_like(snaps)
-        order = np.argsort(times, kind="stable")
-        times, steps, snaps = times[order], steps[order], snaps[order]
-    for array in (durations, jerks, times, steps, snaps):
+def _assemble(move: Move, limits: MotionLimits, durations: Array, jerks: Array) -> Setpoint:
+    plain = JerkSteps(
+        times=np.concatenate([[0.0], np.cumsum(durations)])[None],
+        steps=np.diff(jerks, prepend=0.0, append=0.0)[None],
+    )
+    steps = filter_steps(plain, limits.setpoint_filter)
+    order = np.argsort(steps.times[0], kind="stable")
+    times, sizes = steps.times[0, order], steps.steps[0, order]
+    for array in (durations, jerks, times, sizes):
         array.setflags(write=False)
     return Setpoint(
         move=move,
         limits=limits,
         segment_durations=durations,
         segment_jerks=jerks,
+        setpoint_filter=limits.setpoint_filter,
         knot_times=times,
-        jerk_steps=steps,
-        snap_steps=snaps,
+        knot_steps=sizes,
+        order=steps.order,
     )
 
 
@@ -207,14 +213,13 @@ def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
     >>> sample_setpoint(setpoint, np.array([-1.0, 0.06, 0.16])).round(6)[:, :2].tolist()
     [[0.0, 0.0], [0.003, 0.1], [0.013, 0.1]]
     """
-    knots = setpoint.knot_times
-    values = np.zeros((knots.size, 5))  # x, v, a, j, snap just after each knot
-    current = np.zeros(5)
+    knots, order = setpoint.knot_times, setpoint.order
+    values = np.zeros((knots.size, order + 1))  # each derivative just after each knot
+    current = np.zeros(order + 1)
     for i in range(knots.size):
         if i:
             current = _advance(current[None, :], np.array([knots[i] - knots[i - 1]]))[0]
-        current[3] += setpoint.jerk_steps[i]
-        current[4] += setpoint.snap_steps[i]
+        current[order] += setpoint.knot_steps[i]
         values[i] = current
     values[-1, 2:] = 0.0  # at rest or coasting: rounding must not drift away
     if isinstance(setpoint.move, Positioning):
@@ -228,20 +233,20 @@ def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
 
 
 def _advance(values: Array, dt: Array) -> Array:
-    x, v, a, j, s = values.T
-    return np.column_stack(
-        [
-            x + dt * (v + dt * (a / 2 + dt * (j / 6 + dt * s / 24))),
-            v + dt * (a + dt * (j / 2 + dt * s / 6)),
-            a + dt * (j + dt * s / 2),
-            j + dt * s,
-            s,
-        ]
-    )
+    """Derivatives some time later, by Taylor; the highest one stays."""
+    later = np.empty_like(values)
+    for k in range(values.shape[1]):
+        total = np.zeros(len(values))
+        for higher in range(values.shape[1] - 1, k - 1, -1):
+            total = values[:, higher] + total * dt / (higher - k + 1)
+        later[:, k] = total
+    return later
 
 
-def jerk_steps(move: Move, *, acceleration: Array, jerk: Array) -> JerkSteps:
-    """Return the setpoints of one move for many limits in closed form.
+def jerk_steps(
+    move: Move, *, acceleration: Array, jerk: Array, size: Array | None = None
+) -> JerkSteps:
+    """Return the setpoints of one move for many limits, or in many sizes, in closed form.
 
     The same motions as ``plan_setpoint`` (a test holds the two together), some thousand
     times faster; for the search only.
@@ -252,6 +257,8 @@ def jerk_steps(move: Move, *, acceleration: Array, jerk: Array) -> JerkSteps:
         Velocity step or positioning.
     acceleration, jerk
         Limits, shape (n_limits,) [m/s², m/s³].
+    size
+        Velocity steps or distances in place of the move's own, shape (n_limits,) [m/s or m].
 
     Returns
     -------
@@ -262,36 +269,42 @@ def jerk_steps(move: Move, *, acceleration: Array, jerk: Array) -> JerkSteps:
     Automatic Machines and Robots, 2008, sec. 3.4.
     """
     if isinstance(move, VelocityStep):
-        velocity = np.full_like(jerk, move.velocity_step)
+        velocity = np.full_like(jerk, move.velocity_step) if size is None else size
         times = _ramp_times(velocity, acceleration, jerk)
         return JerkSteps(times=times, steps=jerk[:, None] * np.array([1.0, -1.0, -1.0, 1.0]))
-    velocity = _peak_velocity(move, acceleration, jerk)
+    distance = np.full_like(jerk, move.distance) if size is None else size
+    velocity = _peak_velocity(distance, move.max_velocity, acceleration, jerk)
     rise = _ramp_times(velocity, acceleration, jerk)
-    cruise = np.maximum(move.distance / velocity - rise[:, -1], 0.0)
+    cruise = np.maximum(distance / velocity - rise[:, -1], 0.0)
     fall = rise + (rise[:, -1] + cruise)[:, None]
     signs = np.array([1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0])
     return JerkSteps(times=np.hstack([rise, fall]), steps=jerk[:, None] * signs)
 
 
-def moving_average_steps(steps: JerkSteps, *, time: float) -> JerkSteps:
-    """Return the snap steps of the same setpoints behind a moving average.
+def filter_steps(steps: JerkSteps, item: SetpointFilter | None) -> JerkSteps:
+    """Return the steps of the same setpoints behind a filter.
 
     Parameters
     ----------
     steps
-        Jerk steps.
-    time
-        Length of the average [s], > 0.
+        In front of it.
+    item
+        The filter; None: none.
 
     Returns
     -------
     JerkSteps
-        ``steps`` now in m/s⁴; the last instant is the end of the filtered setpoint.
+        A shaper multiplies the steps, an average raises the derivative that steps; the last instant
+        is the end of the filtered setpoint.
     """
-    return JerkSteps(
-        times=np.hstack([steps.times, steps.times + time]),
-        steps=np.hstack([steps.steps, -steps.steps]) / time,
-    )
+    if item is None:
+        return steps
+    times = np.hstack([steps.times + delay for delay in item.impulses.delays])
+    sizes = np.hstack([steps.steps * share for share in item.impulses.shares])
+    for time in item.averages:
+        times = np.hstack([times, times + time])
+        sizes = np.hstack([sizes, -sizes]) / time
+    return JerkSteps(times=times, steps=sizes, order=steps.order + len(item.averages))
 
 
 def _ramp_times(velocity: Array, acceleration: Array, jerk: Array) -> Array:
@@ -301,17 +314,17 @@ def _ramp_times(velocity: Array, acceleration: Array, jerk: Array) -> Array:
     return np.column_stack([np.zeros_like(ramp), ramp, ramp + hold, 2.0 * ramp + hold])
 
 
-def _peak_velocity(move: Positioning, acceleration: Array, jerk: Array) -> Array:
+def _peak_velocity(distance: Array, max_velocity: float, acceleration: Array, jerk: Array) -> Array:
     """Largest velocity of a move from rest to rest [m/s].
 
     Up to v and down again takes the distance v (v/a + a/j) where a is reached, else
     2 v sqrt(v/j); solved for v and cut at max_velocity.
     """
-    L, a, j = move.distance, acceleration, jerk
+    L, a, j = distance, acceleration, jerk
     reached = 0.5 * a * (np.sqrt((a / j) ** 2 + 4.0 * L / a) - a / j)
     triangular = (0.5 * L * np.sqrt(j)) ** (2.0 / 3.0)
     velocity = np.where(reached >= a**2 / j, reached, triangular)
-    return np.minimum(velocity, move.max_velocity) if isfinite(move.max_velocity) else velocity
+    return np.minimum(velocity, max_velocity) if isfinite(max_velocity) else velocity
 
 
 def reached_acceleration(move: Move, *, acceleration: float, jerk: float) -> float:
@@ -338,5 +351,6 @@ def reached_acceleration(move: Move, *, acceleration: float, jerk: float) -> flo
     if isinstance(move, VelocityStep):
         velocity = move.velocity_step
     else:
-        velocity = float(_peak_velocity(move, np.array([acceleration]), np.array([jerk]))[0])
+        one = np.array([move.distance]), np.array([acceleration]), np.array([jerk])
+        velocity = float(_peak_velocity(one[0], move.max_velocity, *one[1:])[0])
     return min(acceleration, sqrt(jerk * velocity))

@@ -17,6 +17,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message
 from mtcommission.record.schema import Record
+from mtcommission.record.verified import Verified
 from mtcommission.sheet.content import compose
 
 if TYPE_CHECKING:
@@ -25,7 +26,13 @@ if TYPE_CHECKING:
 __all__ = ["print_html", "print_pdf", "summarise"]
 
 
-def print_html(record: Record, *, language: str = "en", before: Record | None = None) -> str:
+def print_html(
+    record: Record,
+    *,
+    language: str = "en",
+    before: Record | None = None,
+    verified: Verified | None = None,
+) -> str:
     """Return the sheet as one HTML file that works offline.
 
     Parameters
@@ -36,6 +43,8 @@ def print_html(record: Record, *, language: str = "en", before: Record | None = 
         Code of a language, e.g. "en".
     before
         An earlier record of the axis; then the sheet tells what changed.
+    verified
+        What ``verify`` found; then the sheet shows it beside what was calculated.
 
     Returns
     -------
@@ -49,11 +58,17 @@ def print_html(record: Record, *, language: str = "en", before: Record | None = 
     from mtcommission.sheet.html import set_html
 
     _require(language)
-    document = compose(record, language, before=before)
+    document = compose(record, language, before=before, verified=verified)
     return set_html(document, decimal_mark=LANGUAGES[language])
 
 
-def print_pdf(record: Record, *, language: str = "en", before: Record | None = None) -> bytes:
+def print_pdf(
+    record: Record,
+    *,
+    language: str = "en",
+    before: Record | None = None,
+    verified: Verified | None = None,
+) -> bytes:
     """Return the sheet as PDF, A4; the same record always gives the same bytes.
 
     Parameters
@@ -64,6 +79,8 @@ def print_pdf(record: Record, *, language: str = "en", before: Record | None = N
         Code of a language, e.g. "en".
     before
         An earlier record of the axis; then the sheet tells what changed.
+    verified
+        What ``verify`` found; then the sheet shows it beside what was calculated.
 
     Returns
     -------
@@ -79,7 +96,7 @@ def print_pdf(record: Record, *, language: str = "en", before: Record | None = N
     from mtcommission.sheet.pdf import set_pdf
 
     _require(language)
-    document = compose(record, language, before=before)
+    document = compose(record, language, before=before, verified=verified)
     return set_pdf(document, decimal_mark=LANGUAGES[language])
 
 

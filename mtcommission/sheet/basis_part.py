@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.schema import DampingErrorEntry, FrequencyErrorEntry, Record
@@ -18,6 +19,7 @@ def basis_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
         (text("basis-frequencies"), _frequencies(record, words)),
         (text("basis-damping"), _damping(record, words)),
         (text("basis-reserve"), _reserve(record, words)),
+        (text("basis-sizes"), _sizes(record, words)),
         *_encoder(record, words),
     )
 
@@ -60,6 +62,31 @@ def _reserve(record: Record, words: Catalogue) -> str:
     return _marked(
         record, "requirements.reserve", words.text("reserve-kept", band=band, force=force), words
     )
+
+
+def _sizes(record: Record, words: Catalogue) -> str:
+    """For which sizes of move the limits hold, the worst of them, and what that costs."""
+    text, f, limits = words.text, words.format, record.limits
+
+    def shown(move: dict[str, float], size: float) -> str:
+        return f.axis(size, "m/s" if "velocity_step" in move else "m")
+
+    moves = [item.move for item in record.moves]
+    sizes = limits.recommended.valid_for
+    own = ", ".join(shown(move, item.largest) for move, item in zip(moves, sizes, strict=True))
+    if any(item.smallest > 0.0 for item in sizes):
+        return text("sizes-listed", moves=own)
+    said = [text("sizes-every", moves=own)]
+    for worst in limits.recommended.worst_sizes:
+        if worst.requirement == RESIDUAL_DEVIATION.value:
+            at = shown(moves[worst.move - 1], worst.size)
+            found, bound = f.axis(worst.value, "m"), f.axis(worst.bound, "m")
+            said.append(text("sizes-worst", residual=found, size=at, bound=bound))
+    alone, together = limits.listed_only, limits.recommended.settling_time
+    if alone and alone.settling_time and together:
+        cost = f.quantity(max(together - alone.settling_time, 0.0), "s")
+        said.append(text("sizes-cost", cost=cost))
+    return "; ".join(said)
 
 
 def _encoder(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
+from mtcommission.record.verified import Verified
 from mtcommission.sheet.comparison_part import comparisons
 from mtcommission.sheet.difference_part import differences
 from mtcommission.sheet.entry_part import parameters, signatures
 from mtcommission.sheet.evidence_part import certificates, versions
+from mtcommission.sheet.identified_part import identified
+from mtcommission.sheet.improvements_part import improvements
 from mtcommission.sheet.limits_part import landscape, limits, rules
 from mtcommission.sheet.loop_part import loop
 from mtcommission.sheet.machine_part import machine_data, requirements
@@ -23,7 +26,13 @@ HASH_DIGITS = 12
 """Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
 
 
-def compose(record: Record, language: str = "en", *, before: Record | None = None) -> Document:
+def compose(
+    record: Record,
+    language: str = "en",
+    *,
+    before: Record | None = None,
+    verified: Verified | None = None,
+) -> Document:
     """Return the sheet of a record.
 
     Parameters
@@ -34,6 +43,8 @@ def compose(record: Record, language: str = "en", *, before: Record | None = Non
         Code, e.g. "en".
     before
         An earlier record of the axis, to tell what changed since.
+    verified
+        What ``verify`` found about this record.
 
     Returns
     -------
@@ -64,10 +75,12 @@ def compose(record: Record, language: str = "en", *, before: Record | None = Non
             verdict(record, words, picture=first_look(record, words)),
             *changes,
             machine_data(record, words),
+            *identified(record, words),
             requirements(record, words),
             limits(record, words),
             rule(record, words),
             rules(record, words),
+            *improvements(record, words),
             motions(record, words),
             comparisons(record, words),
             landscape(record, words),
@@ -75,7 +88,7 @@ def compose(record: Record, language: str = "en", *, before: Record | None = Non
             *move_sizes(record, words),
             loop(record, words),
             parameters(record, words),
-            measurements(record, words),
+            measurements(record, words, verified),
             certificates(record, words),
             versions(record, words),
             signatures(record, words),

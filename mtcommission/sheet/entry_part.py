@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from math import pi
 
+from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
 from mtcommission.sheet.loop_part import gain_rows
 from mtcommission.sheet.model import Column, Form, Paragraph, Section, Table, Tone
+from mtcommission.sheet.values import filter_rows, say_filter
 from mtcommission.sheet.verdict_part import acceleration, jerk
 
 KV_UNIT = 1000.0 / 60.0
@@ -32,6 +34,7 @@ def parameters(record: Record, words: Catalogue) -> Section:
             (text("jerk"), jerk(record, words), _other_unit(limits.jerk, "s³", words)),
             (text("jerk-time"), f.quantity(limits.jerk_time, "s"), ""),
         ]
+    rows += _filter_rows(record, words)
     for name, value in gain_rows(record, words):
         rows.append((name, value, kv_text if name == words.name("Kv") else ""))
     old = todays_values(record, words)
@@ -65,6 +68,8 @@ def todays_values(record: Record, words: Catalogue) -> dict[str, str]:
         text("acceleration"): f.axis(today.acceleration, "m/s^2"),
         text("jerk"): f.axis(today.jerk, "m/s^3", missing=text("no-jerk-limit")),
     }
+    if today.setpoint_filter:
+        found |= dict(filter_rows(today.setpoint_filter, words))
     gains = (("Kv", today.Kv, "1/s"), ("Kp", today.Kp, "N s/m"), ("Tn", today.Tn, "s"))
     for name, value, unit in gains:
         if name in today.stated:
@@ -81,6 +86,7 @@ def signatures(record: Record, words: Catalogue) -> Section:
         axis_name=record.machine.axis,
         acceleration=acceleration(record, words),
         jerk=jerk(record, words),
+        filter=say_filter(record.limits.recommended.setpoint_filter, words),
     )
     return Section(
         key="signature",
@@ -92,6 +98,24 @@ def signatures(record: Record, words: Catalogue) -> Section:
         ),
         is_together=True,
     )
+
+
+def _filter_rows(record: Record, words: Catalogue) -> list[tuple[str, str, str]]:
+    """Return the filter as it is entered, by the control's own names where they were read."""
+    kind, item = KINDS[record.loop.kind], record.limits.recommended.setpoint_filter
+    if not kind.setpoint_filters:
+        return []
+    choice = kind.find_filter(item.kind) if item else None
+    typed: tuple[str, ...] = ()
+    if item and choice:
+        typed = choice.enter(
+            time=item.time,
+            second_time=item.second_time,
+            frequency_hz=item.frequency_hz,
+            damping_ratio=item.damping_ratio,
+        )
+    rows = filter_rows(item, words)
+    return [(*row, name) for row, name in zip(rows, [*typed, *[""] * len(rows)], strict=False)]
 
 
 def _other_unit(value: float, per: str, words: Catalogue) -> str:

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import MoveEntry, Record
+from mtcommission.record.verified import Verified
 from mtcommission.sheet.model import Bullets, Column, Form, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import decibel, degree, residual, settling
 from mtcommission.sheet.verdict_part import band, move_title
 
-Row = tuple[str, str, str]
-"""What to measure, calculated value, permitted value."""
+Row = tuple[str, str, str, str, float | None, str]
+"""What to measure, calculated and permitted value as texts; name in the JSON of ``verify``,
+calculated value [SI] and its unit, "%" for a ratio."""
 
 
-def measurements(record: Record, words: Catalogue) -> Section:
-    """Return the measurements that confirm the record, with empty fields."""
+def measurements(record: Record, words: Catalogue, verified: Verified | None = None) -> Section:
+    """Return the measurements that confirm the record, with what was measured if it is known."""
     text = words.text
     rows = [*_structure(record, words), *_loop(record, words)]
     for number, move in enumerate(record.moves, start=1):
-        rows += _motion(record, move, text("move", number=number), words)
-    heads = (text("measured"), text("difference"), text("measured-by"))
+        rows += _motion(record, move, number, words)
+    last = "measured-by" if verified is None else "verdict-column"
+    heads = (text("measured"), text("difference"), text(last))
     table = Table(
         caption=text("measure-caption"),
         columns=(
@@ -27,8 +31,8 @@ def measurements(record: Record, words: Catalogue) -> Section:
             Column(head=text("permitted"), width=1.1, is_number=True),
             *(Column(head=head, width=1.1) for head in heads),
         ),
-        rows=tuple((*row, *("" for _ in heads)) for row in rows),
-        is_form=True,
+        rows=tuple((*row[:3], *_measured(row, verified, words)) for row in rows),
+        is_form=verified is None,
     )
     titles = "; ".join(
         move_title(move.move, number, words) for number, move in enumerate(record.moves, start=1)
@@ -40,16 +44,47 @@ def measurements(record: Record, words: Catalogue) -> Section:
             Paragraph(text=text("measure-note", moves=titles), tone=Tone.NOTE),
             Bullets(items=tuple(text(f"measure-how-{i}") for i in range(1, 6))),
             table,
+            *([_verdict(verified, words)] if verified else []),
             Form(fields=(text("measure-field-1"), text("measure-field-2"))),
         ),
     )
+
+
+def _verdict(verified: Verified, words: Catalogue) -> Paragraph:
+    """The verdict over all of the recorded moves."""
+    said = words.text(f"verify-verdict-{verified.verdict.replace(' ', '-')}")
+    tone = Tone.PLAIN if verified.verdict == "holds" else Tone.WARNING
+    return Paragraph(text=words.text("measure-verdict", verdict=said), tone=tone)
+
+
+def _measured(row: Row, verified: Verified | None, words: Catalogue) -> tuple[str, str, str]:
+    """Measured value, its difference from the calculated one, and the verdict; "" if not known."""
+    *_, name, calculated, unit = row
+    found = verified.values.get(name) if verified else None
+    if found is None:
+        return "", "", ""
+    said = words.text(f"verify-verdict-{found.verdict.replace(' ', '-')}") if found.verdict else ""
+    if found.value is None:
+        return "–", "", said
+
+    def shown(value: float, digits: int = 4) -> str:
+        if unit == "%":
+            return words.format.percent(value, digits=digits)
+        return words.format.quantity(value, unit, digits=digits)
+
+    measured = shown(found.value)
+    if found.uncertainty is not None:
+        measured += f" ± {shown(found.uncertainty, 2)}"
+    apart = "" if calculated is None else shown(found.value - calculated, 3)
+    return measured, apart, said
 
 
 def _structure(record: Record, words: Catalogue) -> list[Row]:
     """Mass, and frequency and damping of each mode, with the spread that the limits allow for."""
     text, f, plant = words.text, words.format, record.plant
     mass = f.axis(plant.moving_mass, "kg")
-    rows = [(text("moving-mass"), mass, "–")]
+    unit = motion_unit("kg", rotary=words.rotary)
+    rows: list[Row] = [(text("moving-mass"), mass, "–", "mass", plant.moving_mass, unit)]
     spreads = {
         item.key: item.value
         for item in record.data
@@ -66,8 +101,22 @@ def _structure(record: Record, words: Catalogue) -> list[Row]:
             for name in (text("frequency"), text("damping-ratio"))
         )
         rows += [
-            (frequency, f.quantity(mode.frequency_hz, "Hz"), permitted("frequency_spread")),
-            (damping, f.percent(mode.damping_ratio), permitted("damping_spread")),
+            (
+                frequency,
+                f.quantity(mode.frequency_hz, "Hz"),
+                permitted("frequency_spread"),
+                f"{mode.name}.frequency",
+                mode.frequency_hz,
+                "Hz",
+            ),
+            (
+                damping,
+                f.percent(mode.damping_ratio),
+                permitted("damping_spread"),
+                f"{mode.name}.damping_ratio",
+                mode.damping_ratio,
+                "%",
+            ),
         ]
     return rows
 
@@ -75,37 +124,33 @@ def _structure(record: Record, words: Catalogue) -> list[Row]:
 def _loop(record: Record, words: Catalogue) -> list[Row]:
     text, f, part = words.text, words.format, record.loop
     return [
-        (text("gain-margin"), decibel(part.gain_margin_db, words), "–"),
-        (text("phase-margin"), degree(part.phase_margin_deg, words), "–"),
-        (text("bandwidth"), f.quantity(part.bandwidth_hz, "Hz"), "–"),
+        (text("gain-margin"), decibel(part.gain_margin_db, words), "–", "", None, ""),
+        (text("phase-margin"), degree(part.phase_margin_deg, words), "–", "", None, ""),
+        (text("bandwidth"), f.quantity(part.bandwidth_hz, "Hz"), "–", "", None, ""),
     ]
 
 
-def _motion(record: Record, move: MoveEntry, name: str, words: Catalogue) -> list[Row]:
+def _motion(record: Record, move: MoveEntry, number: int, words: Catalogue) -> list[Row]:
     """Nominal values of one move; what is permitted is the requirement itself."""
     text, f, response, units = words.text, words.format, move.response, record.plant.units
+    name = text("move", number=number)
     limits = {check.name: check.limit for check in record.assessment.checks}
-    rows = [
-        (
-            text("settling-time"),
-            settling(response.settling_time, words),
-            f.quantity(limits.get("settling time"), "s"),
-        ),
-        (
-            text("residual"),
-            residual(response.residual_deviation, words),
-            f.axis(band(record), "m"),
-        ),
-        (text("peak-deviation"), f.axis(response.peak_deviation, "m"), "–"),
-        (
-            text("max-force"),
-            f.quantity(response.max_force, units["F"]),
-            f.quantity(limits.get("set force"), units["F"]),
-        ),
-        (
-            text("rms-force"),
-            f.quantity(response.rms_force, units["F"]),
-            f.quantity(limits.get("RMS force"), units["F"]),
-        ),
+    length, force = motion_unit("m", rotary=words.rotary), units["F"]
+    rows = (
+        ("settling-time", settling(response.settling_time, words),
+         f.quantity(limits.get("settling time"), "s"),
+         "settling time", response.settling_time, "s"),
+        ("residual", residual(response.residual_deviation, words), f.axis(band(record), "m"),
+         "residual deviation", response.residual_deviation, length),
+        ("peak-deviation", f.axis(response.peak_deviation, "m"), "–",
+         "peak deviation", response.peak_deviation, length),
+        ("max-force", f.quantity(response.max_force, force),
+         f.quantity(limits.get("set force"), force),
+         "max force", None, force),  # what is recorded is the motor's, behind its lag
+        ("rms-force", f.quantity(response.rms_force, force),
+         f.quantity(limits.get("RMS force"), force), "RMS force", response.rms_force, force),
+    )  # fmt: skip
+    return [
+        (f"{name}: {text(kind)}", shown, permitted, f"move {number}: {key}", value, unit)
+        for kind, shown, permitted, key, value, unit in rows
     ]
-    return [(f"{name}: {what}", calculated, permitted) for what, calculated, permitted in rows]

@@ -21,7 +21,7 @@ from mtcommission.sheet.model import (
     name_and_numbers,
 )
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
-from mtcommission.sheet.values import settling
+from mtcommission.sheet.values import say_filter, settling
 from mtcommission.sheet.verdict_part import band, move_title, reference_sentence
 
 Array = NDArray[np.float64]
@@ -327,7 +327,9 @@ def _segments(move: MoveEntry, title: str, words: Catalogue) -> tuple[Block, ...
             for number, segment in enumerate(setpoint.segments, start=1)
         ),
     )
-    if not setpoint.moving_average:
+    if not setpoint.setpoint_filter:
         return (table,)
-    average = f.quantity(setpoint.moving_average, "s")
-    return (table, Paragraph(text=text("moving-average", time=average), tone=Tone.NOTE))
+    longer = f.quantity(setpoint.setpoint_filter.duration, "s")
+    said = say_filter(setpoint.setpoint_filter, words)
+    note = text("setpoint-behind-filter", filter=said, time=longer)
+    return (table, Paragraph(text=note, tone=Tone.NOTE))

@@ -67,6 +67,8 @@ def _symbols(record: Record, words: Catalogue) -> Table:
         ("a", means("a"), f.axis(part.acceleration, "m/s^2")),
         ("j", means("j"), f.axis(part.jerk, "m/s^3")),
         ("t_j", means("t_j"), f.quantity(part.jerk_time, "s")),
+        ("T_F", means("T_F"), f.quantity(part.average, "s")),
+        ("n", means("n"), "–"),
         ("band", means("band"), f.axis(band(record), "m")),
         ("F", means("F"), f.axis(record.optima[0].time.f_max, "N")),
         ("v", means("v"), _velocities(record, words)),
@@ -81,6 +83,7 @@ def _symbols(record: Record, words: Catalogue) -> Table:
         ("Tn", words.name("Tn"), f.quantity(loop.Tn, "s")),
         ("f", means("f"), "; ".join(f.quantity(m.frequency_hz, "Hz") for m in modes)),
         ("omega", means("omega"), "2π f"),
+        ("s", means("s"), _percent(data.get("requirements.frequency_spread"), words)),
         ("zeta", means("zeta"), "; ".join(f.percent(m.damping_ratio) for m in modes)),
         ("g", means("g"), "; ".join(f.axis(_share(m), "1/kg") for m in modes)),
         ("c", means("c"), "; ".join(f.axis(m.measured_gain, "1/kg") for m in modes)),
@@ -97,6 +100,10 @@ def _symbols(record: Record, words: Catalogue) -> Table:
         ),
         rows=tuple((symbol(letter), *row) for letter, *row in rows),
     )
+
+
+def _percent(value: object, words: Catalogue) -> str:
+    return words.format.percent_if_known(value if isinstance(value, float) else None)
 
 
 def _velocities(record: Record, words: Catalogue) -> str:

@@ -24,7 +24,7 @@ from mtcommission.sheet.verdict_part import band, move_title
 STYLES: dict[Words, int] = {
     Message("way-recommended"): 4,
     Message("commissioning-rule"): 1,
-    Message("way-moving-average"): 2,
+    Message("way-listed"): 2,
 }
 """Line style of each way."""
 
@@ -62,7 +62,7 @@ def _table(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalo
             words.say(entry.way),
             f.axis(a, "m/s^2"),
             text("no-jerk-limit") if j is None else shown_jerk(a, j, cycle, words),
-            f.quantity(entry.moving_average or None, "s"),
+            f.quantity(entry.setpoint_filter.duration if entry.setpoint_filter else None, "s"),
             f.quantity(entry.full_from, unit, missing=text("never")),
             _end(low, entry.size[0], "or-less", unit, words),
             _end(high, entry.size[-1], "or-more", unit, words),

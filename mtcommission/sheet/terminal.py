@@ -15,7 +15,7 @@ from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.record.schema import LimitsEntry, Record, TodayEntry
 from mtcommission.sheet.basis_part import basis_rows
 from mtcommission.sheet.robustness_part import drawn_sentence
-from mtcommission.sheet.values import residual, say_limiting, say_requirement, settling
+from mtcommission.sheet.values import residual, say_filter, say_limiting, say_requirement, settling
 from mtcommission.sheet.verdict_part import (
     move_title,
     reference_sentence,
@@ -112,6 +112,7 @@ def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, ...]]:
     """Return the values of the summary as the sheet prints them, with today's behind them."""
     text, f, limits = words.text, words.format, record.limits.recommended
     today = record.limits.today
+    has_filter = limits.setpoint_filter or (today and today.setpoint_filter)
 
     def values(item: LimitsEntry | TodayEntry) -> tuple[str, ...]:
         j = None if record.loop.jerk == "none" else item.jerk
@@ -119,16 +120,18 @@ def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, ...]]:
             f.axis(item.acceleration, "m/s^2"),
             f.axis(j, "m/s^3", missing=text("no-jerk-limit")),
             f.quantity(item.jerk_time, "s"),
+            *([say_filter(item.setpoint_filter, words)] if has_filter else []),
             settling(item.settling_time, words),
             residual(item.residual_deviation, words),
         )
 
-    names = ("acceleration", "jerk", "jerk-time", "settling-time", "residual")
+    filtered = ("setpoint-filter",) if has_filter else ()
+    names = ("acceleration", "jerk", "jerk-time", *filtered, "settling-time", "residual")
     columns = [[text(name) for name in names], values(limits)]
     if today:
-        before = values(today)
-        found = ("–", "–") if today.failure else before[3:]
-        columns.append([text("now", value=value) for value in (*before[:3], *found)])
+        *typed, settled, left = values(today)
+        found = ("–", "–") if today.failure else (settled, left)
+        columns.append([text("now", value=value) for value in (*typed, *found)])
     return list(zip(*columns, strict=True))
 
 

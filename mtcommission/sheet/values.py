@@ -5,7 +5,7 @@ from __future__ import annotations
 from mtcommission.machine.requirement import read_requirement
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import join_by_and
-from mtcommission.record.schema import AttainableEntry
+from mtcommission.record.schema import AttainableEntry, SetpointFilterEntry
 
 
 def settling(value: float | None, words: Catalogue) -> str:
@@ -53,3 +53,46 @@ def say_limiting(item: AttainableEntry, words: Catalogue) -> str:
     if not others:
         return said
     return words.text("requirement-together-with", requirement=said, others=join_by_and(others))
+
+
+def say_filter(item: SetpointFilterEntry | None, words: Catalogue) -> str:
+    """Return a setpoint filter with its numbers; None is "none".
+
+    Examples
+    --------
+    >>> say_filter(None, Catalogue())
+    'none'
+    """
+    numbers = [value for _, value in _numbers(item, words)]
+    return " ".join([_name(item, words), *([", ".join(numbers)] if numbers else [])])
+
+
+def filter_rows(item: SetpointFilterEntry | None, words: Catalogue) -> list[tuple[str, str]]:
+    """Return a setpoint filter as it is entered: its kind, then each of its numbers."""
+    return [(words.text("setpoint-filter"), _name(item, words)), *_numbers(item, words)]
+
+
+def _name(item: SetpointFilterEntry | None, words: Catalogue) -> str:
+    if item is None:
+        return words.text("no-setpoint-filter")
+    count = len(item.shares)
+    return words.text("filter-name", kind=item.kind, shaper=item.kind.upper(), count=count)
+
+
+def _numbers(item: SetpointFilterEntry | None, words: Catalogue) -> list[tuple[str, str]]:
+    """What is beside the kind, by its label."""
+    text, f = words.text, words.format
+    if item is None:
+        return []
+    if item.frequency_hz:
+        return [
+            (text("filter-of-frequency"), f.quantity(item.frequency_hz, "Hz")),
+            (text("filter-of-damping"), f"ζ {f.number(item.damping_ratio)}"),
+        ]
+    times = [item.time or item.duration, item.second_time]
+    labels = ("filter-of-length", "filter-of-second-length")
+    return [
+        (text(label), f.quantity(time, "s"))
+        for label, time in zip(labels, times, strict=True)
+        if time
+    ]

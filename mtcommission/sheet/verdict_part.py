@@ -5,11 +5,18 @@ from __future__ import annotations
 from math import inf
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Check, LimitsEntry, Record, TodayEntry
+from mtcommission.record.schema import (
+    BandEntry,
+    Check,
+    LimitsEntry,
+    Record,
+    RobustEntry,
+    TodayEntry,
+)
 from mtcommission.sheet.basis_part import basis_rows
 from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Section, Table, Tone
 from mtcommission.sheet.plot_model import LinePlot
-from mtcommission.sheet.values import residual, say_requirement, settling
+from mtcommission.sheet.values import filter_rows, residual, say_requirement, settling
 
 CONTOUR = "requirements.contour_deviation"
 
@@ -33,6 +40,7 @@ def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
             BigValue(label=text("acceleration"), value=acceleration(record, words), aside="a"),
             BigValue(label=text("jerk"), value=jerk(record, words), aside="j"),
             *_jerk_time(record, words),
+            *_setpoint_filter(record, words),
         ),
     )
     return Section(
@@ -71,8 +79,9 @@ def jerk(record: Record, words: Catalogue) -> str:
 
 
 def _jerk_time(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
-    """Return the jerk time; nothing where the control has no limit of the jerk."""
-    if record.loop.jerk == "none":
+    """Return the jerk time where it is entered, or where no filter needs its place."""
+    has_filter = record.limits.recommended.setpoint_filter is not None
+    if record.loop.jerk == "none" or (has_filter and record.loop.jerk == "limit"):
         return ()
     value = words.format.quantity(record.limits.recommended.jerk_time, "s")
     return (BigValue(label=words.text("jerk-time"), value=value, aside="a / j"),)
@@ -120,6 +129,7 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
     """
     text, f, move = words.text, words.format, record.moves[number - 1]
     title = move_title(move.move, number, words)
+    aside = _band_sentences(record, number, words)
     best = record.optima[number - 1].time
     least, bound = best.t_f, getattr(best.certificate, "t_f_lower_bound", None)
     settling, optimal = move.response.settling_time, f.quantity(least, "s")
@@ -127,7 +137,7 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
     if best.method == "composed" and isinstance(bound, float):
         optimal = text("reference-composed", optimum=optimal, bound=f.quantity(bound, "s"))
     if settling is None:
-        return text("reference-unsettled", move=title, optimum=optimal)
+        return " ".join([text("reference-unsettled", move=title, optimum=optimal), *aside])
     share = settling / least - 1.0
     sentence = text(
         "reference" if share >= 0.0 else "reference-faster",
@@ -138,13 +148,44 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
         less=f.percent(-share),
     )
     if bounded is None:
-        return sentence
+        return " ".join([sentence, *aside])
     held = text(
         "reference-bounded",
         optimum=f.quantity(bounded.t_f, "s"),
         change=f.signed_percent(settling / bounded.t_f - 1.0),
     )
-    return f"{sentence} {held}"
+    return " ".join([sentence, *aside, held])
+
+
+def _band_sentences(record: Record, number: int, words: Catalogue) -> list[str]:
+    """Return the optimum with the band, and the force that keeps it over the whole spread."""
+    text, f, found = words.text, words.format, record.optima[number - 1]
+    settling, sentences = record.moves[number - 1].response.settling_time, []
+
+    def shown(item: BandEntry | RobustEntry) -> dict[str, str]:
+        change = "–" if settling is None else f.signed_percent(settling / item.t_f - 1.0)
+        return {"optimum": f.quantity(item.t_f, "s"), "change": change}
+
+    if found.band:
+        bound, half = f.quantity(found.band.lower_bound, "s"), f.axis(found.band.band, "m")
+        sentences = [text("band-optimum", band=half, bound=bound, **shown(found.band))]
+    if found.robust:
+        sentences.append(text("robust-force", **shown(found.robust)))
+    return sentences
+
+
+def _setpoint_filter(record: Record, words: Catalogue) -> tuple[BigValue, ...]:
+    """Return the filter that belongs to the limits; nothing where there is none."""
+    item = record.limits.recommended.setpoint_filter
+    if item is None:
+        return ()
+    (_, kind), *numbers = filter_rows(item, words)
+    if item.frequency_hz:
+        (_, frequency), *others = numbers
+        aside = ", ".join(f"{label} {number}" for label, number in others)
+        return (BigValue(label=capitalised(kind), value=frequency, aside=aside),)
+    value = ", ".join(number for _, number in numbers)
+    return (BigValue(label=capitalised(kind), value=value, aside=""),)
 
 
 def slowest_move(record: Record) -> int:

@@ -143,7 +143,9 @@ def _calmest(machine: Machine, tuned: TunedLoop, choice: Choice) -> Iterator[Mot
         axis.ravel() for axis in np.meshgrid(seen.acceleration, seen.jerk_time, indexing="ij")
     )
     ends = [jerk_steps(move, acceleration=a, jerk=a / t_j).duration for move in machine.moves]
-    earliest = np.max(ends, axis=0) + machine.control.moving_average_time
+    earliest = np.max(ends, axis=0) + (
+        given.duration if (given := machine.control.setpoint_filter) else 0.0
+    )
     earliest += tuned.controller.reference_delay
     possible = (seen.usage.ravel() <= 1.0) & (earliest <= machine.requirements.max_settling_time)
     residual = np.where(possible, seen.residual_deviation.ravel(), inf)

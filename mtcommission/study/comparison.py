@@ -21,6 +21,7 @@ from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.machine.variations import NOMINAL
 from mtcommission.messages.message import Message
+from mtcommission.optimal.band.robust import RobustForce
 from mtcommission.optimal.solution import (
     DampingOptimum,
     TimeOptimum,
@@ -28,7 +29,7 @@ from mtcommission.optimal.solution import (
 )
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.setpoint.setpoint import plan_within
 from mtcommission.study.feedforward import FedForward, feed_forward, follow_setpoint
 from mtcommission.verdict.evaluate import MoveResult
 
@@ -36,6 +37,10 @@ Array = NDArray[np.float64]
 
 SAMPLES = 4000
 """Samples of an optimal motion for its integrals."""
+
+
+ROBUST = Message("control-robust")
+"""Name of the force that keeps the band on all machines of the spread."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -97,7 +102,13 @@ class MoveComparison:
 
 
 def compare_move(
-    machine: Machine, plant: Plant, tuned: TunedLoop, optima: Optima, result: MoveResult
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    optima: Optima,
+    result: MoveResult,
+    *,
+    robust: RobustForce | None,
 ) -> MoveComparison:
     """Return what the optimal controls of a move do, on the plant and fed forward in the loop.
 
@@ -107,6 +118,8 @@ def compare_move(
         Nominal machine, its plant and its loop.
     optima, result
         Of the same move.
+    robust
+        The force that keeps the band on all machines of the spread; None where there is none.
 
     Returns
     -------
@@ -126,8 +139,12 @@ def compare_move(
         limits=result.setpoint.limits,
         optima=tuple(found.values()),
     )
+    robust_rows = (
+        () if robust is None else ((ROBUST, feed_forward(machine, plant, tuned, robust.force)),)
+    )
     fed_forward = (
         *((name, feed_forward(machine, plant, tuned, item)) for name, item in found.items()),
+        *robust_rows,
         (
             Message("recommended-limits"),
             follow_setpoint(machine, plant, tuned, result.setpoint),
@@ -199,7 +216,7 @@ def _in_loop(
     name: Message,
     limits: MotionLimits,
 ) -> ComparedControl:
-    setpoint = plan_setpoint(move, limits, moving_average=machine.control.moving_average_time)
+    setpoint = plan_within(machine, limits)(move)
     response = simulate(
         tuned.loops[0],
         setpoint,

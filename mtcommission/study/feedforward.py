@@ -20,6 +20,7 @@ from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import NOMINAL, Corner, corners, vary
+from mtcommission.optimal.band.force import BandForce
 from mtcommission.optimal.solution import DampingOptimum, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.setpoint.setpoint import Setpoint
@@ -62,16 +63,22 @@ class FedForward:
 
 
 def feed_forward(
-    machine: Machine, plant: Plant, tuned: TunedLoop, solution: TimeOptimum | DampingOptimum
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    solution: TimeOptimum | DampingOptimum | BandForce,
 ) -> tuple[FedForward, ...]:
     """Return what the fed-forward optimum does on the nominal machine and in its corners.
+
+    While it moves, the tool is compared with the optimal motion, and after its end with where
+    that comes to rest; what leaves modes ringing within the band lets the reference lie beside.
 
     Parameters
     ----------
     machine, plant, tuned
         Nominal machine, its plant and its loop.
     solution
-        An optimal control of the nominal machine.
+        A control of the nominal machine.
 
     Returns
     -------
@@ -87,7 +94,13 @@ def feed_forward(
         build_loop(build_plant(vary(machine, corner)), whole, model=plant) for corner in places
     ]
     tool, saturated = _advance(plant, loops, wanted, limit=machine.drive.motion_force)
-    late = np.vstack([np.zeros(plant.order), wanted[:-2]]) @ plant.row("tcp")
+    aimed = wanted @ plant.row("tcp")
+    if isinstance(solution, BandForce):
+        after = ceil(solution.t_f / cycle)
+        to_last = cycle * np.arange(after + 1 - len(aimed), 1)
+        steady = wanted[-1, plant.position] + wanted[-1, plant.velocity] * to_last
+        aimed[after:] = steady + solution.offset
+    late = np.concatenate(([0.0], aimed[:-2]))
     t = np.arange(len(late)) * cycle
     end = solution.t_f + cycle
     found = []

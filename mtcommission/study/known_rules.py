@@ -33,7 +33,8 @@ def evaluate_rules(
         (item.name, item.source, item.limits)
         for item in (*apply_rules_of_thumb(machine, plant), *apply_slower_ramps(machine, plant))
     ]
-    name, source = Message("commissioning-rule"), Message("source-commissioning-rule")
+    name = Message("commissioning-rule-with", chosen=rule.best.name)
+    source = Message("source-commissioning-rule")
     return (
         *(
             evaluate(machine, plant, tuned, limits, name=name, source=source)

@@ -406,7 +406,10 @@ def _best_limits(
     starts: Sequence[MotionLimits],
 ) -> Candidate:
     """The limits that suit a loop best by the coarser search, judged."""
-    found = choose_limits(machine, plant, tuned, starts=starts, settings=settings.comparison)
+    near = starts[0] if starts else None
+    found = choose_limits(
+        machine, plant, tuned, starts=starts, near=near, settings=settings.comparison
+    )
     return found.candidate
 
 

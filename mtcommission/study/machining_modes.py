@@ -85,7 +85,14 @@ def find_limits_by_mode(
     -------
     tuple of ModeLimits
     """
-    needs = machine.requirements
+    needs, own = machine.requirements, choice.limits.setpoint_filter
+    # Controls switch limits with the mode, but have one setpoint filter for all of them.
+    control = replace(
+        machine.control,
+        setpoint_filter=own or machine.control.setpoint_filter,
+        seeks_setpoint_filter=False,
+    )
+    machine = replace(machine, control=control)
     bands: dict[str, float] = {name: getattr(needs.modes, name) for name in MODES}
     # From the recommendation to ever tighter bands, then to ever wider ones.
     tighter = [name for name in MODES if bands[name] < needs.tcp_deviation]

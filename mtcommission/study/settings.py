@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.loop.tuning.tuned import TuningSettings
+from mtcommission.optimal.band.settings import BandSettings
 from mtcommission.study.robustness import RobustnessSettings
 
 
@@ -21,6 +22,8 @@ class Settings:
         The coarser search that decides whether state feedback pays.
     robustness
         How closely the recommendation is looked at where machine or limits differ.
+    band
+        Of the optimum with the band and of the robust force.
     """
 
     tuning: TuningSettings = field(default_factory=TuningSettings)
@@ -29,3 +32,4 @@ class Settings:
         default_factory=lambda: SearchSettings(grid=32, coarse_grid=8, seeds=12, refinements=3)
     )
     robustness: RobustnessSettings = field(default_factory=RobustnessSettings)
+    band: BandSettings = field(default_factory=BandSettings)

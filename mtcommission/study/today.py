@@ -94,7 +94,7 @@ def judge_today(
     )
     gains = {name: value for name in SYMBOLS if (value := getattr(today, name)) is not None}
     controller = _with_gains(tuned.controller, gains)
-    control = replace(machine.control, moving_average_time=today.moving_average_time)
+    control = replace(machine.control, setpoint_filter=today.setpoint_filter)
     filtered = replace(machine, control=control)
     candidate, error, failure = None, None, None
     try:

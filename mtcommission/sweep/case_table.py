@@ -8,12 +8,13 @@ import re
 from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
+from mtcommission.files import read_bytes
 from mtcommission.messages.message import Message
 from mtcommission.sweep.cases import FORCE_KEY, MOST_VALUES, Axis
 from mtcommission.units.quantities import NUMBER
 
-LARGEST_TABLE = 200_000_000
-"""Bytes; as many cases as a sweep takes, with two hundred characters each."""
+LARGEST_TABLE = 30_000_000
+"""Bytes; as many cases as a sweep takes, with thirty characters each: half a gigabyte as cells."""
 HEAD = re.compile(r"(.*\S)\s+\[([^\]]*)\]")
 """A key, and its unit behind a blank; ``moves[1].distance`` has none."""
 
@@ -36,19 +37,13 @@ def load_cases(path: Path) -> Axis:
         If it cannot be read, and with every fault found in it.
     """
     where = str(path)
-    try:
-        with path.open("rb") as file:
-            data = file.read(LARGEST_TABLE + 1)
-        text = data.decode("utf-8-sig")
-    except FileNotFoundError as error:
-        raise _fault(where, Message("file-missing")) from error
-    except OSError as error:
-        raise _fault(where, Message("sweep-unreadable", reason=str(error.strerror))) from error
-    except UnicodeDecodeError as error:
-        raise _fault(where, Message("sweep-no-text")) from error
+    data = read_bytes(path, folder=Message("file-is-folder"), most=LARGEST_TABLE + 1)
     if len(data) > LARGEST_TABLE:
         raise _fault(where, Message("sweep-table-too-large", most=LARGEST_TABLE))
-    return read_cases(text, where=where)
+    try:
+        return read_cases(data.decode("utf-8-sig"), where=where)
+    except UnicodeDecodeError as error:
+        raise _fault(where, Message("sweep-no-text")) from error
 
 
 def read_cases(text: str, *, where: str) -> Axis:

@@ -378,7 +378,7 @@ def _place(node: Any, path: Sequence[str], value: str) -> None:
             node = node[part] if following.isdigit() else node.setdefault(part, tomlkit.table())
         else:
             raise TypeError
-    if isinstance(node, list):
+    if isinstance(node, list) and not isinstance(node[int(last)], dict):
         node[int(last)] = value
     elif isinstance(node, dict):
         node[last] = value

@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from mtcommission.errors import ComputationError, Fault, InputError, Outcome
+from mtcommission.files import replace_file
 from mtcommission.messages.message import Message
 from mtcommission.sweep.cases import Plan, check_plan
 from mtcommission.sweep.lock import hold_folder
@@ -45,6 +46,10 @@ from mtcommission.sweep.store import (
 
 LOSSES = 3
 """Lost workers in a row, without a finished piece between, that end a sweep."""
+RESULTS = ("rows.parquet", "rows.csv", "sweep.html")
+"""What a finished sweep leaves in its folder."""
+RECORDS = "records"
+"""Folder of the records of whole runs in it."""
 POLL = 0.5
 """Seconds between looks at the keyboard."""
 
@@ -123,7 +128,9 @@ def _complete(
 ) -> Opened:
     # Rows of pieces that were cut otherwise would be sorted into the wrong places.
     digest = f"{plan.digest}/{piece_size(plan)}"
-    store = open_store(folder, digest=digest, created=plan.created, resume=resume)
+    store = open_store(
+        folder, digest=digest, created=plan.created, resume=resume, results=(*RESULTS, RECORDS)
+    )
     plan = replace(plan, created=store.created)
     tally = _Tally(total=plan.count, progress=progress)
     for finished in read_finished(store):
@@ -185,13 +192,13 @@ def _work(plan: Plan, store: Opened, lane: Lane, left: set[int], tally: _Tally) 
 
 
 def _keep(store: Opened, work: Work, answers: tuple[Answer, ...]) -> None:
-    records = store.path.parent / "records"
+    records = store.path.parent / RECORDS
     for number, answer in enumerate(answers):
         if answer.record:
             path = records / f"case-{work.first + number:06d}.json"
             try:
                 records.mkdir(exist_ok=True)
-                path.write_text(answer.record, encoding="utf-8")
+                replace_file(path, answer.record.encode())
             except OSError as error:
                 raise disk_full(path, error) from error
     append(store, Finished(piece=work.piece, rows=tuple(answer.row for answer in answers)))

@@ -54,7 +54,7 @@ def solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
         problem = moment_problem(plant, move)
     except MtcommissionError:
         return {}  # the reader's or the plant's message belongs to each case
-    left = forces - abs(machine.drive.static_load)
+    left = forces - (machine.drive.max_force - machine.drive.motion_force)
     points = solve_curve(problem, problem.target / left)
     proved = [place for place, point in enumerate(points) if point.is_proved]
     peaks = curve_peaks(plant, [points[place] for place in proved], left[proved])

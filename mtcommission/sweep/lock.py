@@ -16,11 +16,11 @@ from pathlib import Path
 from filelock import FileLock, Timeout
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.files import no_folder
+from mtcommission.files import no_folder, replace_file
 from mtcommission.messages.message import Message
 
-NAME = ".lock"
-OWNER = ".lock-owner"
+NAME = ".mtcommission-sweep.lock"
+OWNER = ".mtcommission-sweep.process"
 """Holds the number of the process: Windows lets nobody read a file that is locked."""
 
 UNKNOWN = {errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP}
@@ -41,6 +41,9 @@ def hold_folder(folder: Path) -> Iterator[None]:
     InputError
         If another sweep is at work there, or the folder cannot be written.
     """
+    for name in (NAME, OWNER):
+        if (folder / name).is_symlink():
+            raise no_folder(folder, Message("sweep-lock-is-link", name=name))
     lock, owner = FileLock(folder / NAME, timeout=0, fallback_to_soft=False), folder / OWNER
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -51,7 +54,7 @@ def hold_folder(folder: Path) -> Iterator[None]:
         if error.errno not in UNKNOWN:
             raise no_folder(folder, error) from error
     with suppress(OSError):  # a full disk must not stop what needs no space
-        owner.write_text(str(os.getpid()))
+        replace_file(owner, str(os.getpid()).encode())
     try:
         yield
     finally:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 from typing import BinaryIO
 
 import polars as pl
 
+from mtcommission.files import replace_file
 from mtcommission.sweep.cases import Plan
 from mtcommission.sweep.meanings import describe_request, meaning_of
 from mtcommission.sweep.pieces import piece_size
@@ -162,14 +161,8 @@ def _reasons(frame: pl.DataFrame) -> list[str]:
 
 
 def write_safely(path: Path, fill: Callable[[BinaryIO], object]) -> None:
-    """Write under a temporary name first, so that no half-written file is ever seen."""
-    name = ""
+    """Write a file as a whole; raise InputError, which says that the rows are kept, if it fails."""
     try:
-        with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
-            name = file.name
-            fill(file)  # type: ignore[arg-type]
-        os.chmod(name, 0o644)
-        os.replace(name, path)
+        replace_file(path, fill)
     except OSError as error:
-        Path(name or path).unlink(missing_ok=True)
         raise disk_full(path, error) from error

@@ -10,6 +10,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json
+from mtcommission.record.identified import read_evidence
 from mtcommission.record.schema import Profile
 from mtcommission.sweep.chain import chain_cells
 from mtcommission.sweep.store import Cell
@@ -55,7 +56,10 @@ def run_case(machine: Machine, *, text: str, name: str, created: str) -> CaseRun
     found = commission(machine)
     warnings = [remark.with_key() for remark in check_plausibility(machine)]
     profile = Profile(name=name, sha256=sha256(text.encode()).hexdigest(), text=text)
-    record = build_record(found, profile=profile, created=created, warnings=warnings)
+    identified = read_evidence(machine, None)
+    record = build_record(
+        found, profile=profile, created=created, warnings=warnings, identified=identified
+    )
     cells = chain_cells(
         found.plant, found.optima, found.moves, found.recommended, found.choice.bound_by
     )

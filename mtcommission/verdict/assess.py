@@ -8,7 +8,7 @@ from math import hypot, isfinite
 
 from mtcommission.loop.analysis.quantisation import SIGMAS
 from mtcommission.loop.simulate.response import LoopResponse
-from mtcommission.machine.machine import Machine, Reserve
+from mtcommission.machine.machine import Machine, Reserve, VelocityStep
 from mtcommission.machine.requirement import (
     CONTOUR_DEVIATION,
     RESIDUAL_DEVIATION,
@@ -21,6 +21,7 @@ from mtcommission.machine.requirement import (
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
+from mtcommission.verdict.every_size import SizeCheck
 
 ROUNDING = 1e-6
 """Relative difference that search and simulation may have where a reserve is just kept."""
@@ -100,6 +101,8 @@ def assess(
     plant: Plant,
     corners: Sequence[Corner],
     responses: Sequence[Sequence[LoopResponse]],
+    *,
+    sizes: Sequence[SizeCheck] = (),
 ) -> Assessment:
     """Return the verdict on the responses of all moves in all corners, encoder noise included.
 
@@ -111,6 +114,8 @@ def assess(
         Where the responses were taken.
     responses
         ``responses[move][corner]``.
+    sizes
+        The worst of all smaller moves, where they count.
 
     Returns
     -------
@@ -129,6 +134,9 @@ def assess(
             ((value, where) for value, (_, where) in zip(values, found, strict=True)),
             key=lambda pair: pair[0],
         )
+        smaller = next((item for item in sizes if item.requirement == requirement), None)
+        if smaller is not None and smaller.value > value:
+            value, where = smaller.value, _describe_size(machine, smaller)
         return Check(
             requirement=requirement,
             value=value,
@@ -158,9 +166,17 @@ def assess(
     return Assessment(checks=tuple(checks))
 
 
-def describe_place(move: int, corner: Corner, n_moves: int) -> Message:
+def _describe_size(machine: Machine, check: SizeCheck) -> Message:
+    is_step = isinstance(machine.moves[check.move - 1], VelocityStep)
+    size = Message("place-velocity-step" if is_step else "place-distance", size=check.size)
+    return describe_place(check.move, check.corner, len(machine.moves), size)
+
+
+def describe_place(move: int, corner: Corner, n_moves: int, size: Message | None = None) -> Message:
     """Return where a value was found, e.g. ``move 2, payload 100 kg, frequencies × 0.95``."""
     parts = [Message("place-move", number=move)] if n_moves > 1 else []
+    if size is not None:
+        parts.append(size)
     if corner == NOMINAL:
         return Message("place", parts=(*parts, Message("place-nominal")))
     parts.append(Message("place-payload", payload=corner.payload))

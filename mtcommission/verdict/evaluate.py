@@ -17,6 +17,7 @@ from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import Plan, Setpoint, plan_within
 from mtcommission.verdict.assess import Assessment, assess
+from mtcommission.verdict.every_size import SizeCheck, judge_every_size
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +48,8 @@ class Candidate:
         Worst over moves and corners [s, m, m].
     assessment
         Verdict on every requirement.
+    sizes
+        The worst of all smaller moves for each requirement, where they count; else empty.
     name, source
         What they are and who says so, where they are shown beside others.
     """
@@ -56,6 +59,7 @@ class Candidate:
     residual_deviation: float
     peak_deviation: float
     assessment: Assessment
+    sizes: tuple[SizeCheck, ...] = ()
     name: Message | None = None
     source: Message | None = None
 
@@ -153,6 +157,7 @@ def evaluate_moves(
     tuned: TunedLoop,
     moves: Sequence[MoveResult],
     *,
+    sizes: Sequence[SizeCheck] | None = None,
     name: Message | None = None,
     source: Message | None = None,
 ) -> Candidate:
@@ -165,6 +170,8 @@ def evaluate_moves(
     moves
         From ``simulate_moves`` or ``simulate_planned``; the first one's limits are the
         candidate's.
+    sizes
+        The worst of all smaller moves, where that is known already.
     name, source
         Of the limits, where they are shown beside others.
 
@@ -174,12 +181,16 @@ def evaluate_moves(
     """
     rows = [result.responses for result in moves]
     everywhere = [response for row in rows for response in row]
+    limits = moves[0].setpoint.limits
+    if sizes is None and machine.requirements.every_size:
+        sizes = judge_every_size(machine, plant, tuned, limits)
     return Candidate(
-        limits=moves[0].setpoint.limits,
+        limits=limits,
         settling_time=max(response.settling_time for response in everywhere),
         residual_deviation=max(response.residual_deviation for response in everywhere),
         peak_deviation=max(response.peak_deviation for response in everywhere),
-        assessment=assess(machine, plant, tuned.corners, rows),
+        assessment=assess(machine, plant, tuned.corners, rows, sizes=sizes or ()),
+        sizes=tuple(sizes or ()),
         name=name,
         source=source,
     )

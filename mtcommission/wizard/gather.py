@@ -17,17 +17,24 @@ from mtcommission.profile.lines import find_key_lines, read_key
 from mtcommission.profile.read import read_profile_text
 from mtcommission.profile.syntax import load_toml
 from mtcommission.profile.values import propose
+from mtcommission.units.quantities import TIME
 from mtcommission.wizard.axis_units import MEASURED, WAYS, YES
 from mtcommission.wizard.convert import OWN, to_answers
-from mtcommission.wizard.question import Answers, list_accepted
+from mtcommission.wizard.question import Answers, list_accepted, note_accepted, si_value
 from mtcommission.wizard.script import list_questions
 
 KEPT = ".answers"
 """Ending of the file beside the profile that keeps answers of an unfinished session."""
 
+DATE, DELAY, MEASURED_LAG = "identified.date", "identified.delay.0", "identified.lag.0"
+"""Keys of a profile that was identified."""
+
 PLACE = "wizard.place"
 """Key of that file: the question at which the user left."""
 
+
+LAG, LEAST_LAG = "drive.force_lag", 5e-5
+"""A shorter delay [s] is that of a sensor: the response comes from the actual force."""
 
 OPEN = re.compile(r"\n\n# [^\n]*\n(#   [\w.\[\]]+\n)+\Z")
 """The list of open questions at the end of an identified profile: the wizard asks them."""
@@ -101,6 +108,7 @@ def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> 
         text = OPEN.sub("\n", identified or read_profile_text(output))
         answers = to_answers(_load(text, str(output)))
     in_profile = frozenset(answers)
+    answers = _with_lag(answers)
     kept = Path(f"{output}{KEPT}")
     if kept.exists():
         answers |= to_answers(_load(read_profile_text(kept), str(kept)))
@@ -120,11 +128,19 @@ def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> 
         in_profile=in_profile,
         is_resumed=kept.exists() or answers_file is not None,
         place=place,
-        passed=_passed(answers) if identified or answers.get(MEASURED) else frozenset(),
+        passed=_passed(answers) if DATE in answers or answers.get(MEASURED) else frozenset(),
         measured=measured,
         where=str(answers_file or ""),
         lines=lines,
     )
+
+
+def _with_lag(answers: dict[str, str]) -> dict[str, str]:
+    """Take measured delay and lag for the lag of the force until somebody states it."""
+    lag = sum(max(si_value(answers, key, TIME) or 0.0, 0.0) for key in (DELAY, MEASURED_LAG))
+    if LAG in answers or lag < LEAST_LAG:
+        return answers
+    return note_accepted({**answers, LAG: f"{1e3 * lag:.3g} ms"}, LAG)
 
 
 def _passed(answers: Answers) -> frozenset[str]:

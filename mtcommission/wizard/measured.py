@@ -30,12 +30,16 @@ class Measured:
         What was found, in a sentence.
     doubts
         What to mind about it.
+    evidence_file, evidence
+        File with points and advice that the profile names, and its text.
     """
 
     text: str
     motion: str
     found: Message
     doubts: tuple[Message, ...]
+    evidence_file: str
+    evidence: str
 
 
 def identify_files(
@@ -73,10 +77,15 @@ def identify_files(
     InputError
         A file cannot be read, or leaves open what its columns are; or the profile is not valid.
     """
+    from mtcommission.identify.check import check_records
     from mtcommission.identify.document import Writing, merge_profile, write_profile
+    from mtcommission.identify.entry import identified_json, identified_part
     from mtcommission.identify.gather import gather
     from mtcommission.identify.given import Given
+    from mtcommission.identify.statement import evidence_file
     from mtcommission.identify.states import identify
+    from mtcommission.record.files import dump_json
+    from mtcommission.sheet.identified_part import doubts_and_notes
 
     if before:
         parse_profile(before, where=str(output))
@@ -89,9 +98,23 @@ def identify_files(
     )
     found = identify(gather([name for name in names if name], given))
     motion = "rotary" if found.rotary else "linear"
+    checks = check_records(found, force_per_unit=None, band_hz=None, count=None)
+    part = identified_part(found, checks=checks, created=date)
+    evidence = evidence_file(str(output))
     how = Writing(
-        date=date, file=str(output), tool_ratio=None, words=words({"machine.motion": motion})
+        date=date,
+        file=str(output),
+        tool_ratio=None,
+        words=words({"machine.motion": motion}),
+        part=part,
+        evidence=Path(evidence).name,
     )
     text = merge_profile(before, found, how) if before else write_profile(found, how)
-    said = Message("wizard-identified", count=len(found.modes))
-    return Measured(text=text, motion=motion, found=said, doubts=found.doubts)
+    return Measured(
+        text=text,
+        motion=motion,
+        found=Message("wizard-identified", count=len(found.modes)),
+        doubts=doubts_and_notes(part)[0],
+        evidence_file=evidence,
+        evidence=dump_json(identified_json(part, profile=text)),
+    )

@@ -237,6 +237,7 @@ def _take_measured(
         date=datetime.now(UTC).date().isoformat(),
         words=speaker.words,
     )
+    write_text(measured.evidence_file, measured.evidence)
     found = gather(output, answers_file, identified=measured.text)
     known = {"machine.motion": measured.motion, **found.answers, MEASURED: typed}
     speaker.tell(known, measured.found)

@@ -44,6 +44,6 @@ def align(responses: Sequence[Lines], poles: Poles) -> Poles:
     for place, lines in enumerate(responses):
         unit = 1.0 / (16.0 * lines.frequency_hz[-1])
         tried = delays[place] + unit * np.array([0, *AROUND])
-        costs = [project([lines], replace(poles, delays=np.array([d]))).cost for d in tried]
+        costs = [project([lines], poles.of(place, delay=d)).cost for d in tried]
         delays[place] = tried[int(np.argmin(costs))]
     return replace(poles, delays=delays)

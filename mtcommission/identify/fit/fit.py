@@ -14,13 +14,13 @@ from mtcommission.identify.fit.band import (
     friction_poles,
     narrower_band,
 )
-from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.fit.fitted import Fitted, FittedMode, FittedResponse
-from mtcommission.identify.fit.lines import Lines, see
+from mtcommission.identify.fit.lines import Lines, see, share_frequencies
 from mtcommission.identify.fit.noise import smooth_errors
 from mtcommission.identify.fit.order import Ordered, choose_modes
-from mtcommission.identify.fit.projection import Variances, find_variances
+from mtcommission.identify.fit.projection import Variances, count_parameters, find_variances
 from mtcommission.identify.measurement import FrequencyResponse, Input, Sensor
+from mtcommission.machine.identified import Estimate
 from mtcommission.messages.message import Message
 
 LEAST_LINES = 12
@@ -31,6 +31,9 @@ RIGID_SHARE = 0.4
 """Least share of the mass in the response at the low end, for it to be a mass."""
 FREE_BODY = 0.4
 """Largest relative distance from b/s² at the low end where no drive shakes."""
+CURVATURE = 0.3
+"""Of the residual term at the high end of the band, from a mode at 1.3 to 2.5 times its frequency
+(that is 0.16 to 0.6)."""
 CERTAIN = 4.0
 """Least value of a mass or gain in its standard error."""
 
@@ -86,7 +89,9 @@ def fit_state(
         for response in responses
         if all(response is not one for one in used)
     ]
-    notes += [Message("identify-background", frequency=f) for f in broad_poles(found)]
+    if broad := broad_poles(found):
+        count, low, high = len(broad), min(broad), max(broad)
+        notes.append(Message("identify-background", count=count, low=low, high=high))
     return _collect(used, base, found, band, notes)
 
 
@@ -110,7 +115,7 @@ def _cut(
             high=band[1],
         )
         raise InputError([Fault(where=first.source.name, message=message)])
-    return kept, lines
+    return kept, share_frequencies(lines)
 
 
 def _by_drive(responses: Sequence[FrequencyResponse]) -> bool:
@@ -134,10 +139,10 @@ def _collect(
 ) -> Fitted:
     fit = found.fit
     size = sum(2 * lines.size for lines in found.lines)
-    parameters = 1 + len(base) * (fit.poles.omega.size + 3) + 2 * fit.poles.omega.size
+    parameters = count_parameters(fit)
     reduced = fit.cost / max(size - parameters, 1)
     factor = float(np.sqrt(max(reduced, 1.0) * found.correlation))
-    variances = find_variances(found.lines, fit)
+    variances = find_variances(found.lines, fit, curvature=CURVATURE)
     by_drive = _by_drive(responses)
     fitted = tuple(
         _response(response, lines, found, place, variances, factor, band, by_drive=by_drive)
@@ -201,14 +206,18 @@ def _response(
     body[[0, *(1 + k for k in friction_poles(found, float(lines.frequency_hz[0])) if by_drive)]] = 1
     inverse_mass = float(body @ gains)
     mass_sigma = factor * variances.of_gains(place, body)
-    delay = float(found.fit.poles.delays[place])
+    delay, lag = float(found.fit.poles.delays[place]), float(found.fit.poles.lags[place])
+    n = found.fit.poles.lags.size
+    delay_sigma, lag_sigma = (
+        factor * float(np.sqrt(variances.poles[at, at])) for at in (1 + place, 1 + n + place)
+    )
     size = np.abs(lines.values / lines.s**lines.derivative)[: max(3, lines.size // 50)]
     share = abs(inverse_mass) / np.abs(lines.s[: size.size]) ** 2 / size
     is_rigid = abs(inverse_mass) > CERTAIN * mass_sigma and float(np.median(share)) > RIGID_SHARE
     if not by_drive:
         # A hammer's response has a slope of its own; a mass must make nearly all of it.
         low = lines.keep_first(size.size)
-        position = low.values * np.exp(low.s * delay) / low.s**low.derivative
+        position = low.values * np.exp(low.s * delay) * (1.0 + low.s * lag) / low.s**low.derivative
         apart = np.abs(position * low.s**2 / inverse_mass - 1.0)
         is_rigid = is_rigid and float(np.median(apart)) < FREE_BODY
     # Of a hammer test only the struck point tells the sign: nothing is turned.
@@ -220,10 +229,8 @@ def _response(
         polarity=polarity,
         inverse_mass=Estimate(value=polarity * inverse_mass, sigma=mass_sigma),
         has_rigid_body=is_rigid and response.input is Input.FORCE,
-        delay=Estimate(
-            value=delay,
-            sigma=factor * float(np.sqrt(variances.poles[1 + place, 1 + place])),
-        ),
+        delay=Estimate(value=delay, sigma=delay_sigma),
+        lag=Estimate(value=lag, sigma=lag_sigma) if lag else None,
         residual=Estimate(value=polarity * float(gains[-1]), sigma=float(sigmas[-1])),
         poles=found.fit.poles,
         gains=gains,

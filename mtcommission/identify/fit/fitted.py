@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.fit.lines import Lines
 from mtcommission.identify.fit.projection import Poles, predict
 from mtcommission.identify.measurement import FrequencyResponse, Sensor
+from mtcommission.machine.identified import Estimate
 from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
@@ -55,12 +55,14 @@ class FittedResponse:
         Whether b stands for the mass that the force moves; else for what lies below the band.
     delay
         tau [s].
+    lag
+        T [s]; None where none shows.
     residual
         R, polarity put right [m/N].
     poles, gains
         Of the model, as measured.
     place
-        Which of the poles' delays is its own.
+        Which of the poles' delays and lags are its own.
     """
 
     response: FrequencyResponse
@@ -70,6 +72,7 @@ class FittedResponse:
     inverse_mass: Estimate
     has_rigid_body: bool
     delay: Estimate
+    lag: Estimate | None
     residual: Estimate
     poles: Poles
     gains: Array
@@ -81,7 +84,7 @@ class FittedResponse:
             frequency_hz,
             self.poles,
             self.gains,
-            delay=float(self.poles.delays[self.place]),
+            place=self.place,
             derivative=self.response.output.derivative,
         )
 

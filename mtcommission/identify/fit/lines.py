@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,12 +63,7 @@ class Lines:
 
     def weigh(self, error: Array) -> Lines:
         """Return the lines with other standard errors."""
-        return Lines(
-            frequency_hz=self.frequency_hz,
-            values=self.values,
-            error=error,
-            derivative=self.derivative,
-        )
+        return replace(self, error=error)
 
 
 def relative_error(response: FrequencyResponse) -> Array:
@@ -81,6 +77,22 @@ def relative_error(response: FrequencyResponse) -> Array:
     gamma2 = np.clip(response.coherence, 1e-4, 1.0)
     averages = response.averages or 1.0
     return np.hypot(np.sqrt((1.0 - gamma2) / (2.0 * averages * gamma2)), ERROR_FLOOR)
+
+
+def share_frequencies(responses: Sequence[Lines]) -> list[Lines]:
+    """Return the responses, those with equal frequencies with one array of them.
+
+    So that what depends on frequencies alone is computed once.
+    """
+    kept: list[Array] = []
+    found = []
+    for lines in responses:
+        f = lines.frequency_hz
+        same = next((one for one in kept if np.array_equal(one, f)), f)
+        if same is f:
+            kept.append(f)
+        found.append(replace(lines, frequency_hz=same))
+    return found
 
 
 MOST_LINES = 6000

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from mtcommission.identify.fit.noise import correlation_length, judge_errors, sm
 from mtcommission.identify.fit.projection import (
     Poles,
     Projected,
+    Variances,
+    count_parameters,
     find_variances,
     project,
     refine,
@@ -45,6 +48,14 @@ SUSPICIOUS = 5e-3
 """Error of the model beyond which a second start is worth its time."""
 WHITE = 1.25
 """Correlation length below which residuals have no shape left."""
+FIRST_LAG = 1e-4
+"""Least lag at which a fit begins [s]."""
+LONG_LAG = 2e-3
+"""Lag at which another one begins: a lag so long that the phase's slope does not show it [s]."""
+CERTAIN = 1e9
+"""A gain in its standard errors beyond which more counts no more."""
+TRIED = 3
+"""Modes, the least sure first, without which a fit is tried."""
 MOST = 10
 """Terms of a fit, background and modes."""
 
@@ -85,15 +96,18 @@ def choose_modes(responses: Sequence[Lines], *, count: int | None = None) -> Ord
         Number of modes; None: by evidence.
     """
     slopes = np.array([slope_of_phase(lines) for lines in responses])
-    found = _choose(responses, count, slopes, holds_delay=False)
+    candidates, none = Candidates(responses), np.zeros(len(responses))
+    choose = partial(_choose, responses, candidates, count)
+    found = choose(slopes, lags=none, holds_delay=False)
+    found = _with_lags(responses, candidates, found, count)
     if _is_good(found):
         return found
     # Background, or more misfit than noise: the search may have gone astray with the delay.
     tried = [found]
-    for delays in (slopes, np.zeros_like(slopes)):
-        tried.append(_choose(responses, count, delays, holds_delay=True))
+    for delays, lags in ((slopes, none), (none, none), (none, none + LONG_LAG)):
         if _is_good(tried[-1]):
             break
+        tried.append(choose(delays, lags=lags, holds_delay=not lags.any()))
     smooth = smooth_errors(responses)
 
     def worth(one: Ordered) -> float:
@@ -103,6 +117,27 @@ def choose_modes(responses: Sequence[Lines], *, count: int | None = None) -> Ord
     return min(tried, key=worth)
 
 
+def _with_lags(
+    responses: Sequence[Lines], candidates: Candidates, found: Ordered, count: int | None
+) -> Ordered:
+    """The modes with a lag in place of background, if there is evidence for it."""
+    smooth, poles = smooth_errors(responses), found.fit.poles
+    halves, sharp = 0.5 * np.maximum(poles.delays, 0.0), poles.zeta < BROADEST
+    starts = (halves, np.maximum(halves, FIRST_LAG)), (0.0 * halves, np.full(halves.size, LONG_LAG))
+    fit = min(
+        (
+            refine(smooth, Poles(poles.drag, *start, poles.omega[sharp], poles.zeta[sharp]))
+            for start in starts
+        ),
+        key=lambda one: one.cost,
+    )
+    without = criterion(smooth, refine(smooth, poles, steps=5), correlation=found.correlation)
+    if without - criterion(smooth, fit, correlation=found.correlation) < LEAST_GAIN:
+        return found
+    fit = _grow(smooth, candidates, fit, MOST if count is None else count, count)
+    return _settle(responses, smooth, fit, count)
+
+
 def _is_good(found: Ordered) -> bool:
     """Only modes, and residuals that are noise: small, or white."""
     is_noise = found.model_error < SUSPICIOUS or found.correlation < WHITE
@@ -110,14 +145,27 @@ def _is_good(found: Ordered) -> bool:
 
 
 def _choose(
-    responses: Sequence[Lines], count: int | None, delays: Array, *, holds_delay: bool
+    responses: Sequence[Lines],
+    candidates: Candidates,
+    count: int | None,
+    delays: Array,
+    *,
+    lags: Array,
+    holds_delay: bool,
 ) -> Ordered:
     smooth = smooth_errors(responses)
-    start = Poles(0.0, delays, np.zeros(0), np.zeros(0))
+    start = Poles(0.0, delays, lags, np.zeros(0), np.zeros(0))
     most = MOST if count is None else count
     even = _per_octave(smooth)
-    rough = _grow(even, project(even, start), most, count, holds_delay=holds_delay)
-    fit = _grow(smooth, rough, most, count)
+    rough = _grow(even, candidates, project(even, start), most, count, holds_delay=holds_delay)
+    fit = _grow(smooth, candidates, rough, most, count)
+    return _settle(responses, smooth, fit, count)
+
+
+def _settle(
+    responses: Sequence[Lines], smooth: Sequence[Lines], fit: Projected, count: int | None
+) -> Ordered:
+    """Judge errors by what is left, and drop modes that nothing determines then."""
     fit = _prune(smooth, fit, count)
     lines, share = judge_errors(responses, fit)
     fit = _prune(lines, refine(lines, fit.poles), count)
@@ -136,9 +184,7 @@ def criterion(responses: Sequence[Lines], fit: Projected, *, correlation: float 
     correlation
         Neighbouring lines that err together count as one.
     """
-    n, count = len(responses), fit.poles.omega.size
-    size = _size(responses)
-    parameters = 1 + n + n * (count + 2) + 2 * count
+    size, parameters = _size(responses), count_parameters(fit)
     cost = max(fit.cost, 1e-12 * size)
     return float(size / correlation * np.log(cost / size) + parameters * np.log(size / correlation))
 
@@ -171,6 +217,7 @@ def _per_octave(responses: Sequence[Lines]) -> list[Lines]:
 
 def _grow(
     responses: Sequence[Lines],
+    candidates: Candidates,
     best: Projected,
     most: int,
     count: int | None,
@@ -179,11 +226,10 @@ def _grow(
 ) -> Projected:
     """Add the mode that takes most of the misfit away until none is worth it."""
     best = _improve(responses, best.poles, holds_delay=holds_delay)
-    candidates = Candidates(responses)
     while best.poles.omega.size < most:
         least = np.inf if count is not None else criterion(responses, best) - LEAST_GAIN
         tried: list[Projected] = []
-        for omega, zeta in candidates.best(best, most=3):
+        for omega, zeta in candidates.best(responses, best, most=3):
             new = _improve(responses, best.poles.add(omega, zeta), holds_delay=holds_delay)
             if _evidence(responses, new, best) < LEAST_EVIDENCE or _too_near(new.poles):
                 continue
@@ -210,7 +256,7 @@ def _prune(responses: Sequence[Lines], best: Projected, count: int | None) -> Pr
     while best.poles.omega.size > (count or 0):
         less = [
             refine(responses, best.poles.drop(mode), steps=15, tolerance=1e-4)
-            for mode in range(best.poles.omega.size)
+            for mode in _least_sure(responses, best)
         ]
         shown = [_evidence(responses, best, one) for one in less]
         weakest = int(np.argmin([one.cost for one in less]))
@@ -228,6 +274,20 @@ def _prune(responses: Sequence[Lines], best: Projected, count: int | None) -> Pr
     return best
 
 
+def _least_sure(responses: Sequence[Lines], fit: Projected) -> list[int]:
+    """Modes of the least gains in their standard errors, and those too near to another."""
+    n = fit.poles.omega.size
+    surest = np.abs(fit.gains[:, 1:-1]) / _gain_errors(find_variances(responses, fit))
+    order = np.argsort(np.sum(np.minimum(surest, CERTAIN) ** 2, axis=0))
+    return [int(k) for k in order[: min(n, TRIED)]]
+
+
+def _gain_errors(variances: Variances) -> Array:
+    """Standard errors of all gains for residuals of variance 1, shape (n_responses, n_modes)."""
+    found: Array = np.diagonal(variances.gains, axis1=1, axis2=2)[:, 1:-1]
+    return np.sqrt(np.maximum(found, 1e-300))
+
+
 def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
     """The least sure mode that nothing determines; None if all are determined.
 
@@ -239,11 +299,10 @@ def _doubtful(responses: Sequence[Lines], fit: Projected) -> int | None:
         return None
     variances = find_variances(responses, fit)
     size = _size(responses)
-    spare = max(size - (1 + len(responses) * (n + 3) + 2 * n), 1)
+    spare = max(size - count_parameters(fit), 1)
     factor = np.sqrt(max(fit.cost / spare, 1.0) * correlation_length(fit))
     by_omega = factor * np.array([variances.of_mode(k, n)[0] for k in range(n)])
-    own = np.sqrt(np.maximum(np.diagonal(variances.gains, axis1=1, axis2=2), 1e-300))[:, 1:-1]
-    surest = np.max(np.abs(fit.gains[:, 1:-1]) / (factor * own), axis=0)
+    surest = np.max(np.abs(fit.gains[:, 1:-1]) / (factor * _gain_errors(variances)), axis=0)
     f = fit.poles.omega / (2 * np.pi)
     spacing = np.array([min(_spacing(lines, one) for lines in responses) for one in f])
     is_spike = (fit.poles.zeta < SHARPEST) & (2 * fit.poles.zeta * f < 0.5 * spacing)

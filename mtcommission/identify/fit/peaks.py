@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from scipy.optimize import least_squares
 
-from mtcommission.identify.fit.estimate import Estimate
 from mtcommission.identify.measurement import Spectrum
+from mtcommission.machine.identified import Estimate
 
 Array = NDArray[np.float64]
 

@@ -1,11 +1,11 @@
 """Least squares in the poles; masses, gains and residual terms are eliminated at each step.
 
-Every response of one state of the machine shares c, ω and ζ; delay, mass, gains and residual
+Every response of one state of the machine shares c, ω and ζ; delay, lag, mass, gains and residual
 term are its own::
 
-    H(s) = e^(-s tau) s^p [ b/(s² + c s) + Σ g_k/(s² + 2 ζ_k ω_k s + ω_k²) + R ]
+    H(s) = e^(-s tau)/(1 + s T) s^p [ b/(s² + c s) + Σ g_k/(s² + 2 ζ_k ω_k s + ω_k²) + R ]
 
-b = 1/m, g_k and R enter linearly: variable projection leaves c, tau, ω_k and ζ_k.
+b = 1/m, g_k and R enter linearly: variable projection leaves c, tau, T, ω_k and ζ_k.
 
 Source: Golub, Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; Kaufman, BIT 15 (1975) 49, for the
 Jacobian without its second term; Marquardt, SIAM J. Appl. Math. 11 (1963) 431.
@@ -14,7 +14,7 @@ Jacobian without its second term; Marquardt, SIAM J. Appl. Math. 11 (1963) 431.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +28,14 @@ DAMPING_ENDS = (2e-4, 0.3)
 """Damping ratios that are tried."""
 DELAY_ENDS = (-2e-3, 20e-3)
 """Delays that are tried [s]; a negative one tells of a clock or of a wrong phase."""
+LAG_ENDS = (1e-6, 20e-3)
+"""Lags that are tried [s]."""
 RIDGE = 1e-13
 """Share of 1 added to the inner products of a basis."""
 LONGEST_STEP = 0.7
 """Longest step in ln ω and ln ζ."""
 LONGEST_DELAY_STEP = 5e-4
-"""Longest step in a delay [s]."""
+"""Longest step in a delay or a lag [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,28 +46,30 @@ class Poles:
     ----------
     drag
         c, viscous friction per mass [1/s].
-    delays
-        tau of each response, shape (n_responses,) [s].
+    delays, lags
+        tau and T of each response, shape (n_responses,) [s]; a lag of 0 is not there, and stays 0.
     omega, zeta
         Natural frequencies [rad/s] and damping ratios, shape (n_modes,).
     """
 
     drag: float
     delays: Array
+    lags: Array
     omega: Array
     zeta: Array
 
     def add(self, omega: float, zeta: float) -> Poles:
         """Return the poles and one more mode."""
-        return Poles(
-            self.drag, self.delays, np.append(self.omega, omega), np.append(self.zeta, zeta)
-        )
+        return replace(self, omega=np.append(self.omega, omega), zeta=np.append(self.zeta, zeta))
 
     def drop(self, mode: int) -> Poles:
         """Return the poles without one mode."""
-        return Poles(
-            self.drag, self.delays, np.delete(self.omega, mode), np.delete(self.zeta, mode)
-        )
+        return replace(self, omega=np.delete(self.omega, mode), zeta=np.delete(self.zeta, mode))
+
+    def of(self, place: int, *, delay: float | None = None) -> Poles:
+        """Return the poles for one response alone, with another delay where one is given."""
+        own = self.delays[place] if delay is None else delay
+        return replace(self, delays=np.array([own]), lags=self.lags[place : place + 1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,51 +96,64 @@ class Projected:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Basis:
-    """One response at some poles: weighed columns, their inner products, the best gains."""
+    """One response at some poles: weighed shapes, their inner products, the best gains."""
 
-    columns: ComplexArray
+    shapes: ComplexArray
+    """Before they were weighed."""
+    rows: ComplexArray
     scale: Array
     inverse: Array
-    """Of the inner products of the columns, each scaled to 1."""
+    """Of the inner products of the rows, each scaled to 1."""
     gains: Array
     residual: ComplexArray
     cost: float
 
 
 def _inner(one: ComplexArray, other: ComplexArray) -> Array:
-    """Sums over real and imaginary parts: complex lines count as two real ones."""
-    found: Array = one.real.T @ other.real + one.imag.T @ other.imag
+    """Sums over real and imaginary parts of rows: complex lines count as two real ones."""
+    found: Array = one.view(np.float64) @ other.view(np.float64).T
     return found
 
 
-def weighed_columns(lines: Lines, poles: Poles, delay: float) -> ComplexArray:
-    """Return the columns of b, g_k and R, weighed, shape (n_lines, n_modes + 2)."""
+def weighed_rows(lines: Lines, poles: Poles, place: int) -> ComplexArray:
+    """Return the shapes of b, g_k and R of a response, weighed, shape (n_modes + 2, n_lines)."""
+    return _shapes(lines.s, poles) * _weight(lines, poles, place)
+
+
+def _weight(lines: Lines, poles: Poles, place: int) -> ComplexArray:
     s = lines.s
-    found = np.empty((s.size, poles.omega.size + 2), dtype=np.complex128)
-    found[:, 0] = 1.0 / (s * (s + poles.drag))
-    found[:, 1:-1] = 1.0 / _denominators(s, poles)
-    found[:, -1] = 1.0
-    found *= (np.exp(-s * delay) * s**lines.derivative / lines.error)[:, None]
+    found: ComplexArray = np.exp(-s * poles.delays[place]) * s**lines.derivative / lines.error
+    if lag := poles.lags[place]:
+        found /= 1.0 + s * lag
     return found
 
 
-def _denominators(s: ComplexArray, poles: Poles) -> ComplexArray:
-    found: ComplexArray = s[:, None] * (2 * poles.zeta * poles.omega)
-    found += (s * s)[:, None] + poles.omega**2
-    return found
+def _shapes(s: ComplexArray, poles: Poles) -> ComplexArray:
+    found = np.empty((poles.omega.size + 2, s.size), dtype=np.complex128)
+    found[0] = s * (s + poles.drag)
+    found[1:-1] = s * (2 * poles.zeta * poles.omega)[:, None]
+    found[1:-1] += s * s + (poles.omega**2)[:, None]
+    found[-1] = 1.0
+    return np.reciprocal(found, out=found)
 
 
-def _solve(lines: Lines, poles: Poles, delay: float) -> _Basis:
-    columns = weighed_columns(lines, poles, delay)
-    products = _inner(columns, columns)
+def _solve(lines: Lines, shapes: ComplexArray, weight: ComplexArray) -> _Basis:
+    rows = shapes * weight
+    products = _inner(rows, rows)
     scale = np.sqrt(np.diag(products))
     # The ridge is for two equal poles, of which any share does.
     inverse = np.linalg.inv(products / np.outer(scale, scale) + RIDGE * np.eye(scale.size))
     y = lines.values / lines.error
-    gains = inverse @ (_inner(columns, y[:, None])[:, 0] / scale) / scale
-    residual = columns @ gains - y
+    gains = inverse @ (_inner(rows, y) / scale) / scale
+    residual = gains @ rows - y
     cost = float(np.vdot(residual, residual).real)
-    return _Basis(columns, scale, inverse, gains, residual, cost)
+    return _Basis(shapes, rows, scale, inverse, gains, residual, cost)
+
+
+def count_parameters(fit: Projected) -> int:
+    """Return how many numbers were fitted."""
+    poles, n = fit.poles, fit.poles.delays.size
+    return 1 + n + int(np.count_nonzero(poles.lags)) + fit.gains.size + 2 * poles.omega.size
 
 
 def project(responses: Sequence[Lines], poles: Poles) -> Projected:
@@ -145,8 +162,14 @@ def project(responses: Sequence[Lines], poles: Poles) -> Projected:
 
 
 def _solve_all(responses: Sequence[Lines], poles: Poles) -> list[_Basis]:
-    pairs = zip(responses, poles.delays.tolist(), strict=True)
-    return [_solve(lines, poles, delay) for lines, delay in pairs]
+    known: dict[int, ComplexArray] = {}
+    bases = []
+    for place, lines in enumerate(responses):
+        grid = id(lines.frequency_hz)
+        if grid not in known:
+            known[grid] = _shapes(lines.s, poles)
+        bases.append(_solve(lines, known[grid], _weight(lines, poles, place)))
+    return bases
 
 
 def _projected(poles: Poles, bases: Sequence[_Basis]) -> Projected:
@@ -158,43 +181,50 @@ def _projected(poles: Poles, bases: Sequence[_Basis]) -> Projected:
     )
 
 
-def _slopes(lines: Lines, poles: Poles, basis: _Basis) -> ComplexArray:
-    """Derivative of the weighed model by c, own delay, ln ω and ln ζ, shape (n_lines, 2 + 2 n)."""
-    s, count = lines.s, poles.omega.size
-    rate = np.empty((s.size, 2 + 2 * count), dtype=np.complex128)
-    by_gain = basis.columns * basis.gains
-    rate[:, 0] = -by_gain[:, 0] / (s + poles.drag)
-    rate[:, 1] = -s * by_gain.sum(axis=1)
-    modes = by_gain[:, 1:-1] / _denominators(s, poles)
-    damped = modes * s[:, None] * (2 * poles.zeta * poles.omega)
-    rate[:, 2 : 2 + count] = -damped - modes * (2 * poles.omega**2)
-    rate[:, 2 + count :] = -damped
+def _slopes(lines: Lines, poles: Poles, place: int, basis: _Basis) -> ComplexArray:
+    """Derivative of the weighed model by c, own delay and lag, ln ω and ln ζ, a row for each."""
+    s, count, lag = lines.s, poles.omega.size, poles.lags[place]
+    rate = np.empty((3 + 2 * count, s.size), dtype=np.complex128)
+    by_gain = basis.rows * basis.gains[:, None]
+    np.multiply(by_gain[0] * basis.shapes[0], -s, out=rate[0])
+    np.multiply(by_gain.sum(axis=0), -s, out=rate[1])
+    rate[2] = rate[1] / (1.0 + s * lag) if lag else 0.0
+    modes = by_gain[1:-1] * basis.shapes[1:-1]
+    damped = rate[3 + count :]
+    np.multiply(modes, s, out=damped)
+    damped *= (-2 * poles.zeta * poles.omega)[:, None]
+    np.multiply(modes, (-2 * poles.omega**2)[:, None], out=rate[3 : 3 + count])
+    rate[3 : 3 + count] += damped
     return rate
 
 
 def _own(place: int, n_responses: int, n_modes: int) -> NDArray[np.intp]:
-    """Which of all parameters a response has: c, its delay, all modes."""
-    return np.array([0, 1 + place, *range(1 + n_responses, 1 + n_responses + 2 * n_modes)])
+    """Which of all parameters a response has: c, its delay and lag, all modes."""
+    first = 1 + 2 * n_responses
+    return np.array([0, 1 + place, 1 + n_responses + place, *range(first, first + 2 * n_modes)])
 
 
 def _pack(poles: Poles) -> Array:
-    return np.concatenate([[poles.drag], poles.delays, np.log(poles.omega), np.log(poles.zeta)])
+    modes = np.log(poles.omega), np.log(poles.zeta)
+    return np.concatenate([[poles.drag], poles.delays, poles.lags, *modes])
 
 
 def _unpack(theta: Array, n_responses: int) -> Poles:
-    count = (theta.size - 1 - n_responses) // 2
-    delays, modes = theta[1 : 1 + n_responses], theta[1 + n_responses :]
-    return Poles(float(theta[0]), delays, np.exp(modes[:count]), np.exp(modes[count:]))
+    delays, lags, modes = np.split(theta[1:], [n_responses, 2 * n_responses])
+    omega, zeta = np.split(np.exp(modes), 2)
+    return Poles(float(theta[0]), delays, lags, omega, zeta)
 
 
-def _ends(responses: Sequence[Lines], count: int) -> tuple[Array, Array]:
+def _ends(responses: Sequence[Lines], poles: Poles) -> tuple[Array, Array]:
+    count, lags = poles.omega.size, np.minimum(poles.lags, LAG_ENDS[0])
     low_hz = min(float(lines.frequency_hz[0]) for lines in responses)
     high_hz = max(float(lines.frequency_hz[-1]) for lines in responses)
     n = len(responses)
     slow, fast = np.log(2 * np.pi * low_hz / 2), np.log(2 * np.pi * high_hz * 3.0)
     drag = 2 * np.pi * max(3.0 * low_hz, 10.0)
-    low = [0.0, *[DELAY_ENDS[0]] * n, *[slow] * count, *[np.log(DAMPING_ENDS[0])] * count]
-    high = [drag, *[DELAY_ENDS[1]] * n, *[fast] * count, *[np.log(DAMPING_ENDS[1])] * count]
+    least, most = np.log(DAMPING_ENDS)
+    low = [0.0, *[DELAY_ENDS[0]] * n, *lags.tolist(), *[slow] * count, *[least] * count]
+    high = [drag, *[DELAY_ENDS[1]] * n, *[LAG_ENDS[1]] * n, *[fast] * count, *[most] * count]
     return np.array(low), np.array(high)
 
 
@@ -203,14 +233,14 @@ def _normal(
 ) -> tuple[Array, Array]:
     """Jᵀ J and Jᵀ r of the projected residuals."""
     n, count = len(responses), poles.omega.size
-    size = 1 + n + 2 * count
+    size = 1 + 2 * n + 2 * count
     square, slope = np.zeros((size, size)), np.zeros(size)
     for place, (lines, basis) in enumerate(zip(responses, bases, strict=True)):
-        rate = _slopes(lines, poles, basis)
-        along = _inner(basis.columns, rate) / basis.scale[:, None]
+        rate = _slopes(lines, poles, place, basis)
+        along = _inner(basis.rows, rate) / basis.scale[:, None]
         own = _own(place, n, count)
         square[np.ix_(own, own)] += _inner(rate, rate) - along.T @ basis.inverse @ along
-        slope[own] += _inner(rate, basis.residual[:, None])[:, 0]
+        slope[own] += _inner(rate, basis.residual)
     return square, slope
 
 
@@ -238,14 +268,14 @@ def refine(
         Whether the delays stay.
     """
     n = len(responses)
-    low, high = _ends(responses, poles.omega.size)
+    low, high = _ends(responses, poles)
     theta = np.clip(_pack(poles), low, high)
     poles = _unpack(theta, n)
     bases = _solve_all(responses, poles)
     best = _projected(poles, bases)
     reach = np.full(theta.size, LONGEST_STEP)
     reach[0] = np.inf
-    reach[1 : 1 + n] = LONGEST_DELAY_STEP
+    reach[1 : 1 + 2 * n] = LONGEST_DELAY_STEP
     damping = 1e-3
     for _ in range(steps):
         square, slope = _normal(responses, best.poles, bases)
@@ -262,9 +292,7 @@ def refine(
             tried[free] += np.clip(step, -reach[free], reach[free])
             tried = np.clip(tried, low, high)
             poles = _unpack(tried, n)
-            at = [
-                _solve(x, poles, d) for x, d in zip(responses, poles.delays.tolist(), strict=True)
-            ]
+            at = _solve_all(responses, poles)
             new = _projected(poles, at)
             if new.cost < best.cost:
                 lowered = (best.cost - new.cost) / best.cost
@@ -285,7 +313,7 @@ class Variances:
     Parameters
     ----------
     poles
-        Of c, delays, ln ω_k, ln ζ_k, square.
+        Of c, delays, lags, ln ω_k, ln ζ_k, square.
     gains
         Of b, g_k and R, shape (n_responses, n_modes + 2, n_modes + 2).
     """
@@ -306,30 +334,59 @@ class Variances:
         return omega, zeta
 
 
-def find_variances(responses: Sequence[Lines], fit: Projected) -> Variances:
+def find_variances(
+    responses: Sequence[Lines], fit: Projected, *, curvature: float = 0.0
+) -> Variances:
     """Return the covariance (Jᵀ J)⁻¹ of poles and gains at a fit.
 
     Of the full Jacobian: the poles' part is the inverse of its Schur complement, which is that of
     the projected one; the gains carry the poles' errors along.
+
+    Parameters
+    ----------
+    responses, fit
+        What was fitted, and how.
+    curvature
+        Standard deviation of what R lacks: a mode beyond the band is R (1 + κ (ω/ω_high)² + ...)
+        with an unknown κ, which shifts all estimates together [-].
     """
-    n = len(responses)
+    n, count = len(responses), fit.poles.omega.size
     bases = _solve_all(responses, fit.poles)
     square, _ = _normal(responses, fit.poles, bases)
     scale = np.sqrt(np.maximum(np.diag(square), 1e-300))
-    inverse = np.linalg.pinv(square / np.outer(scale, scale), rcond=1e-13, hermitian=True)
+    related = np.nan_to_num(square / np.outer(scale, scale))
+    inverse = np.linalg.pinv(related, rcond=1e-13, hermitian=True)
     poles = inverse / np.outer(scale, scale)
-    gains = np.empty((n, fit.gains.shape[1], fit.gains.shape[1]))
-    for place, (lines, basis) in enumerate(zip(responses, bases, strict=True)):
-        rate = _slopes(lines, fit.poles, basis)
-        along = basis.inverse @ (_inner(basis.columns, rate) / basis.scale[:, None])
-        own = _own(place, n, fit.poles.omega.size)
+    owns = [_own(place, n, count) for place in range(n)]
+    rates = [
+        _slopes(lines, fit.poles, place, basis)
+        for place, (lines, basis) in enumerate(zip(responses, bases, strict=True))
+    ]
+    alongs = [
+        basis.inverse @ (_inner(basis.rows, rate) / basis.scale[:, None])
+        for basis, rate in zip(bases, rates, strict=True)
+    ]
+    high = max(float(lines.frequency_hz[-1]) for lines in responses)
+    gains = np.empty((n, count + 2, count + 2))
+    for place, (basis, along, own) in enumerate(zip(bases, alongs, owns, strict=True)):
         total = basis.inverse + along @ poles[np.ix_(own, own)] @ along.T
         gains[place] = total / np.outer(basis.scale, basis.scale)
-    return Variances(poles, gains)
+    covariance = poles.copy()
+    for lines, basis, rate, along, own in zip(responses, bases, rates, alongs, owns, strict=True):
+        lacking = basis.rows[-1] * (curvature * basis.gains[-1]) * (lines.frequency_hz / high) ** 2
+        onto = _inner(basis.rows, lacking) / basis.scale
+        shift = poles[:, own] @ (_inner(rate, lacking) - along.T @ onto)
+        covariance += np.outer(shift, shift)
+        for place, (other, carried) in enumerate(zip(bases, alongs, strict=True)):
+            moved = -carried @ shift[owns[place]]
+            if other is basis:
+                moved += basis.inverse @ onto
+            gains[place] += np.outer(moved / other.scale, moved / other.scale)
+    return Variances(covariance, gains)
 
 
 def predict(
-    frequency_hz: Array, poles: Poles, gains: Array, *, delay: float, derivative: int
+    frequency_hz: Array, poles: Poles, gains: Array, *, place: int, derivative: int
 ) -> ComplexArray:
     """Return H of one response, shape (n,)."""
     lines = Lines(
@@ -338,5 +395,5 @@ def predict(
         error=np.ones(frequency_hz.size),
         derivative=derivative,
     )
-    found: ComplexArray = weighed_columns(lines, poles, delay) @ gains
+    found: ComplexArray = gains @ weighed_rows(lines, poles, place)
     return found

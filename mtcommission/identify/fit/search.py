@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.identify.fit.lines import Lines
-from mtcommission.identify.fit.projection import Projected, weighed_columns
+from mtcommission.identify.fit.projection import Projected, weighed_rows
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -27,28 +27,21 @@ class Candidates:
     Parameters
     ----------
     responses
-        Of one state of the machine, in the weights that count.
+        Of one state of the machine; their weights may change.
     """
 
-    __slots__ = ("_chosen", "_powers", "_responses", "_shapes", "omega", "zeta")
+    __slots__ = ("_powers", "_shapes", "omega", "zeta")
 
     def __init__(self, responses: Sequence[Lines]) -> None:
-        self._responses = responses
         self.omega, self.zeta = _grid(responses)
-        self._chosen: list[slice] = []
-        self._shapes: list[ComplexArray] = []
-        self._powers: list[Array] = []
-        for place, lines in enumerate(responses):
-            chosen = slice(None, None, 1 + lines.size // MOST_LINES)
-            s = lines.s[chosen]
-            before = [other.s[where] for other, where in zip(responses, self._chosen, strict=False)]
-            same = next((i for i in range(place) if np.array_equal(before[i], s)), None)
-            self._chosen.append(chosen)
-            shapes = self._shape(s) if same is None else self._shapes[same]
-            self._shapes.append(shapes)
-            self._powers.append(
-                shapes.real**2 + shapes.imag**2 if same is None else self._powers[same]
-            )
+        self._shapes: dict[int, ComplexArray] = {}
+        self._powers: dict[int, Array] = {}
+        for lines in responses:
+            grid = id(lines.frequency_hz)
+            if grid not in self._shapes:
+                shapes = self._shape(lines.s[_chosen(lines)])
+                self._shapes[grid] = shapes
+                self._powers[grid] = shapes.real**2 + shapes.imag**2
 
     def _shape(self, s: ComplexArray) -> ComplexArray:
         """1/(s² + 2 ζ ω s + ω²) of all candidates, shape (n_lines, n_candidates)."""
@@ -56,7 +49,9 @@ class Candidates:
         denominators += (s * s)[:, None] + self.omega**2
         return np.reciprocal(denominators, out=denominators)
 
-    def best(self, known: Projected, *, most: int) -> list[tuple[float, float]]:
+    def best(
+        self, responses: Sequence[Lines], known: Projected, *, most: int
+    ) -> list[tuple[float, float]]:
         """Return ω and ζ of the modes that would lower the misfit most, best first.
 
         The misfit that a mode of given pole takes away is (c · r)²/(c · c), with c its column less
@@ -65,32 +60,26 @@ class Candidates:
 
         Parameters
         ----------
+        responses
+            In the weights that count.
         known
             Best fit so far.
         most
             At most so many, each apart from those before by their widths.
         """
         fall = np.zeros(self.omega.size)
-        for lines, residual, delay, chosen, shapes, powers in zip(
-            self._responses,
-            known.residuals,
-            known.poles.delays.tolist(),
-            self._chosen,
-            self._shapes,
-            self._powers,
-            strict=True,
-        ):
-            columns = weighed_columns(lines, known.poles, delay)
-            # The last column is the weight alone: that of R.
-            weight, basis = columns[chosen, -1], columns[chosen]
-            stacked = np.concatenate([basis.real, basis.imag])
+        for place, (lines, residual) in enumerate(zip(responses, known.residuals, strict=True)):
+            grid, chosen = id(lines.frequency_hz), _chosen(lines)
+            rows = weighed_rows(lines, known.poles, place)[:, chosen]
+            # The last row is the weight alone: that of R.
+            weight, half = rows[-1], rows.shape[1]
+            stacked = np.concatenate([rows.real, rows.imag], axis=1).T
             q, _ = np.linalg.qr(stacked / np.linalg.norm(stacked, axis=0))
-            half = weight.size
             turned = np.conj(weight)[:, None] * np.column_stack(
                 [q[:half] + 1j * q[half:], residual[chosen]]
             )
-            along = (np.conj(turned.T) @ shapes).real
-            before = np.abs(weight) ** 2 @ powers
+            along = (np.conj(turned.T) @ self._shapes[grid]).real
+            before = np.abs(weight) ** 2 @ self._powers[grid]
             after = before - np.sum(along[:-1] ** 2, axis=0)
             good = after > 1e-6 * before
             fall[good] += along[-1, good] ** 2 / after[good]
@@ -102,6 +91,10 @@ class Candidates:
                 if len(found) == most:
                     break
         return found
+
+
+def _chosen(lines: Lines) -> slice:
+    return slice(None, None, 1 + lines.size // MOST_LINES)
 
 
 def _grid(responses: Sequence[Lines]) -> tuple[Array, Array]:

@@ -31,6 +31,7 @@ _OWN = {
     "encoder": (Signal.POSITION, Sensor.ENCODER), "tcp": (Signal.POSITION, Sensor.TCP),
     "position": (Signal.POSITION, None), "velocity": (Signal.VELOCITY, None),
     "acceleration": (Signal.ACCELERATION, None), FOLLOWING_ERROR: (Signal.POSITION, Sensor.ENCODER),
+    "motor_acceleration": (Signal.ACCELERATION, Sensor.ENCODER),
     "force": (Signal.FORCE, None), "torque": (Signal.TORQUE, None),
     "current": (Signal.CURRENT, None),
 }  # fmt: skip
@@ -143,7 +144,7 @@ def _meanings(columns: Sequence[Column], given: Given, *, where: str) -> list[_M
 def _meaning(column: Column, own: str, unit: str, *, where: str) -> _Meaning | None:
     measured = read_signal_unit(unit) if unit else None
     words = words_of(own)
-    by_name = _signals_in(words)
+    by_name = signals_in(words)
     if own in _OWN:
         signal, sensor = _OWN[own]
         if measured is None:
@@ -160,7 +161,7 @@ def _meaning(column: Column, own: str, unit: str, *, where: str) -> _Meaning | N
         return None
     if by_name and not any(_same_kind(one, measured.signal) for one in by_name):
         raise _contradiction(column, unit, measured.signal, where=where)
-    is_setpoint = _is_setpoint(words)
+    is_setpoint = says_setpoint(words)
     if _any(words, _EXCITATIONS) or (is_setpoint and measured.signal in _OUTPUTS):
         return _Meaning(Signal.REFERENCE, None, measured.rotary, measured.scale)
     sensor = column.sensor
@@ -181,7 +182,8 @@ def place_in(words: Sequence[str]) -> Sensor | None:
     return Sensor.TCP if _any(words, _AT_TCP) else at_encoder
 
 
-def _signals_in(words: Sequence[str]) -> list[Signal]:
+def signals_in(words: Sequence[str]) -> list[Signal]:
+    """Return the signals that the words of a name speak of."""
     return [signal for signal, known in _WORDS.items() if _any(words, known)]
 
 
@@ -189,7 +191,8 @@ def _any(words: Sequence[str], known: Iterable[str]) -> bool:
     return bool(set(words) & set(known))
 
 
-def _is_setpoint(words: Sequence[str]) -> bool:
+def says_setpoint(words: Sequence[str]) -> bool:
+    """Return whether the words of a name say that it is a setpoint."""
     return _any(words, _SETPOINTS) or any(_GERMAN_SETPOINT in word for word in words)
 
 

@@ -32,6 +32,9 @@ from mtcommission.messages.message import Message
 _FORCES = (Signal.FORCE, Signal.TORQUE, Signal.CURRENT)
 _MOTIONS = (Signal.POSITION, Signal.VELOCITY, Signal.ACCELERATION)
 
+_OF_A_FORCE = ("identify-no-reference", "identify-reference-silent", "identify-hold")
+"""What is said of a force in a loop, and of one that is held between samples."""
+
 LEAST_COHERENCE = 0.3
 """Median coherence below which a record has not measured the response of the input."""
 
@@ -47,8 +50,9 @@ Finding = FrequencyResponse | Spectrum | FreeVibration
 def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
     """Return what a record says about the axis, at least one finding.
 
-    With a force it is a response: by blows, by periods, or by Welch. Without one it is a free
-    vibration if the signal dies away, else a spectrum.
+    With a force it is a response: by blows, by periods, or by Welch; likewise from the motor's
+    acceleration to the tool, if the user says so. Without either it is a free vibration if the
+    signal dies away, else a spectrum.
 
     Parameters
     ----------
@@ -62,8 +66,13 @@ def estimate(record: TimeRecord, given: Given) -> tuple[Finding, ...]:
     InputError
         The record has no signal of use, or says too little.
     """
-    force = _force(record, given)
     motions = [c for c in record.channels if c.signal in _MOTIONS]
+    force: Array | None
+    if given.input == Input.ACCELERATION:
+        force = _shaking(record)
+        motions = [c for c in motions if c.sensor is Sensor.TCP]
+    else:
+        force = _force(record, given)
     if given.output is not None:
         motions = [c for c in motions if c.signal.value == given.output.value]
     motions = [c for c in motions if float(np.ptp(c.values)) > 0.0]
@@ -100,6 +109,14 @@ def _force(record: TimeRecord, given: Given) -> Array | None:
     return factor * chosen.values
 
 
+def _shaking(record: TimeRecord) -> Array:
+    """The acceleration of the motor, from which the modes on a held motor are excited."""
+    for channel in record.channels:
+        if channel.signal is Signal.ACCELERATION and channel.sensor is Sensor.ENCODER:
+            return channel.values
+    raise _refusal(record, "identify-no-motor-acceleration")
+
+
 def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -> FrequencyResponse:
     kind = Output(motion.signal.value)
     reference = next((c.values for c in record.channels if c.signal is Signal.REFERENCE), None)
@@ -107,6 +124,8 @@ def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -
         reference = None
     signals = prepare(record.sample_time, force, motion.values, reference, kind=kind)
     lines, remarks = _lines(signals, reference)
+    if given.input == Input.ACCELERATION:
+        remarks = [one for one in remarks if one.kind not in _OF_A_FORCE]
     coherence = lines.coherence
     if not coherence.size or float(np.quantile(coherence, 0.9)) < LEAST_COHERENCE:
         raise _refusal(record, "identify-incoherent")
@@ -117,7 +136,7 @@ def _response(record: TimeRecord, force: Array, motion: Channel, given: Given) -
         coherence=coherence if lines.averages > 1.0 else None,
         averages=lines.averages if lines.averages > 1.0 else None,
         resolution_hz=lines.resolution_hz,
-        input=Input.FORCE,
+        input=Input.ACCELERATION if given.input == Input.ACCELERATION else Input.FORCE,
         output=kind,
         sensor=motion.sensor or Sensor.ENCODER,
         rotary=_rotary(record, motion, given),

@@ -1,8 +1,11 @@
-"""What a setpoint leaves on an axis and what force it takes, by formulas without simulation.
+"""What every smaller move leaves on an axis and what force it takes, without simulation.
 
-The deviation of the tool after the end of a setpoint, per jerk, in parts:
+With every size of move the times between the ramps take every value, so no ramp can be relied on
+to cancel another: each adds its vibration, at worst twice that of one step of the jerk. What is
+left is the jerk itself, and the setpoint filter, whose length stays the same. The deviation of the
+tool, per jerk, in parts:
 
-- each mode: m |g|/ω³ times R = |1 - exp(p t_j)| of the last ramp times the echo of the others,
+- each mode: m |g|/ω³, twice for each ramp, times what a moving average lets through,
 - the servo: the lag and hold of the feed-forward force and the share of the modes that the
   encoder sees, divided by ω_v = Kp/m,
 - the mass that the feed-forward does not know.
@@ -12,6 +15,7 @@ Derived, fitted and validated in ``docs/commissioning-rule.md``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, floor, pi, sin, sqrt
 
@@ -35,17 +39,12 @@ DEFLECTION_SHARE = 0.8
 """The same for the encoder's share in the static deflection, times ω_v ω²/(j m c) (two thirds
 to one of the peak of the loop's impulse response, as for the lag)."""
 
-RAMP_SHARE = 1.5
-"""Following-error transient of a whole ramp over that of one of its two jerk steps: the second one
-meets the swing that the first has left (fitted, see the docs)."""
+ALL_STEPS = 2.4
+"""Following-error transient of the worst of all sizes over that of one jerk step (2.1 computed for
+Kv = ω_v/4, Kv Tn = 1; sampled loops leave up to an eighth more, see the docs)."""
 
-PULL_SHARE = 1.0
-"""Widening of a visible mode's spread over m c: its frequency falls by up to half of that where
-the loop holds the encoder still, the rest stands for the damping that the loop takes away
-(fitted, see the docs)."""
-
-OVERSHOOT = 1.3
-"""Peak deviation after a step of missing force over its value without overshoot (fitted)."""
+SMOOTHED = 6.0
+"""The same behind a moving average, times ω_v T_F; what is less counts (computed likewise)."""
 
 FORCE_RESERVE = 1.17
 """Factor on the inertial force for what the loop adds (fitted: exceeded by 1 % of machines)."""
@@ -59,21 +58,25 @@ class ModeEstimate:
     ----------
     name
         Identifier.
-    frequency_hz
-        Of the plant [Hz].
-    spread
-        Relative uncertainty of the frequency that the closed loop rings with [-].
+    low_hz, high_hz
+        What the closed loop rings with lies between: the lower end with the encoder held still
+        and the spread [Hz].
     damping
         Least damping ratio [-].
     jerk_sensitivity
-        m |g|/ω³, deviation per jerk step [s³].
+        m |g|/ω³ at the lower end, deviation per jerk step [s³].
     """
 
     name: str
-    frequency_hz: float
-    spread: float
+    low_hz: float
+    high_hz: float
     damping: float
     jerk_sensitivity: float
+
+    @property
+    def middle_hz(self) -> float:
+        """Middle of what it may ring with [Hz]: an average of that period serves both ends."""
+        return 0.5 * (self.low_hz + self.high_hz)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,23 +85,20 @@ class ServoEstimate:
 
     Parameters
     ----------
-    jerk_sensitivity
-        Deviation per jerk, after a ramp that is long for the velocity loop [s³].
+    speed
+        ω_v with the largest mass [1/s].
     impulse
-        Deviation per jerk and jerk time after a short one, whose two steps nearly cancel [s²];
-        the smaller of both counts.
+        Acceleration that the feed-forward misses, times time, per jerk of one step [s²].
     missing
         Largest share of the force that the feed-forward does not know [-].
-    ramp_drag, step_drag
-        Deviation per missing share and per jerk [s³], or per acceleration [s²]; the smaller
-        of both counts.
+    drag
+        Deviation per jerk by it [s³].
     """
 
-    jerk_sensitivity: float
+    speed: float
     impulse: float
     missing: float
-    ramp_drag: float
-    step_drag: float
+    drag: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -118,11 +118,6 @@ class AxisEstimate:
     controller: Controller
     modes: tuple[ModeEstimate, ...]
     servo: ServoEstimate
-
-    @property
-    def band(self) -> float:
-        """Allowed deviation [m]."""
-        return self.machine.requirements.tcp_deviation
 
 
 def estimate_axis(machine: Machine, plant: Plant, controller: Controller) -> AxisEstimate:
@@ -149,15 +144,15 @@ def estimate_axis(machine: Machine, plant: Plant, controller: Controller) -> Axi
 
 
 def ramp_vibration(cycles: float, *, damping: float, spread: float) -> float:
-    """Return the vibration that one acceleration ramp leaves, in units of one jerk step's.
+    """Return the vibration after two equal and opposite pushes, in units of one push's.
 
-    |1 - exp(p t_j)| with the eigenfrequency anywhere within its spread: an upper bound, exact
+    |1 - exp(p t)| with the eigenfrequency anywhere within its spread: an upper bound, exact
     without damping or without spread.
 
     Parameters
     ----------
     cycles
-        f t_j, length of the ramp in periods of the mode [-].
+        f t, time between the pushes in periods of the mode [-].
     damping
         ζ [-].
     spread
@@ -168,7 +163,7 @@ def ramp_vibration(cycles: float, *, damping: float, spread: float) -> float:
     float
         0 ... 2.
 
-    Source: rule 2 of the residual of one ramp; ``docs/commissioning-rule.md``, eq. (3).
+    Source: derived in ``docs/commissioning-rule.md``.
 
     Examples
     --------
@@ -185,18 +180,18 @@ def ramp_vibration(cycles: float, *, damping: float, spread: float) -> float:
 
 
 def _mode_numbers(machine: Machine, controller: Controller, mode: PlantMode) -> ModeEstimate:
-    """The loop pulls a visible mode down and takes damping from it: its spread is widened."""
-    omega, m = mode.natural_frequency, controller.feedforward_mass
-    omega_v = controller.velocity_gain / m
-    pull = PULL_SHARE * m * abs(mode.measured_gain) * min(1.0, omega_v / omega)
-    spread = machine.requirements.frequency_spread
+    """A loop that holds the encoder still lowers what it sees by sqrt(1 + m c)."""
+    needs, omega, m = machine.requirements, mode.natural_frequency, controller.feedforward_mass
+    held = min(1.0, controller.velocity_gain / m / omega)
+    seen = 1.0 + m * abs(mode.measured_gain) * held
+    low_hz = mode.frequency_hz * (1.0 - needs.frequency_spread) / sqrt(seen)
     gain = max(abs(mode.tcp_gain), abs(mode.tcp_gain - mode.measured_gain))
     return ModeEstimate(
         name=mode.name,
-        frequency_hz=mode.frequency_hz,
-        spread=min(spread + pull, 0.5),
-        damping=mode.damping_ratio * (1.0 - machine.requirements.damping_spread),
-        jerk_sensitivity=m * gain / (omega * (1.0 - spread)) ** 3,
+        low_hz=low_hz,
+        high_hz=mode.frequency_hz * (1.0 + needs.frequency_spread),
+        damping=mode.damping_ratio * (1.0 - needs.damping_spread),
+        jerk_sensitivity=m * gain / (2.0 * pi * low_hz) ** 3,
     )
 
 
@@ -211,12 +206,12 @@ def _servo_numbers(machine: Machine, plant: Plant, controller: Controller) -> Se
         LAG_SHARE * left * (2.0 - left) * lag**2, HOLD_SHARE * controller.position_cycle**2
     )
     pushed = controller.acceleration_feedforward * m
+    missing = max(abs(pushed - mass) / mass for mass in masses)
     return ServoEstimate(
-        jerk_sensitivity=RAMP_SHARE * (transient + DEFLECTION_SHARE * seen) / omega_v,
+        speed=omega_v,
         impulse=transient + DEFLECTION_SHARE * seen,
-        missing=max(abs(pushed - mass) / mass for mass in masses),
-        ramp_drag=Tn / (omega_v * Kv),
-        step_drag=OVERSHOOT / (omega_v * (Kv + 1.0 / Tn)),
+        missing=missing,
+        drag=missing * Tn / (omega_v * Kv),
     )
 
 
@@ -225,49 +220,53 @@ def masses_in_corners(machine: Machine) -> list[float]:
     return [moving_mass(vary(machine, corner)) for corner in corners(machine)]
 
 
-def servo_parts(axis: AxisEstimate, jerk_time: float) -> list[float]:
-    """Return the deviation per jerk by the servo and by the unknown mass.
+def servo_sensitivity(axis: AxisEstimate, average: float) -> float:
+    """Return the deviation per jerk by the servo, after the worst of all sizes.
 
     Parameters
     ----------
     axis
         The axis.
-    jerk_time
-        t_j [s].
+    average
+        Length T_F of the moving average behind the setpoint, 0 for none [s].
 
     Returns
     -------
-    list of float
-        Two jerk sensitivities [s³].
+    float
+        Jerk sensitivity C_S [s³].
     """
     servo = axis.servo
-    drag = servo.missing * min(servo.ramp_drag, servo.step_drag * jerk_time)
-    return [min(servo.jerk_sensitivity, servo.impulse * jerk_time), drag]
+    passed = min(ALL_STEPS, SMOOTHED / (servo.speed * average)) if average else ALL_STEPS
+    return servo.impulse * passed / servo.speed
 
 
-def vibrations(axis: AxisEstimate, jerk_time: float, *, largest: float) -> list[float]:
-    """Return the vibration of each mode after a setpoint, per jerk.
+def passed_by_average(mode: ModeEstimate, average: float) -> float:
+    """Return the share of a mode's vibration behind a moving average, worst within its range.
 
     Parameters
     ----------
-    axis
-        The axis.
-    jerk_time
-        t_j [s].
-    largest
-        Acceleration that the setpoint does not exceed [m/s²].
+    mode
+        The mode.
+    average
+        Length T_F, 0 for none [s].
 
     Returns
     -------
-    list of float
-        m |g|/ω³ R(f t_j) times the echo of the earlier ramps [s³].
+    float
+        W = R(f T_F)/(ω T_F), at most 1 [-].
     """
-    return [
-        mode.jerk_sensitivity
-        * ramp_vibration(mode.frequency_hz * jerk_time, damping=mode.damping, spread=mode.spread)
-        * echo(axis.machine, mode, largest)
-        for mode in axis.modes
-    ]
+    if not average:
+        return 1.0
+    middle = mode.middle_hz
+    left = ramp_vibration(
+        middle * average, damping=mode.damping, spread=(mode.high_hz - middle) / middle
+    )
+    return min(1.0, left / (2.0 * pi * mode.low_hz * average))
+
+
+def count_ramps(moves: Sequence[Move]) -> int:
+    """Return how many ramps of acceleration the longest of some moves consists of."""
+    return 2 if all(isinstance(move, VelocityStep) for move in moves) else 4
 
 
 def duration(move: Move, limits: MotionLimits) -> float:
@@ -290,18 +289,18 @@ def duration(move: Move, limits: MotionLimits) -> float:
     return float(steps.duration[0])
 
 
-def force_acceleration(axis: AxisEstimate, jerk_time: float) -> float:
+def force_acceleration(axis: AxisEstimate, jerk: float) -> float:
     """Return the largest acceleration within the force: inertia, velocity ripple and modes.
 
     The velocity setpoint is held for T_p, so it is off by a T_p/2, and a visible mode adds its
-    rate; the velocity controller answers both with Kp.
+    rate, that of a step of the acceleration or of two of the jerk; Kp answers both.
 
     Parameters
     ----------
     axis
         The axis.
-    jerk_time
-        t_j [s]; inf is allowed.
+    jerk
+        j [m/s³].
 
     Returns
     -------
@@ -310,41 +309,21 @@ def force_acceleration(axis: AxisEstimate, jerk_time: float) -> float:
     """
     machine, controller = axis.machine, axis.controller
     m, Kp = controller.feedforward_mass, controller.velocity_gain
-    rates = 0.0
-    for mode in axis.plant.modes:
-        omega = mode.natural_frequency * (1.0 - machine.requirements.frequency_spread)
-        rates += m * abs(mode.measured_gain) / omega * min(1.0, 2.0 / (omega * jerk_time))
     inertia = FORCE_RESERVE * max(*masses_in_corners(machine), m)
-    inertia += controller.jerk_feedforward * m * controller.force_lag / jerk_time
-    return machine.drive.motion_force / (inertia + Kp * (controller.position_cycle / 2.0 + rates))
+    inertia += Kp * controller.position_cycle / 2.0
+    force = machine.drive.motion_force - jerk_force(controller) * jerk
+    largest = force / inertia
+    modes = axis.plant.modes
+    omega = (1.0 - machine.requirements.frequency_spread) * np.array(
+        [mode.natural_frequency for mode in modes]
+    )
+    push = Kp * m * np.abs([mode.measured_gain for mode in modes]) / omega
+    # The force rises with a in straight lines, bent where steps of the jerk push less.
+    a = np.unique([0.0, *np.minimum(2.0 * jerk / omega, largest), largest])
+    used = inertia * a + np.minimum(a[:, None], 2.0 * jerk / omega) @ push
+    return float(np.interp(force, used, a))
 
 
-def echo(machine: Machine, mode: ModeEstimate, largest: float) -> float:
-    """Return what the earlier ramps of a motion add to the last one's vibration, 1 ... 4 [-].
-
-    They came at least v/a (and L/v) earlier and have decayed since; their phase is left open.
-
-    Parameters
-    ----------
-    machine
-        Its moves count.
-    mode
-        The mode.
-    largest
-        Acceleration that none of the candidates exceeds [m/s²].
-
-    Returns
-    -------
-    float
-    """
-    rate = 2.0 * pi * mode.frequency_hz * (1.0 - mode.spread) * mode.damping
-
-    def of(move: Move) -> float:
-        if isinstance(move, VelocityStep):
-            return 1.0 + exp(-rate * move.velocity_step / largest)
-        velocity = min(move.max_velocity, sqrt(largest * move.distance))
-        return (1.0 + exp(-rate * velocity / largest)) * (
-            1.0 + exp(-rate * move.distance / velocity)
-        )
-
-    return max(of(move) for move in machine.moves)
+def jerk_force(controller: Controller) -> float:
+    """Return the force that is fed forward per jerk [N/(m/s³)]."""
+    return controller.jerk_feedforward * controller.feedforward_mass * controller.force_lag

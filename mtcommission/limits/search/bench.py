@@ -26,7 +26,7 @@ from mtcommission.machine.requirement import (
     slow_to_feed,
 )
 from mtcommission.plant.plant import Plant, longest_period
-from mtcommission.setpoint.setpoint import JerkSteps, jerk_steps, moving_average_steps
+from mtcommission.setpoint.setpoint import JerkSteps, filter_steps, jerk_steps
 
 Array = NDArray[np.float64]
 
@@ -72,11 +72,6 @@ class Bench:
     tail: float
     decisive: tuple[int, ...]
 
-    @property
-    def order(self) -> int:
-        """Highest derivative of the setpoint that steps."""
-        return self.tables[0].order
-
 
 def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: float) -> Bench:
     """Return the bench for setpoints up to a duration.
@@ -92,9 +87,10 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
     -------
     Bench
     """
-    filtered = machine.control.moving_average_time > 0.0
+    given = machine.control.setpoint_filter
+    order = 3 + len(given.averages) if given else 3
     tables = tuple(
-        build_tables(loop, longest=ROUNDING * longest, filtered=filtered) for loop in tuned.loops
+        build_tables(loop, longest=ROUNDING * longest, order=order) for loop in tuned.loops
     )
     needs, n = machine.requirements, plant.order
     outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
@@ -136,8 +132,7 @@ HARDLY = 1e-3
 def plan_steps(machine: Machine, move: Move, acceleration: Array, jerk_time: Array) -> JerkSteps:
     """Return the steps of a move's setpoints, behind the control's setpoint filter."""
     steps = jerk_steps(move, acceleration=acceleration, jerk=acceleration / jerk_time)
-    time = machine.control.moving_average_time
-    return moving_average_steps(steps, time=time) if time > 0.0 else steps
+    return filter_steps(steps, machine.control.setpoint_filter)
 
 
 def motion_time(machine: Machine, acceleration: Array, jerk_time: Array) -> Array:
@@ -231,7 +226,6 @@ def use_by_corner(bench: Bench, acceleration: Array, jerk_time: Array) -> Array:
                 find_extremes,
                 bench.tuned.loops[corner],
                 signals=bench.signals,
-                order=bench.order,
                 tail=bench.tail,
                 static_load=drive.static_load,
             )

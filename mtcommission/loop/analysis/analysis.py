@@ -181,9 +181,40 @@ def _participation(
 def _mode_damping(
     plant: Plant, poles: ComplexArray, shares: Array, dt: float
 ) -> tuple[Array, Array]:
-    """Damping ratio of the pole that each mode has turned into, and the least of all its poles.
+    """Damping ratio of the pole that each mode has turned into, and the least of all its poles."""
+    upper, near, chosen = _assign(plant, poles, shares, dt)
+    ratio = -near.real / np.abs(near)
+    found = np.take_along_axis(ratio, chosen[:, None], axis=1)[:, 0]
+    # Both poles of a pair hold the same share.
+    part = 2.0 * shares[:, upper] / np.sum(shares, axis=1, keepdims=True)
+    counts = (part >= NOTABLE_SHARE) & (poles[upper].imag > 0.0)
+    return found, np.minimum(found, np.where(counts, ratio, inf).min(axis=1))
 
-    The former is the pole with the largest share of the mode per distance from the mode's own
+
+def mode_poles(loop: SampledLoop) -> ComplexArray:
+    """Return the closed-loop pole that each mode of the plant has turned into.
+
+    Parameters
+    ----------
+    loop
+        A plant under its controller.
+
+    Returns
+    -------
+    ndarray, shape (n_modes,)
+        [1/s].
+    """
+    found = share_out(loop)
+    _, near, chosen = _assign(loop.plant, found.poles, found.shares, loop.lifted.dt)
+    return np.asarray(np.take_along_axis(near, chosen[:, None], axis=1)[:, 0])
+
+
+def _assign(
+    plant: Plant, poles: ComplexArray, shares: Array, dt: float
+) -> tuple[NDArray[np.int64], ComplexArray, NDArray[np.int64]]:
+    """Poles that count, each unfolded towards each mode, and the one that each mode has become.
+
+    That is the pole with the largest share of the mode per distance from the mode's own
     pole: where mode and servo mix, the share alone may jump to the servo's pole. One pole of each
     conjugate pair takes part, and each mode gets a pair of its own. Real poles, whose shares
     are large and of opposite sign, count only where too few pairs are left.
@@ -192,16 +223,11 @@ def _mode_damping(
     if upper.size < len(shares):
         upper = np.flatnonzero(poles.imag >= 0.0)
     near = np.array([[unfold(pole, mode, dt) for pole in poles[upper]] for mode in plant.modes])
-    ratio = -near.real / np.abs(near)
     own = np.array([[mode.pole] for mode in plant.modes])
     distance = np.abs(near - own) / np.abs(own)
     claim = np.maximum(shares[:, upper], LEAST_SHARE) / np.maximum(distance, LEAST_SHARE)
-    mode, chosen = linear_sum_assignment(-np.log(claim))
-    found = ratio[mode, chosen]
-    # Both poles of a pair hold the same share.
-    part = 2.0 * shares[:, upper] / np.sum(shares, axis=1, keepdims=True)
-    counts = (part >= NOTABLE_SHARE) & (poles[upper].imag > 0.0)
-    return found, np.minimum(found, np.where(counts, ratio, inf).min(axis=1))
+    _, chosen = linear_sum_assignment(-np.log(claim))
+    return upper, near, chosen
 
 
 LEAST_SHARE = 1e-9

@@ -45,7 +45,6 @@ def find_extremes(
     steps: JerkSteps,
     *,
     signals: Array,
-    order: int,
     dwell: float | None,
     tail: float,
     static_load: float = 0.0,
@@ -58,11 +57,9 @@ def find_extremes(
     loop
         Under its controller; the last of its outputs per velocity cycle is the motor force.
     steps
-        Steps of the derivative ``order``.
+        Of the setpoints.
     signals
         Rows over the outputs of one velocity cycle, shape (n_signals, n_outputs).
-    order
-        3 jerk, 4 snap.
     dwell
         Rest after the setpoint that counts for the RMS force [s]; None: it is not wanted.
     tail
@@ -85,13 +82,13 @@ def find_extremes(
     window = steps.duration + (dwell or 0.0)
     largest, deviation = np.zeros((len(C_s), count)), np.zeros(count)
     first, square = np.zeros((2, count))
-    for t, history in _move(lifted, steps, order=order, tail=tail):
+    for t, history in _move(lifted, steps, tail=tail):
         # What a position cycle computes acts in the next one, so no reference feeds through.
         motion, before = C_s @ history[:-1], step * np.arange(rows)
         np.maximum(largest, np.abs(motion, out=motion).max(axis=0), out=largest)
         if with_deviation:
             ages = np.add.outer(t, before - loop.controller.reference_delay)
-            e = C[:, 0] @ history[:-1] - _positions(steps, ages, order=order)
+            e = C[:, 0] @ history[:-1] - _positions(steps, ages)
             np.maximum(deviation, np.abs(e, out=e).max(axis=(0, 1)), out=deviation)
         if dwell is not None:
             force = C_f @ history[:-1]
@@ -100,7 +97,7 @@ def find_extremes(
             square += (share * force**2).sum(axis=(0, 1))
     if dwell is not None:
         until = t[-1] + lifted.dt
-        following = _references(steps, np.array([until]), order=order)[0, :2]
+        following = _references(steps, np.array([until]))[0, :2]
         left = sum_free_force(
             lifted, history[-1] - steady_state(lifted) @ following, window - until, cycles=rows
         )
@@ -113,9 +110,7 @@ def find_extremes(
     )
 
 
-def _move(
-    lifted: LiftedLoop, steps: JerkSteps, *, order: int, tail: float
-) -> Iterator[tuple[Array, Array]]:
+def _move(lifted: LiftedLoop, steps: JerkSteps, *, tail: float) -> Iterator[tuple[Array, Array]]:
     """Yield the times of some position cycles, shape (n_times,), and the states there.
 
     These of shape (n_times + 1, n, n_limits), the state after the last of them included.
@@ -124,7 +119,7 @@ def _move(
     count = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
     for start in range(0, count, BLOCK):
         t = lifted.dt * np.arange(start, min(start + BLOCK, count), dtype=np.float64)
-        drive = lifted.B @ _references(steps, t, order=order)
+        drive = lifted.B @ _references(steps, t)
         history = np.empty((len(t) + 1, *X.shape))
         history[0] = X
         for i in range(len(t)):
@@ -134,13 +129,13 @@ def _move(
         yield t, history
 
 
-def _references(steps: JerkSteps, t: Array, *, order: int) -> Array:
+def _references(steps: JerkSteps, t: Array) -> Array:
     """x_ref, v_ref, a_ref, j_ref of all setpoints at the times t, (n_times, 4, n_limits)."""
     # The few steps go first: numpy adds along the first axis far quicker than along the last.
     age = t[:, None] - steps.times.T[:, None, :]
     term = steps.steps.T[:, None, :] * (age >= -INSTANT)
     age = np.maximum(age, 0.0)
-    result = np.zeros((len(t), 4, len(steps.times)))
+    result, order = np.zeros((len(t), 4, len(steps.times))), steps.order
     for power in range(order + 1):
         if power:
             term = term * age / power
@@ -149,9 +144,9 @@ def _references(steps: JerkSteps, t: Array, *, order: int) -> Array:
     return result
 
 
-def _positions(steps: JerkSteps, t: Array, *, order: int) -> Array:
+def _positions(steps: JerkSteps, t: Array) -> Array:
     """x_ref of all setpoints at the times t of any shape, shape (*t.shape, n_limits)."""
-    x = np.zeros((*t.shape, len(steps.times)))
+    x, order = np.zeros((*t.shape, len(steps.times))), steps.order
     for time, size in zip(steps.times.T, steps.steps.T, strict=True):
         age = np.maximum(t[..., None] - time, 0.0)
         term = size * age

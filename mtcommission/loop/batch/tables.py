@@ -72,7 +72,7 @@ class ResponseTables:
     free_motion: NDArray[np.floating]
 
 
-def build_tables(loop: SampledLoop, *, longest: float, filtered: bool = False) -> ResponseTables:
+def build_tables(loop: SampledLoop, *, longest: float, order: int = 3) -> ResponseTables:
     """Return the tables of one loop, with the free motion at every velocity cycle.
 
     Parameters
@@ -81,16 +81,16 @@ def build_tables(loop: SampledLoop, *, longest: float, filtered: bool = False) -
         Under its controller.
     longest
         Longest setpoint that will be asked for [s].
-    filtered
-        Whether the setpoints come from a moving average.
+    order
+        Derivative of the setpoints that steps: 3 the jerk, one more for each moving average.
 
     Returns
     -------
     ResponseTables
     """
     lifted = loop.lifted
-    T, order = lifted.dt, 4 if filtered else 3
-    following = _following_states(lifted, order)
+    T = lifted.dt
+    following = following_states(lifted, order)
     tool = [i for i, name in enumerate(lifted.outputs) if name.startswith("tcp[")]
     free = _free_motion(lifted, lifted.C[tool], cycles=int(np.ceil(search_horizon(lifted) / T)))
     tau, T_v = loop.controller.reference_delay, loop.controller.velocity_cycle
@@ -140,7 +140,7 @@ BLOCK = 32
 """Position cycles that are advanced before it is looked whether anything is left."""
 
 
-def _following_states(lifted: LiftedLoop, order: int) -> Array:
+def following_states(lifted: LiftedLoop, order: int) -> Array:
     """Loop state while it follows a polynomial, per unit of each derivative of the position.
 
     X = sum_k S_k d^k x_ref/dt^k solves X⁺ = A X + B r for every polynomial of the order, with
@@ -174,7 +174,9 @@ def search_horizon(lifted: LiftedLoop) -> float:
     return min(needed, SEARCH_HORIZON)
 
 
-def sketch_tables(tables: ResponseTables, plant: Plant) -> ResponseTables:
+def sketch_tables(
+    tables: ResponseTables, plant: Plant, *, samples: int = SKETCH_SAMPLES
+) -> ResponseTables:
     """Return the same tables with fewer samples in single precision, for a first look.
 
     The samples follow the fastest mode that has not decayed yet (at half the plant's own rate
@@ -186,6 +188,8 @@ def sketch_tables(tables: ResponseTables, plant: Plant) -> ResponseTables:
         From ``build_tables``.
     plant
         The plant of that loop.
+    samples
+        Per period.
 
     Returns
     -------
@@ -198,7 +202,7 @@ def sketch_tables(tables: ResponseTables, plant: Plant) -> ResponseTables:
         alive = t < np.log(DECAY) / rate
         fastest[alive] = np.maximum(fastest[alive], mode.frequency_hz)
     step = t[1] - t[0]
-    periods = np.floor(np.cumsum(SKETCH_SAMPLES * fastest * step) + 1e-9)
+    periods = np.floor(np.cumsum(samples * fastest * step) + 1e-9)
     kept = np.flatnonzero(np.diff(periods, prepend=-1.0))
     return replace(
         tables,

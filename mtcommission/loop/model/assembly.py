@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.model.discrete import Stage, discretise, discretise_filter
+from mtcommission.loop.model.friction import Friction
 from mtcommission.loop.model.handed_down import HandedDown, hand_down
 from mtcommission.plant.plant import Plant
 
@@ -244,7 +245,12 @@ def _position_cycle(plant: Plant, handed_down: HandedDown, *, size: int) -> Arra
 
 
 def advance_cycle(
-    loop: SampledLoop, X: Array, references: Array, *, force_limit: float = inf
+    loop: SampledLoop,
+    X: Array,
+    references: Array,
+    *,
+    force_limit: float = inf,
+    friction: Friction | None = None,
 ) -> tuple[Array, Array]:
     """Return the loop one position cycle later, and its outputs at each velocity cycle.
 
@@ -258,6 +264,8 @@ def advance_cycle(
         x_ref, v_ref, a_ref, j_ref now, shape (4, m).
     force_limit
         Saturation of the set force [N]; the integrator stands still while it acts.
+    friction
+        Of the loop's plant, if any.
 
     Returns
     -------
@@ -279,6 +287,9 @@ def advance_cycle(
         force = np.minimum(np.maximum(demand, -force_limit), force_limit)
         X[z] += np.where(force == demand, increment, 0.0)
         X[z + 1] = force
+        if friction:
+            rubbed = X[: loop.plant.order]
+            rubbed += np.outer(friction.push, friction.force(rubbed))
     kept = np.vstack([references, X[own:]])[: len(X) - own]
     return np.vstack([X[:held], handed_down, kept]), outputs
 

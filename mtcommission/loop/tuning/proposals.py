@@ -37,8 +37,8 @@ from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 
-LEAST_FRACTION = 0.01
-"""Below a hundredth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
+LEAST_FRACTION = 0.001
+"""Below a thousandth of the symmetrical optimum a loop is not tuned but given up (empirical)."""
 
 BISECTIONS = 5
 """Between the first Kp that keeps the margins and the one before: its last digit is 0.5 %."""

@@ -294,7 +294,7 @@ def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
 
 
 def describe_margins(analyses: Sequence[LoopAnalysis]) -> Message:
-    """Return the worst margins over some corners.
+    """Return the worst margins over some corners; a loop that is unstable in one has none.
 
     Parameters
     ----------
@@ -305,6 +305,8 @@ def describe_margins(analyses: Sequence[LoopAnalysis]) -> Message:
     -------
     Message
     """
+    if not all(analysis.is_stable for analysis in analyses):
+        return Message("loop-without-margins")
     return Message(
         "loop-margins",
         gain=min(analysis.gain_margin_db for analysis in analyses),

@@ -15,7 +15,11 @@ from numpy.typing import NDArray
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Move, VelocityStep
 from mtcommission.messages.message import Message
-from mtcommission.optimal.bounded.lengthened_cruise import cruise_periods, lengthened_cruise
+from mtcommission.optimal.bounded.lengthened_cruise import (
+    cruise_periods,
+    lengthened_cruise,
+    slowest_period,
+)
 from mtcommission.optimal.bounded.mesh.plan import first_features
 from mtcommission.optimal.bounded.newton.exact import solve_exactly
 from mtcommission.optimal.bounded.problem import (
@@ -28,6 +32,7 @@ from mtcommission.optimal.bounded.program.grid import solve_grid_time
 from mtcommission.optimal.bounded.proof.accepted import Found
 from mtcommission.optimal.bounded.proof.dual_point import adjoint_before, stretches
 from mtcommission.optimal.bounded.proof.dual_value import dual_value
+from mtcommission.optimal.bounded.proof.motion import require_followable
 from mtcommission.optimal.bounded.search import search
 from mtcommission.optimal.bounded.tight_force import force_sequence, swift_plant, tight_force_bound
 from mtcommission.optimal.closed_form import impulse_response
@@ -105,9 +110,14 @@ def solve_bounded_time_optimal(
 
 def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
     """Return the optimum from a mesh over the whole move, or from a shorter cruise."""
-    long = cruise_periods(problem) > problem.settings.search.many_periods
+    settings = problem.settings.search
+    long = cruise_periods(problem) > settings.many_periods
+    cruise = cruise_periods(problem) * slowest_period(problem)
+    require_followable(cruise, problem.rate, most=settings.most_cruise_radians)
     first = lengthened_cruise(problem) if long else _over_all(problem, t_free=t_free)
     if first is not None and first.gap <= problem.settings.proof.gap:
+        return first
+    if long and cruise * problem.rate > settings.most_radians:
         return first
     second = _over_all(problem, t_free=t_free) if long else lengthened_cruise(problem)
     found = [one for one in (first, second) if one is not None]
@@ -117,7 +127,9 @@ def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
 def _over_all(problem: BoundedProblem, *, t_free: float) -> Found | None:
     """Return the optimum from a mesh over the whole move, or None where that does not converge."""
     try:
-        return search(problem, first_features(problem, solve_grid_time(problem, t_free=t_free)))
+        grid = solve_grid_time(problem, t_free=t_free)
+        require_followable(grid.t_f, problem.rate, most=problem.settings.search.most_radians)
+        return search(problem, first_features(problem, grid))
     except ComputationError as error:
         if error.outcome is not Outcome.NO_CONVERGENCE:
             raise

@@ -17,7 +17,7 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Positioning, VelocityStep
 from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.bounded.proof.motion import follow_control
+from mtcommission.optimal.bounded.proof.motion import follow_control, require_followable
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import (
     Arc,
@@ -75,6 +75,7 @@ def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> Ti
     if not isfinite(V):
         raise ComputationError(Outcome.NO_CONVERGENCE, Message("cruise-needs-velocity"))
     bound = Bound(name=name, value=V)
+    require_followable(L / V, plant.fastest_rate)
     rise = solve_bounded_time_optimal(
         plant, VelocityStep(velocity_step=V), force_limit=force_limit, bounds=(bound,)
     )

@@ -43,7 +43,7 @@ def cruise_periods(problem: BoundedProblem) -> float:
     if index < 0:
         return 0.0
     cruise = float(problem.target[problem.plant.position]) - _rise(problem, index)
-    return max(cruise / (problem.limits[index].bound.value * _period(problem)), 0.0)
+    return max(cruise / (problem.limits[index].bound.value * slowest_period(problem)), 0.0)
 
 
 def lengthened_cruise(problem: BoundedProblem) -> Found | None:
@@ -65,7 +65,7 @@ def lengthened_cruise(problem: BoundedProblem) -> Found | None:
     index = _velocity_limit(problem)
     for periods in settings.cruise_periods:
         velocity = problem.limits[index].bound.value
-        cruise = velocity * (problem.plant.force_lag + periods * _period(problem))
+        cruise = velocity * (problem.plant.force_lag + periods * slowest_period(problem))
         short = _over(problem, _rise(problem, index) + cruise)
         first = _directly(short)
         if first is not None and not first.exact:
@@ -83,7 +83,7 @@ def _rise(problem: BoundedProblem, index: int) -> float:
     return velocity**2 * problem.plant.moving_mass / problem.force_limit
 
 
-def _period(problem: BoundedProblem) -> float:
+def slowest_period(problem: BoundedProblem) -> float:
     """Return the period of the slowest mode [s]."""
     modes = problem.plant.modes
     slowest = min((mode.natural_frequency for mode in modes), default=problem.rate)

@@ -285,6 +285,11 @@ class RoundsSettings:
     """Length of an arc, in force lags of the swift plant, up to which it only moves the force."""
     rounds: int = 8
     """Meshes tried; each is five times as fine at the features as the one before."""
+    most_radians: float = 3e4
+    """Fastest rate times t_f up to which there is a mesh over the whole move: half a minute of
+    computing time and 400 MB (measured); longer moves are composed, or end as too long."""
+    most_cruise_radians: float = 2e5
+    """The same of a cruise that is lengthened, whose motion alone is followed."""
     effort: float = 3e10
     """Sum of the efforts of all programs of a search: some 20 s of computing time."""
     programs: int = 3

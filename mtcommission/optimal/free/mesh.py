@@ -8,6 +8,8 @@ from math import log1p
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.free.moments import MomentProblem
 
 Array = NDArray[np.float64]
@@ -15,6 +17,8 @@ Array = NDArray[np.float64]
 RADIANS_PER_CELL = 0.3
 """Length of a cell against the fastest pole at τ = 0 (empirical: fastest search; accuracy does
 not depend on it)."""
+MOST_CELLS = 1_000_000
+"""Of a mesh: some seconds and 200 MB; reached where a mode rings undamped for 50 000 periods."""
 LEAST_RADIANS = 17.0
 """What a mesh counts at least, spread evenly: 56 cells of a move that is shorter than the fastest
 mode, and some where all modes have decayed but a cell-wise constant force must still switch
@@ -46,9 +50,15 @@ class Grading:
     def nodes(self, horizon: float, *, radians: float) -> Array:
         """Return nodes on [0, horizon], which must not exceed the last τ; shape (n_nodes,) [s].
 
-        ``radians`` is |p| h at τ = 0 for the fastest pole.
+        ``radians`` is |p| h at τ = 0 for the fastest pole. Raises ComputationError MOVE_TOO_LONG
+        where they would be more than ``MOST_CELLS``.
         """
         total = float(np.interp(horizon, self.tau, self.radians))
+        if not total < radians * MOST_CELLS:
+            detail = Message(
+                "optimum-too-long", t_f=horizon, radians=total, most=radians * MOST_CELLS
+            )
+            raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
         count = int(total / radians) + 1
         nodes = np.interp(np.arange(count + 1) * (total / count), self.radians, self.tau)
         nodes[-1] = horizon

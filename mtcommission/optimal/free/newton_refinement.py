@@ -12,6 +12,8 @@ from math import inf, isfinite, nan
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv
+from scipy.sparse import csc_array, diags_array, hstack, vstack
+from scipy.sparse.linalg import splu
 
 from mtcommission.optimal.free.dual import moment_norms, sign_jumps
 from mtcommission.optimal.free.mesh import Mesh
@@ -35,6 +37,9 @@ FEASIBLE = 1e-10
 peak, as the solver checks again."""
 LARGEST_MULTIPLIER = 1e14
 """|c| ∫|φ| against ∫|σ| beyond which σ is nothing but rounding."""
+MOST_DENSE = 500
+"""Ends from which on the Jacobian is factorised as a sparse matrix: dense, a hundred thousand
+switches of an undamped mode take 80 GB."""
 TINY = 1e-300
 SHORTEST_ARC = 1e-20
 """Against the final time; guards a division."""
@@ -250,7 +255,10 @@ def _point(system: _System, ends: Array, weights: Array) -> _Point:
 def _step(system: _System, here: _Point) -> tuple[Array, Array]:
     """Return ends and weights after a Newton step that closes no arc."""
     count = here.ends.size
-    step = _solve(_jacobian(system, here), here.defects)
+    if count > MOST_DENSE:
+        step = _solve_sparsely(_sparse_jacobian(system, here), here.defects)
+    else:
+        step = _solve(_jacobian(system, here), here.defects)
     share = _share(here.ends.tolist(), step[:count].tolist())
     step *= share
     weights = here.weights.copy()
@@ -267,6 +275,24 @@ def _jacobian(system: _System, here: _Point) -> Array:
     matrix[:k, k + 1 :] = here.functions[:k, :-1]
     np.multiply(here.functions.T, system.jumps, out=matrix[k:, : k + 1])
     return matrix
+
+
+def _sparse_jacobian(system: _System, here: _Point) -> csc_array:
+    """Return the same where its diagonal is long: all but that and two edges is zero."""
+    k = here.ends.size - 1
+    diagonal = here.functions[:k].dot(system.differentiation.dot(here.weights))
+    edge = np.column_stack([np.zeros(k), here.functions[:k, :-1]])
+    bottom = here.functions.T * system.jumps
+    corner = np.column_stack([bottom[:, k:], np.zeros((len(bottom), edge.shape[1] - 1))])
+    above = hstack([diags_array(diagonal), csc_array(edge)])
+    return csc_array(vstack([above, csc_array(np.column_stack([bottom[:, :k], corner]))]))
+
+
+def _solve_sparsely(matrix: csc_array, right: Array) -> Array:
+    try:
+        return np.asarray(splu(matrix).solve(right))
+    except RuntimeError:  # singular; a least step would take the dense matrix
+        return np.full(right.size, nan)
 
 
 def _largest(values: Array) -> float:

@@ -4,7 +4,7 @@ option-one-of = erhalten { $got }, muss { $allowed } sein
 option-between = erhalten { $got }, muss zwischen { $least } und { PLAIN($most, digits: 12) } liegen
 option-not-positive = erhalten { $got }, muss > 0 { $unit } sein
 option-no-such-move = erhalten { $got }, das Profil hat die Bewegungen 1 bis { $count }
-option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über der statischen Last { PLAIN($load, digits: 6) } { $unit } liegen
+option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
 option-final-time-is-found = gehört zu --kind damping; eine zeitoptimale Steuerung findet ihre Endzeit selbst
 option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
@@ -22,12 +22,18 @@ file-is-folder = ist ein Ordner; einen Dateinamen angeben
 file-without-folder = es gibt keinen Ordner { $folder }; ihn erst anlegen oder einen anderen Namen angeben
 file-folder-closed = { file-no-right }; einen anderen Namen angeben
 file-not-writable = diese Datei kann nicht geschrieben werden ({ $reason }); einen anderen Namen angeben
+file-silent-pipe = ist eine Pipe, in die { PLAIN($seconds) } s lang niemand geschrieben hat; das Programm starten, das sie füllt
+file-unread-pipe = diese Pipe hat { PLAIN($seconds) } s lang niemand gelesen
+file-is-input = wird von diesem Befehl auch gelesen; einen anderen Namen angeben
+file-named-twice = ist für zwei Ergebnisse genannt; jedem eine eigene Datei geben
+file-write-protected = ist schreibgeschützt; einen anderen Namen angeben oder das Schreiben erlauben
 
 cli-no-profile = kein Profil angegeben; eine TOML-Datei angeben
 cli-no-record = kein Protokoll angegeben; das record.json eines Laufs angeben, oder --control ? für die Liste
 cli-file-exists = gibt es schon; einen anderen Namen angeben
 cli-record-lacks = in diesem Protokoll fehlt { $key }: eine andere Version von mtcommission hat es geschrieben; das Profil neu rechnen oder mit jener Version drucken
-cli-interrupted = abgebrochen; nichts wurde geschrieben
+cli-interrupted = abgebrochen; jede Datei ist ganz: wie zuvor oder, wenn sie gerade geschrieben wurde, neu
+cli-no-epoch = erhalten "{ $got }", muss Sekunden seit 1970 sein; sonst die Variable löschen
 cli-file-system = Dateisystem
 cli-internal-error = interner Fehler, bitte mit dem Profil einsenden: { $error }
 cli-written = geschrieben: { $files }
@@ -47,3 +53,7 @@ stage-sheet = Blatt
 stage-time-optimal = zeitoptimale Steuerung
 stage-damping-optimal = dämpfungsoptimale Steuerung
 stage-response = Antwort
+
+# Gains of the loop, as the profile names them
+simulated-without-filter = Ohne Sollwertfilter simuliert: Das Profil lässt ihn offen (auto). Mit control.setpoint_filter angeben, hinter welchem beurteilt werden soll.
+simulated-with-loop = Simuliert mit Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }. Was das Profil offen lässt, wurde für diese Bewegungen abgestimmt, hier wie bei run; wo run nach anderen Größen oder Filtern gefragt wurde, dessen Verstärkungen in [control] angeben.

@@ -34,7 +34,7 @@ export-feature = { $what ->
     [acceleration] Kraftvorsteuerung
     [jerk] Ruckvorsteuerung
     [delay] Verzoegerung des Lagesollwerts
-    [average] gleitender Mittelwert des Sollwerts
+    [setpoint-filter] Sollwertfilter dieser Art und Länge
     [force-filters] einige Filter der Sollkraft
     [loop-control] Lageregelung in der Steuerung mit gehaltenen Werten
     [loop-interpolated] Lageregelung in der Steuerung mit interpolierter Vorsteuerung
@@ -122,6 +122,7 @@ cycle-position = Takt des Lagereglers
 cycle-velocity = Takt des Drehzahlreglers
 loop-place = wo er sich schliesst: control (Werte gehalten), interpolated, drive (DSC)
 filter-average = gleitender Mittelwert des Sollwerts; 0: keiner darf wirken
+filter-second-average = zweiter gleitender Mittelwert hinter dem ersten
 filter-count = wirksame Filter der Sollkraft, in dieser Reihenfolge
 filter-kind = Art des Filters der Sollkraft
 filter-frequency = seine Eigenfrequenz
@@ -133,6 +134,7 @@ sinumerik-mode = { $dynamic }: { $about }
 sinumerik-mode-unit = { $dynamic }; Einheit
 sinumerik-filter-on = Ruckfilter ein
 sinumerik-moving-average = gleitender Mittelwert
+sinumerik-two-averages = zwei gleitende Mittelwerte hintereinander
 sinumerik-filter-off = Ruckfilter aus: seine Zeit kaeme zur Rampe hinzu
 sinumerik-ffw-mode = 0 keine, 3 Drehzahl, 4 Moment, beide mit reiner Totzeit
 sinumerik-delay = ganze Verzoegerung des Lagesollwerts; was die Steuerung selbst beitraegt, ist darin enthalten
@@ -196,11 +198,12 @@ fluidnc-degrees = Der Name sagt mm, aber eine Rundachse zaehlt in Grad: der Wert
 klipper-tool-head = des Werkzeugkopfs, also seiner langsamsten Achse
 klipper-input-shaper = Input Shaper
 klipper-of-mode = der Eigenform { $mode }
+shaper-of-run = wie im Lauf
 klipper-no-jerk = Klipper hat keine Ruckgrenze; square_corner_velocity ist ein Geschwindigkeitssprung, kein Ruck.
 klipper-cruise = minimum_cruise_ratio (Vorgabe 0.5) senkt die Geschwindigkeit kurzer Bewegungen: sie sind ohne das simuliert.
-klipper-shaper = Der Shaper beruhigt die Eigenform { $mode }; er verlaengert jede Bewegung um seine eigene Dauer.
+klipper-shaper = Der Shaper verlaengert jede Bewegung um seine eigene Dauer.
 marlin-fixed-time = Fixed-Time Motion ein
-marlin-shaper = 1 ZV, 2 ZVD; die Buchstaben haben sich zwischen Versionen geaendert
+marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 und 7 EI mit zwei und drei Hoeckern, 8 MZV; die Buchstaben haben sich zwischen Versionen geaendert
 marlin-jerk = Was Marlin "jerk" nennt (M205), ist ein Geschwindigkeitssprung in mm/s, kein Ruck.
 marlin-build = M493 braucht eine Ausgabe mit FT_MOTION; M500 speichert die Werte.
 ros-gain = Kv des Trajektorienreglers, Geschwindigkeit als Stellgroesse

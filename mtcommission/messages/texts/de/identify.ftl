@@ -6,7 +6,10 @@ identify-band-given = Angepasst von { FREQUENCY($low) } bis { FREQUENCY($high) }
 identify-band-cut = Von { FREQUENCY($low) } bis { FREQUENCY($high) } wurde nur { FREQUENCY($new_low) } bis { FREQUENCY($new_high) } angepasst: Außerhalb folgen die Linien keiner starren Masse mit Eigenformen (unten Reibung, oben Stromregler oder Sensor). --band legt einen anderen Bereich fest.
 identify-no-lines-in-band = { $file } hat zwischen { FREQUENCY($low) } und { FREQUENCY($high) } zu wenige Linien und wurde weggelassen.
 identify-too-few-in-band = { $lines } brauchbare Linien zwischen { FREQUENCY($low) } und { FREQUENCY($high) }, mindestens { $least } sind nötig; breiter messen oder mit --band einen anderen Bereich angeben
-identify-background = Für eine gute Anpassung war ein breiter Anteil um { FREQUENCY($frequency) } nötig; er ist für eine Eigenform zu stark gedämpft und steht nicht im Profil.
+identify-background = Für eine gute Anpassung { $count ->
+    [one] war ein breiter Anteil um { FREQUENCY($low) }
+   *[other] waren { $count } breite Anteile zwischen { FREQUENCY($low) } und { FREQUENCY($high) }
+} nötig: für eine Eigenform zu stark gedämpft und nicht im Profil.
 identify-point-left-out = { $file } passt nicht zu den Polen der übrigen Punkte und wurde weggelassen: diesen Punkt noch einmal anschlagen.
 
 # Streuungen
@@ -36,10 +39,16 @@ identify-no-rigid-body = Im Bereich ist kein starrer Körper zu sehen: Die Masse
 identify-no-force = { $axis ->
     [rotary] Es wurde kein Drehmoment
    *[linear] Es wurde keine Kraft
-} aufgezeichnet: Frequenzen und Dämpfung sind bekannt, { $axis ->
+} aufgezeichnet: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, { $axis ->
     [rotary] Trägheit
    *[linear] Masse
-} und Verstärkungen nicht.
+} und Verstärkungen sind unbekannt. [plant] meint Eigenformen bei freiem Motor, die höher liegen, wenn nicht der Motor den größten Teil der { $axis ->
+    [rotary] Trägheit
+   *[linear] Masse
+} trägt: Bei einer Servoachse mit dem Antrieb { $axis ->
+    [rotary] Drehmoment
+   *[linear] Kraft
+} zu Geschwindigkeit messen.
 identify-friction-small-amplitude = Die viskose Reibung eines Frequenzgangs ist nicht die einer Bewegung (Coulombsche Reibung bei kleiner Amplitude) und steht nicht im Profil: aus der Aufzeichnung einer Bewegung bestimmen, und um eine Offsetgeschwindigkeit messen.
 # $bound [1/kg]
 identify-no-tool-sensor = Kein Sensor am Werkzeug: tcp_gain ist nicht gemessen. { GAIN($bound) } ist der ungünstigste Fall eines Werkzeugs auf der anderen Seite der Eigenform, oder deren Anteil am Geber, falls er größer ist. Ein Beschleunigungssensor am Werkzeug bei derselben Anregung, DATEI@tcp, ersetzt das; ebenso --tool-ratio, Spitze am Werkzeug durch Spitze am Motor.
@@ -118,6 +127,8 @@ identify-delay-meaning = { $axis ->
     [rotary] vom Drehmoment
    *[linear] von der Kraft
 } zum Sensor, wie aufgezeichnet
+identify-lag = Verzögerung erster Ordnung
+identify-lag-meaning = neben der Totzeit: Stromregler oder Filter des Sensors
 identify-mass-meaning = aus dem starren Körper am unteren Ende des Bereichs
 identify-band-meaning = nach Kohärenz und Abweichung
 identify-caption-modes = Eigenformen über alle Zustände, ± zwei Standardabweichungen
@@ -147,7 +158,32 @@ identify-stage = Identifiziere
 identify-next = Dann: mtcommission wizard -o { $file }, danach mtcommission run { $file }
 
 # Options
+identify-profile-there = { $file } gibt es schon, und identify hat es nicht geschrieben; anderen Namen angeben, oder --profile { $file }, um hineinzuschreiben
 identify-option-number = gegeben "{ $got }", muss eine Zahl ungleich 0 sein
 identify-option-band = gegeben "{ $got }", muss UNTEN:OBEN in Hz sein mit 0 < UNTEN < OBEN, z. B. 8:300
 identify-option-modes = gegeben "{ $got }", muss auto oder 1 bis { $most } sein
 identify-option-columns = gegeben "{ $got }", muss NAME=SPALTE sein
+
+# Der Abschnitt im Protokoll
+identified-heading = Was gemessen wurde
+identified-note = Identifiziert am { $date }. ± steht für zwei Standardabweichungen dieser Messung; was sich von Tag zu Tag und zwischen Positionen und Zuladungen ändert, steckt in der Streuung, die die Eckfälle enthalten.
+identified-by-profile = wie im Profil angegeben
+identified-assumed = nicht gemessen; angenommen { $value }
+identified-changed = { $mode } wurde von Hand geändert: { $what } ist im Profil { $now }, gemessen wurde { $was }.
+identified-mass-changed = Die bewegte { $axis ->
+    [rotary] Trägheit
+   *[linear] Masse
+} wurde von Hand geändert: im Profil { $now }, gemessen { $was }.
+identified-not-in-profile = { $mode } wurde gemessen, aber keine Eigenform des Profils heißt so: Die Grenzwerte kennen sie nicht, es sei denn, sie wurde umbenannt.
+identified-spread-less = { $what }: Die Eckfälle enthalten ± { $now }, die Messung verlangt ± { $was }.
+identified-without-evidence = Das Profil nennt keine Datei mit Messpunkten und Ratschlägen: identify -o schreibt eine daneben.
+identified-evidence-missing = { $file } mit den Messpunkten und Ratschlägen fehlt neben dem Profil oder ist nicht lesbar: Werte und Intervalle sind die des Profils.
+identified-evidence-differs = { $file } ist nicht die Datei, die zu diesem Profil gehört (die Prüfsumme weicht ab): Werte und Intervalle sind die des Profils.
+# $now, $least, $freed [s]
+identified-tool-frees = Der Anteil von { $modes } am Werkzeug wurde nicht gemessen, sondern angenommen, meist als ungünstigster Fall. Ein Sensor am Werkzeug bei derselben Messung könnte bis zu { TIME($freed) } freimachen: Zeigt er ein Werkzeug, das in diesen Eigenformen stillsteht, so ist die langsamste Bewegung nach { TIME($least) } statt { TIME($now) } eingeschwungen.
+identified-tool-frees-nothing = Der Anteil von { $modes } am Werkzeug wurde nicht gemessen, sondern angenommen. Ein Sensor am Werkzeug brächte hier keine Zeit: Selbst mit einem Werkzeug, das in diesen Eigenformen stillsteht, ist die langsamste Bewegung nicht früher eingeschwungen.
+identified-tool-decides = Der Anteil von { $modes } am Werkzeug wurde nicht gemessen, sondern angenommen, und die Anforderungen sind damit nicht erfüllt. Mit einem Werkzeug, das in diesen Eigenformen stillsteht, { $met ->
+    [yes] wären sie erfüllt: zuerst mit einem Sensor am Werkzeug messen
+   *[no] sind sie auch nicht erfüllt
+}.
+identify-document-measured = Was gemessen wurde, für das Protokoll: Wert und Standardabweichung. [plant] ändern, nicht dies.

@@ -116,3 +116,4 @@ identify-by-decay = freie Schwingung ab { TIME($start) }, { TIME($duration) } la
 identify-loop-in-decay = ein Sollwert wurde gefahren: das sind Schwingungen der Achse im geschlossenen Regelkreis, der ihre Dämpfung ändert
 identify-by-power = keine Kraft aufgezeichnet, und nichts schwingt aus: als Spektrum genommen, das Frequenzen und Dämpfung gibt, weder Masse noch Verstärkungen
 identify-hold = wenn die Kraft zwischen den Abtastwerten gehalten wird, wie es Antriebe tun, werden Verstärkungen oberhalb von { FREQUENCY($limit) } um mehr als 1 % zu klein gelesen; schneller abtasten, wenn dort Moden liegen
+identify-no-motor-acceleration = keine Beschleunigung des Motors unter { $found }; --input acceleration braucht sie neben einem Signal am Werkzeug: --columns "motor_acceleration=..." und DATEI@tcp

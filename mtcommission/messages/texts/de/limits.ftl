@@ -17,6 +17,11 @@ optimum-composed = Die Bewegung fährt lange mit max_velocity; der gezeigte Verg
 optimum-under-bounds-failed = Optimum mit Höchstwerten: { $error }.
 optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower, digits: 1) } langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.
 damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.
+band-optimum-failed = Optimum mit dem Band statt exakter Ruhe: { $error }.
+robust-force-failed = { $axis ->
+    [rotary] Drehmomentverlauf für die ganze Streuung: { $error }.
+   *[linear] Kraftverlauf für die ganze Streuung: { $error }.
+}
 damping-optimum-exceeds-velocity = Die dämpfungsoptimale Steuerung erreicht das { PLAIN($times, digits: 4) }-fache von max_velocity: ihr Funktional kennt keine Grenzen für Zustände.
 static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } von max_force { SI($force, "FORCE", digits: 6) }
 final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, aber t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
@@ -46,21 +51,22 @@ source-heidenhain = HEIDENHAIN, MANUALplus 620: kleinster axPathJerk
 
 # the commissioning rule
 commissioning-rule = Inbetriebnahmeregel
+commissioning-rule-with = Inbetriebnahmeregel ({ $chosen })
 source-commissioning-rule = dieses Projekt, von Hand; Herleitung und Prüfung in docs/commissioning-rule.md
-rule-description = Eine Regel für die Anwendung von Hand: jeder Rucksprung hinterlässt in jeder Eigenform eine Schwingung und im Regelkreis einen Nachlauf, beide proportional zum Ruck; Rampen von ganzen Perioden löschen die Schwingung. Von den versuchten Rampen gilt die mit der kürzesten Bewegung.
-rule-advice = Zu versuchen: t_j = 1, 2, 3 Perioden jeder Eigenform und das t_j, das keine Auslöschung braucht (R = 2); die kürzeste Bewegung gilt.
+rule-description = In einem Satz: über eine Periode der weichsten Eigenform mitteln, den Ruck aus dem Band nehmen und die Beschleunigung aus { $axis ->
+    [rotary] dem Drehmoment
+   *[linear] der Kraft
+}. Warum: jeder Rucksprung hinterlässt in jeder Eigenform eine Schwingung und im Regelkreis einen Nachlauf, beide proportional zum Ruck; unter Bewegungen aller Größen gibt es eine, bei der sich alle Sprünge addieren, auf Auslöschung durch Rampen ist also kein Verlass. Eine gleitende Mittelung fester Länge wirkt bei jeder Größe.
+rule-advice = Einmal ohne Mittelung rechnen (W = 1) und einmal mit einer, die so lang ist wie eine Periode der Eigenform mit dem größten C, in der Mitte der Frequenzen, die sie haben kann; es gilt, was sich eher bewegt hat: v/a + a/j + T_F. Die Grenzwerte gelten dann auch für jede kleinere Bewegung.
 rule-validity = Starre Achse mit Verzögerung und schwach gedämpften Eigenformen (15 bis 200 Hz, Dämpfung 0,5 bis 10 %), Kaskade mit voller Geschwindigkeitsvorsteuerung und selbst bestimmter Sollwertverzögerung, Streuung bis 10 %, Zuladung bis 30 % { $axis ->
     [rotary] des bewegten Trägheitsmoments
    *[linear] der bewegten Masse
-}, Band 2 bis 50 µm; kein Sollwertfilter, keine Grenzen für Höchstwerte oder { $axis ->
+}, Band 2 bis 50 µm; kein Sollwertfilter außer einer gleitenden Mittelung, keine Grenzen für Höchstwerte, Kontur oder { $axis ->
     [rotary] Effektivmoment
    *[linear] Effektivkraft
 }. Das Band wird bei den meisten Maschinen eingehalten, nicht bei allen: vor Gebrauch simulieren.
-rule-no-cancelling = ohne Auslöschung
-rule-periods = { $count ->
-    [1] 1 Periode von { $mode }
-   *[other] { $count } Perioden von { $mode }
-}
+rule-no-average = ohne Mittelung
+rule-average = gleitende Mittelung, { TIME($time) }
 rule-force = { $axis ->
     [rotary] Drehmoment
    *[linear] Kraft
@@ -69,11 +75,15 @@ rule-reach = { $axis ->
     [rotary] Winkel oder Geschwindigkeit
    *[linear] Weg oder Geschwindigkeit
 }
-rule-band = Band
 rule-bound-by = begrenzt durch: { $what }
-rule-for-velocity-step = beim Geschwindigkeitssprung
 rule-for-positioning = beim Positionieren
 rule-within-the-spread = innerhalb der Streuung
+rule-ramps = Zahl der Rampen n
+rule-by-moves = 2 beim Geschwindigkeitssprung, 4 beim Positionieren
+rule-average-length = Länge T_F der gleitenden Mittelung
+rule-mode-lowest = tiefste Frequenz der Eigenform { $mode }
+rule-mode-passed = Anteil W der Eigenform { $mode } hinter der Mittelung
+rule-allowed-jerk = Ruck, den das Band erlaubt
 rule-speed-loop = Geschwindigkeitsregelkreis ω_v
 rule-servo-sensitivity = Ruckempfindlichkeit des Regelkreises C_S
 rule-unknown-mass = { $axis ->
@@ -82,9 +92,6 @@ rule-unknown-mass = { $axis ->
 }
 rule-payload-sensitivity = Ruckempfindlichkeit durch die Zuladung C_P
 rule-mode-sensitivity = Ruckempfindlichkeit C der Eigenform { $mode }
-rule-mode-spread = Streuung der Eigenform { $mode } über die angegebene hinaus
-rule-mode-vibration = Schwingung V der Eigenform { $mode }
-rule-vibration-formula = R(f t_j) × Echo der Rampen davor
 rule-jerk-time = Ruckzeit t_j
 rule-force-acceleration = { $axis ->
     [rotary] Beschleunigung innerhalb des Drehmoments
@@ -96,8 +103,10 @@ rule-jerk = Ruck j
 rule-residual = vorhergesagte Restabweichung
 rule-needs-velocity-feedforward = velocity_feedforward ist nicht 1: den Schleppfehler kennt die Regel nicht
 rule-needs-automatic-delay = reference_delay ist vorgegeben: die Regel rechnet mit der selbst bestimmten
-rule-knows-no-setpoint-filter = ein Sollwertfilter ist an: die Regel zählt seine Glättung nicht mit
+rule-needs-jerk-limit = die Steuerung hat keine Ruckgrenze: die Regel rechnet mit einer
+rule-knows-averages-only = ein anderer Sollwertfilter als eine gleitende Mittelung ist an: die Regel zählt seine Länge mit, seine Glättung nicht
+rule-careful-with-seen-mode = der Lagegeber sieht mehr von der Eigenform { $mode } als erprobt (m c = { NUMBER($share, digits: 3) }, erprobt bis 1): die Regel kann weit langsamer sein als nötig
 rule-knows-no-peaks = { $axis ->
-    [rotary] Grenzen für Höchstwerte oder Effektivmoment kennt die Regel nicht
-   *[linear] Grenzen für Höchstwerte oder Effektivkraft kennt die Regel nicht
+    [rotary] Grenzen für Höchstwerte, Kontur oder Effektivmoment kennt die Regel nicht
+   *[linear] Grenzen für Höchstwerte, Kontur oder Effektivkraft kennt die Regel nicht
 }

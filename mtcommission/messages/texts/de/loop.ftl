@@ -2,7 +2,7 @@ loop-two-sentences = { $first } { $second }
 loop-one-or-other = { $first } oder { $second }
 
 loop-kp-symmetrical-optimum = Kp nach dem symmetrischen Optimum, m / (2 T_σ).
-loop-kp-largest = Kp = { PLAIN($fraction, digits: 2, style: "f") } × symmetrisches Optimum, m / (2 T_σ): das größte, mit dem die Reserven in allen Eckfällen eingehalten sind.
+loop-kp-largest = Kp = { PLAIN($fraction, digits: 2) } × symmetrisches Optimum, m / (2 T_σ): das größte, mit dem die Reserven in allen Eckfällen eingehalten sind.
 loop-tn-yaskawa = Tn = 4 m / Kp (Untergrenze nach Yaskawa für den Geschwindigkeitsregelkreis).
 loop-kv-damping-one = Kv = Kp / (4 m): Dämpfungsgrad 1 des Geschwindigkeitsregelkreises.
 loop-tn-searched = Tn = { PLAIN($ratio, digits: 3) } m / Kp, aus der Suche.
@@ -24,6 +24,7 @@ loop-lacks-bandwidth = der schnellste Regelkreis mit den Reserven hat { PLAIN($r
 
 loop-mixed-mode = Eigenform { $mode } und Antriebsregelung mischen sich im geschlossenen Kreis: Der angegebene Dämpfungsgrad gehört zu den Polen bei { NUMBER($shown_frequency, digits: 3) } Hz, die { PERCENT($shown_share) } der Eigenform enthalten; { PERCENT($larger_share) } von ihr schwingen bei { NUMBER($larger_frequency, digits: 3) } Hz mit { NUMBER($larger_damping, digits: 3) }.
 
+loop-without-margins = keine: der Regelkreis ist instabil (schlechteste Ecke)
 loop-margins = { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit { PLAIN($peak, digits: 3) } (ungünstigster Eckfall)
 loop-given-gains-poor = Die vorgegebenen Verstärkungen werden unverändert verwendet, haben aber schwache Reserven: { $margins }; gewollt sind { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) }°, Maximum der Empfindlichkeit höchstens { PLAIN($peak, digits: 3) }. { $cure }.
 loop-given-gains-slow = Mit den vorgegebenen Verstärkungen erreicht der Geschwindigkeitsregelkreis im ungünstigsten Eckfall { PLAIN($reached, digits: 3) } Hz, weniger als minimum_bandwidth = { PLAIN($wanted, digits: 3) } Hz.
@@ -47,7 +48,7 @@ loop-nominal-machine = der Nennmaschine
 loop-corner-payload = Zuladung { SI($value, "MASS") }
 loop-corner-frequencies = Frequenzen × { NUMBER($value) }
 loop-corner-damping = Dämpfung × { NUMBER($value) }
-loop-no-margins = bei Kp = { SI($Kp, "DAMPING") }, { PERCENT($share) } des symmetrischen Optimums, sind es { $margins }
+loop-no-margins = bei Kp = { SI($Kp, "DAMPING") }, { SHARE($share) } des symmetrischen Optimums, gibt es { $margins }
 loop-mode-without-damping = Eigenform { $mode } ({ PLAIN($frequency) } Hz) hat den Dämpfungsgrad 0
 loop-hidden-states = Zustandsrückführung von { $states }
 loop-observer-failed = Beobachter: { $error }

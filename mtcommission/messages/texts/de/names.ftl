@@ -73,6 +73,8 @@ name-continuous-force = { $axis ->
    *[linear] Dauerkraft
 }
 name-static-load = Statische Last
+name-coulomb-friction = Coulombsche Reibung
+name-viscous-friction = Viskose Reibung
 name-velocity-step = Geschwindigkeitssprung
 name-distance = { $axis ->
     [rotary] Winkel

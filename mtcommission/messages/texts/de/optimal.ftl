@@ -16,8 +16,13 @@ bounds-take-longer = brauchen länger
 bounds-widened-alike = { " " }(alle gleich erweitert)
 
 bounded-optimum-not-found = zeitoptimale Steuerung unter { $bounds } und { PLAIN($force, digits: 6) } { $unit }
+optimum-too-long = eine optimale Steuerung von { PLAIN($t_f) } s sind { PLAIN($radians) } rad des Schnellsten in der Maschine, gerechnet werden höchstens { PLAIN($most) }
 grid-search-stopped = die Suche nach t_f auf dem Gitter endete bei { PLAIN($t_f, digits: 6) } s
 grid-program-unfinished = das lineare Programm mit { PLAIN($cells, digits: 9) } Zellen für { PLAIN($t_f, digits: 6) } s kam nicht zum Ende
+free-motion-rings-on = die freie Bewegung nach dem Ende klingt zu langsam ab, um sie ganz zu verfolgen
+band-program-gave-up = das lineare Programm des Optimums mit dem Band kam zu keinem Ende
+band-exchange-goes-on = weitere Spitzen der freien Bewegung verlassen das Band, so viele auch gehalten werden
+band-exceeds-velocity = zwischen den überwachten Punkten erreicht die Geschwindigkeit das { PLAIN($times, digits: 6) }-fache von max_velocity
 cruise-needs-velocity = eine Fahrt mit konstanter Geschwindigkeit braucht eine max_velocity
 too-short-to-cruise = der { $axis ->
     [rotary] Winkel

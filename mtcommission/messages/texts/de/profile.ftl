@@ -13,6 +13,7 @@ file-is-directory = ist ein Ordner; ein Profil (.toml) darin nennen
 file-unreadable = nicht lesbar: { $reason }
 file-too-large = ist größer als { PLAIN($most, digits: 9) } Byte; das ist kein Profil
 file-binary = ist eine Binär- oder UTF-16-Datei; das Profil als UTF-8-Text speichern
+file-is-json = ist JSON wie das Protokoll eines Laufs; das Maschinenprofil (.toml) angeben, oder das Protokoll an sheet oder export
 file-not-utf8 = Byte { $byte } ist kein UTF-8; das Profil als UTF-8-Text speichern
 file-empty = ist leer; von einem mitgelieferten Profil ausgehen (mtcommission profiles list)
 profile-unknown = kein mitgeliefertes Profil { $got }{ $meant } Es gibt: { $names }
@@ -52,7 +53,8 @@ got-no-array = { $got } angegeben, muss eine Liste sein{ $hint }
 got-no-text = { $got } angegeben, muss ein Text in Anführungszeichen sein
 got-no-signals = { $got } angegeben, muss eine Tabelle von Signalen sein
 got-no-signals-or-word = { $got } angegeben, muss { $words } oder eine Tabelle von Signalen sein
-got-no-filter = { $got } angegeben, muss "none" oder eine Tabelle mit kind und time sein
+# $words: was statt einer Tabelle stehen darf
+got-no-filter = { $got } angegeben, muss { $words } oder eine Tabelle mit kind sein
 got-no-quantity = { $got } angegeben, { $expected }
 got-infinite = { $got } angegeben, muss eine endliche Zahl sein
 array-too-short = { $length } Elemente angegeben, mindestens { $least } nötig
@@ -69,6 +71,7 @@ must-be-at-least = { $got } angegeben, muss >= { PLAIN($bound, digits: 6) }{ $un
 must-be-between = { $got } angegeben, muss zwischen { PLAIN($low, digits: 6) } und { PLAIN($high, digits: 6) }{ $unit } liegen; die Einheit prüfen
 
 static-load-takes-all = { PLAIN($got, digits: 6) } { $unit } gegen max_force = { PLAIN($max_force, digits: 6) } { $unit } angegeben; der Betrag muss kleiner sein, sonst bleibt keine Kraft für die Bewegung
+friction-takes-all = { PLAIN($got, digits: 6) } { $unit } angegeben, muss unter dem liegen, was max_force neben static_load lässt: { PLAIN($left, digits: 6) } { $unit }
 move-with-neither = weder velocity_step noch distance angegeben, genau eines angeben
 move-with-both = velocity_step und distance angegeben, genau eines angeben
 max-velocity-without-distance = gehört zu einer Bewegung mit distance; distance angeben oder den Schlüssel entfernen
@@ -87,7 +90,15 @@ control-without-feedforward = { $got } angegeben; kind = "{ $control }" hat nur 
 control-without-delay = { PLAIN($got, digits: 6) } s angegeben; kind = "{ $control }" kann den Sollwert nicht verzögern; den Schlüssel weglassen
 control-without-state-feedback = kind = "{ $control }" führt keine Zustände zurück; "off" schreiben, oder kind = "state-space" für einen freien Regler
 control-without-observer = kind = "{ $control }" hat keinen Beobachter, der einen Geber am Werkzeug nutzen könnte; "none" schreiben, oder kind = "state-space" für einen freien Regler
-control-without-filter = { $got } angegeben; kind = "{ $control }" hat kein solches Sollwertfilter; "none" schreiben
+# $has: vorhandene Arten und das Wort für keines
+control-without-filter = { $got } angegeben; kind = "{ $control }" hat kein solches Sollwertfilter: { $has } schreiben
+control-filter-time = { PLAIN($got, digits: 6) } s angegeben; kind = "{ $control }" nimmt bei diesem Lagereglertakt { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } s
+control-filter-frequency = { PLAIN($got, digits: 6) } Hz angegeben; kind = "{ $control }" nimmt für einen Shaper { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) } Hz
+control-filter-damping = { PLAIN($got, digits: 6) } angegeben; kind = "{ $control }" nimmt für diesen Shaper einen Dämpfungsgrad von { PLAIN($low, digits: 6) } bis { PLAIN($high, digits: 6) }
+filter-key-missing = fehlt: ein Filter mit kind = "{ $kind }" braucht diesen Wert
+filter-key-unused = bedeutet bei einem Filter mit kind = "{ $kind }" nichts: entfernen
+filter-taps-sum = die Summe der Koeffizienten ist { PLAIN($got, digits: 6) } und muss 1 sein, sonst käme die Achse nicht ans Ziel: jeden durch die Summe teilen
+filter-without-end = { $got } angegeben: hinter einem solchen Filter endet ein Sollwert nie, daher ließe sich weder eine Einschwingzeit noch ein Beweis für jede Größe der Bewegung angeben; eine andere Art wählen, oder "none" mit ausgeschaltetem Filter in der Steuerung
 control-without-force-filters = "auto" angegeben; kind = "{ $control }" hat keine Filter im Momentensollwert; den Schlüssel weglassen
 control-with-fewer-filters = { $got } Filter angegeben; kind = "{ $control }" hat { $most } im Momentensollwert; nicht mehr angeben
 control-without-jerk-limit = kind = "{ $control }" begrenzt den Ruck nicht, also ist heute keiner eingestellt; den Schlüssel entfernen

@@ -1,4 +1,6 @@
 record-not-readable = kein Protokoll von mtcommission run: { $why }
+record-too-large = ist größer als { PLAIN($most, digits: 9) } Bytes; das ist kein Protokoll
+record-steers = enthält Zeichen, die ein Terminal steuern und die kein Lauf schreibt; das Profil neu rechnen
 record-not-json = kein Protokoll von mtcommission run: der Inhalt ist kein JSON; das record.json angeben, das mtcommission run schreibt
 record-is-directory = ist ein Ordner; das record.json darin angeben
 record-lacks-keys = kein Protokoll von mtcommission run: { $keys } fehlt
@@ -56,3 +58,17 @@ path-force-feed-forward = { $axis ->
    *[linear] Kraftvorsteuerung
 }
 path-velocity-controller = Geschwindigkeitsregler
+
+# Friction
+assumption-linear-with-friction = { $axis ->
+    [rotary] Die Suche nach den Grenzwerten ist linear: starrer Körper, ein Momentenregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen; die Coulombsche Reibung ist von dem Drehmoment abgezogen, das übrig bleibt. Die empfohlenen Grenzwerte wurden mit der angegebenen Reibung noch einmal simuliert. Umkehrspiel, Rastmomente und Momente der Energieführung bleiben außer Betracht.
+   *[linear] Die Suche nach den Grenzwerten ist linear: eine starre Masse, ein Kraftregelkreis als Verzögerung erster Ordnung und entkoppelte Eigenformen; die Coulombsche Reibung ist von der Kraft abgezogen, die übrig bleibt. Die empfohlenen Grenzwerte wurden mit der angegebenen Reibung noch einmal simuliert. Umkehrspiel, Rastkräfte und Kräfte der Energieführung bleiben außer Betracht.
+}
+friction-kept = Bewegung { $move } mit Coulombscher Reibung { FORCE($coulomb) } und viskoser Reibung { DAMPING($viscous) }: Einschwingzeit { TIME($settling) } (ohne: { TIME($without) }), Restabweichung { LENGTH($residual) }, { $axis ->
+    [rotary] größtes Sollmoment
+   *[linear] größte Sollkraft
+} { FORCE($force) }; was geprüft wurde, ist eingehalten (ungünstigste Ecke).
+friction-broken = Bewegung { $move } mit Coulombscher Reibung { FORCE($coulomb) } und viskoser Reibung { DAMPING($viscous) }: Einschwingzeit { TIME($settling) } (ohne: { TIME($without) }), Restabweichung { LENGTH($residual) }, { $axis ->
+    [rotary] größtes Sollmoment
+   *[linear] größte Sollkraft
+} { FORCE($force) }; das verletzt Toleranzband, Einschwingzeit oder Kraft (ungünstigste Ecke). Einschwingzeit – heißt: eine Sekunde nach dem Sollwert nicht eingeschwungen. Integralanteil erhöhen, Reibkompensation der Steuerung einschalten oder ein weiteres Band fordern.

@@ -35,6 +35,24 @@ setting-landscape = Punkte des Kennfelds je Richtung
 setting-largest-fraction = Zuerst versuchtes Kp, relativ zum symmetrischen Optimum
 setting-mode-noise = Rauschen der Eigenform im Beobachter, bezogen auf F_max
 setting-evaluations = In jedem Eckfall beurteilte Grenzwerte
+setting-cells = Zellen der Bewegung zu Beginn
+setting-parts = { $axis ->
+    [rotary] Teile einer Zelle, in der das Drehmoment umschaltet
+   *[linear] Teile einer Zelle, in der die Kraft umschaltet
+}
+setting-gap = Abstand zur bewiesenen Schranke, bei dem das Verfeinern endet, relativ
+setting-margin = Zwischen den Zeilen frei gehaltener Anteil des Bands
+setting-velocity-margin = Zwischen den Punkten frei gehaltener Anteil von max_velocity
+setting-most-velocity-margin = Zwischen den Punkten frei gehaltener Anteil von max_velocity, höchstens
+setting-exchanges = Runden des Austauschs, höchstens
+setting-time-tolerance = Relative Genauigkeit der Zeit auf gegebenen Zellen
+setting-first-contacts = Erste Zeilen je Periode der langsamsten Eigenform
+setting-radians = Abtastung der freien Bewegung, in Radiant
+setting-most-samples = Abtastpunkte einer freien Bewegung, höchstens
+setting-steps = Schritte des Simplexverfahrens, höchstens
+setting-frequencies = Frequenzen der Streuung im ersten Programm
+setting-checked-frequencies = Geprüfte Frequenzen der Streuung
+setting-robust-margin = Zwischen den Frequenzen frei gehaltener Anteil des Bands
 
 ## What they are for
 
@@ -42,3 +60,4 @@ settings-tuning = Reglereinstellung
 settings-search = Suche
 settings-comparison = Vergleichssuche
 settings-robustness = Robustheit
+settings-band = Optimum mit dem Band

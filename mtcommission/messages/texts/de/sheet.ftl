@@ -20,6 +20,19 @@ not-met = NICHT ERFÜLLT
 not-settled = nicht eingeschwungen
 unlimited = unbegrenzt
 no-jerk-limit = ohne Grenze
+setpoint-filter = Sollwertfilter
+no-setpoint-filter = keines
+# $kind: des Sollwertfilters; $shaper: sein Name in Großbuchstaben; $count: der Koeffizienten
+filter-name = { $kind ->
+    [moving_average] gleitender Mittelwert
+    [two_moving_averages] zwei gleitende Mittelwerte
+    [fir] FIR mit { $count } Koeffizienten
+   *[other] Shaper { $shaper }
+}
+filter-of-length = Filterlänge
+filter-of-second-length = Zweite Filterlänge
+filter-of-frequency = Filterfrequenz
+filter-of-damping = Dämpfungsgrad des Filters
 none = Keine.
 move = Bewegung { $number }
 velocity-step = Geschwindigkeitssprung { $velocity }
@@ -48,7 +61,7 @@ verdict-met = Alle Anforderungen erfüllt
 verdict-not-met = Anforderungen NICHT erfüllt
 values-bound-by = Begrenzt durch: { $bound }
 obstacle = Im Weg steht: { $obstacle }
-result-caption = Was die Werte ergeben, ungünstigste Bewegung, ungünstigster Eckfall
+result-caption = Was die Werte ergeben, ungünstigste der angegebenen Bewegungen und Eckfälle
 today = Heute
 now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
 now = jetzt { $value }
@@ -60,6 +73,7 @@ basis-control = Steuerung
 basis-frequencies = Frequenzen
 basis-damping = Dämpfungsgrade
 basis-reserve = Reserve
+basis-sizes = Größen der Bewegung
 assumed = { $value } (angenommen)
 spread = beurteilt bei ± { SHARE($spread) }
 spread-none = beurteilt wie angegeben, ohne Streuung
@@ -86,6 +100,11 @@ met-without-reserve = erfüllt, Reserve verbraucht
 reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling } ({ $more } mehr).
 reference-unsettled = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: nicht eingeschwungen.
 reference-faster = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling }, { $less } weniger, da am Band und nicht an exakter Ruhe gemessen.
+band-optimum = Mit dem Band von ± { $band } statt exakter Ruhe: { $optimum } (empfohlen: { $change }; bewiesen: nichts unter { $bound }).
+robust-force = { $axis ->
+    [rotary] Ein Drehmomentverlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
+   *[linear] Ein Kraftverlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
+}
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
 reference-composed = { $optimum } (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter { $bound })
 first-look-caption = { $move }: Sollwert, Antwort, Abweichung am TCP, Nennmaschine
@@ -146,7 +165,7 @@ limits-name = Grenzwerte
 recommended = Empfohlen
 rule-heading = Inbetriebnahmeregel, von Hand angewandt
 rule-valid = Gültig für: { $range }
-rule-result = Von Hand: a = { $acceleration }, j = { $jerk } (Rampe: { $chosen }; begrenzt durch: { $bound }), vorhergesagte Restabweichung { $residual }. Die Suche braucht keine Regel; diese dient zur Kontrolle mit dem Taschenrechner.
+rule-result = Von Hand: a = { $acceleration }, j = { $jerk } ({ $chosen }; a begrenzt durch: { $bound }), vorhergesagte Restabweichung { $residual }, auch bei jeder kleineren Bewegung. Die Suche braucht keine Regel; diese dient zur Kontrolle mit dem Taschenrechner.
 rule-steps-caption = Die Regel, Schritt für Schritt
 rule-symbols-caption = Formelzeichen der Regel (Index i: eine Eigenform; Werte je Eigenform: { $modes })
 rule-symbol-a = Beschleunigung nach der Regel
@@ -179,8 +198,11 @@ rule-symbol-omega = Eigenkreisfrequenz
 rule-symbol-zeta = Dämpfungsgrad einer Eigenform
 rule-symbol-g = Anteil einer Eigenform am Werkzeug, allein oder gegen den Lagegeber; der größere
 rule-symbol-c = Anteil einer Eigenform am Lagegeber
-rule-symbol-R = Anteil der Schwingung einer Eigenform, den eine Rampe übrig lässt
-rule-symbol-x = Länge einer Rampe in Perioden einer Eigenform, f t_j
+rule-symbol-T-F = Länge der gleitenden Mittelung
+rule-symbol-n = Beschleunigungsrampen: 2 beim Geschwindigkeitssprung, 4 beim Positionieren
+rule-symbol-s = Streuung der Frequenzen
+rule-symbol-R = Schwingung nach einer Mittelung, bezogen auf die nach einem einzelnen Anstoß
+rule-symbol-x = Länge der Mittelung in Perioden einer Eigenform, f T_F
 rule-symbol-i = Imaginäre Einheit (als Index: Nummer der Eigenform)
 symbol = Zeichen
 meaning = Bedeutung
@@ -249,7 +271,7 @@ amplitude = Amplitude
 setpoint-caption = { $move }: Abschnitte des Sollwerts
 duration = Dauer
 segment = Abschnitt
-moving-average = Gleitender Mittelwert (Ruckfilter) der Steuerung: { $time }.
+setpoint-behind-filter = Dahinter das Sollwertfilter der Steuerung ({ $filter }), das den Sollwert um { $time } verlängert.
 comparison-heading = Vergleich mit den optimalen Steuerungen
 comparison-note = { $axis ->
     [rotary] Nennmaschine. Im Regelkreis ist die Überführungszeit die Einschwingzeit; eine optimale Steuerung endet in exakter Ruhe. Überschwingen ist das der Werkzeuggeschwindigkeit (Geschwindigkeitssprung) oder der Werkzeuglage (Positionieren), bezogen auf das Ziel. Wärme ist das Integral des quadrierten Motormoments.
@@ -442,9 +464,13 @@ what-changes = Was sich ändert
 ## Other sizes of move
 
 sizes-heading = Kleinere und größere Bewegungen
-sizes-note = Eine kleine Bewegung endet, bevor die Beschleunigung erreicht ist; ihre Rampen sind dann kürzer und löschen keine Schwingung. Die Tabelle sagt, für welche Bewegungen dieselben Grenzwerte das Band einhalten (ungünstigster Eckfall). Ein gleitender Mittelwert über eine Periode, wenn die Steuerung ihn hat, löscht die Schwingung bei jeder Bewegung; er ist gezeigt, wo er das Band bei allen kleineren Bewegungen einhält.
+sizes-note = Eine kleine Bewegung endet, bevor die Beschleunigung erreicht ist; ihre Rampen sind dann kürzer und löschen keine Schwingung. Die Tabelle sagt, für welche Bewegungen dieselben Grenzwerte, je mit ihrem Sollwertfilter, das Band einhalten (ungünstigster Eckfall). „Nur angegebene Größen“ sind Grenzwerte, die nur den Bewegungen des Profils dienen.
+sizes-listed = nur die angegebenen: { $moves }
+sizes-every = jede bis { $moves }
+sizes-worst = am größten { $residual } bei { $size }, keine über { $bound }
+sizes-cost = kostet { $cost } gegenüber den angegebenen allein, im selben Regelkreis
 sizes-caption = { $move }: für welche Größen die Grenzwerte gelten
-filter-time = Gleitender Mittelwert
+filter-time = Filter verlängert um
 full-from = Beschleunigung erreicht ab
 kept-from = Band eingehalten ab
 kept-to = Band eingehalten bis
@@ -515,14 +541,14 @@ measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, T
 entry-heading = Parameter für die Steuerung
 entry-caption = Werte für die Steuerung
 parameter = Parameter
-also = In anderer Einheit
+also = In anderer Einheit oder mit Namen
 old-value = Alter Wert
 new-value = Neuer Wert
 entered-by = Eingegeben von
 verified = Geprüft
 entry-note = Vor Gebrauch prüfen. Den Ruck nie auf-, die Ruckzeit nie abrunden.
 signature-heading = Unterschrift
-signed-values = { $machine }, Achse { $axis_name }: Beschleunigung { $acceleration }, Ruck { $jerk }.
+signed-values = { $machine }, Achse { $axis_name }: Beschleunigung { $acceleration }, Ruck { $jerk }, Sollwertfilter { $filter }.
 signature-field-1 = Maschinennummer, Aufstellort
 signature-field-2 = An der Steuerung eingegeben (Datum, Name, Unterschrift)
 signature-field-3 = An der Maschine geprüft (Datum, Name, Unterschrift)
@@ -538,3 +564,13 @@ compared-with-other-motion = die Achse ist { $got ->
     [rotary] rotatorisch
    *[linear] linear
 } sein wie die des Protokolls, das gedruckt wird
+
+## What would bring more
+
+improvements-heading = Was mehr brächte
+improvements-caption = Einschwingzeit der langsamsten Bewegung, ungünstigste Ecke, mit einer Änderung
+improvements-note = Jede Zeile ist gerechnet: Regelkreis mit denselben Verhältnissen von Kv und Tn zu Kp neu eingestellt, Grenzwerte dafür mit der gröberen Suche gewählt und wie die empfohlenen beurteilt. Änderungen addieren sich nicht.
+improvements-none = Kein Gewinn gefunden durch: { $changes }.
+improvement = Änderung
+improvement-saved = Gespart
+improvement-share = Zeitänderung

@@ -1,7 +1,7 @@
 # candidates and ways
 way-recommended = empfohlen
 recommended-limits = empfohlene Grenzwerte
-way-moving-average = gleitender Mittelwert
+way-listed = nur angegebene Größen
 shaper-for-mode = { $shaper }-Shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 moving-average-for-mode = gleitender Mittelwert 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
@@ -12,6 +12,8 @@ source-jerk-filter = Ruckfilter der Steuerungen, Biagiotti & Melchiorri 2008
 # where a worst value was found; $parts: some of the others
 place = { $parts }
 place-move = Bewegung { $number }
+place-velocity-step = Sprung um { VELOCITY($size) }
+place-distance = Weg { LENGTH($size) }
 place-nominal = Nennfall
 place-payload = Zuladung { MASS($payload) }
 place-frequencies = Frequenzen × { NUMBER($factor, digits: 6) }
@@ -56,6 +58,7 @@ no-limits-with-this-band = es wurden keine Grenzwerte gefunden, die mit diesem B
 control-time-optimal = zeitoptimal
 control-constrained = zeitoptimal, beschränkt
 control-damping-optimal = dämpfungsoptimal
+control-robust = robust zeitoptimal
 rectangular-in-the-loop = rechteckförmige Beschleunigung, im Regelkreis
 trapezoidal-in-the-loop = trapezförmige Beschleunigung, im Regelkreis
 time-optimal-on-the-plant = zeitoptimale Steuerung, an der Strecke
@@ -85,3 +88,34 @@ today-in-mixed-loop = Simuliert mit heutigem { $stated }; { $others }, nicht ang
 today-unstable = Der Regelkreis ist instabil mit den heutigen Werten Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
 budget-today-is = die heutigen Werte sind
 budget-check-today = die Einheiten in [today] prüfen
+
+# what would bring more
+change-dsc = Lageregelung im Antrieb (DSC)
+change-interpolation = Vorsteuerung im Geschwindigkeitsreglertakt interpoliert
+change-feedforward = { $axis ->
+    [rotary] Drehmomentvorsteuerung ein
+   *[linear] Kraftvorsteuerung ein
+}
+change-setpoint-filter = Sollwertfilter frei gewählt unter denen der Steuerung
+change-force-filters = { $axis ->
+    [rotary] Filter des Solldrehmoments
+   *[linear] Filter der Sollkraft
+}
+change-no-filters = kein Filter erlaubt ein höheres Kp
+change-lag = { $axis ->
+    [rotary] Halbe Verzögerung der Drehmomentregelung
+   *[linear] Halbe Verzögerung der Kraftregelung
+}
+change-spread = Frequenzen auf ± { SHARE($spread) } gemessen
+change-stiffer = Steifigkeit { SHARE($share) } höher, alle Eigenformen
+change-lighter = { $axis ->
+    [rotary] Bewegte Trägheit { SHARE($share) } kleiner
+   *[linear] Bewegte Masse { SHARE($share) } kleiner
+}
+change-state-feedback = Zustandsregelung mit Beobachter
+change-robust-force = { $axis ->
+    [rotary] Drehmomentverlauf für die ganze Streuung vorgesteuert, statt Beschleunigung und Ruck
+   *[linear] Kraftverlauf für die ganze Streuung vorgesteuert, statt Beschleunigung und Ruck
+}
+change-judged-by-band = nur das Band beurteilt, bei den aufgeführten Größen
+change-without-margins = kein Kp hält die Reserven ein

@@ -1,4 +1,3 @@
-sweep-unreadable = nicht lesbar: { $reason }
 sweep-no-text = ist kein UTF-8-Text; als CSV in UTF-8 speichern
 sweep-table-too-large = ist größer als { PLAIN($most, digits: 12) } Bytes; auf mehrere Reihen verteilen
 sweep-table-without-cases = braucht eine Kopfzeile mit Schlüsseln und darunter mindestens einen Fall
@@ -28,6 +27,9 @@ sweep-folder-in-use = dort arbeitet eine andere Reihenrechnung; ihr Ende abwarte
 sweep-folder-in-use-by = dort arbeitet eine andere Reihenrechnung (Prozess { $process }); ihr Ende abwarten oder mit -o einen anderen Ordner angeben
 sweep-folder-holds-one = enthält schon eine Reihenrechnung; mit --resume fortsetzen oder einen anderen Ordner angeben
 sweep-folder-holds-another = enthält eine andere Reihenrechnung (anderes Profil, andere Bereiche, Größe oder Version); einen anderen Ordner angeben oder die Optionen, mit denen sie begonnen wurde
+sweep-folder-holds-foreign = enthält { $names }, von keinem Sweep geschrieben oder im Ganzen beschädigt; einen anderen Ordner angeben
+sweep-lock-is-link = { $name } ist ein Verweis
+sweep-lines-set-aside = beschädigte Zeilen des Speichers: { $lines }; nach { $file } gelegt, ihre Fälle wurden neu gerechnet
 sweep-disk-full = kann nicht geschrieben werden ({ $reason }); alle Zeilen davor sind erhalten: Platz schaffen und mit --resume fortsetzen
 sweep-cases-kept = { PLAIN($done, digits: 12) } von { PLAIN($count, digits: 12) } Fällen liegen in { $folder }
 sweep-piece-lost = { PLAIN($done, digits: 12) } von { PLAIN($count, digits: 12) } Fällen sind gespeichert, Stück { PLAIN($piece, digits: 12) } nicht

@@ -7,7 +7,7 @@ option-between = got { $got }, must be { $least } to { PLAIN($most, digits: 12) 
 option-not-positive = got { $got }, must be > 0 { $unit }
 option-no-such-move = got { $got }, the profile has moves 1 to { $count }
 # $force, $load: SI, printed as typed
-option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above the static load { PLAIN($load, digits: 6) } { $unit }
+option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above what static load and friction take, { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } is given { $count } times; give each state or output once
 option-final-time-is-found = goes with --kind damping; a time-optimal control finds its own final time
 option-bounds-need-transcription = bounds on a damping-optimal control need --method transcription
@@ -25,12 +25,18 @@ file-is-folder = is a folder; give a file name
 file-without-folder = there is no folder { $folder }; make it first, or give another name
 file-folder-closed = { file-no-right }; give another name
 file-not-writable = cannot write this file ({ $reason }); give another name
+file-silent-pipe = is a pipe into which nobody wrote for { PLAIN($seconds) } s; start the program that fills it
+file-unread-pipe = nobody read this pipe for { PLAIN($seconds) } s
+file-is-input = is read by this command, too; give another name
+file-named-twice = is named for two results; give each its own file
+file-write-protected = is write-protected; give another name, or allow writing
 
 cli-no-profile = got no profile; give a TOML file
 cli-no-record = got no record; give the record.json of a run, or --control ? for the list
 cli-file-exists = exists already; give another name
 cli-record-lacks = this record lacks { $key }: another version of mtcommission wrote it; run the profile again, or print it with that version
-cli-interrupted = interrupted; nothing was written
+cli-interrupted = interrupted; every file is whole: as it was before, or, if it was just being written, new
+cli-no-epoch = got "{ $got }", must be seconds since 1970, or unset it
 cli-file-system = file system
 cli-internal-error = internal error, please report it with the profile: { $error }
 cli-written = written: { $files }
@@ -51,3 +57,7 @@ stage-sheet = sheet
 stage-time-optimal = time-optimal control
 stage-damping-optimal = damping-optimal control
 stage-response = response
+
+# Gains of the loop, as the profile names them
+simulated-without-filter = Simulated without a setpoint filter: the profile leaves it open (auto). State control.setpoint_filter to judge limits behind one.
+simulated-with-loop = Simulated with Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }. What the profile leaves out was tuned for these moves, here and in run alike; where run was asked for other sizes or filters, state its gains in [control].

@@ -21,7 +21,7 @@ outcome-no-convergence = no convergence: { $detail }: the iteration stopped befo
 outcome-unstable-loop = unstable loop: { $detail }: the closed loop is unstable; lower velocity_gain, then position_gain, or leave them out to have them tuned
 outcome-not-observable = not observable: { $detail }: the sensors do not see this state, so no feedback can use it; remove the gain, or add a second encoder with tcp_sensor = "position"
 outcome-bandwidth-out-of-reach = bandwidth out of reach: { $detail }: no stable loop reaches minimum_bandwidth with the required margins; shorten force_lag and the cycles, or lower minimum_bandwidth
-outcome-margins-out-of-reach = margins out of reach: { $detail }: no cascade, however soft, has the required margins: it takes damping from a mode that the encoder sees; check the sign of measured_gain, or add a notch to force_filters
+outcome-margins-out-of-reach = margins out of reach: { $detail }: no cascade, down to one so soft, has the required margins: it takes damping from a mode that the encoder sees; check the sign of measured_gain, or add a notch to force_filters
 outcome-undamped-mode = undamped mode: { $detail }: the encoder does not see this mode, so it would ring for ever; state its damping_ratio (measured, or a cautious 0.002)
 outcome-feedback-design-failed = feedback design failed: { $detail }: the Riccati equation of the state feedback or of its observer has no reliable solution for these numbers; check their units, or set control.state_feedback = "off"
 outcome-no-force-left = { $axis ->

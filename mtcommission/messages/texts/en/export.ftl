@@ -37,7 +37,7 @@ export-feature = { $what ->
     [acceleration] force feed-forward
     [jerk] jerk feed-forward
     [delay] delay of the position setpoint
-    [average] moving average of the setpoint
+    [setpoint-filter] setpoint filter of this kind and length
     [force-filters] some filters of the set force
     [loop-control] position loop in the control with held values
     [loop-interpolated] position loop in the control with interpolated feed-forward
@@ -129,6 +129,7 @@ cycle-position = cycle of the position loop
 cycle-velocity = cycle of the velocity loop
 loop-place = where it closes: control (values held), interpolated, drive (DSC)
 filter-average = moving average of the setpoint; 0: none may act
+filter-second-average = second moving average behind the first
 filter-count = filters of the set force that act, in this order
 filter-kind = kind of the filter of the set force
 filter-frequency = its natural frequency
@@ -141,6 +142,7 @@ sinumerik-mode = { $dynamic }: { $about }
 sinumerik-mode-unit = { $dynamic }; unit
 sinumerik-filter-on = jerk filter on
 sinumerik-moving-average = moving average
+sinumerik-two-averages = two moving averages behind each other
 sinumerik-filter-off = jerk filter off: its time would add to the ramp
 sinumerik-ffw-mode = 0 none, 3 speed, 4 torque, both with a pure delay
 sinumerik-delay = whole delay of the position setpoint; what the control adds by itself is part of it
@@ -209,11 +211,12 @@ fluidnc-degrees = The name says mm, but a rotary axis counts in degrees: the val
 klipper-tool-head = of the tool head, so of its slowest axis
 klipper-input-shaper = input shaper
 klipper-of-mode = of mode { $mode }
+shaper-of-run = as in the run
 klipper-no-jerk = Klipper has no jerk limit; its square_corner_velocity is a velocity step, no jerk.
 klipper-cruise = minimum_cruise_ratio (default 0.5) lowers the velocity of short moves: they are simulated without.
-klipper-shaper = The shaper quiets mode { $mode }; it makes each move longer by its own length.
+klipper-shaper = The shaper makes each move longer by its own length.
 marlin-fixed-time = fixed-time motion on
-marlin-shaper = 1 ZV, 2 ZVD; letters changed between versions
+marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 and 7 EI with two and three humps, 8 MZV; letters changed between versions
 marlin-jerk = What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.
 marlin-build = M493 needs a build with FT_MOTION; M500 keeps the values.
 ros-gain = Kv of the trajectory controller, velocity command interface

@@ -6,7 +6,10 @@ identify-band-given = Fitted from { FREQUENCY($low) } to { FREQUENCY($high) } as
 identify-band-cut = Of { FREQUENCY($low) } to { FREQUENCY($high) } only { FREQUENCY($new_low) } to { FREQUENCY($new_high) } was fitted: beyond it the lines do not obey a rigid mass with modes (friction at the low end, current loop or sensor at the high end). --band sets another.
 identify-no-lines-in-band = { $file } has too few lines between { FREQUENCY($low) } and { FREQUENCY($high) } and was left out.
 identify-too-few-in-band = { $lines } usable lines between { FREQUENCY($low) } and { FREQUENCY($high) }, at least { $least } are needed; measure a wider band or give another --band
-identify-background = A broad term about { FREQUENCY($frequency) } was needed for a good fit; it is too strongly damped to be a mode and stays out of the profile.
+identify-background = { $count ->
+    [one] A broad term about { FREQUENCY($low) } was
+   *[other] { $count } broad terms between { FREQUENCY($low) } and { FREQUENCY($high) } were
+} needed for a good fit: too strongly damped for a mode, and not in the profile.
 identify-point-left-out = { $file } does not obey the poles that the other points show and was left out: strike that point again.
 
 # Spreads
@@ -36,10 +39,16 @@ identify-no-rigid-body = No rigid body shows in the band: the mass is not known,
 identify-no-force = No { $axis ->
     [rotary] torque
    *[linear] force
-} was recorded: frequencies and damping are known, { $axis ->
+} was recorded: frequencies and damping are those of a tool on a motor that is held, { $axis ->
     [rotary] inertia
    *[linear] mass
-} and gains are not.
+} and gains are not known. [plant] means modes with the motor free, which lie higher unless the motor carries most of the { $axis ->
+    [rotary] inertia
+   *[linear] mass
+}: for a servo axis measure { $axis ->
+    [rotary] torque
+   *[linear] force
+} to speed with the drive.
 identify-friction-small-amplitude = The viscous friction of a response is not that of a move (Coulomb friction at small amplitude) and stays out of the profile: take it from a trace of a move, and measure about an offset speed.
 # $bound [1/kg]
 identify-no-tool-sensor = No sensor at the tool: tcp_gain is not measured. { GAIN($bound) } is the worst case of a tool on the far side of the mode, or its share at the encoder if that is larger. An accelerometer at the tool during the same excitation, FILE@tcp, replaces it; so does --tool-ratio, peak at the tool by peak at the motor.
@@ -118,6 +127,8 @@ identify-delay-meaning = from { $axis ->
     [rotary] torque
    *[linear] force
 } to sensor, as recorded
+identify-lag = Lag
+identify-lag-meaning = first order, beside the delay: the current loop, or a filter of the sensor
 identify-mass-meaning = from the rigid body at the low end of the band
 identify-band-meaning = by coherence and misfit
 identify-caption-modes = Modes over all states, ± two standard errors
@@ -147,7 +158,32 @@ identify-stage = Identifying
 identify-next = Then: mtcommission wizard -o { $file }, then mtcommission run { $file }
 
 # Options
+identify-profile-there = { $file } is there and was not written by identify; give another name, or --profile { $file } to merge into it
 identify-option-number = got "{ $got }", must be a number other than 0
 identify-option-band = got "{ $got }", must be LOW:HIGH in Hz with 0 < LOW < HIGH, e.g. 8:300
 identify-option-modes = got "{ $got }", must be auto or 1 to { $most }
 identify-option-columns = got "{ $got }", must be NAME=COLUMN
+
+# The sheet's section
+identified-heading = What was measured
+identified-note = Identified on { $date }. ± is two standard errors of this measurement; what differs from day to day, and between positions and payloads, is in the spread, which the corners hold.
+identified-by-profile = as the profile states it
+identified-assumed = not measured; assumed { $value }
+identified-changed = { $mode } was changed by hand: { $what } is { $now } in the profile, { $was } was measured.
+identified-mass-changed = The moving { $axis ->
+    [rotary] inertia
+   *[linear] mass
+} was changed by hand: { $now } in the profile, { $was } was measured.
+identified-not-in-profile = { $mode } was measured, but no mode of the profile has this name: these limits do not know it unless it was renamed.
+identified-spread-less = { $what }: the corners hold ± { $now }, the measurement asks for ± { $was }.
+identified-without-evidence = The profile names no file with measured points and advice: identify -o writes one beside it.
+identified-evidence-missing = { $file } with the measured points and the advice is missing beside the profile or cannot be read: values and intervals are those of the profile.
+identified-evidence-differs = { $file } is not the file that belongs to this profile (its checksum differs): values and intervals are those of the profile.
+# $now, $least, $freed [s]
+identified-tool-frees = The share of { $modes } at the tool was not measured but assumed, mostly as the worst case. A sensor at the tool during the same measurement could free up to { TIME($freed) }: if it shows a tool that stands still in these modes, the slowest move settles after { TIME($least) } in place of { TIME($now) }.
+identified-tool-frees-nothing = The share of { $modes } at the tool was not measured but assumed. A sensor at the tool would free no time here: even with a tool that stands still in these modes the slowest move settles no sooner.
+identified-tool-decides = The share of { $modes } at the tool was not measured but assumed, and the requirements are not met with it. With a tool that stands still in these modes they { $met ->
+    [yes] would be met: measure with a sensor at the tool first
+   *[no] are not met either
+}.
+identify-document-measured = What was measured, for the sheet: value and standard error. Change [plant], not this.

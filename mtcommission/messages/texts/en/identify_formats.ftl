@@ -117,3 +117,4 @@ identify-by-decay = free vibration from { TIME($start) } on, { TIME($duration) }
 identify-loop-in-decay = a setpoint was followed: these are vibrations of the axis in its closed loop, whose damping the loop changes
 identify-by-power = no force was recorded and nothing dies away: taken as a spectrum, which gives frequencies and damping, neither mass nor gains
 identify-hold = if the force is held between samples, as drives do, gains above { FREQUENCY($limit) } are read more than 1 % too small; sample faster if modes lie there
+identify-no-motor-acceleration = no acceleration of the motor among { $found }; --input acceleration needs it beside a signal at the tool: --columns "motor_acceleration=..." and FILE@tcp

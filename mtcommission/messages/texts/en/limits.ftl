@@ -19,6 +19,11 @@ optimum-composed = The move cruises at max_velocity for long; the reference show
 optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
 optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.
 damping-optimum-failed = Damping-optimal control: { $error }.
+band-optimum-failed = Optimum with the band instead of exact rest: { $error }.
+robust-force-failed = { $axis ->
+    [rotary] Torque profile for the whole spread: { $error }.
+   *[linear] Force profile for the whole spread: { $error }.
+}
 damping-optimum-exceeds-velocity = The damping-optimal control reaches { PLAIN($times, digits: 4) } times max_velocity: its functional knows no limits on states.
 static-load-of-force = static_load { SI($load, "FORCE", digits: 6) } of max_force { SI($force, "FORCE", digits: 6) }
 final-time-below-least = t_f = { PLAIN($final, digits: 9, unit: "ms") } ms, but t_f,min = { PLAIN($least, digits: 9, unit: "ms") } ms
@@ -48,31 +53,36 @@ source-heidenhain = HEIDENHAIN, MANUALplus 620: least axPathJerk
 
 # the commissioning rule
 commissioning-rule = commissioning rule
+commissioning-rule-with = commissioning rule ({ $chosen })
 source-commissioning-rule = this project, by hand; derived and validated in docs/commissioning-rule.md
-rule-description = A rule to apply by hand: each jerk step leaves a vibration in every mode and a following-error transient of the servo loop, both in proportion to the jerk; ramps of whole periods cancel the vibration. Of the ramps tried, the one with the shortest motion is taken.
-rule-advice = Try t_j = 1, 2, 3 periods of each mode, and the t_j that needs no cancelling (R = 2); take the shortest motion.
+rule-description = In one sentence: average one period of the softest mode, let the band set the jerk, and the { $axis ->
+    [rotary] torque
+   *[linear] force
+} the acceleration. Why: each jerk step leaves a vibration in every mode and a following-error transient of the servo loop, both in proportion to the jerk; among moves of all sizes there is one whose steps all add, so ramps cannot be relied on to cancel anything. A moving average of fixed length acts on every size.
+rule-advice = Calculate once without an average (W = 1) and once with one that is as long as a period of the mode with the largest C, at the middle of the frequencies that it may have; take what moves sooner, v/a + a/j + T_F. The limits then hold for every smaller move, too.
 rule-validity = Rigid axis with lag and weakly damped modes (15 to 200 Hz, damping 0.5 to 10 %), cascade with full velocity feed-forward and automatic reference delay, spread up to 10 %, payload up to 30 % of the moving { $axis ->
     [rotary] moment of inertia
    *[linear] mass
-}, band 2 to 50 µm; no setpoint filter, no bounds on peaks or { $axis ->
+}, band 2 to 50 µm; no setpoint filter but a moving average, no bounds on peaks, contour or { $axis ->
     [rotary] RMS torque
    *[linear] RMS force
 }. The band is met in most machines, not in all: simulate before use.
-rule-no-cancelling = no cancelling
-rule-periods = { $count ->
-    [1] 1 period of { $mode }
-   *[other] { $count } periods of { $mode }
-}
+rule-no-average = no average
+rule-average = moving average, { TIME($time) }
 rule-force = { $axis ->
     [rotary] torque
    *[linear] force
 }
 rule-reach = reach
-rule-band = band
 rule-bound-by = bound by { $what }
-rule-for-velocity-step = for a velocity step
 rule-for-positioning = for positioning
 rule-within-the-spread = within the spread
+rule-ramps = number of ramps n
+rule-by-moves = 2 for a velocity step, 4 for positioning
+rule-average-length = length T_F of the moving average
+rule-mode-lowest = lowest frequency of mode { $mode }
+rule-mode-passed = share W of mode { $mode } behind the average
+rule-allowed-jerk = jerk that the band allows
 rule-speed-loop = speed loop ω_v
 rule-servo-sensitivity = jerk sensitivity C_S of the servo
 rule-unknown-mass = { $axis ->
@@ -81,9 +91,6 @@ rule-unknown-mass = { $axis ->
 }
 rule-payload-sensitivity = jerk sensitivity C_P by the payload
 rule-mode-sensitivity = jerk sensitivity C of mode { $mode }
-rule-mode-spread = spread of mode { $mode } beyond the stated one
-rule-mode-vibration = vibration V of mode { $mode }
-rule-vibration-formula = R(f t_j) × echo of the ramps before
 rule-jerk-time = jerk time t_j
 rule-force-acceleration = { $axis ->
     [rotary] acceleration within the torque
@@ -95,8 +102,10 @@ rule-jerk = jerk j
 rule-residual = predicted residual
 rule-needs-velocity-feedforward = velocity_feedforward is not 1: the following error is not in the rule
 rule-needs-automatic-delay = reference_delay is given: the rule counts on the automatic one
-rule-knows-no-setpoint-filter = a setpoint filter is on: the rule does not count its smoothing
+rule-needs-jerk-limit = the control has no jerk limit: the rule counts on one
+rule-knows-averages-only = a setpoint filter other than a moving average is on: the rule counts its length, not its smoothing
+rule-careful-with-seen-mode = the encoder sees more of mode { $mode } than was tried (m c = { NUMBER($share, digits: 3) }, tried up to 1): the rule may be slower than need be by far
 rule-knows-no-peaks = { $axis ->
-    [rotary] bounds on peaks or RMS torque are not in the rule
-   *[linear] bounds on peaks or RMS force are not in the rule
+    [rotary] bounds on peaks, contour or RMS torque are not in the rule
+   *[linear] bounds on peaks, contour or RMS force are not in the rule
 }

@@ -7,7 +7,7 @@ loop-one-or-other = { $first } or { $second }
 # By which rule a gain was chosen
 loop-kp-symmetrical-optimum = Kp by the symmetrical optimum, m / (2 T_σ).
 # $fraction: of the optimum
-loop-kp-largest = Kp = { PLAIN($fraction, digits: 2, style: "f") } × the symmetrical optimum, m / (2 T_σ): the largest that keeps the margins in every corner.
+loop-kp-largest = Kp = { PLAIN($fraction, digits: 2) } × the symmetrical optimum, m / (2 T_σ): the largest that keeps the margins in every corner.
 loop-tn-yaskawa = Tn = 4 m / Kp (Yaskawa's lower bound for the speed loop).
 loop-kv-damping-one = Kv = Kp / (4 m): speed loop damping 1.
 # $ratio: Tn Kp / m and Kv m / Kp
@@ -34,6 +34,7 @@ loop-lacks-bandwidth = the fastest loop with the margins has { PLAIN($reached, d
 loop-mixed-mode = Mode { $mode } and the servo mix in the closed loop: the damping ratio shown is that of the poles at { NUMBER($shown_frequency, digits: 3) } Hz, which hold { PERCENT($shown_share) } of the mode; { PERCENT($larger_share) } of it ring at { NUMBER($larger_frequency, digits: 3) } Hz with { NUMBER($larger_damping, digits: 3) }.
 
 # Margins: dB, degrees; they may be infinite
+loop-without-margins = none: the loop is unstable (worst corner)
 loop-margins = { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) } degrees, sensitivity peak { PLAIN($peak, digits: 3) } (worst corner)
 loop-given-gains-poor = The given gains are used as given, but their margins are poor: { $margins }; wanted are { PLAIN($gain, digits: 3) } dB, { PLAIN($phase, digits: 3) } degrees, sensitivity peak at most { PLAIN($peak, digits: 3) }. { $cure }.
 loop-given-gains-slow = With the given gains the closed velocity loop reaches { PLAIN($reached, digits: 3) } Hz in its worst corner, less than minimum_bandwidth = { PLAIN($wanted, digits: 3) } Hz.
@@ -59,7 +60,7 @@ loop-nominal-machine = the nominal machine
 loop-corner-payload = payload { SI($value, "MASS") }
 loop-corner-frequencies = frequencies × { NUMBER($value) }
 loop-corner-damping = damping × { NUMBER($value) }
-loop-no-margins = at Kp = { SI($Kp, "DAMPING") }, { PERCENT($share) } of the symmetrical optimum, they are { $margins }
+loop-no-margins = at Kp = { SI($Kp, "DAMPING") }, { SHARE($share) } of the symmetrical optimum, there are { $margins }
 loop-mode-without-damping = mode { $mode } ({ PLAIN($frequency) } Hz) has damping ratio 0
 loop-hidden-states = state feedback of { $states }
 # $error: what the solver said

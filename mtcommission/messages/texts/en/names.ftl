@@ -79,6 +79,8 @@ name-continuous-force = { $axis ->
    *[linear] Continuous force
 }
 name-static-load = Static load
+name-coulomb-friction = Coulomb friction
+name-viscous-friction = Viscous friction
 name-velocity-step = Velocity step
 name-distance = { $axis ->
     [rotary] Angle

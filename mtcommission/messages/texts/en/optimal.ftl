@@ -16,8 +16,13 @@ bounds-take-longer = take longer
 bounds-widened-alike = { " " }(all widened alike)
 
 bounded-optimum-not-found = time-optimal control under { $bounds } and { PLAIN($force, digits: 6) } { $unit }
+optimum-too-long = an optimal control of { PLAIN($t_f) } s is { PLAIN($radians) } rad of what is fastest in the machine, at most { PLAIN($most) } are computed
 grid-search-stopped = search for t_f on the grid stopped at { PLAIN($t_f, digits: 6) } s
 grid-program-unfinished = the linear program of { PLAIN($cells, digits: 9) } cells for { PLAIN($t_f, digits: 6) } s did not end
+free-motion-rings-on = the free motion after the end takes too long to decay to be watched
+band-program-gave-up = the linear program of the optimum with the band did not end
+band-exchange-goes-on = further peaks of the free motion leave the band however many are held
+band-exceeds-velocity = between the points at which it is watched the velocity reaches { PLAIN($times, digits: 6) } times max_velocity
 cruise-needs-velocity = a cruise needs a max_velocity
 too-short-to-cruise = the { $axis ->
     [rotary] angle

@@ -17,6 +17,7 @@ file-is-directory = is a directory; name a profile (.toml) in it
 file-unreadable = cannot be read: { $reason }
 file-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no profile
 file-binary = is a binary or UTF-16 file; save the profile as UTF-8 text
+file-is-json = is JSON, as the record of a run is; give the machine profile (.toml), or the record to sheet or export
 file-not-utf8 = byte { $byte } is not UTF-8; save the profile as UTF-8 text
 file-empty = is empty; start from a shipped profile (mtcommission profiles list)
 # $meant: profile-meant or profile-none-meant
@@ -62,7 +63,8 @@ got-no-array = got { $got }, must be an array{ $hint }
 got-no-text = got { $got }, must be a text in quotes
 got-no-signals = got { $got }, must be a table of signals
 got-no-signals-or-word = got { $got }, must be { $words } or a table of signals
-got-no-filter = got { $got }, must be "none" or a table with kind and time
+# $words: what may stand in place of a table
+got-no-filter = got { $got }, must be { $words } or a table with kind
 got-no-quantity = got { $got }, { $expected }
 got-infinite = got { $got }, must be a finite number
 array-too-short = got { $length } elements, at least { $least } needed
@@ -82,6 +84,7 @@ must-be-between = got { $got }, must be from { PLAIN($low, digits: 6) } to { PLA
 
 # What does not fit together.
 static-load-takes-all = got { PLAIN($got, digits: 6) } { $unit } against max_force = { PLAIN($max_force, digits: 6) } { $unit }; its amount must be smaller, or no force is left for motion
+friction-takes-all = got { PLAIN($got, digits: 6) } { $unit }, must be below what max_force leaves beside static_load, { PLAIN($left, digits: 6) } { $unit }
 move-with-neither = got neither of velocity_step and distance, give exactly one
 move-with-both = got both of velocity_step and distance, give exactly one
 max-velocity-without-distance = belongs to a move with distance; give distance, or remove it
@@ -102,7 +105,15 @@ control-without-feedforward = got { $got }; kind = "{ $control }" has only { $ha
 control-without-delay = got { PLAIN($got, digits: 6) } s; kind = "{ $control }" cannot delay its setpoint; leave the key out
 control-without-state-feedback = kind = "{ $control }" cannot feed states back; write "off", or kind = "state-space" for a free controller
 control-without-observer = kind = "{ $control }" has no observer that could use a sensor at the tool; write "none", or kind = "state-space" for a free controller
-control-without-filter = got { $got }; kind = "{ $control }" has no such setpoint filter; write "none"
+# $has: kinds that it has and the word for none
+control-without-filter = got { $got }; kind = "{ $control }" has no such setpoint filter: write { $has }
+control-filter-time = got { PLAIN($got, digits: 6) } s; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } s with this position cycle
+control-filter-frequency = got { PLAIN($got, digits: 6) } Hz; kind = "{ $control }" takes { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } Hz for a shaper
+control-filter-damping = got { PLAIN($got, digits: 6) }; kind = "{ $control }" takes a damping ratio of { PLAIN($low, digits: 6) } to { PLAIN($high, digits: 6) } for this shaper
+filter-key-missing = missing: a filter with kind = "{ $kind }" needs it
+filter-key-unused = means nothing to a filter with kind = "{ $kind }": remove it
+filter-taps-sum = got taps whose sum is { PLAIN($got, digits: 6) }, must be 1, or the axis would not arrive where it should: divide each by the sum
+filter-without-end = got { $got }: behind such a filter a setpoint never ends, so no time of settling and no proof for every size of move could be stated; choose another kind, or "none" with the filter off in the control
 control-without-force-filters = got "auto"; kind = "{ $control }" has no filters in the torque setpoint; leave the key out
 control-with-fewer-filters = got { $got } filters; kind = "{ $control }" has { $most } in the torque setpoint; write no more
 control-without-jerk-limit = kind = "{ $control }" limits no jerk, so none can be set today; remove the key

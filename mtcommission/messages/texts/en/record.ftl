@@ -2,6 +2,8 @@
 # $key, $keys: where in the JSON; $constant: what stands for a number; $given, $read: versions of the schema; $got: what stands there
 
 record-not-readable = not a record of mtcommission run: { $why }
+record-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no record
+record-steers = holds characters that steer a terminal, which no run writes; run the profile again
 record-not-json = not a record of mtcommission run: its contents are not JSON; give the record.json that mtcommission run writes
 record-is-directory = is a directory; give the record.json in it
 record-lacks-keys = not a record of mtcommission run: { $keys } missing
@@ -65,3 +67,17 @@ path-force-feed-forward = { $axis ->
    *[linear] force feed-forward
 }
 path-velocity-controller = velocity controller
+
+# Friction
+assumption-linear-with-friction = { $axis ->
+    [rotary] The search for the limits is linear: a rigid body, a first-order torque lag and decoupled flexible modes; Coulomb friction is taken off the torque that is left. The recommended limits were simulated once more with the stated friction. Backlash, cogging and cable drag are left out.
+   *[linear] The search for the limits is linear: a rigid mass, a first-order force lag and decoupled flexible modes; Coulomb friction is taken off the force that is left. The recommended limits were simulated once more with the stated friction. Backlash, cogging and cable forces are left out.
+}
+friction-kept = Move { $move } with Coulomb friction of { FORCE($coulomb) } and viscous friction of { DAMPING($viscous) }: settling time { TIME($settling) } (without: { TIME($without) }), residual deviation { LENGTH($residual) }, largest set { $axis ->
+    [rotary] torque
+   *[linear] force
+} { FORCE($force) }; all that was looked at is kept (worst corner).
+friction-broken = Move { $move } with Coulomb friction of { FORCE($coulomb) } and viscous friction of { DAMPING($viscous) }: settling time { TIME($settling) } (without: { TIME($without) }), residual deviation { LENGTH($residual) }, largest set { $axis ->
+    [rotary] torque
+   *[linear] force
+} { FORCE($force) }; this breaks band, settling time or force (worst corner). A settling time of – is: not settled a second after the setpoint. Raise the integral gain, add friction compensation in the control, or ask for a wider band.

@@ -35,6 +35,24 @@ setting-landscape = Points of the map in each direction
 setting-largest-fraction = Kp tried first, over the symmetrical optimum
 setting-mode-noise = Mode noise of the observer, relative to F_max
 setting-evaluations = Limits judged in every corner
+setting-cells = Cells of the move, at first
+setting-parts = { $axis ->
+    [rotary] Pieces of a cell at which the torque switches
+   *[linear] Pieces of a cell at which the force switches
+}
+setting-gap = Gap to the proved bound at which refining ends, relative
+setting-margin = Share of the band kept free between rows
+setting-velocity-margin = Share of max_velocity kept free between points
+setting-most-velocity-margin = Share of max_velocity kept free between points, at most
+setting-exchanges = Rounds of exchange, at most
+setting-time-tolerance = Relative accuracy of the time on given cells
+setting-first-contacts = First rows per period of the slowest mode
+setting-radians = Samples of the free motion, in radians
+setting-most-samples = Samples of a free motion, at most
+setting-steps = Steps of the simplex method, at most
+setting-frequencies = Frequencies of the spread in the first program
+setting-checked-frequencies = Frequencies of the spread that are checked
+setting-robust-margin = Share of the band kept free between frequencies
 
 ## What they are for
 
@@ -42,3 +60,4 @@ settings-tuning = tuning
 settings-search = search
 settings-comparison = comparison
 settings-robustness = robustness
+settings-band = optimum with the band

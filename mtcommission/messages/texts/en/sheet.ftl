@@ -20,6 +20,19 @@ not-met = NOT MET
 not-settled = not settled
 unlimited = unlimited
 no-jerk-limit = no limit
+setpoint-filter = Setpoint filter
+no-setpoint-filter = none
+# $kind: of the setpoint filter; $shaper: its name in capitals; $count: of taps
+filter-name = { $kind ->
+    [moving_average] moving average
+    [two_moving_averages] two moving averages
+    [fir] FIR of { $count } taps
+   *[other] shaper { $shaper }
+}
+filter-of-length = Filter length
+filter-of-second-length = Second filter length
+filter-of-frequency = Filter frequency
+filter-of-damping = Filter damping ratio
 none = None.
 move = Move { $number }
 velocity-step = velocity step { $velocity }
@@ -48,7 +61,7 @@ verdict-met = All requirements met
 verdict-not-met = Requirements NOT met
 values-bound-by = Bound by: { $bound }
 obstacle = What stands in the way: { $obstacle }
-result-caption = What the values give, worst move and worst corner
+result-caption = What the values give, worst of the listed moves and corners
 today = Today
 now-and-then = Settling time / residual deviation: now { $now }, then { $then }.
 now = now { $value }
@@ -60,6 +73,7 @@ basis-control = Control
 basis-frequencies = Frequencies
 basis-damping = Damping ratios
 basis-reserve = Reserve
+basis-sizes = Sizes of move
 assumed = { $value } (assumed)
 spread = judged at ± { SHARE($spread) }
 spread-none = judged as stated, no spread
@@ -86,6 +100,11 @@ met-without-reserve = met, reserve used up
 reference = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling } ({ $more } more).
 reference-unsettled = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: not settled.
 reference-faster = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling }, { $less } less, since it is judged by the band and not by exact rest.
+band-optimum = With the band of ± { $band } instead of exact rest: { $optimum } (recommended: { $change }; proved: nothing below { $bound }).
+robust-force = { $axis ->
+    [rotary] A torque profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
+   *[linear] A force profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
+}
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
 reference-composed = { $optimum } (composed with a cruise; proved: not below { $bound })
 first-look-caption = { $move }: setpoint, response and TCP deviation, nominal machine
@@ -146,7 +165,7 @@ limits-name = Limits
 recommended = Recommended
 rule-heading = Commissioning rule, applied by hand
 rule-valid = Valid for: { $range }
-rule-result = By hand: a = { $acceleration }, j = { $jerk } (ramp: { $chosen }; bound by: { $bound }), predicted residual deviation { $residual }. The search needs no rule; this is to check it with a calculator.
+rule-result = By hand: a = { $acceleration }, j = { $jerk } ({ $chosen }; a bound by: { $bound }), predicted residual deviation { $residual }, for every smaller move, too. The search needs no rule; this is to check it with a calculator.
 rule-steps-caption = The rule, step by step
 rule-symbols-caption = Symbols of the rule (index i: a mode; values by mode: { $modes })
 rule-symbol-a = Acceleration by the rule
@@ -176,8 +195,11 @@ rule-symbol-omega = Natural angular frequency of a mode
 rule-symbol-zeta = Damping ratio of a mode
 rule-symbol-g = Share of a mode at the tool, by itself or beside the encoder; the larger one
 rule-symbol-c = Share of a mode at the encoder
-rule-symbol-R = Share of a mode's vibration that a ramp leaves
-rule-symbol-x = Length of a ramp in periods of a mode, f t_j
+rule-symbol-T-F = Length of the moving average
+rule-symbol-n = Ramps of acceleration: 2 in a velocity step, 4 in positioning
+rule-symbol-s = Frequency spread
+rule-symbol-R = Vibration after an average over that of a single push
+rule-symbol-x = Length of the average in periods of a mode, f T_F
 rule-symbol-i = Imaginary unit (as an index: number of the mode)
 symbol = Symbol
 meaning = Meaning
@@ -246,7 +268,7 @@ amplitude = Amplitude
 setpoint-caption = { $move }: segments of the setpoint
 duration = Duration
 segment = Segment
-moving-average = Moving-average filter of the control: { $time }.
+setpoint-behind-filter = Behind it the setpoint filter of the control ({ $filter }), which lengthens the setpoint by { $time }.
 comparison-heading = Comparison with the optimal controls
 comparison-note = { $axis ->
     [rotary] Nominal machine. In the loop, the transfer time is the settling time; an optimal control ends in exact rest. Overshoot is that of the tool's velocity (velocity step) or position (positioning), relative to the target. Heat is the integral of the squared motor torque.
@@ -439,9 +461,13 @@ what-changes = What changes
 ## Other sizes of move
 
 sizes-heading = Smaller and larger moves
-sizes-note = A small move ends before the acceleration is reached; its ramps are shorter then and cancel no vibration. The table says for which moves the same limits keep the band (worst corner). A moving average of one period, if the control has one, cancels the vibration whatever the move; it is shown where it keeps the band on all smaller moves.
+sizes-note = A small move ends before the acceleration is reached; its ramps are shorter then and cancel no vibration. The table says for which moves the same limits, each with its setpoint filter, keep the band (worst corner). "Listed sizes only" are limits that serve the profile's own moves and no others.
+sizes-listed = only those listed: { $moves }
+sizes-every = every one up to { $moves }
+sizes-worst = worst { $residual } at { $size }, none above { $bound }
+sizes-cost = costs { $cost } against the listed sizes alone, in the same loop
 sizes-caption = { $move }: for which sizes the limits hold
-filter-time = Moving average
+filter-time = Filter adds
 full-from = Acceleration reached from
 kept-from = Band kept from
 kept-to = Band kept to
@@ -512,14 +538,14 @@ measure-field-2 = State of the machine (position of the other axes, payload, tem
 entry-heading = Parameters for the control
 entry-caption = Values for the control
 parameter = Parameter
-also = In other units
+also = In other units or names
 old-value = Old value
 new-value = New value
 entered-by = Entered by
 verified = Verified
 entry-note = Verify before use. Never round the jerk up or the jerk time down.
 signature-heading = Signature
-signed-values = { $machine }, axis { $axis_name }: acceleration { $acceleration }, jerk { $jerk }.
+signed-values = { $machine }, axis { $axis_name }: acceleration { $acceleration }, jerk { $jerk }, setpoint filter { $filter }.
 signature-field-1 = Machine number, place
 signature-field-2 = Entered on the control (date, name, signature)
 signature-field-3 = Verified at the machine (date, name, signature)
@@ -529,3 +555,13 @@ signature-field-4 = Remarks
 
 # $got, $wanted: linear or rotary
 compared-with-other-motion = got a { $got } axis, must be { $wanted } like the record to be printed
+
+## What would bring more
+
+improvements-heading = What would bring more
+improvements-caption = Settling time of the slowest move, worst corner, with one thing changed
+improvements-note = Each row is computed: the loop tuned again with the same ratios of Kv and Tn to Kp, limits chosen for it by the coarser search, judged as the recommended ones. Changes do not add up.
+improvements-none = No gain was found by: { $changes }.
+improvement = Change
+improvement-saved = Saved
+improvement-share = Change of time

@@ -3,7 +3,7 @@
 # candidates and ways
 way-recommended = recommended
 recommended-limits = recommended limits
-way-moving-average = moving average
+way-listed = listed sizes only
 shaper-for-mode = { $shaper } shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 moving-average-for-mode = moving average 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
@@ -14,6 +14,8 @@ source-jerk-filter = jerk filter of the controls, Biagiotti & Melchiorri 2008
 # where a worst value was found; $parts: some of the others
 place = { $parts }
 place-move = move { $number }
+place-velocity-step = step of { VELOCITY($size) }
+place-distance = distance of { LENGTH($size) }
 place-nominal = nominal
 place-payload = payload { MASS($payload) }
 place-frequencies = frequencies × { NUMBER($factor, digits: 6) }
@@ -60,6 +62,7 @@ no-limits-with-this-band = no limits were found that meet all requirements with 
 control-time-optimal = time-optimal
 control-constrained = constrained time-optimal
 control-damping-optimal = damping-optimal
+control-robust = robust time-optimal
 rectangular-in-the-loop = rectangular acceleration, in the loop
 trapezoidal-in-the-loop = trapezoidal acceleration, in the loop
 time-optimal-on-the-plant = time-optimal control, on the plant
@@ -89,3 +92,34 @@ today-in-mixed-loop = Simulated with today's { $stated }; { $others }, not state
 today-unstable = The loop is unstable with today's Kv = { NUMBER($Kv) } 1/s, Kp = { SI($Kp, "DAMPING") }, Tn = { TIME($Tn) } ({ $corner }).
 budget-today-is = today's values are
 budget-check-today = check the units in [today]
+
+# what would bring more
+change-dsc = Position loop in the drive (DSC)
+change-interpolation = Feed-forward interpolated at the velocity cycle
+change-feedforward = { $axis ->
+    [rotary] Torque feed-forward on
+   *[linear] Force feed-forward on
+}
+change-setpoint-filter = Setpoint filter chosen freely among those of the control
+change-force-filters = { $axis ->
+    [rotary] Filters of the set torque
+   *[linear] Filters of the set force
+}
+change-no-filters = no filter lets Kp rise
+change-lag = { $axis ->
+    [rotary] Half the lag of the torque loop
+   *[linear] Half the lag of the force loop
+}
+change-spread = Frequencies measured to ± { SHARE($spread) }
+change-stiffer = Stiffness { SHARE($share) } higher, all modes
+change-lighter = { $axis ->
+    [rotary] Moving inertia { SHARE($share) } lower
+   *[linear] Moving mass { SHARE($share) } lower
+}
+change-state-feedback = State feedback with an observer
+change-robust-force = { $axis ->
+    [rotary] Torque profile for the whole spread fed forward instead of acceleration and jerk
+   *[linear] Force profile for the whole spread fed forward instead of acceleration and jerk
+}
+change-judged-by-band = only the band was judged, at the listed sizes
+change-without-margins = no Kp keeps the margins

@@ -1,6 +1,5 @@
 # Faults of a sweep: its options, its table of cases, its folder.
 
-sweep-unreadable = cannot be read: { $reason }
 sweep-no-text = is not UTF-8 text; save it as CSV in UTF-8
 sweep-table-too-large = is larger than { PLAIN($most, digits: 12) } bytes; split it into several sweeps
 sweep-table-without-cases = needs a header of keys and at least one case below it
@@ -30,6 +29,9 @@ sweep-folder-in-use = another sweep is at work there; wait until it ends, or giv
 sweep-folder-in-use-by = another sweep is at work there (process { $process }); wait until it ends, or give another folder with -o
 sweep-folder-holds-one = holds a sweep already; continue it with --resume or give another folder
 sweep-folder-holds-another = holds another sweep (other profile, ranges, quantity or version); give another folder, or the options it was begun with
+sweep-folder-holds-foreign = holds { $names }, which no sweep of ours wrote or whose beginning and rows are all damaged; give another folder
+sweep-lock-is-link = { $name } is a link
+sweep-lines-set-aside = lines of the store that were damaged: { $lines }; set aside in { $file }, their cases were computed again
 sweep-disk-full = cannot write ({ $reason }); all rows before are kept: free space and continue with --resume
 sweep-cases-kept = { PLAIN($done, digits: 12) } of { PLAIN($count, digits: 12) } cases are on disk in { $folder }
 sweep-piece-lost = { PLAIN($done, digits: 12) } of { PLAIN($count, digits: 12) } cases are on disk, piece { PLAIN($piece, digits: 12) } is not

@@ -35,7 +35,7 @@ def mesh_arcs(problem: BoundedProblem, found: MeshOptimum) -> tuple[Arc, ...]:
     for group in _groups(problem, found):
         start, end = t_f - group[0].start, t_f - group[-1].end
         if group[0].limit >= 0:
-            state = found.state(group[0].first) / found.reach
+            state = group[0].first / found.reach
             arcs.append(boundary_arc(problem, group[0].limit, start, end, state=state))
             continue
         lengths = np.array([cell.start - cell.end for cell in group])

@@ -45,7 +45,8 @@ class MeshOptimum:
     plan
         What was solved.
     segments
-        In order of time.
+        In order of time, with their states under the solution, shape (n,): the affine maps of a
+        fine mesh take some hundred megabytes, and a search keeps many meshes.
     unknowns
         Relative force in each cell, then jumps, shape (n_unknowns,).
     reach
@@ -72,14 +73,10 @@ class MeshOptimum:
     held: float
     basis: Basis
 
-    def state(self, ends: Array) -> Array:
-        """Return a state from its affine map of shape (n, n_unknowns + 2)."""
-        return np.asarray(ends @ np.concatenate([self.unknowns, [self.reach, 1.0]]))
-
     @property
     def sizes(self) -> Array:
         """Largest magnitude of each state at the ends of cells and interiors, shape (n,)."""
-        states = np.array([self.state(segment.last) for segment in self.segments])
+        states = np.array([segment.last for segment in self.segments])
         return np.asarray(np.abs(states).max(axis=0))
 
 
@@ -163,7 +160,7 @@ def solve_mesh(
     )
     return MeshOptimum(
         plan=plan,
-        segments=segments,
+        segments=_under(segments, np.append(solution.unknowns, 1.0)),
         unknowns=solution.unknowns[:-1],
         reach=float(solution.unknowns[-1]),
         slope=_slope(segments, solution.bounds),
@@ -194,7 +191,7 @@ def solve_relaxation(problem: BoundedProblem, restriction: MeshOptimum) -> MeshO
     settings = problem.settings.mesh
     every = off_interiors(problem, restriction.plan.points, restriction.plan.interiors)
     plan = replace(restriction.plan, points=every, margin=0.0)
-    left_out = _room(problem, plan, restriction) >= settings.near
+    left_out = _room(problem, plan, restriction, relaxed=False) >= settings.near
     found: MeshOptimum | None = None
     while True:
         # The points so far come first, so that the basis fits.
@@ -213,16 +210,30 @@ def solve_relaxation(problem: BoundedProblem, restriction: MeshOptimum) -> MeshO
         )
         if found is None:
             return None
-        broken = left_out & (_room(problem, plan, found) < -settings.missed)
+        broken = left_out & (_room(problem, plan, found, relaxed=True) < -settings.missed)
         if not broken.any():
             return found
         left_out &= ~broken
 
 
-def _room(problem: BoundedProblem, plan: MeshPlan, found: MeshOptimum) -> Array:
+def _room(problem: BoundedProblem, plan: MeshPlan, found: MeshOptimum, *, relaxed: bool) -> Array:
     """Return how far a motion stays from its bounds at the points of a plan, shape (k,)."""
-    rows, rooms = bound_rows(problem, plan, found.segments)
+    segments = mesh_segments(problem, found.plan, relaxed=relaxed)
+    rows, rooms = bound_rows(problem, plan, segments)
     return np.asarray(rooms - rows @ np.append(found.unknowns, found.reach))
+
+
+def _under(segments: tuple[Segment, ...], solution: Array) -> tuple[Segment, ...]:
+    """Return segments with states for maps; ``solution`` has unknowns, reach and 1."""
+    return tuple(
+        replace(
+            segment,
+            arrived=segment.arrived @ solution,
+            first=segment.first @ solution,
+            last=segment.last @ solution,
+        )
+        for segment in segments
+    )
 
 
 def _slope(segments: tuple[Segment, ...], marginals: Array) -> float:

@@ -83,7 +83,7 @@ def _levels(
 ) -> Array:
     """Return samples of all c x in parts of cells, shape (n_parts, SAMPLES, n_limits)."""
     plant = problem.plant
-    starts = np.array([found.state(cell.first) for cell in cells])[part]
+    starts = np.array([cell.first for cell in cells])[part]
     force = found.unknowns[[cell.column for cell in cells]][part, np.newaxis] * problem.force_limit
     flow, push = transition(plant, step), step_response(plant, step) * force
     state = np.einsum("pij,pj->pi", transition(plant, since), starts)
@@ -180,7 +180,7 @@ def interior_states(
     count = int(np.ceil(length * problem.rate / step)) + 4
     tau = np.linspace(0.0, length, count)
     piece = Piece(limit=interior.limit, side=0, duration=float(tau[-1]))
-    return tau, piece_states(problem, piece, found.state(interior.first), tau)
+    return tau, piece_states(problem, piece, interior.first, tau)
 
 
 def untenable(problem: BoundedProblem, found: MeshOptimum) -> list[tuple[float, float]]:

@@ -218,8 +218,27 @@ def lower_bound(problem: BoundedProblem, measure: Measure) -> float:
     float
         [s]; 0 if the measure proves nothing.
     """
+    return excluded_time(problem, measure, claim=float(measure.terminal @ problem.target))
+
+
+def excluded_time(problem: BoundedProblem, measure: Measure, *, claim: float) -> float:
+    """Return a time by which Λ x of no admissible motion reaches a value.
+
+    Parameters
+    ----------
+    problem
+        The bounded problem; its target does not matter.
+    measure
+        Any dual point.
+    claim
+        What Λ x(t_f) is at least, wherever the motion may end.
+
+    Returns
+    -------
+    float
+        [s]; 0 if the measure proves nothing.
+    """
     settings = problem.settings.proof
-    claim = float(measure.terminal @ problem.target)
     claim -= settings.rounding * float(np.abs(measure.terminal) @ np.abs(problem.target))
     parts = stretches(problem, measure)
     for place, part in enumerate(parts):

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.errors import ComputationError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.bounded.settings import STANDARD, ProofSettings
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.optimal.peaks import hermite_peaks, signal_rows
@@ -18,6 +20,12 @@ from mtcommission.optimal.solution import Arc, joint_system
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
+
+
+MOST_RADIANS = 2e6
+"""Fastest rate times duration of what is followed at all: some fifteen seconds."""
+BLOCK = 4096
+"""Samples at a time: a long arc has millions, and their states would take gigabytes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,19 +76,47 @@ def follow_control(
         length = arc.t_end - arc.t_start
         count = int(np.ceil(length * rate / settings.radians_per_cell)) + 1
         flow = balanced_expm(joint_system(plant, arc) * (length / count))
-        samples = [np.concatenate([state, arc.initial])]
-        for _ in range(count):
-            samples.append(flow @ samples[-1])
-        joint = np.array(samples)
-        states, force = joint[:, : plant.order], joint[:, plant.order :] @ arc.output
-        values, rates = states @ rows.T, (states @ plant.A.T + np.outer(force, plant.B)) @ rows.T
-        inside = hermite_peaks(
-            np.full(count, length / count),
-            values[:-1],
-            values[1:],
-            start_rate=rates[:-1],
-            end_rate=rates[1:],
-        )
-        peaks, state = np.maximum(peaks, inside), states[-1]
-        force_peak = max(force_peak, float(np.abs(force).max()))
+        start = np.concatenate([state, arc.initial])
+        for first in range(0, count, BLOCK):
+            cells = min(BLOCK, count - first)
+            joint = _samples(flow, start, cells)
+            states, force = joint[:, : plant.order], joint[:, plant.order :] @ arc.output
+            slopes = states @ plant.A.T + np.outer(force, plant.B)
+            values, rates = states @ rows.T, slopes @ rows.T
+            inside = hermite_peaks(
+                np.full(cells, length / count),
+                values[:-1],
+                values[1:],
+                start_rate=rates[:-1],
+                end_rate=rates[1:],
+            )
+            peaks, start = np.maximum(peaks, inside), joint[-1]
+            force_peak = max(force_peak, float(np.abs(force).max()))
+        state = start[: plant.order]
     return FollowedMotion(arcs=arcs, final=state, peaks=peaks, force_peak=force_peak)
+
+
+def require_followable(time: float, rate: float, *, most: float = MOST_RADIANS) -> None:
+    """Raise MOVE_TOO_LONG before a motion is computed that takes too many samples to follow.
+
+    Parameters
+    ----------
+    time
+        [s].
+    rate
+        Fastest angular frequency [rad/s].
+    most
+        Their product [rad].
+    """
+    if time * rate > most:
+        detail = Message("optimum-too-long", t_f=time, radians=time * rate, most=most)
+        raise ComputationError(Outcome.MOVE_TOO_LONG, detail)
+
+
+def _samples(flow: Array, start: Array, count: int) -> Array:
+    """Return start, flow start, flow² start, ..., shape (count + 1, n)."""
+    samples, power = start[np.newaxis], flow
+    while len(samples) <= count:
+        samples = np.vstack([samples, samples @ power.T])
+        power = power @ power
+    return samples[: count + 1]

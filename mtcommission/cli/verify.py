@@ -1,0 +1,96 @@
+"""The command that compares recorded moves with the record of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from mtcommission.cli.arguments import JsonOption, RecordArgument
+from mtcommission.cli.inputs import now
+from mtcommission.cli.language import ENGLISH, LanguageOption, speak_of, words
+from mtcommission.cli.measured import read_columns, read_number
+from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.messages.message import Message
+
+EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}
+
+
+def verify(
+    record: RecordArgument,
+    traces: Annotated[
+        list[str], typer.Argument(metavar="TRACE...", help="Moves recorded with the limits.")
+    ],
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--columns", metavar="NAME=COLUMN", help="Our name to one of the file."),
+    ] = None,
+    constant: Annotated[
+        str,
+        typer.Option("--constant", metavar="K", help="Force or torque per ampere [N/A, N m/A]."),
+    ] = "",
+    renewed: Annotated[
+        str, typer.Option("--refine", metavar="NEW.toml", help="Profile as the traces show it.")
+    ] = "",
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="DIR", help="Folder for the page.")
+    ] = None,
+    language: LanguageOption = ENGLISH,
+    json_file: JsonOption = "",
+) -> None:
+    """Recorded moves beside the prediction: does it hold, and why not.
+
+    Says first whether the control sent what was entered. Reads what identify reads.
+    """
+    from mtcommission.files import require_folder, require_writable, write_files, write_text
+
+    inputs = [record, *(Path(name) for name in traces if name != "-")]
+    require_writable(json_file, renewed, inputs=inputs)
+    if output:
+        require_folder(output, "verification.html", "verdict.json", inputs=inputs)
+    said = read_columns(columns or [])
+    force = read_number("--constant", constant) if constant else None
+
+    from mtcommission.cli.terminal import show
+    from mtcommission.cli.verified_view import describe_verification
+    from mtcommission.machine.machine import Motion
+    from mtcommission.profile.read import parse_profile
+    from mtcommission.record.files import dump_json, load_record
+    from mtcommission.verify.columns import Axis
+    from mtcommission.verify.entry import verification_entry
+    from mtcommission.verify.new_limits import find_new_limits
+    from mtcommission.verify.page import print_verification
+    from mtcommission.verify.read import read_trace
+    from mtcommission.verify.refine import refine
+    from mtcommission.verify.renew import renew_profile
+    from mtcommission.verify.verify import verify as compare
+
+    loaded = load_record(record)
+    machine = parse_profile(loaded.profile.text, where=loaded.profile.name)
+    speak_of(machine)
+    axis = Axis(rotary=machine.motion is Motion.ROTARY, drive=machine.drive, constant=force)
+    with show_stage() as progress:
+        progress(Message("verify-stage"))
+        found = compare(loaded, [read_trace(name, said, axis) for name in traces])
+        refined = refine(found)
+        limits = None
+        if renewed:
+            progress(Message("stage-limits"))
+            text = renew_profile(loaded.profile.text, refined, words=words(), date=now()[:10])
+            limits = find_new_limits(loaded, text)
+            write_text(renewed, text)
+    entry = dump_json(verification_entry(found, refined, limits))
+    if output:
+        page = print_verification(found, refined, limits, created=now(), language=language)
+        files = {"verification.html": page.encode(), "verdict.json": entry.encode()}
+        write_files(output, files)
+    if json_file:
+        write_text(json_file, entry)
+    if "-" not in (json_file, renewed):
+        show(describe_verification(found, refined, limits))
+        if output:
+            print_written(output, files)
+        if renewed:
+            print_written(Path(), [renewed])
+    raise typer.Exit(EXIT_BY_VERDICT[found.verdict.value])

@@ -1,0 +1,133 @@
+"""Which setpoint filters are worth a try on a machine: those of its control, near what rings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import pairwise
+from math import pi
+
+import numpy as np
+
+from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, FilterChoice
+from mtcommission.loop.model.assembly import SampledLoop
+from mtcommission.machine.machine import Control
+from mtcommission.machine.setpoint_filter import SetpointFilter
+
+TIMES = 8
+"""Lengths of a moving average that are tried at first, logarithmic, beside those of ``PERIODS``."""
+
+PERIODS = (0.75, 1.0)
+"""Lengths of a moving average, in periods of what rings [-]."""
+
+LONGEST = 0.2
+"""Of the averages tried at first [s]."""
+
+RINGING = 0.3
+"""Damping ratio below which a pole of the closed loop rings [-]."""
+
+
+def filters_to_try(control: Control, loop: SampledLoop) -> list[SetpointFilter | None]:
+    """Return setpoint filters to begin with.
+
+    Parameters
+    ----------
+    control
+        Whose filters.
+    loop
+        The nominal one: what rings in it sets times and frequencies.
+
+    Returns
+    -------
+    list of SetpointFilter or None
+        None stands for none. Only the given one, or none, unless one is sought.
+    """
+    if not control.seeks_setpoint_filter:
+        return [control.setpoint_filter]
+    ringing = ringing_poles(loop)
+    found: list[SetpointFilter | None] = [None]
+    for choice in control.kind.setpoint_filters:
+        found += _of_kind(choice, control, ringing)
+    return list(dict.fromkeys(found))
+
+
+def ringing_poles(loop: SampledLoop) -> list[tuple[float, float]]:
+    """Return natural frequency [Hz] and damping ratio of what rings in the loop, slowest first."""
+    poles = np.log(np.linalg.eigvals(loop.lifted.A).astype(complex) + 1e-300) / loop.lifted.dt
+    sizes = np.abs(poles)
+    pairs = {
+        (round(float(size) / (2.0 * pi), 6), float(-pole.real / size))
+        for pole, size in zip(poles, sizes, strict=True)
+        if pole.imag > 0.0 and -pole.real < RINGING * size
+    }
+    return sorted(pairs)
+
+
+def _of_kind(
+    choice: FilterChoice, control: Control, ringing: list[tuple[float, float]]
+) -> Iterator[SetpointFilter]:
+    kind, periods = choice.kind, [1.0 / frequency for frequency, _ in ringing]
+    if kind == MOVING_AVERAGE:
+        times = [*np.geomspace(2.0 * control.position_cycle, LONGEST, TIMES)]
+        times += [share * period for period in periods for share in PERIODS]
+        for time in _settable(choice, control, times):
+            yield SetpointFilter(kind=kind, time=time)
+    elif kind == TWO_AVERAGES:
+        for longer, shorter in pairwise(periods):
+            times = _settable(choice, control, (longer, shorter))
+            if len(times) == 2:
+                yield SetpointFilter(kind=kind, time=times[-1], second_time=times[0])
+    elif kind in SHAPERS:
+        for frequency, damping in ringing:
+            if choice.least_frequency_hz <= frequency <= choice.most_frequency_hz:
+                damping = min(max(damping, choice.least_damping), choice.most_damping)
+                yield SetpointFilter(kind=kind, frequency_hz=frequency, damping_ratio=damping)
+
+
+def _settable(choice: FilterChoice, control: Control, times: Iterable[float]) -> list[float]:
+    """The nearest lengths that can be typed in, rising."""
+    least, most = choice.times(control.position_cycle)
+    step = choice.step or control.position_cycle
+    near = {round(min(max(time, least), most) / step) for time in times if least <= most}
+    return [
+        n * step
+        for n in sorted(near)
+        if n > 0 and least <= n * step * (1.0 + 1e-9) and n * step <= most * (1.0 + 1e-9)
+    ]
+
+
+def neighbours(control: Control, item: SetpointFilter | None, reach: float) -> list[SetpointFilter]:
+    """Return filters of the same kind that are a little shorter and longer.
+
+    Parameters
+    ----------
+    control
+        What it allows.
+    item
+        The filter.
+    reach
+        How far, as a share of its times or of its frequency [-].
+
+    Returns
+    -------
+    list of SetpointFilter
+    """
+    if item is None or not control.seeks_setpoint_filter:
+        return []
+    choice = control.kind.find_filter(item.kind)
+    if choice is None:
+        return []
+    if item.frequency_hz:
+        beside = [item.frequency_hz * factor for factor in (1.0 - reach, 1.0 + reach)]
+        low, high = choice.least_frequency_hz, choice.most_frequency_hz
+        return [replace(item, frequency_hz=f) for f in beside if low <= f <= high]
+    step = choice.step or control.position_cycle
+
+    def near(time: float) -> list[float]:
+        shift = max(round(reach * time / step), 1) * step
+        return [t for t in _settable(choice, control, (time - shift, time + shift)) if t != time]
+
+    found = [replace(item, time=time) for time in near(item.time)]
+    if item.second_time:
+        found += [replace(item, second_time=time) for time in near(item.second_time)]
+    return found

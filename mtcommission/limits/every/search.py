@@ -1,0 +1,472 @@
+"""The shortest motion whose every smaller move keeps all bounds, with each setpoint filter.
+
+Where every move keeps the band after its setpoint has ended, each has settled as soon as that is
+so: the settling time is the length of the setpoint and τ, known in closed form. What remains is the
+largest acceleration that a filter and a jerk time allow. All bounds use a share a/t_j G, where G is
+the worst over the sizes and does not fall as the acceleration falls (more of the smaller moves
+reach it, for longer). So, begun from above, a by the share that it uses is no less than any allowed
+acceleration: a few such steps end at the largest one. (Positioning to max_velocity bends that a
+little, where the time to reach it happens to cancel a mode; what is found is allowed all the same.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import inf, isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.control_kinds.kind import Jerk
+from mtcommission.limits.every.families import Judged
+from mtcommission.limits.every.filters import filters_to_try, neighbours
+from mtcommission.limits.every.sizes import Sizes
+from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.batch.echoes import Echoes, behind_filter, less_delayed, listen
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Machine, Move, moving_mass
+from mtcommission.machine.requirement import slow_to_feed
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.setpoint.setpoint import jerk_steps
+from mtcommission.setpoint.smaller_moves import plan_sizes, size_of
+
+Array = NDArray[np.float64]
+
+SAMPLES = 20
+"""Samples of an echo per period of what a short ramp leaves: the verdict is exact afterwards."""
+
+COARSEST, FINEST = 1e-3, 0.25e-3
+"""Largest and least spacing of samples [s]."""
+
+BETWEEN = 2.5
+"""Distance of the ramps that are looked at for one limit, in samples that suffice: the worst of
+them changes slowly."""
+
+JERK_TIMES = 14
+"""Jerk times tried with each filter at first, logarithmic."""
+
+LONGEST_JERK_TIME = 0.3
+"""[s]; more only makes moves longer."""
+
+LONGEST = 1.0
+"""Of the motions that are looked at [s]; what is held for longer is as good as for ever."""
+
+LEAST_SHARE = 1e-4
+"""Least acceleration looked at, as a share of what the force allows [-]."""
+
+EQUALLY_SOON = 1.005
+"""Limits that settle within this factor of the soonest settle equally soon: then less jerk is
+better (design choice: what half a per cent of time cannot buy, wear and noise pay for)."""
+
+STEPS = 12
+"""Towards the largest acceleration allowed, at most; each divides by the share that is used."""
+
+NEARBY, NEAR_TIMES = 0.15, (0.3, 0.5, 0.75, 1.0, 1.4, 2.0)
+"""How far a filter, and by what factors the jerk time, may lie from what is known of a loop much
+like this one [-]."""
+
+CLIMBED, CLIMB_STEPS = 3, 40
+"""Best places from which larger accelerations are tried that the steps from above may have passed,
+and how many of them, logarithmic: islands where the time to reach a velocity cancels a mode."""
+
+REFINED = 3
+"""Best places of the first look that are refined."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """Limits whose every smaller move keeps the bounds, as far as the echoes tell.
+
+    Parameters
+    ----------
+    duration
+        t_e of the slowest listed move, filter included [s].
+    acceleration, jerk_time
+        [m/s², s].
+    setpoint_filter
+        None: none.
+    """
+
+    duration: float
+    acceleration: float
+    jerk_time: float
+    setpoint_filter: SetpointFilter | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Heard:
+    """Echoes of all that is bounded, as shares of what is allowed.
+
+    Parameters
+    ----------
+    dt, delay
+        Spacing of the samples, and τ [s].
+    wait
+        Sample of ``residual`` and ``path`` that lies at τ.
+    between
+        Samples between ramps that are looked at for one limit.
+    residual, path, moving
+        Deviation against band and contour (no rows: none asked for), and force and peaks, shapes
+        (n_rows, n_samples) [1 per m/s³].
+    """
+
+    dt: float
+    delay: float
+    wait: int
+    between: int
+    residual: Array
+    path: Array
+    moving: Array
+
+
+def hear(machine: Machine, plant: Plant, tuned: TunedLoop) -> Heard:
+    """Return the echoes of all that is bounded, encoder noise taken off.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, whose requirements count as they stand, its plant and its loop.
+
+    Returns
+    -------
+    Heard
+    """
+    needs, drive, n = machine.requirements, machine.drive, plant.order
+    noises = [encoder_noise(loop, resolution=drive.encoder_resolution) for loop in tuned.loops]
+    tool, force = max(item.tool for item in noises), max(item.force for item in noises)
+    outputs = np.vstack([np.zeros((3, n)), np.eye(n)])
+    rows = [np.eye(n + 3)[2], *(outputs @ plant.row(peak.name) for peak in needs.peaks)]
+    allowed = [_left(drive.motion_force, force), *(peak.bound for peak in needs.peaks)]
+    echoes = listen(tuned.loops, signals=np.array(rows), spacing=FINEST)
+    spacing = _spacing(echoes)
+    every = max(int(min(spacing, COARSEST) / echoes.dt), 1)
+    moving = echoes.signals[..., ::every] / np.array(allowed)[None, :, None, None]
+    dt = every * echoes.dt
+    # The tool is judged from τ on: a sample must lie there, where a servo's tail is largest.
+    begin = int(echoes.delay / echoes.dt + 1e-9)
+    deviation = echoes.deviation[:, begin % every :: every]
+    moving = _leading(moving.reshape(-1, moving.shape[-1]), dt)
+    residual = _leading(deviation / _left(needs.tcp_deviation, tool), dt)
+    path = _leading(deviation / _left(needs.contour_deviation, tool), dt)
+    return Heard(
+        dt=dt,
+        delay=echoes.delay,
+        wait=begin // every,
+        between=max(round(BETWEEN * spacing / dt), 1),
+        residual=residual,
+        path=path if isfinite(needs.contour_deviation) else path[:0],
+        moving=moving,
+    )
+
+
+def _spacing(echoes: Echoes) -> float:
+    """Spacing of samples that suffices, by how quickly what short ramps leave swings [s]."""
+    k = max(round(PROBES[0] / echoes.dt), 1)
+    left = less_delayed(echoes.deviation, k)[:, k + int(echoes.delay / echoes.dt) + 1 :]
+    bent = np.abs(np.diff(left, 2, axis=1)).max(initial=0.0) / echoes.dt**2
+    fastest = np.sqrt(bent / max(np.abs(left).max(initial=0.0), 1e-300)) / (2.0 * np.pi)
+    return float(1.0 / (SAMPLES * max(fastest, 1e-3)))
+
+
+def _leading(rows: Array, dt: float) -> Array:
+    """Rows that can ask for most: of the others no ramp leaves as much."""
+    sizes = [np.abs(less_delayed(rows, max(round(t / dt), 1))).max(axis=1) for t in PROBES]
+    return rows[np.any([size >= LEADING * size.max() for size in sizes], axis=0)]
+
+
+PROBES = (2e-3, 10e-3, 40e-3)
+"""Ramps by which corners are compared [s]."""
+
+LEADING = 0.85
+"""Corners that are left less than this share of the worst by every such ramp are not looked at
+before the verdict, which looks at all."""
+
+
+def _left(bound: float, noise: float) -> float:
+    """What noise leaves of a bound; hardly anything where that is nothing."""
+    return max(bound - noise, 1e-3 * bound)
+
+
+def search_every_size(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    *,
+    largest_jerk: float = inf,
+    near: MotionLimits | None = None,
+) -> tuple[Found, ...]:
+    """Return limits and filter with the shortest motion that keep all bounds at every size.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, whose requirements count as they stand, its plant and its loop.
+    largest_jerk
+        [m/s³].
+    near
+        What is known of a loop much like this one: then only its neighbourhood is looked at.
+
+    Returns
+    -------
+    tuple of Found
+        The best first: of those equally soon the one with the least jerk; then ever later ones.
+        Empty where nothing keeps the bounds.
+    """
+    explorer = Explorer.about(machine, plant, tuned, largest_jerk=largest_jerk)
+    dt, control = explorer.heard.dt, machine.control
+    jerk_times = _jerk_times(machine, dt)
+    if near is None:
+        items = filters_to_try(control, tuned.loops[0])
+    else:
+        own = near.setpoint_filter
+        items = [own, *neighbours(control, own, NEARBY)]
+        if len(jerk_times) > 1:
+            lags = np.unique(np.round(near.jerk_time / dt * np.array(NEAR_TIMES)))
+            jerk_times = [float(lag) * dt for lag in lags if lag >= 1.0]
+    places = [(item, t) for item in items for t in jerk_times]
+    places.sort(key=lambda place: explorer.shortest(*place))
+    for place in places:
+        explorer.at(*place)
+    by_filter: dict[SetpointFilter | None, Found] = {}
+    for found in explorer.ranked()[1:]:
+        by_filter.setdefault(found.setpoint_filter, found)
+    for begin in list(by_filter.values())[:REFINED]:
+        _refine(explorer, begin, machine, is_island=False)
+    for begin in explorer.ranked()[:CLIMBED]:
+        island = explorer.climb(begin)
+        if island is not begin:
+            _refine(explorer, island, machine, is_island=True)
+    return explorer.ranked()
+
+
+def _jerk_times(machine: Machine, dt: float) -> list[float]:
+    """Jerk times to look at, whole samples long; the only one where there is no jerk limit."""
+    if machine.control.kind.jerk is Jerk.NONE:
+        return [without_jerk_limit(machine, 1.0).jerk_time]
+    lags = np.geomspace(1.0, max(LONGEST_JERK_TIME / dt, 2.0), JERK_TIMES)
+    return [float(lag) * dt for lag in np.unique(np.round(lags))]
+
+
+def _refine(explorer: Explorer, begin: Found, machine: Machine, *, is_island: bool) -> None:
+    """Look about a place, ever nearer, in the direction of either time."""
+    dt, here = explorer.heard.dt, begin
+    has_one = machine.control.kind.jerk is Jerk.NONE
+    for reach in (0.16, 0.08, 0.04, 0.02, 0.01):
+        while True:
+            t = here.jerk_time
+            step = max(round(reach * t / dt), 1) * dt
+            around = [] if has_one else [t - step, t + step]
+            places = [(here.setpoint_filter, time) for time in around if time >= dt]
+            times = [t] if has_one else [t - step, t, t + step]
+            places += [
+                (item, time)
+                for item in neighbours(machine.control, here.setpoint_filter, reach)
+                for time in times
+                if time >= dt
+            ]
+            each = (
+                explorer.beside(*place, here) if is_island else explorer.at(*place)
+                for place in places
+            )
+            found = [item for item in each if item is not None]
+            best = min(found, key=lambda item: item.duration, default=here)
+            if best.duration >= here.duration:
+                break
+            here = best
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Explorer:
+    """What was looked at so far: the largest acceleration at each filter and jerk time."""
+
+    machine: Machine
+    heard: Heard
+    largest: float
+    largest_jerk: float
+    cases: dict[SetpointFilter | None, list[tuple[Sizes, tuple[Move, ...]]]] = field(
+        default_factory=dict
+    )
+    known: dict[tuple[SetpointFilter | None, float], Found | None] = field(default_factory=dict)
+
+    @classmethod
+    def about(
+        cls, machine: Machine, plant: Plant, tuned: TunedLoop, *, largest_jerk: float = inf
+    ) -> Explorer:
+        """Return one that has looked at nothing yet; parameters as ``search_every_size``."""
+        return cls(
+            machine=machine,
+            heard=hear(machine, plant, tuned),
+            largest=machine.drive.motion_force / moving_mass(machine),
+            largest_jerk=largest_jerk,
+        )
+
+    def ranked(self) -> tuple[Found, ...]:
+        """All that was found, the best first."""
+        found = sorted(
+            (item for item in self.known.values() if item is not None),
+            key=lambda item: item.duration,
+        )
+        if not found:
+            return ()
+        latest = EQUALLY_SOON * (found[0].duration + self.heard.delay)
+        near = [item for item in found if item.duration + self.heard.delay <= latest]
+        best = min(near, key=lambda item: item.acceleration / item.jerk_time)
+        return (best, *(item for item in found if item is not best))
+
+    def shortest(self, item: SetpointFilter | None, jerk_time: float) -> float:
+        """Length of the slowest listed move with all the acceleration that the force allows."""
+        return float(self.durations(item, np.array([self.largest]), jerk_time)[0])
+
+    def at(self, item: SetpointFilter | None, jerk_time: float) -> Found | None:
+        """The largest acceleration there; None if that cannot be among the best."""
+        key = (item, jerk_time)
+        if key not in self.known:
+            self.known[key] = self._find(item, jerk_time)
+        return self.known[key]
+
+    def duration_of(self, found: Found) -> float:
+        """Return t_e of what is known by now where something was found [s]."""
+        latest = self.known[found.setpoint_filter, found.jerk_time]
+        return latest.duration if latest else inf
+
+    def climb(self, begin: Found) -> Found:
+        """Look for a larger acceleration with the same filter and jerk time that is allowed."""
+        largest = min(self.largest, self.largest_jerk * begin.jerk_time)
+        least = CLIMBING * begin.acceleration
+        if least >= largest:
+            return begin
+        steps = np.geomspace(largest, least, CLIMB_STEPS)
+        return self._first_allowed(begin.setpoint_filter, begin.jerk_time, steps) or begin
+
+    def beside(self, item: SetpointFilter | None, jerk_time: float, island: Found) -> Found | None:
+        """The largest acceleration there, or one near that of an island if it is larger."""
+        found = self.at(item, jerk_time)
+        steps = island.acceleration * np.array(NEAR_ISLAND)
+        largest = min(self.largest, self.largest_jerk * jerk_time)
+        steps = steps[(steps <= largest) & (steps > (found.acceleration if found else 0.0))]
+        return self._first_allowed(item, jerk_time, steps) or found
+
+    def _first_allowed(
+        self, item: SetpointFilter | None, jerk_time: float, steps: Array
+    ) -> Found | None:
+        for a in steps.tolist():
+            if self.share(item, a, jerk_time, enough=1.0) <= 1.0:
+                found = self._found(item, a, jerk_time)
+                self.known[item, jerk_time] = found
+                return found
+        return None
+
+    def _found(self, item: SetpointFilter | None, a: float, jerk_time: float) -> Found:
+        duration = float(self.durations(item, np.array([a]), jerk_time)[0])
+        return Found(duration=duration, acceleration=a, jerk_time=jerk_time, setpoint_filter=item)
+
+    def _find(self, item: SetpointFilter | None, jerk_time: float) -> Found | None:
+        best = min((f.duration for f in self.known.values() if f is not None), default=inf)
+        a = min(self.largest, self.largest_jerk * jerk_time)
+        least = self._least(item, jerk_time, WORTHWHILE * best)
+        if least > a or self.share(item, least, jerk_time, enough=HOPELESS) > HOPELESS:
+            return None
+        for _ in range(STEPS):
+            share = self.share(item, a, jerk_time, enough=a / least)
+            if share <= 1.0 + ROUNDING:
+                return self._found(item, a, jerk_time)
+            a /= share
+            if a < least:
+                return None
+        return None
+
+    def _least(self, item: SetpointFilter | None, jerk_time: float, longest: float) -> float:
+        """The least acceleration with which the slowest listed move is no longer than that."""
+        a = self.largest * np.geomspace(LEAST_SHARE, 1.0, LADDER)
+        if not isfinite(longest):
+            return float(a[0])
+        short = self.durations(item, a, jerk_time) <= longest
+        return float(a[max(int(np.argmax(short)) - 1, 0)]) if short.any() else inf
+
+    def durations(self, item: SetpointFilter | None, a: Array, jerk_time: float) -> Array:
+        """Return t_e of the slowest listed move, shape (n_accelerations,) [s]."""
+        each = [
+            jerk_steps(move, acceleration=a, jerk=a / jerk_time).duration
+            for move in self.machine.moves
+        ]
+        return np.asarray(np.max(each, axis=0) + (item.duration if item else 0.0))
+
+    def share(
+        self, item: SetpointFilter | None, a: float, jerk_time: float, *, enough: float
+    ) -> float:
+        """Return the largest share of any bound at any size, or one beyond ``enough`` [-]."""
+        if item not in self.cases:
+            self.cases[item] = _cases(self.machine, self.heard, item)
+        found = 0.0
+        for sizes, moves in self.cases[item]:
+            for move in moves:
+                found = max(found, sizes.worst(move, a, jerk_time, enough=enough))
+                if found > enough:
+                    return found
+        return max(found, _rms_share(self.machine, item, a, jerk_time))
+
+
+CLIMBING = 1.02
+"""Least factor by which a larger acceleration is worth looking for [-]."""
+
+NEAR_ISLAND = (1.03, 1.015, 1.0, 0.985, 0.97)
+"""Accelerations tried beside an island, by its own [-]."""
+
+LADDER = 128
+"""Accelerations among which that is sought which is just worth while."""
+
+HOPELESS = 1.05
+"""Where an acceleration that is just worth while uses so much, no larger one is allowed, but where
+the time to reach ``max_velocity`` cancels a mode."""
+
+WORTHWHILE = 1.02
+"""What takes longer than the best so far by this factor is not followed further."""
+
+ROUNDING = 1e-6
+"""Of a share that is just used up."""
+
+
+def _cases(
+    machine: Machine, heard: Heard, item: SetpointFilter | None
+) -> list[tuple[Sizes, tuple[Move, ...]]]:
+    """What is judged behind a filter, with the moves that it is judged for."""
+    dt, moves, needs = heard.dt, machine.moves, machine.requirements
+    wait = heard.wait + round((item.duration if item else 0.0) / dt)
+
+    def sizes(answers: Array, wait: int) -> Sizes:
+        judged = Judged(
+            answers=behind_filter(answers, item, dt=dt), wait=wait, longest=round(LONGEST / dt)
+        )
+        return Sizes(judged=judged, dt=dt, every=heard.between)
+
+    cases = [(sizes(heard.residual, wait), moves), (sizes(heard.moving, -1), moves)]
+    if len(heard.path):
+        slow = tuple(slow_to_feed(move, needs.contour_feed) for move in moves)
+        cases.append((sizes(heard.path, -1), slow))
+    return cases
+
+
+RMS_SIZES = (0.05, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0)
+"""Sizes of a move at which the RMS force is looked at, as shares of the listed one."""
+
+
+def _rms_share(
+    machine: Machine, item: SetpointFilter | None, acceleration: float, jerk_time: float
+) -> float:
+    """Share of the RMS force that the rigid axis uses at its worst size, heaviest payload [-]."""
+    drive = machine.drive
+    if not isfinite(drive.continuous_force):
+        return 0.0
+    mass, worst = moving_mass(machine) + max(machine.requirements.payload), 0.0
+    limits = MotionLimits(acceleration=acceleration, jerk=acceleration / jerk_time)
+    for move in machine.moves:
+        steps = plan_sizes(move, size_of(move) * np.array(RMS_SIZES), limits)
+        gaps = np.diff(steps.times, axis=1)
+        a = np.cumsum(np.cumsum(steps.steps, axis=1)[:, :-1] * gaps, axis=1)
+        a = np.column_stack([np.zeros(len(a)), a])
+        square = (gaps * (a[:, :-1] ** 2 + a[:, :-1] * a[:, 1:] + a[:, 1:] ** 2)).sum(axis=1) / 3.0
+        window = steps.duration + move.dwell + (item.duration if item else 0.0)
+        worst = max(worst, float((square / window).max()))
+    return float(np.hypot(mass * np.sqrt(worst), drive.static_load) / drive.continuous_force)

@@ -1,0 +1,154 @@
+"""From what a search found to what is typed in: few digits, and the exact verdict on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, isfinite, log10
+
+from mtcommission.control_kinds.kind import Jerk
+from mtcommission.limits.every.search import Found, search_every_size
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.requirement import Kind, Requirement
+from mtcommission.plant.plant import Plant
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.verdict.every_size import SizeCheck, judge_every_size
+
+MOST_TYPED = 6
+"""Found limits that are typed and judged, best first, until none can be sooner."""
+
+MOST_SCALED = 6
+"""How often limits are taken back in proportion to what they use too much."""
+
+DIGITS = 3
+"""Significant digits of what is typed in."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Typed:
+    """Limits as they are typed in, and the worst of every size with them.
+
+    Parameters
+    ----------
+    limits
+        With the setpoint filter.
+    duration
+        t_e of the slowest listed move [s].
+    sizes
+        One for each requirement.
+    evaluations
+        Places where the search found limits.
+    """
+
+    limits: MotionLimits
+    duration: float
+    sizes: tuple[SizeCheck, ...]
+    evaluations: int
+
+
+def find_for_every_size(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    *,
+    largest_jerk: float,
+    near: MotionLimits | None = None,
+) -> Typed | None:
+    """Return the soonest limits, as typed in, that keep every bound at every size of move.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, whose requirements count as they stand, its plant and its loop.
+    largest_jerk
+        [m/s³].
+    near
+        Limits of a loop much like this one, near which to look.
+
+    Returns
+    -------
+    Typed or None
+        None where the search finds none.
+    """
+    best: Typed | None = None
+    found = search_every_size(machine, plant, tuned, largest_jerk=largest_jerk, near=near)
+    for item in found[:MOST_TYPED]:
+        if best is not None and item.duration >= best.duration:
+            break
+        typed = _type(machine, plant, tuned, item, evaluations=len(found))
+        if typed is not None and (best is None or typed.duration < best.duration):
+            best = typed
+    return best
+
+
+def _type(
+    machine: Machine, plant: Plant, tuned: TunedLoop, found: Found, *, evaluations: int
+) -> Typed | None:
+    """The nearest limits that can be typed in and hold; None where that does not end."""
+    a, jerk_time = found.acceleration, found.jerk_time
+    for _ in range(MOST_SCALED):
+        limits = round_limits(machine, a, jerk_time, found)
+        sizes = judge_every_size(machine, plant, tuned, limits)
+        used = max(_proved(check) / bound_of(machine, check.requirement) for check in sizes)
+        if used <= 1.0:
+            durations = [plan_setpoint(move, limits).duration for move in machine.moves]
+            return Typed(
+                limits=limits, duration=max(durations), sizes=sizes, evaluations=evaluations
+            )
+        a = min(limits.acceleration, a) / used * JUST_LESS
+    return None
+
+
+def _proved(check: SizeCheck) -> float:
+    """What no size exceeds, where that is proved; else the worst that was found."""
+    return check.bound if isfinite(check.bound) else check.value
+
+
+JUST_LESS = 0.9995
+"""What the next limits use of what is allowed, if all is in proportion."""
+
+
+def round_limits(
+    machine: Machine, acceleration: float, jerk_time: float, found: Found
+) -> MotionLimits:
+    """Return limits as the control takes them, not faster, with the filter that was found."""
+    a = round_down(acceleration)
+    match machine.control.kind.jerk:
+        case Jerk.LIMIT:
+            jerk = round_down(acceleration / jerk_time)
+        case Jerk.TIME:
+            jerk = a / -round_down(-jerk_time)
+        case Jerk.NONE:
+            jerk = without_jerk_limit(machine, a).jerk
+    return MotionLimits(acceleration=a, jerk=jerk, setpoint_filter=found.setpoint_filter)
+
+
+def round_down(value: float) -> float:
+    """Return the next lower number with few digits (away from zero for negative ones).
+
+    Examples
+    --------
+    >>> round_down(1234.0), round_down(-0.01231)
+    (1230.0, -0.0124)
+    """
+    exponent = floor(log10(abs(value))) - DIGITS + 1
+    return float(f"{floor(value / 10.0**exponent + 1e-9)}e{exponent}")
+
+
+def bound_of(machine: Machine, requirement: Requirement) -> float:
+    """Return what a machine allows of what is required [own unit]."""
+    needs, drive = machine.requirements, machine.drive
+    match requirement.kind:
+        case Kind.RESIDUAL_DEVIATION:
+            return needs.tcp_deviation
+        case Kind.CONTOUR_DEVIATION:
+            return needs.contour_deviation
+        case Kind.SETTLING_TIME:
+            return needs.max_settling_time
+        case Kind.SET_FORCE:
+            return drive.motion_force
+        case Kind.RMS_FORCE:
+            return drive.continuous_force
+        case Kind.PEAK:
+            return next(peak.bound for peak in needs.peaks if peak.name == requirement.signal)

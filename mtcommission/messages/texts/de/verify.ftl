@@ -1,0 +1,164 @@
+# Eine aufgezeichnete Bewegung neben dem Protokoll einer Berechnung.
+# Zeiten in s, Längen in m (rad), Anteile von 0 bis 1; $file, $name, $names, $mode: Namen des Benutzers
+
+verify-stage = Vergleich
+verify-title = Nachweis an der Maschine
+
+# Das Urteil
+verify-verdict-holds = Eingehalten
+verify-verdict-does-not-hold = Nicht eingehalten
+verify-verdict-cannot-tell = Nicht zu entscheiden
+verify-detail = { $moves ->
+    [one] Eine Bewegung
+   *[other] { $moves } Bewegungen
+} aufgezeichnet. { $obeyed ->
+    [yes] Die Steuerung gab aus, was eingegeben war.
+    [no] Die Steuerung gab nicht aus, was eingegeben war.
+   *[other] Ob die Steuerung ausgab, was eingegeben war, ist nicht zu entscheiden.
+}
+verify-disclaimer = Gemessen neben berechnet, keine Abnahmeprüfung.
+verify-unexplained = Von der Abweichung erklärt die Vorhersage { SHARE($share) } (Effektivwert) nicht.
+
+# Was geprüft wird
+verify-setpoint-velocity = Geschwindigkeit des Sollwerts
+verify-setpoint-acceleration = Beschleunigung des Sollwerts
+verify-setpoint-jerk = Ruck des Sollwerts
+verify-settling-time = Einschwingzeit
+verify-residual-deviation = Restabweichung
+verify-peak-deviation = größte Abweichung
+verify-max-force = { $axis ->
+    [rotary] größtes Drehmoment
+   *[linear] größte Kraft
+}
+verify-rms-force = { $axis ->
+    [rotary] Effektivwert des Drehmoments
+   *[linear] Effektivwert der Kraft
+}
+verify-reference-delay = Verzug gegen den Sollwert
+verify-frequency = Frequenz
+verify-damping-ratio = Dämpfungsgrad
+
+# Warum
+verify-kept = eingehalten, die Unsicherheit eingeschlossen
+verify-missed = um mehr als die Unsicherheit verfehlt
+verify-within-noise = die Unsicherheit reicht über die Grenze; mit feinerer Auflösung oder weniger Rauschen wiederholen
+verify-setpoint-obeyed = wie geplant (Mittel über { TIME($width) })
+verify-setpoint-above = über dem geplanten Wert (Mittel über { TIME($width) })
+verify-setpoint-below = erreicht den geplanten Wert nie (Mittel über { TIME($width) })
+verify-setpoint-coarse = der Sollwert ist zu grob aufgezeichnet (Mittel über { TIME($width) }); mehr Stellen oder kürzeren Takt aufzeichnen
+verify-setpoint-no-plan = für diese Bewegung gibt es keinen Plan (Mittel über { TIME($width) })
+verify-cut = die Aufzeichnung endet vor dem Sollwert
+verify-other-setpoint = die Steuerung gab etwas anderes aus, als eingegeben war
+verify-no-tool = weder Werkzeug noch Geber aufgezeichnet
+verify-encoder-only = nur der Geber ist aufgezeichnet, und er zeigt nicht, was { $mode } am Werkzeug macht; am Werkzeug aufzeichnen
+verify-other-move = keine der Bewegungen, für die das Protokoll es zusagt
+verify-too-short = die Aufzeichnung endet { TIME($got) } nach dem Sollwert; die langsamste Eigenform braucht { TIME($needed) }
+verify-noise-above-band = das Rauschen { LENGTH($noise) } liegt über dem Toleranzband { LENGTH($band) }
+verify-no-force = { $axis ->
+    [rotary] Drehmoment
+   *[linear] Kraft
+} nicht aufgezeichnet
+verify-dwell-not-recorded = die Bewegung ist nicht samt ihrer Verweilzeit von { TIME($dwell) } aufgezeichnet
+verify-mode-not-seen = die Eigenform hebt sich nach der Bewegung nicht ab
+
+# Warnungen
+verify-planner-exceeds = Die Steuerung überschreitet, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Dort vor der Mechanik suchen: Achs- oder Dynamikmodus, Ruckbegrenzung ausgeschaltet, anderer Parametersatz.
+verify-planner-below = Die Steuerung erreicht nie, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Nach einer anderen Grenze suchen: Override, Bahnbeschleunigung, Dynamikmodus, Sollwertfilter.
+verify-moves-missing = Nicht aufgezeichnet: Bewegung { $moves } des Protokolls. Was es dafür zusagt, ist nicht zu entscheiden.
+verify-begins-moving = { $file } beginnt mitten in einer Bewegung, die ausgelassen wurde; im Stillstand beginnen.
+verify-moves-with-gaps = { $file }: Bewegungen mit verlorenen Werten wurden ausgelassen ({ $count }).
+verify-many-moves = { $used } von { $found } Bewegungen wurden verglichen.
+verify-gap = Keine Werte von { TIME($begin) } bis { TIME($end) }.
+verify-si-assumed = { $name } hat keine Einheit, als SI gelesen.
+verify-at-motor = { $name } [{ $unit }] gilt an der Motorwelle; mit Steigung und Getriebe des Profils umgerechnet.
+verify-setpoint-from-velocity = Keine Lage des Sollwerts: aus { $name } integriert.
+verify-reversed = { $name } läuft gegen den Sollwert; das Vorzeichen wurde gedreht.
+
+# Dateien, mit denen nichts anzufangen ist
+verify-no-time-record = enthält keine Signale über der Zeit; eine Bewegung mit Soll- und Istlage aufzeichnen
+verify-missing-setpoint = kein Sollwert unter den Spalten { $found }; --columns x_ref=SPALTE angeben oder die Solllage aufzeichnen: ohne sie weiß niemand, was die Steuerung verlangt hat
+verify-missing-measured = nichts Gemessenes unter den Spalten { $found }; --columns encoder=SPALTE, tcp=SPALTE, following_error=SPALTE oder acceleration=SPALTE angeben
+verify-unit-contradicts = { $name } [{ $unit }] kann nicht { $role } sein; --columns { $role }=SPALTE mit der Einheit in Klammern angeben
+verify-two-columns = { $names } können jeweils { $role } sein; durch --columns { $role }=SPALTE sagen, welche
+verify-constant-missing = { $name } ist ein Strom; { $axis ->
+    [rotary] --constant angeben, das Drehmoment je Ampere an der Achse, z. B. --constant 1.2
+   *[linear] --constant angeben, die Kraft je Ampere, z. B. --constant 80
+}
+verify-other-motion = { $name } [{ $unit }] gehört zu einer anderen Art von Achse; drive.lead (und drive.gear) im Profil angeben oder Werte der Achse aufzeichnen
+verify-other-travel = { $name } bewegt sich { NUMBER($ratio, digits: 3) }-mal so weit wie { $reference }; eine der Einheiten stimmt nicht, durch --columns NAME=SPALTE [Einheit] angeben
+verify-no-motion = { $name } bewegt sich nicht
+verify-no-move = keine Bewegung beginnt im Stillstand; vom Stillstand bis zum Ende der Verweilzeit aufzeichnen
+
+# Die Seite
+verify-part-verdict = Urteil
+verify-part-overlay = Gemessen über vorhergesagt
+verify-part-sources = Quellen
+verify-caption-checks = Jede Zusage
+verify-caption-sources = Aufgezeichnete Dateien
+verify-head-what = Zusage
+verify-head-predicted = Vorhergesagt (Ecken)
+verify-head-allowed = Zulässig
+verify-head-measured = Gemessen
+verify-head-verdict = Urteil
+verify-head-columns = Spalten
+verify-plot-caption = { $file }, Bewegung ab { TIME($begin) }
+verify-plot-alt = Aufgezeichnete Signale über dem Band aller Ecken. { $verdict }
+verify-plot-time = Zeit ab Beginn des Sollwerts / { $unit }
+verify-plot-acceleration = Beschleunigung des Sollwerts / { $unit }
+verify-plot-tcp = Abweichung des Werkzeugs / { $unit }
+verify-plot-encoder = Abweichung des Gebers / { $unit }
+verify-plot-force = { $axis ->
+    [rotary] Drehmoment
+   *[linear] Kraft
+} / { $unit }
+verify-plot-difference = gemessen weniger vorhergesagt / { $unit }
+verify-line-setpoint = Sollwert
+verify-line-measured = gemessen
+verify-line-low = vorhergesagt, tiefste Ecke
+verify-line-high = vorhergesagt, höchste Ecke
+verify-line-band = Toleranzband
+verify-line-difference = gemessen weniger nominell
+
+# Parameter, wie sie die Aufzeichnungen zeigen
+verify-part-differences = Was anders ist
+verify-caption-parameters = Parameter, wie sie die Aufzeichnungen zeigen
+verify-caption-limits = Grenzwerte, die daraus folgen
+verify-head-parameter = Parameter
+verify-head-old = Protokoll
+verify-head-new = Aufzeichnung
+verify-head-note = Bedeutung
+verify-parameter-mass = { $axis ->
+    [rotary] bewegtes Trägheitsmoment (samt Zuladung)
+   *[linear] bewegte Masse (samt Zuladung)
+}
+verify-parameter-coulomb-friction = Coulombsche Reibung
+verify-parameter-viscous-friction = viskose Reibung
+verify-parameter-delay = Verzug gegen den Sollwert
+verify-parameter-frequency = Frequenz
+verify-parameter-damping-ratio = Dämpfungsgrad
+verify-parameter-is-changed = geändert
+verify-parameter-is-same = wie bisher, innerhalb zweier Standardfehler
+verify-tested = { $moves ->
+    [0] Nicht an anderen Bewegungen geprüft (nur eine ist aufgezeichnet): alte und neue Parameter lassen
+   *[other] An { $moves } zurückgehaltenen Bewegungen geprüft: alte und neue Parameter lassen
+} { SHARE($before) } und { SHARE($after) } (Effektivwert) der Abweichung übrig.
+verify-force-left = { $axis ->
+    [rotary] Vom Drehmoment
+   *[linear] Von der Kraft
+} bleiben { SHARE($share) }.
+verify-limit-acceleration = Beschleunigung
+verify-limit-jerk = Ruck
+verify-limit-settling = Einschwingzeit
+verify-limit-met = Alle Anforderungen erfüllt
+verify-no-limits = Keine Grenzwerte für das verfeinerte Profil: { $why }
+verify-renewed = aus einer aufgezeichneten Bewegung, ± { $error }
+verify-renewed-derived = aus Frequenzen und Masse einer aufgezeichneten Bewegung
+verify-renewed-head = Verfeinert durch mtcommission verify am { $date }; ± sind zwei Standardfehler.
+
+# On the sheet
+verdict-column = Urteil
+measure-verdict = Aufgezeichnete Bewegungen, verify: { $verdict }.
+verdict-of-other-form = ist kein Urteil von mtcommission verify
+verdict-of-other-record = gehört zu einem anderen Protokoll; verify mit diesem ausführen
+verify-setpoint-from-error = Keine Lage des Sollwerts: Summe aus { $name } und { $error }, als das, was der Regler vergleicht.
+verify-plot-acceleration-measured = Beschleunigung des Werkzeugs / { $unit }

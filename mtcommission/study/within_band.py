@@ -1,0 +1,133 @@
+"""How fast a move can be at all if a band, not exact rest, is asked for: on one machine, on all.
+
+The optimum with the band is the honest lower limit of a recommendation that is judged by it; the
+robust force is what of it remains if frequencies and damping are known to their spread only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+from typing import TypeVar
+
+import numpy as np
+
+from mtcommission.errors import ComputationError
+from mtcommission.limits.optima import Optima
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.variations import Corner, vary
+from mtcommission.messages.message import Message
+from mtcommission.optimal.band.band_optimum import BandOptimum, find_band_optimum
+from mtcommission.optimal.band.robust import RobustForce, find_robust_force
+from mtcommission.optimal.band.settings import BandSettings
+from mtcommission.plant.plant import Plant, build_plant
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WithinBand:
+    """The fastest controls of one move to a state from which the tool keeps the band by itself.
+
+    Parameters
+    ----------
+    optimum
+        On the nominal machine; None where it was not found (see ``remarks``).
+    robust
+        On all machines of the frequency and damping spread, without payload; None where there is
+        no spread or it was not found.
+    remarks
+        What was left out, and why.
+    """
+
+    optimum: BandOptimum | None
+    robust: RobustForce | None
+    remarks: tuple[Message, ...]
+
+
+def find_within_band(
+    machine: Machine, plant: Plant, optima: Optima, *, settings: BandSettings
+) -> WithinBand:
+    """Return the fastest controls of one move that leave the tool within the permitted deviation.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal; ``tcp_deviation`` as stated is the band, without reserve.
+    optima
+        Of the same move.
+    settings
+        Of the search.
+
+    Returns
+    -------
+    WithinBand
+    """
+    remarks: list[Message] = []
+    needs = machine.requirements
+    force, band = machine.drive.motion_force, needs.tcp_deviation
+
+    def optimum() -> BandOptimum:
+        return find_band_optimum(
+            plant,
+            optima.move,
+            force_limit=force,
+            band=band,
+            at_rest=optima.time.t_f,
+            settings=settings,
+        )
+
+    found = _tried(optimum, "band-optimum-failed", remarks)
+    if found is None or not (needs.frequency_spread or needs.damping_spread):
+        return WithinBand(optimum=found, robust=None, remarks=tuple(remarks))
+    places = spread_places(machine, settings)
+    every = (len(places) - 1) // (settings.frequencies - 1)
+
+    def robust() -> RobustForce:
+        return find_robust_force(
+            [build_plant(vary(machine, place)) for place in places],
+            optima.move,
+            force_limit=force,
+            band=band,
+            first=range(0, len(places), every),
+            guess=found.force.t_f,
+            settings=settings,
+        )
+
+    return WithinBand(
+        optimum=found,
+        robust=_tried(robust, "robust-force-failed", remarks),
+        remarks=tuple(remarks),
+    )
+
+
+def spread_places(machine: Machine, settings: BandSettings) -> list[Corner]:
+    """Return machines evenly over the frequency spread, at both ends and the middle of damping.
+
+    Parameters
+    ----------
+    machine
+        Its requirements state the spreads.
+    settings
+        Knows how many frequencies.
+
+    Returns
+    -------
+    list of Corner
+        Without payload, each once.
+    """
+    needs = machine.requirements
+    frequency = np.linspace(-1.0, 1.0, settings.checked_frequencies) * needs.frequency_spread
+    damping = np.array([-1.0, 0.0, 1.0]) * needs.damping_spread
+    pairs = product(dict.fromkeys(damping.tolist()), dict.fromkeys(frequency.tolist()))
+    return [Corner(frequency_factor=1.0 + f, damping_factor=1.0 + d) for d, f in pairs]
+
+
+def _tried(find: Callable[[], Found], kind: str, remarks: list[Message]) -> Found | None:
+    """Return what is found, or None and a remark that tells why not."""
+    try:
+        return find()
+    except ComputationError as error:
+        remarks.append(Message(kind, error=error.message))
+        return None

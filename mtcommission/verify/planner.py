@@ -1,0 +1,139 @@
+"""Whether the control sent what was entered: the recorded setpoint against the planned one."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+
+from mtcommission.errors import MtcommissionError
+from mtcommission.machine.machine import Move, Positioning, VelocityStep
+from mtcommission.messages.message import Message
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import Setpoint, plan_setpoint, sample_setpoint
+from mtcommission.units.axis_units import AxisUnits
+from mtcommission.verify.checks import Check, Verdict
+from mtcommission.verify.setpoint import Motion, Reached
+from mtcommission.verify.trace import Array
+
+SAME_SIZE = 0.02
+"""Relative difference of travel and velocity up to which a move is the record's."""
+
+ABOVE, BELOW = 1.05, 0.9
+"""Shares of what was planned between which the setpoint obeys (values are rounded at entry)."""
+
+CRUISE, CRUISE_SHARE = 0.998, 0.15
+"""A velocity this near to the largest one, for this share of a move, is one that was set."""
+
+TELLING = 0.1
+"""Uncertainty, as share of what was planned, above which nothing is said for the planner."""
+
+PHASES = 16
+"""Places of the samples within a step at which the plan is looked at."""
+
+
+def number_of(motion: Motion, moves: tuple[Move, ...], entered: MotionLimits) -> int:
+    """Return which of the record's moves was recorded, from 1; 0 for none of them."""
+    for number, move in enumerate(moves, start=1):
+        if isinstance(move, VelocityStep):
+            if motion.coasts and _alike(abs(motion.final_velocity), move.velocity_step):
+                return number
+        elif not motion.coasts and _alike(abs(motion.travel), move.distance):
+            top = _peak(plan_setpoint(move, entered), 1, motion.velocity)
+            slower = motion.velocity.value < (1.0 - SAME_SIZE) * top - motion.velocity.uncertainty
+            faster = motion.velocity.value > (1.0 + SAME_SIZE) * move.max_velocity
+            # With a lower feed it is another move; one that is slower all along is this one.
+            if not faster and not (slower and _cruises(motion)):
+                return number
+    return 0
+
+
+def _cruises(motion: Motion) -> bool:
+    """Whether a move stays at its largest velocity."""
+    speed = np.abs(motion.sample(np.linspace(motion.begin, motion.end, 400))[:, 1])
+    return float(np.mean(speed > CRUISE * speed.max())) > CRUISE_SHARE
+
+
+def _alike(one: float, other: float) -> bool:
+    return abs(one - other) <= SAME_SIZE * other
+
+
+def planned(motion: Motion, move: Move | None, entered: MotionLimits) -> Setpoint | None:
+    """Return what the control should have sent; None where that cannot be planned."""
+    if move is None:
+        if motion.coasts:
+            move = VelocityStep(velocity_step=abs(motion.final_velocity))
+        else:
+            velocity = motion.velocity.value + motion.velocity.uncertainty
+            move = Positioning(distance=abs(motion.travel), max_velocity=velocity)
+    try:
+        return plan_setpoint(move, entered)
+    except MtcommissionError:
+        return None
+
+
+def _peak(setpoint: Setpoint, order: int, reached: Reached) -> float:
+    """Largest difference quotient of a plan over the width of the recorded one."""
+    width = reached.width / order
+    times = np.arange(-order, setpoint.duration / width + order + 1, dtype=np.float64) * width
+    phases = width * np.arange(PHASES, dtype=np.float64)[:, None] / PHASES
+    x: Array = sample_setpoint(setpoint, (times + phases).ravel())[:, 0].reshape(PHASES, -1)
+    return float(np.abs(np.diff(x, n=order, axis=1)).max()) / width**order
+
+
+def check_planner(
+    motion: Motion, setpoint: Setpoint | None, entered: MotionLimits, units: AxisUnits
+) -> tuple[Check, ...]:
+    """Return velocity, acceleration and jerk of a recorded move against what was entered.
+
+    Parameters
+    ----------
+    motion
+        Of the record.
+    setpoint
+        What the control should have sent.
+    entered
+        Limits.
+    units
+        Of the axis.
+    """
+    top = inf
+    if setpoint is not None and isinstance(setpoint.move, Positioning):
+        top = setpoint.move.max_velocity
+    rows = (
+        ("setpoint velocity", 1, motion.velocity, top, units.velocity.si),
+        ("setpoint acceleration", 2, motion.acceleration, entered.acceleration,
+         units.acceleration.si),
+        ("setpoint jerk", 3, motion.jerk, entered.jerk, units.jerk.si),
+    )  # fmt: skip
+    return tuple(
+        _check(key, reached, limit, unit, _peak(setpoint, order, reached) if setpoint else None)
+        for key, order, reached, limit, unit in rows
+    )
+
+
+def _check(key: str, reached: Reached, limit: float, unit: str, plan: float | None) -> Check:
+    value, error = reached.value, reached.uncertainty
+    verdict, kind = Verdict.UNKNOWN, "verify-setpoint-coarse"
+    if plan is None:
+        verdict = Verdict.FAILS if value - error > ABOVE * limit else Verdict.UNKNOWN
+        kind = "verify-setpoint-above" if verdict is Verdict.FAILS else "verify-setpoint-no-plan"
+    elif value - error > ABOVE * plan:
+        verdict, kind = Verdict.FAILS, "verify-setpoint-above"
+    elif value + error < BELOW * plan:
+        verdict, kind = Verdict.FAILS, "verify-setpoint-below"
+    elif error <= TELLING * plan:
+        verdict, kind = Verdict.HOLDS, "verify-setpoint-obeyed"
+    return Check(
+        key=key,
+        unit=unit,
+        predicted=plan,
+        low=None if plan is None else BELOW * plan,
+        high=None if plan is None else ABOVE * plan,
+        limit=limit if limit < inf else None,
+        measured=value,
+        uncertainty=error,
+        verdict=verdict,
+        reason=Message(kind, width=reached.width),
+        decides=key != "setpoint jerk",
+    )

@@ -1,0 +1,192 @@
+"""Mass and friction from force and motion: the equation of motion under smooth weights.
+
+    F(t - δ) = m y'' + F_c sign(v) + d v + F_0
+
+y is the position less what the modes add to it under the recorded force. Both sides pass the same
+Gaussian, which the equation does not feel, before anything is differentiated, and only instants
+count whose whole window moves one way: what friction takes at rest nobody can tell.
+
+Source: weak (modulating-function) form after M. Shinbrot, Trans. ASME 79 (1957) 583-588.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, pi, sqrt
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.signal import lfilter
+
+from mtcommission.plant.plant import Plant
+from mtcommission.verify.ringing import correlation_length
+from mtcommission.verify.trace import Array, Role, Trace
+
+REACH = 4.0
+"""Half width of the weights in their standard deviations."""
+
+SLOWEST = 0.03
+"""Share of the largest velocity below which an axis may stick."""
+
+FEWEST, FEWEST_OF_STRETCH = 60, 8
+"""Samples that say something, in all and in a row."""
+
+FEWEST_STRETCHES = 4
+"""Stretches that move one way from which on the second half of them is held back."""
+
+UNTESTED = 2.0
+"""Factor on the standard errors where no stretch can be held back."""
+
+UNSURE = 0.2
+"""Standard error of the mass, relative to it, from which on nothing is said."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """A value and its standard error [SI]."""
+
+    value: float
+    sigma: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RigidBody:
+    """What force and motion say.
+
+    Parameters
+    ----------
+    mass, coulomb, viscous
+        [kg], [N], [N s/m].
+    unexplained, unexplained_apart
+        Share of the force, by RMS, that is left: in all moves, and in the second half of them by
+        a fit to the first half; None: one move alone was recorded.
+    """
+
+    mass: Estimate
+    coulomb: Estimate
+    viscous: Estimate
+    unexplained: float
+    unexplained_apart: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rows:
+    """Equations of one stretch: force = columns @ parameters.
+
+    The parameters are mass, mass times delay, Coulomb and viscous friction, and an offset.
+    """
+
+    columns: Array
+    force: Array
+
+
+def fit_rigid_body(traces: Sequence[Trace], plant: Plant) -> RigidBody | None:
+    """Return mass and friction; None where force or motion do not suffice.
+
+    Parameters
+    ----------
+    traces
+        In the order in which they were recorded; with force and a position.
+    plant
+        Of the record, for its modes.
+    """
+    rows = [stretch for trace in traces for stretch in _rows(trace, plant)]
+    if not rows or sum(own.force.size for own in rows) < FEWEST:
+        return None
+    found, sigma, rest = _solve(rows)
+    sigma = UNTESTED * sigma if len(rows) < FEWEST_STRETCHES else sigma
+    half = len(rows) // 2
+    apart = None
+    if len(rows) >= FEWEST_STRETCHES:
+        first, _, _ = _solve(rows[:half])
+        second, _, _ = _solve(rows[half:])
+        # What differs between the halves is part of the doubt, whatever the residuals say.
+        sigma = np.maximum(sigma, 0.5 * np.abs(second - first))
+        force = np.concatenate([own.force for own in rows[half:]])
+        missed = force - np.vstack([own.columns for own in rows[half:]]) @ first
+        apart = sqrt(float(missed @ missed) / float(force @ force))
+    total = np.concatenate([own.force for own in rows])
+    mass, coulomb, viscous = (
+        Estimate(value=float(found[k]), sigma=float(sigma[k])) for k in (0, 2, 3)
+    )
+    if mass.value <= 0.0 or mass.sigma > UNSURE * mass.value:
+        return None
+    return RigidBody(
+        mass=mass,
+        coulomb=coulomb,
+        viscous=viscous,
+        unexplained=sqrt(float(rest @ rest) / float(total @ total)),
+        unexplained_apart=apart,
+    )
+
+
+def _solve(rows: Sequence[_Rows]) -> tuple[Array, Array, Array]:
+    """Parameters, their standard errors, and what is left."""
+    columns = np.vstack([own.columns for own in rows])
+    if abs(columns[:, 2].sum()) == len(columns):
+        columns[:, 4] = 0.0  # one direction alone: a weight and friction look the same
+    force = np.concatenate([own.force for own in rows])
+    scale = np.linalg.norm(columns, axis=0)
+    scale[scale == 0.0] = 1.0
+    found, *_ = np.linalg.lstsq(columns / scale, force, rcond=None)
+    rest = force - columns / scale @ found
+    length = correlation_length(rest)
+    variance = length * float(rest @ rest) / max(rest.size - columns.shape[1], 1)
+    inverse = np.linalg.pinv((columns / scale).T @ (columns / scale))
+    return found / scale, np.sqrt(variance * np.diag(inverse)) / scale, rest
+
+
+def _rows(trace: Trace, plant: Plant) -> list[_Rows]:
+    """The equations of each stretch that moves one way."""
+    force = trace.find(Role.FORCE)
+    place = trace.find(Role.ENCODER) or trace.find(Role.TOOL)
+    if force is None or place is None or trace.gaps:
+        return []
+    h = max(force.step, place.step)
+    t = np.arange(max(force.t[0], place.t[0]), min(force.t[-1], place.t[-1]), h)
+    F, x = np.interp(t, force.t, force.values), np.interp(t, place.t, place.values)
+    for number, mode in enumerate(plant.modes):
+        gain = mode.measured_gain if place.role is Role.ENCODER else mode.tcp_gain
+        x = x - gain * _mode_motion(plant, number, F - F[0], h)
+    slowest = min((mode.frequency_hz for mode in plant.modes), default=100.0)
+    weights = _weights(max(1.0 / (2.0 * pi * slowest), 3.0 * h), h)
+    if x.size <= 2 * weights.size:
+        return []
+    smooth, y = (np.convolve(signal, weights, "valid") for signal in (F, x))
+    rate = np.gradient(y, h)
+    acceleration = np.gradient(rate, h)
+    jerk = np.gradient(acceleration, h)
+    reach = (weights.size - 1) // 2
+    way = np.sign(rate) * (np.abs(rate) > SLOWEST * np.abs(rate).max())
+    # The whole window must move one way.
+    sums = np.convolve(way, np.ones(2 * reach + 1), "same")
+    one_way = np.abs(sums) >= 2 * reach + 0.5
+    columns = np.column_stack([acceleration, jerk, way, rate, np.ones_like(rate)])
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], one_way, [False]]).astype(np.int8)))
+    return [
+        _Rows(columns[first:last], smooth[first:last])
+        for first, last in zip(edges[::2], edges[1::2], strict=True)
+        if last - first >= FEWEST_OF_STRETCH
+    ]
+
+
+def _weights(width: float, h: float) -> Array:
+    """A Gaussian of unit area over the step."""
+    reach = ceil(REACH * width / h)
+    bell = np.exp(-0.5 * (h * np.arange(-reach, reach + 1, dtype=np.float64) / width) ** 2)
+    return np.asarray(bell / bell.sum())
+
+
+def _mode_motion(plant: Plant, number: int, force: Array, h: float) -> Array:
+    """Q of q'' + 2 ζ ω q' + ω² q = F at the samples, the force held between them."""
+    mode = plant.modes[number]
+    zeta, omega = mode.damping_ratio, mode.natural_frequency
+    joint = np.zeros((3, 3))
+    joint[0, 1], joint[1, 2] = 1.0, 1.0
+    joint[1, :2] = -(omega**2), -2.0 * zeta * omega
+    step = expm(h * joint)
+    A, B = step[:2, :2], step[:2, 2]
+    denominator = np.array([1.0, -np.trace(A), np.linalg.det(A)])
+    numerator = np.array([0.0, B[0], A[0, 1] * B[1] - A[1, 1] * B[0]])
+    return np.asarray(lfilter(numerator, denominator, force), dtype=np.float64)

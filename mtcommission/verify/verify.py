@@ -1,0 +1,219 @@
+"""Record and traces -> what can be said: the whole of ``verify`` as a list of verbs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import isfinite, sqrt
+
+import numpy as np
+
+from mtcommission.errors import Fault, InputError
+from mtcommission.machine.machine import VelocityStep
+from mtcommission.messages.message import Message
+from mtcommission.record.data import read_filter
+from mtcommission.record.schema import Record
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.verify.checks import Check, Verdict, judge_all, worst
+from mtcommission.verify.motions import Recorded, lay_out
+from mtcommission.verify.planner import number_of
+from mtcommission.verify.prediction import Rebuilt, rebuild
+from mtcommission.verify.promises import check_recorded
+from mtcommission.verify.setpoint import Motion, find_motions
+from mtcommission.verify.trace import Role, Trace
+
+MOST_MOTIONS = 40
+"""Moves of all traces together that are looked at; more say nothing new."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Verification:
+    """What the traces say about the record.
+
+    Parameters
+    ----------
+    record, rebuilt, entered
+        The promises, the loop, and the limits that were entered.
+    traces
+        As they were read.
+    recorded
+        Moves, each beside its prediction.
+    checks
+        The worst of each promise over all repetitions, the setpoint's first.
+    verdict
+        Over all of them.
+    warnings
+        What the reader must know; the first one speaks of the planner if it did not obey.
+    """
+
+    record: Record
+    rebuilt: Rebuilt
+    entered: MotionLimits
+    traces: tuple[Trace, ...]
+    recorded: tuple[Recorded, ...]
+    checks: tuple[Check, ...]
+    verdict: Verdict
+    warnings: tuple[Message, ...]
+
+    @property
+    def obeyed(self) -> bool | None:
+        """Whether the control sent what was entered; None: cannot be told."""
+        own = [check.verdict for check in self.checks if check.key.startswith("setpoint ")]
+        if Verdict.FAILS in own:
+            return False
+        return None if Verdict.UNKNOWN in own or not own else True
+
+    @property
+    def shift(self) -> float | None:
+        """By which positions come later than predicted, middle of all moves [s]."""
+        known = [one.shift for one in self.recorded if isfinite(one.shift_error)]
+        return float(np.median(known)) if known else None
+
+    @property
+    def unexplained(self) -> float | None:
+        """Share of the deviation that the nominal prediction leaves, by RMS; None: no position."""
+        missed = total = 0.0
+        for move in self.recorded:
+            for one in move.beside:
+                if one.is_position:
+                    moving = one.after(move.motion.begin)
+                    apart = one.deviation - one.predicted_deviation[0]
+                    missed += float(np.sum(apart[moving] ** 2))
+                    total += float(np.sum(one.deviation[moving] ** 2))
+        return sqrt(missed / total) if total > 0.0 else None
+
+    @property
+    def noise_floor(self) -> float | None:
+        """Of the tool, else of the encoder: what noise adds to a largest value [m]."""
+        for role in (Role.TOOL, Role.ENCODER):
+            found = [one.noise for move in self.recorded if (one := move.find(role))]
+            if found:
+                return max(found)
+        return None
+
+
+def verify(record: Record, traces: Sequence[Trace]) -> Verification:
+    """Return what traces say about a record.
+
+    Parameters
+    ----------
+    record
+        Of a run.
+    traces
+        Recorded with its limits.
+
+    Raises
+    ------
+    InputError
+        No trace holds a move from rest.
+    """
+    rebuilt = rebuild(record)
+    chosen = record.limits.recommended
+    entered = MotionLimits(
+        acceleration=chosen.acceleration,
+        jerk=chosen.jerk,
+        setpoint_filter=read_filter(chosen.setpoint_filter) if chosen.setpoint_filter else None,
+    )
+    recorded: list[Recorded] = []
+    warnings: list[Message] = []
+    for trace in traces:
+        motions, more = _motions(rebuilt, entered, trace)
+        warnings += more
+        recorded += [lay_out(rebuilt, entered, trace, motion) for motion in motions]
+    if not recorded:
+        files = tuple(trace.file for trace in traces)
+        raise InputError([Fault(where=files[0], message=Message("verify-no-move"))])
+    if len(recorded) > MOST_MOTIONS:
+        warnings.append(Message("verify-many-moves", used=MOST_MOTIONS, found=len(recorded)))
+        recorded = recorded[:MOST_MOTIONS]
+    rows = [check_recorded(rebuilt, record, entered, one) for one in recorded]
+    checks = _gather(rows)
+    verdict = judge_all(checks)
+    missing = [
+        number
+        for number in range(1, len(rebuilt.machine.moves) + 1)
+        if not any(one.number == number for one in recorded)
+    ]
+    if missing:
+        warnings.append(Message("verify-moves-missing", moves=tuple(missing)))
+        if verdict is Verdict.HOLDS:
+            verdict = Verdict.UNKNOWN
+    planner = [check for check in checks if check.key.startswith("setpoint ")]
+    first = [_planner_says(check) for check in planner if check.verdict is Verdict.FAILS]
+    remarks = [remark for trace in traces for remark in trace.remarks]
+    return Verification(
+        record=record,
+        rebuilt=rebuilt,
+        entered=entered,
+        traces=tuple(traces),
+        recorded=tuple(recorded),
+        checks=checks,
+        verdict=verdict,
+        warnings=tuple(dict.fromkeys([*first, *warnings, *remarks])),
+    )
+
+
+def _planner_says(check: Check) -> Message:
+    above = check.reason.kind == "verify-setpoint-above"
+    kind = "verify-planner-exceeds" if above else "verify-planner-below"
+    what = Message("verify-" + check.key.replace(" ", "-"))
+    return Message(
+        kind, what=what, measured=check.measured, planned=check.predicted or check.limit,
+        unit=check.unit,
+    )  # fmt: skip
+
+
+def _motions(
+    rebuilt: Rebuilt, entered: MotionLimits, trace: Trace
+) -> tuple[list[Motion], list[Message]]:
+    """The moves of a trace that begin at rest, as the record's moves end."""
+    limits, moves = entered, rebuilt.machine.moves
+    kinds = {isinstance(move, VelocityStep) for move in moves}
+    found: list[Motion] = []
+    warnings: list[Message] = []
+    begins_moving = False
+    setpoint = trace.setpoint
+    if trace.is_delayed:
+        setpoint = replace(setpoint, start=setpoint.start - rebuilt.controller.reference_delay)
+    for coasting in sorted(kinds):
+        motions, begins_moving = find_motions(
+            setpoint,
+            acceleration=limits.acceleration,
+            jerk=limits.jerk,
+            coasting=coasting,
+        )
+        found += [one for one in motions if one.coasts or not coasting or len(kinds) == 1]
+    if len(kinds) > 1:
+        found = _apart(found, [number_of(one, moves, entered) for one in found])
+    if begins_moving:
+        warnings.append(Message("verify-begins-moving", file=trace.file))
+    whole = [
+        one
+        for one in found
+        if not any(begin < one.until and end > one.begin for begin, end in trace.gaps)
+    ]
+    if len(whole) < len(found):
+        warnings.append(
+            Message("verify-moves-with-gaps", count=len(found) - len(whole), file=trace.file)
+        )
+    return whole, warnings
+
+
+def _apart(motions: Sequence[Motion], numbers: Sequence[int]) -> list[Motion]:
+    """Each move once, where it may end at rest or at a velocity: as the record knows it."""
+    known = [one for one, number in zip(motions, numbers, strict=True) if number]
+    rest = [
+        one
+        for one in motions
+        if not one.coasts and not any(abs(one.begin - other.begin) < one.blur for other in known)
+    ]
+    return sorted([*known, *rest], key=lambda one: one.begin)
+
+
+def _gather(rows: Sequence[Sequence[Check]]) -> tuple[Check, ...]:
+    """One check for each promise: the worst of its repetitions."""
+    grouped: dict[str, list[Check]] = {}
+    for check in (check for row in rows for check in row):
+        grouped.setdefault(check.name, []).append(check)
+    # A move that the record does not name tells less of the same thing.
+    return tuple(worst(same) for same in grouped.values())

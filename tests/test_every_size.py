@@ -1,0 +1,196 @@
+"""Limits for every smaller move: what is said of all sizes must hold for any of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf, isnan
+
+import numpy as np
+import pytest
+
+from mtcommission.control_kinds.kind import TWO_AVERAGES
+from mtcommission.limits.every.families import Judged
+from mtcommission.limits.every.search import search_every_size
+from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import (
+    Machine,
+    Move,
+    Positioning,
+    StateFeedback,
+    VelocityStep,
+    moving_mass,
+)
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
+from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
+from mtcommission.plant.plant import build_plant
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.setpoint.smaller_moves import SMALLEST, lay_sizes, plan_sizes, size_of
+from mtcommission.verdict.every_size import SizeCheck, judge_every_size
+from tests.independent_loop import quiet_copy
+from tests.machines import paper_machine, random_modal_machine
+
+MOVES: list[Move] = [
+    VelocityStep(velocity_step=0.1),
+    Positioning(distance=0.03, max_velocity=0.25),
+    Positioning(distance=0.01),
+]
+
+
+def quiet_paper() -> Machine:
+    return quiet_copy(paper_machine(), state_feedback=StateFeedback.OFF)
+
+
+def with_corners() -> Machine:
+    machine = quiet_paper()
+    needs = replace(machine.requirements, payload=(0.0, 100.0), frequency_spread=0.04)
+    return replace(machine, requirements=needs, moves=(MOVES[1],))
+
+
+MACHINES = {
+    "velocity step": quiet_paper(),
+    "positioning in corners": with_corners(),
+    "four modes": replace(random_modal_machine(7, n_modes=4), moves=(MOVES[2],)),
+}
+FILTERS = {
+    "none": None,
+    "average": moving_average(0.019),
+    "two averages": SetpointFilter(kind=TWO_AVERAGES, time=0.021, second_time=0.008),
+    "shaper": SetpointFilter(kind="mzv", frequency_hz=31.0, damping_ratio=0.03),
+}
+
+
+def resized(move: Move, size: float) -> Move:
+    if isinstance(move, VelocityStep):
+        return replace(move, velocity_step=size)
+    return replace(move, distance=size)
+
+
+def residual_of(machine: Machine, tuned: TunedLoop, limits: MotionLimits, size: float) -> float:
+    """Worst corner of one size, by the full simulation behind Ruckig."""
+    setpoint = plan_setpoint(resized(machine.moves[0], size), limits)
+    drive = replace(machine.drive, max_force=1e12)
+    band = machine.requirements.tcp_deviation
+    found = [simulate(loop, setpoint, drive=drive, band=band) for loop in tuned.loops]
+    return max(response.residual_deviation for response in found)
+
+
+def check_of(checks: tuple[SizeCheck, ...], name: object) -> SizeCheck:
+    return next(check for check in checks if check.requirement == name)
+
+
+@pytest.mark.parametrize("filter_name", FILTERS)
+@pytest.mark.parametrize("name", MACHINES)
+def test_no_size_leaves_more_than_is_bounded(name: str, filter_name: str) -> None:
+    """A jog of a size that nobody looked at would shake the tool out of the band."""
+    machine = MACHINES[name]
+    tuned = tune_loop(machine)
+    limits = MotionLimits(acceleration=1.5, jerk=60.0, setpoint_filter=FILTERS[filter_name])
+    checks = judge_every_size(machine, build_plant(machine), tuned, limits)
+    found = check_of(checks, RESIDUAL_DEVIATION)
+    listed = size_of(machine.moves[0])
+    generator = np.random.default_rng(len(name) + len(filter_name))
+    sizes = listed * SMALLEST ** generator.uniform(0.0, 1.0, 40)
+    worst = max(residual_of(machine, tuned, limits, float(size)) for size in (*sizes, listed))
+    band = machine.requirements.tcp_deviation
+    assert worst <= found.bound + 1e-3 * band
+    assert found.value <= found.bound <= found.value + 0.011 * band
+    # The worst size is named, and is that bad.
+    assert residual_of(machine, tuned, limits, found.size) == pytest.approx(found.value, rel=5e-3)
+    assert 0.0 < found.size <= listed
+
+
+def test_force_is_the_largest_of_the_sizes() -> None:
+    """A small move that needs more force than the listed one would saturate unseen."""
+    machine = MACHINES["velocity step"]
+    tuned = tune_loop(machine)
+    limits = MotionLimits(acceleration=1.8, jerk=400.0)
+    found = check_of(judge_every_size(machine, build_plant(machine), tuned, limits), SET_FORCE)
+    drive = replace(machine.drive, max_force=1e12)
+    forces = [
+        simulate(
+            tuned.loops[0],
+            plan_setpoint(resized(machine.moves[0], float(size)), limits),
+            drive=drive,
+            band=1e-6,
+        ).max_force
+        for size in np.geomspace(1e-3, 0.1, 30)
+    ]
+    assert max(forces) == pytest.approx(found.value, rel=0.01)
+    assert isnan(found.bound)
+
+
+@pytest.mark.parametrize("filter_name", FILTERS)
+@pytest.mark.parametrize("move", MOVES, ids=["step", "slow", "free"])
+def test_sizes_are_planned_as_the_control_plans_them(move: Move, filter_name: str) -> None:
+    """The proof would be of other motions than the machine makes."""
+    limits = MotionLimits(acceleration=2.0, jerk=90.0, setpoint_filter=FILTERS[filter_name])
+    sizes = size_of(move) * np.array([0.003, 0.04, 0.2, 0.61, 1.0])
+    steps = plan_sizes(move, sizes, limits)
+    for row, size in enumerate(sizes):
+        setpoint = plan_setpoint(resized(move, float(size)), limits)
+        assert steps.duration[row] == pytest.approx(setpoint.duration, rel=1e-9)
+        t = np.linspace(0.0, setpoint.duration, 61)
+        age = np.maximum(t[:, None] - steps.times[row], 0.0)
+        power = steps.order - 1  # the velocity lies so many integrals below what steps
+        factorial = float(np.prod(np.arange(1, power + 1)))
+        velocity = (age**power / factorial) @ steps.steps[row]
+        expected = sample_setpoint(setpoint, t)[:, 1]
+        assert np.allclose(velocity, expected, atol=1e-6 * np.max(expected))
+
+
+@pytest.mark.parametrize("move", MOVES, ids=["step", "slow", "free"])
+def test_neighbouring_sizes_are_one_spacing_of_time_apart(move: Move) -> None:
+    """A gap in the sizes is a gap in the proof."""
+    limits, spacing = MotionLimits(acceleration=2.0, jerk=90.0), 2e-3
+    sizes = lay_sizes(move, limits, pointed_spacing=spacing, spacing=spacing, decayed=10.0)
+    assert sizes[-1] == size_of(move)
+    assert sizes[0] <= 30 * SMALLEST * size_of(move)
+    steps = plan_sizes(move, sizes, limits)
+    # Eight knots at most, each moves by no more than some spacings from one size to the next.
+    assert np.max(np.diff(steps.times, axis=0)) <= 5.0 * spacing
+
+
+def test_sliding_extremes_are_those_of_every_delay() -> None:
+    """The search would pass limits whose worst size it never compared."""
+    generator = np.random.default_rng(3)
+    n, rows = 90, 3
+    decay = np.exp(-np.arange(n) / 12.0)
+    answers = generator.normal(size=(rows, n)) * decay
+    for wait in (-1, 4):
+        judged = Judged(answers=answers, wait=wait, longest=50)
+        k, least, most = 6, 9, 37
+        ramp = judged.ramp(k)
+        found = judged.worst_difference(ramp, length=k, least=least, most=most)
+        whole = np.array([judged.worst(ramp, {0: 1.0, T: -1.0}, length=k + T) for T in range(38)])
+        begin = 0 if wait >= 0 else None
+        expected = whole[least : most + 1].max()
+        if begin is None:  # while it moves, what has begun counts, too
+            expected = max(expected, judged.worst(ramp, {0: 1.0}, length=k))
+        assert found == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("filter_name", ["none", "average"])
+@pytest.mark.parametrize("name", ["velocity step", "four modes"])
+def test_nothing_on_a_grid_is_sooner(name: str, filter_name: str) -> None:
+    """Time would be given away at every move of the machine."""
+    machine = quiet_copy(MACHINES[name], setpoint_filter=FILTERS[filter_name])
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    (move,), needs = machine.moves, machine.requirements
+    found = search_every_size(machine, plant, tuned, largest_jerk=inf)
+    best = min(item.duration for item in found)
+    a_max = machine.drive.motion_force / moving_mass(machine)
+    sooner = []
+    for a in a_max * np.geomspace(0.02, 1.0, 26):
+        for t_j in np.geomspace(2e-3, 0.2, 26):
+            item = FILTERS[filter_name]
+            limits = MotionLimits(acceleration=a, jerk=a / t_j, setpoint_filter=item)
+            if plan_setpoint(move, limits).duration < best / 1.02:
+                checks = judge_every_size(machine, plant, tuned, limits)
+                residual = check_of(checks, RESIDUAL_DEVIATION).value
+                force = check_of(checks, SET_FORCE).value
+                if residual <= needs.tcp_deviation and force <= machine.drive.motion_force:
+                    sooner.append((a, t_j))
+    assert not sooner

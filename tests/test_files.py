@@ -1,0 +1,107 @@
+"""Files as users name them: what is written, what is kept, and what is refused."""
+
+from __future__ import annotations
+
+import os
+import stat
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from mtcommission import files
+from mtcommission.errors import InputError
+from mtcommission.files import read_bytes, require_folder, require_writable, write_files, write_text
+from mtcommission.messages.message import Message
+
+FOLDER = Message("file-is-folder")
+
+
+@pytest.fixture
+def mask() -> Iterator[None]:
+    before = os.umask(0o027)
+    yield
+    os.umask(before)
+
+
+def mode_of(path: Path) -> int:
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+def test_a_new_file_has_the_umask_and_an_old_one_keeps_its_mode(tmp_path: Path, mask: None) -> None:
+    """A sheet that was private must not become readable for all, nor the other way round."""
+    old, new = tmp_path / "old", tmp_path / "new"
+    old.write_text("before")
+    old.chmod(0o604)
+    write_text(str(old), "after")
+    write_files(tmp_path, {"new": b"new"})
+    assert (old.read_text(), mode_of(old), mode_of(new)) == ("after", 0o604, 0o640)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["new", "old"]
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_link_stays_and_its_target_is_written(tmp_path: Path, there: bool) -> None:
+    (tmp_path / "below").mkdir()
+    target, link = tmp_path / "below" / "target", tmp_path / "link"
+    if there:
+        target.write_text("before")
+    link.symlink_to(target)
+    require_writable(str(link))
+    write_text(str(link), "after")
+    assert link.is_symlink()
+    assert target.read_text() == "after"
+
+
+def test_a_device_is_written_into() -> None:
+    """As root, /dev/null once became a file."""
+    require_writable("/dev/null", "/dev/null")
+    write_text("/dev/null", "gone")
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+
+
+def test_a_pipe_is_written_into_and_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    found: list[bytes] = []
+    reader = threading.Thread(
+        target=lambda: found.append(read_bytes(pipe, folder=FOLDER, most=100))
+    )
+    reader.start()
+    write_text(str(pipe), "through")
+    reader.join()
+    assert found == [b"through"]
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    monkeypatch.setattr(files, "PATIENCE", 0.1)
+    with pytest.raises(InputError, match=r"nobody wrote for 0\.1 s"):
+        read_bytes(pipe, folder=FOLDER, most=100)
+    with pytest.raises(InputError, match=r"nobody read this pipe for 0\.1 s"):
+        write_text(str(pipe), "lost")
+
+
+def test_what_is_read_and_what_is_named_twice_is_refused(tmp_path: Path) -> None:
+    """sweep --cases DIR/rows.csv -o DIR would overwrite the table of cases."""
+    mine, link = tmp_path / "rows.csv", tmp_path / "link"
+    mine.write_text("mine")
+    link.symlink_to(mine)
+    with pytest.raises(InputError, match="read by this command"):
+        require_folder(tmp_path, "rows.csv", inputs=[link])
+    with pytest.raises(InputError, match="read by this command"):
+        require_writable(str(link), inputs=[mine])
+    for twice in ((str(mine), str(link)), ("-", "-"), ("new", "./new")):
+        with pytest.raises(InputError, match="named for two results"):
+            require_writable(*twice)
+    require_writable("", "", "-", str(mine))
+
+
+def test_nothing_is_left_of_a_write_that_fails(tmp_path: Path) -> None:
+    place = tmp_path / "file"
+    place.write_text("before")
+
+    def fail(file: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(OSError, match="No space"):
+        files.replace_file(place, fail)
+    assert place.read_text() == "before"
+    assert list(tmp_path.iterdir()) == [place]

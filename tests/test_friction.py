@@ -1,0 +1,80 @@
+"""Friction in the loop: against closed forms, and against a smooth model in another solver."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mtcommission.loop.model.friction import find_friction
+from mtcommission.machine.machine import Drive
+from mtcommission.plant.plant import build_plant
+from tests.machines import paper_machine
+
+STEP = 125e-6
+
+
+def coast(coulomb: float, viscous: float, v: float, force: float, until: float) -> np.ndarray:
+    """Velocity of the slider under a constant force from a velocity on, modes left out."""
+    machine = paper_machine()
+    plant = build_plant(machine)
+    rubs = find_friction(plant, coulomb=coulomb, viscous=viscous, step=STEP)
+    m, found = plant.moving_mass, [v]
+    stiff = replace(rubs, velocity=np.eye(plant.order)[plant.velocity],
+                    push=np.eye(plant.order)[plant.velocity] * STEP / m)  # fmt: skip
+    for _ in range(round(until / STEP)):
+        x = np.zeros((plant.order, 1))
+        x[plant.velocity] = found[-1] + STEP / m * force
+        x += np.outer(stiff.push, stiff.force(x))
+        found.append(float(x[plant.velocity, 0]))
+    return np.array(found)
+
+
+def test_a_coasting_axis_stops_when_its_momentum_is_used_up_and_stays() -> None:
+    m, v0, coulomb = build_plant(paper_machine()).moving_mass, 0.1, 150.0
+    v = coast(coulomb, 0.0, v0, 0.0, 1.5 * m * v0 / coulomb)
+    t = STEP * np.arange(v.size)
+    assert v[t < m * v0 / coulomb - STEP] == pytest.approx(
+        v0 - coulomb / m * t[t < m * v0 / coulomb - STEP], abs=1e-12
+    )
+    assert np.all(v[t > m * v0 / coulomb + STEP] == 0.0)
+
+
+def test_viscous_friction_decays_exponentially() -> None:
+    m = build_plant(paper_machine()).moving_mass
+    v = coast(0.0, 600.0, 0.1, 0.0, 2.0)
+    t = STEP * np.arange(v.size)
+    assert v == pytest.approx(0.1 * np.exp(-600.0 / m * t), abs=2e-5)
+
+
+def test_an_axis_sticks_under_less_than_coulomb_friction_and_slides_under_more() -> None:
+    assert np.all(coast(100.0, 0.0, 0.0, 99.0, 0.2) == 0.0)
+    m = build_plant(paper_machine()).moving_mass
+    v = coast(100.0, 0.0, 0.0, 130.0, 0.2)
+    assert v[-1] == pytest.approx(30.0 / m * 0.2, rel=1e-9)
+
+
+def test_a_smooth_model_in_another_solver_agrees() -> None:
+    """There and back under a force that changes sign: tanh at 1 um/s, Radau."""
+    m, coulomb, viscous = build_plant(paper_machine()).moving_mass, 80.0, 400.0
+
+    def rate(t: float, v: np.ndarray) -> np.ndarray:
+        force = 300.0 * np.sign(np.sin(2.0 * np.pi * t / 0.4))
+        return (force - coulomb * np.tanh(v / 1e-6) - viscous * v) / m
+
+    smooth = solve_ivp(rate, (0.0, 0.8), [0.0], method="Radau", max_step=1e-3, rtol=1e-8, atol=1e-9)
+    pieces, v = [], 0.0
+    for half in range(4):
+        own = coast(coulomb, viscous, v, 300.0 * (-1.0) ** half, 0.2)
+        pieces.append(own[:-1])
+        v = float(own[-1])
+    ours = np.concatenate(pieces)
+    t = STEP * np.arange(ours.size)
+    assert ours == pytest.approx(np.interp(t, smooth.t, smooth.y[0]), abs=1e-4)
+
+
+def test_coulomb_friction_takes_its_amount_from_the_force() -> None:
+    drive = Drive(force_lag=1e-3, max_force=2000.0, static_load=-300.0, coulomb_friction=150.0)
+    assert (drive.usable_force, drive.motion_force) == (1700.0, 1550.0)

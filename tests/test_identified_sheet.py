@@ -1,0 +1,201 @@
+"""What was measured travels from identify by the profile into the record and onto the sheet.
+
+If one of these fails, a sheet states intervals of another measurement, or hides that a value was
+changed, assumed, or that a file is missing.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import tomlkit
+
+from mtcommission.limits.choose import SearchSettings, choose_limits
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Machine
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.plant.modal import Modal
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
+from mtcommission.record.identified import read_evidence
+from mtcommission.record.schema import IdentifiedPart, Record, ToolSensorEntry
+from mtcommission.record.shape import to_entry, to_plain
+from mtcommission.sheet.content import compose
+from mtcommission.sheet.html import set_html
+from mtcommission.sheet.identified_part import identified
+from mtcommission.study.tool_sensor import value_tool_sensor
+from tests.sheet_record import example_record
+from tests.test_cli import Run, run
+from tests.test_identify import table_file
+
+__all__ = ["run"]
+
+SEARCH = SearchSettings(grid=32, coarse_grid=8, seeds=8, refinements=2, landscape=8)
+REST = """
+[drive]
+force_lag = "0.6 ms"
+max_force = "2.4 kN"
+
+[[moves]]
+distance = "15 mm"
+max_velocity = "0.4 m/s"
+"""
+
+
+@pytest.fixture
+def profile(run: Run, tmp_path: Path) -> Path:
+    """Identified from an encoder alone, and completed."""
+    path = tmp_path / "axis.toml"
+    code, _, errors = run("identify", table_file(tmp_path / "e.csv"), "-o", str(path))
+    assert code == 0, errors
+    text = path.read_text().replace("[requirements]", '[requirements]\ntcp_deviation = "8 um"')
+    path.write_text(text + REST)
+    return path
+
+
+def _machine(profile: Path) -> Machine:
+    return parse_profile(profile.read_text(), where="axis.toml")
+
+
+def _part(profile: Path) -> IdentifiedPart:
+    found = read_evidence(_machine(profile), profile.parent)
+    assert found is not None
+    return found
+
+
+def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
+    """The sheet of a record whose plant has what was measured, but for some changes."""
+    record = to_entry(example_record(), Record)
+    modes = [
+        replace(
+            record.plant.modes[0],
+            name=mode.name,
+            frequency_hz=mode.frequency_hz.value,
+            damping_ratio=mode.damping_ratio.value,
+            tcp_gain=-0.0077,
+        )
+        for mode in part.modes
+    ]
+    mass = part.moving_mass.value
+    plant = {"modes": modes, "moving_mass": mass} | plant
+    record = replace(record, identified=part, plant=replace(record.plant, **plant))
+    sections = identified(record, Catalogue(language))
+    document = compose(to_entry(example_record(), Record))
+    return set_html(replace(document, sections=sections), decimal_mark=".")
+
+
+def test_the_file_beside_the_profile_carries_points_states_and_advice(profile: Path) -> None:
+    part, entry = _part(profile), json.loads((profile.parent / "axis.identified.json").read_text())
+    assert entry["profile"] == profile.read_text().replace(REST, "").replace(
+        'tcp_deviation = "8 um"\n', ""
+    )
+    (response,) = part.responses
+    assert 100 < len(response.frequency_hz) <= 300
+    # A peak that is two lines wide is among the points.
+    mode = part.modes[0]
+    reach = mode.damping_ratio.value * mode.frequency_hz.value
+    near = [f for f in response.curve_hz if abs(f - mode.frequency_hz.value) < reach]
+    assert len(near) > 20
+    assert to_plain(part) == {key: entry[key] for key in to_plain(part)}
+
+
+def test_without_that_file_the_profile_alone_has_the_intervals_and_the_sheet_says_so(
+    profile: Path,
+) -> None:
+    whole = _part(profile)
+    beside = profile.parent / "axis.identified.json"
+    text = beside.read_text()
+    beside.unlink()
+    alone = _part(profile)
+    assert [one.kind for one in alone.warnings] == ["identified-evidence-missing"]
+    for one, other in zip(alone.modes, whole.modes, strict=True):
+        assert one.frequency_hz.value == pytest.approx(other.frequency_hz.value, rel=1e-5)
+        assert one.frequency_hz.sigma == pytest.approx(other.frequency_hz.sigma, rel=1e-2)
+    assert alone.sources == whole.sources
+    beside.write_text(text.replace('"misfit": 0', '"misfit": 9', 1))
+    assert [one.kind for one in _part(profile).warnings] == ["identified-evidence-differs"]
+    assert "axis.identified.json" in _section(_part(profile))
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_the_sheet_prints_modes_with_intervals_points_and_assumed_shares(
+    profile: Path, language: str
+) -> None:
+    words, part = Catalogue(language), _part(profile)
+    freed = ToolSensorEntry(modes=["mode1"], settling_time=0.1, least=0.06)
+    page = _section(replace(part, tool_sensor=freed), language)
+    assert words.text("identified-heading") in page
+    assert words.text("identify-plot-caption", file="e.csv") in page
+    assert page.count("±") >= 6
+    assert words.text("identified-assumed", value="").strip() in page
+    assert words.text("identified-tool-frees", modes="mode1", now=0.1, least=0.06, freed=0.04) in (
+        page.replace("&#39;", "'")
+    )
+    assert words.text("identified-changed", mode="mode1", what="", now="", was="")[:24] not in page
+
+
+def test_what_was_changed_by_hand_is_told(profile: Path) -> None:
+    part = _part(profile)
+    record = to_entry(example_record(), Record)
+    (first, *_) = part.modes
+    mode = replace(
+        record.plant.modes[0],
+        name=first.name,
+        frequency_hz=1.1 * first.frequency_hz.value,
+        damping_ratio=first.damping_ratio.value,
+    )
+    page = _section(part, modes=[mode], moving_mass=2.0 * part.moving_mass.value)
+    assert "mode1 was changed by hand: Frequency" in page
+    assert "mass was changed by hand" in page
+    assert "mode2 was measured, but no mode of the profile has this name" in page
+    # The sheet's record states 5.2 %, less than an identified axis may ask for.
+    wide = replace(part, spread=replace(part.spread, frequency=0.08))
+    assert "the corners hold ± 5.2 %" in _section(wide).replace("\u202f", " ").replace("\xa0", " ")
+
+
+def test_wrong_values_in_what_was_measured_are_named_with_their_line(profile: Path) -> None:
+    document = tomlkit.parse(profile.read_text())
+    document["identified"]["modes"][0]["frequency"] = ["38 kg", "1 Hz"]  # type: ignore[index]
+    document["identified"]["misfits"] = 1.0  # type: ignore[index]
+    with pytest.raises(Exception, match=r"identified\.modes\[1\]\.frequency\[1\]") as caught:
+        parse_profile(tomlkit.dumps(document), where="axis.toml")
+    assert "identified.misfits" in str(caught.value)
+
+
+def test_merging_again_replaces_what_was_measured_and_follows_renamed_modes(
+    run: Run, profile: Path, tmp_path: Path
+) -> None:
+    profile.write_text(profile.read_text().replace('"mode1"', '"beam"'))
+    files = [table_file(tmp_path / "e2.csv", seed=7)]
+    again = tmp_path / "again.toml"
+    code, _, errors = run("identify", *files, "--profile", str(profile), "-o", str(again))
+    assert code == 0, errors
+    data = tomllib.loads(again.read_text())
+    assert [one["name"] for one in data["identified"]["modes"]] == ["beam", "mode2"]
+    assert [one["name"].rpartition("/")[2] for one in data["identified"]["files"]] == ["e2.csv"]
+    assert data["identified"]["evidence"] == "again.identified.json"
+    part = read_evidence(_machine(again), tmp_path)
+    assert [mode.name for mode in part.modes] == ["beam", "mode2"]
+    assert part.responses
+
+
+def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile: Path) -> None:
+    machine = _machine(profile)
+    tuned = tune_loop(machine)
+    choice = choose_limits(machine, build_plant(machine), tuned, settings=SEARCH)
+    freed = value_tool_sensor(machine, tuned, choice, settings=SEARCH)
+    assert freed is not None
+    assert freed.modes == ("mode1", "mode2")
+    assert freed.settling_time == choice.candidate.settling_time
+    # A second way: limits for the machine whose tool stands still, from scratch.
+    assert isinstance(machine.mechanics, Modal)
+    modes = tuple(replace(mode, tcp_gain=0.0) for mode in machine.mechanics.modes)
+    still = replace(machine, mechanics=replace(machine.mechanics, modes=modes))
+    least = choose_limits(still, build_plant(still), tune_loop(still), settings=SEARCH)
+    assert freed.least == pytest.approx(least.candidate.settling_time, rel=0.03)
+    known = replace(machine, assumed=())
+    assert value_tool_sensor(known, tuned, choice, settings=SEARCH) is None

@@ -1,0 +1,362 @@
+"""Recorded moves against a record: right verdicts, and never a wrong "holds"."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from mtcommission.cli import main
+from mtcommission.commission import commission
+from mtcommission.errors import InputError
+from mtcommission.machine.machine import Positioning
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.profile.read import parse_profile
+from mtcommission.record.build import build_record
+from mtcommission.record.data import read_filter
+from mtcommission.record.files import dump_json
+from mtcommission.record.schema import Profile, Record
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.verify.checks import Check, Verdict
+from mtcommission.verify.columns import Axis
+from mtcommission.verify.entry import verification_entry
+from mtcommission.verify.prediction import Rebuilt, rebuild
+from mtcommission.verify.read import read_trace
+from mtcommission.verify.refine import refine
+from mtcommission.verify.renew import renew_profile
+from mtcommission.verify.verify import Verification, verify
+from tests.recorded_traces import ROTARY, UNITS, Spoilt, record_moves, write_csv
+
+PROFILES = Path(__file__).parent.parent / "profiles"
+
+
+@cache
+def record_of(name: str) -> Record:
+    text = (PROFILES / f"{name}.toml").read_text(encoding="utf-8")
+    done = commission(parse_profile(text, where=name))
+    profile = Profile(name=f"{name}.toml", sha256="0" * 64, text=text)
+    return build_record(done, profile=profile, created="2026-01-01T00:00:00+00:00", warnings=[])
+
+
+@cache
+def rebuilt_of(name: str) -> Rebuilt:
+    return rebuild(record_of(name))
+
+
+def limits_of(record: Record) -> MotionLimits:
+    best = record.limits.recommended
+    chosen = best.setpoint_filter
+    return MotionLimits(
+        acceleration=best.acceleration,
+        jerk=best.jerk,
+        setpoint_filter=read_filter(chosen) if chosen else None,
+    )
+
+
+def axis_of(rebuilt: Rebuilt) -> Axis:
+    machine = rebuilt.machine
+    return Axis(rotary=machine.motion.value == "rotary", drive=machine.drive, constant=None)
+
+
+def verified(name: str, path: Path, how: Spoilt, *, only: tuple[str, ...] = ()) -> Verification:
+    record, rebuilt = record_of(name), rebuilt_of(name)
+    columns = record_moves(rebuilt, limits_of(record), how)
+    if only:
+        columns = {key: values for key, values in columns.items() if key in ("t", "x_ref", *only)}
+    units = ROTARY if axis_of(rebuilt).rotary else UNITS
+    file = write_csv(path / "trace.csv", columns, units=units)
+    return verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+
+
+def find(found: Verification, name: str) -> Check:
+    return next(check for check in found.checks if check.name == name)
+
+
+MILLING, GANTRY = "milling-manipulator", "modal-two-modes"
+
+
+def test_the_loop_of_a_record_is_rebuilt_to_the_last_digit() -> None:
+    record, rebuilt = record_of(MILLING), rebuilt_of(MILLING)
+    written = record.loop.closed_loop
+    for name in "ABCD":
+        assert np.array_equal(getattr(rebuilt.loops[0].lifted, name), getattr(written, name))
+
+
+@pytest.mark.parametrize("name", [MILLING, GANTRY])
+@pytest.mark.parametrize(
+    "how",
+    [
+        Spoilt(),
+        Spoilt(noise=3e-7, offset=3e-3),
+        Spoilt(lag=1e-3, noise=2e-7),
+        Spoilt(step=1e-3, setpoint_grain=1e-7, grain=1e-7),
+        Spoilt(noise=3e-7, dwell=0.8, seed=3),
+    ],
+    ids=["exact", "noise and offset", "lag", "coarse", "other noise"],
+)
+def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
+    name: str, how: Spoilt, tmp_path: Path
+) -> None:
+    found = verified(name, tmp_path, how)
+    assert found.obeyed is True
+    assert found.verdict is Verdict.HOLDS, [c.name for c in found.checks]
+    residual = find(found, "move 1: residual deviation")
+    assert residual.measured == pytest.approx(
+        residual.predicted, abs=residual.uncertainty + 0.03 * residual.predicted
+    )
+    assert found.shift == pytest.approx(how.lag, abs=2e-5)
+
+
+@pytest.mark.parametrize("factor", [0.85, 0.9, 0.94, 1.06, 1.1, 1.15])
+def test_a_frequency_outside_the_spread_is_found(factor: float, tmp_path: Path) -> None:
+    found = verified(GANTRY, tmp_path, Spoilt(frequency=factor, noise=1e-7))
+    assert found.verdict is Verdict.FAILS
+    beam = find(found, "beam: frequency")
+    assert beam.verdict is Verdict.FAILS
+    refined = {one.name: one for one in refine(found).parameters}
+    assert refined["beam.frequency"].new.value == pytest.approx(38.0 * factor, rel=0.01)
+
+
+def test_a_planner_that_ignores_the_jerk_is_said_first_and_the_mechanics_not_blamed(
+    tmp_path: Path,
+) -> None:
+    found = verified(MILLING, tmp_path, Spoilt(ignores_jerk=True, noise=1e-7))
+    assert found.obeyed is False
+    assert found.verdict is Verdict.FAILS
+    assert found.warnings[0].kind == "verify-planner-exceeds"
+    assert find(found, "setpoint jerk").verdict is Verdict.FAILS
+    assert find(found, "setpoint acceleration").verdict is Verdict.HOLDS
+    assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
+
+
+@pytest.mark.parametrize("name", [MILLING, GANTRY])
+def test_a_planner_that_never_reaches_the_limits_proves_nothing(name: str, tmp_path: Path) -> None:
+    found = verified(name, tmp_path, Spoilt(slower=0.7))
+    assert found.warnings[0].kind == "verify-planner-below"
+    assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("how", "reason"),
+    [
+        (Spoilt(dwell=0.1), "verify-too-short"),
+        (Spoilt(noise=4e-6, step=1e-3), "verify-noise-above-band"),
+    ],
+)
+def test_what_cannot_be_told_is_not_said(how: Spoilt, reason: str, tmp_path: Path) -> None:
+    found = verified(MILLING, tmp_path, how)
+    assert found.verdict is Verdict.UNKNOWN
+    residual = find(found, "move 1: residual deviation")
+    assert (residual.verdict, residual.reason.kind) == (Verdict.UNKNOWN, reason)
+
+
+def test_the_encoder_alone_tells_nothing_of_a_mode_that_it_does_not_show(tmp_path: Path) -> None:
+    found = verified(MILLING, tmp_path, Spoilt(), only=("encoder",))
+    assert found.verdict is Verdict.UNKNOWN
+    residual = find(found, "move 1: residual deviation")
+    assert residual.reason.kind == "verify-encoder-only"
+
+
+def test_a_position_that_comes_late_is_a_finding_beyond_a_cycle(tmp_path: Path) -> None:
+    found = verified(MILLING, tmp_path, Spoilt(lag=8e-3))
+    assert find(found, "reference delay").verdict is Verdict.FAILS
+
+
+def test_never_a_wrong_holds(tmp_path: Path) -> None:
+    """Machines whose true residual misses the band, recorded with all kinds of blemish."""
+    rng = np.random.default_rng(7)
+    rebuilt, band = rebuilt_of(GANTRY), record_of(GANTRY)
+    limit = find(verified(GANTRY, tmp_path, Spoilt()), "move 1: residual deviation").limit
+    wrong = missed = 0
+    for seed in range(16):
+        how = Spoilt(
+            frequency=float(rng.uniform(0.7, 1.1)),
+            damping=float(rng.uniform(0.2, 1.5)),
+            payload=float(rng.uniform(0.0, 120.0)),
+            noise=float(10 ** rng.uniform(-7.5, -5.5)),
+            step=float(rng.choice([125e-6, 5e-4, 1e-3, 2e-3])),
+            grain=float(rng.choice([1e-8, 1e-7, 1e-6])),
+            setpoint_grain=float(rng.choice([1e-9, 1e-7])),
+            lag=float(rng.uniform(0.0, 5e-4)),
+            dwell=float(rng.choice([0.3, 1.0])),
+            seed=seed,
+        )
+        exact = replace(how, noise=0.0, grain=1e-9, step=125e-6, lag=0.0, dwell=1.5)
+        true = find(verified(GANTRY, tmp_path, exact), "move 1: residual deviation").measured
+        check = find(verified(GANTRY, tmp_path, how), "move 1: residual deviation")
+        missed += true > limit
+        wrong += check.verdict is Verdict.HOLDS and true > 1.001 * limit
+        wrong += check.verdict is Verdict.FAILS and true < 0.999 * limit
+    assert rebuilt.machine.requirements.tcp_deviation == limit
+    assert band.assessment.met
+    assert missed > 2
+    assert wrong == 0
+
+
+def there_and_back(name: str, how: Spoilt, count: int) -> dict[str, np.ndarray]:
+    """A longer move than the record's, to and fro."""
+    record, rebuilt = record_of(name), rebuilt_of(name)
+    move = Positioning(distance=0.1, max_velocity=0.2)
+    pieces: dict[str, list[np.ndarray]] = {}
+    for number in range(count):
+        own = record_moves(rebuilt, limits_of(record), replace(how, seed=number), move)
+        end = own["x_ref"][-1]
+        for key, values in own.items():
+            if key == "t":
+                values = values + number * (own["t"][-1] + how.step)
+            elif number % 2:
+                values = -values if key == "force" else end - values
+            pieces.setdefault(key, []).append(values)
+    return {key: np.concatenate(parts) for key, parts in pieces.items()}
+
+
+def test_mass_and_friction_come_back_and_are_tested_on_what_was_held_back(tmp_path: Path) -> None:
+    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
+    how = Spoilt(coulomb=80.0, viscous=400.0, payload=30.0, noise=3e-7, step=5e-4, dwell=0.6)
+    file = write_csv(tmp_path / "fro.csv", there_and_back(GANTRY, how, 6))
+    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    refined = refine(found)
+    new = {one.name: one.new for one in refined.parameters}
+    assert new["mass"].value == pytest.approx(350.0, rel=0.01)
+    assert new["coulomb_friction"].value == pytest.approx(
+        80.0, abs=3 * new["coulomb_friction"].sigma
+    )
+    assert new["viscous_friction"].value == pytest.approx(
+        400.0, abs=3 * new["viscous_friction"].sigma
+    )
+    assert refined.tested == 3
+    assert refined.unexplained_after < 0.5 * refined.unexplained_before
+    assert refined.force_unexplained < 0.05
+    text = renew_profile(record.profile.text, refined, words=words_of(found), date="2026-01-01")
+    drive = parse_profile(text, where="new").drive
+    assert drive.coulomb_friction == pytest.approx(new["coulomb_friction"].value, rel=1e-4)
+    entry = json.loads(json.dumps(verification_entry(found, refined, None)))
+    assert set(entry) >= {"verdict", "checks", "setpoint", "shift", "modes", "noise_floor",
+                          "refined", "warnings"}  # fmt: skip
+    assert entry["refined"]["mass"]["old"] == 320.0
+
+
+def test_the_command_and_the_sheet_say_the_same(tmp_path: Path, capsys, monkeypatch) -> None:
+    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
+    (tmp_path / "record.json").write_text(dump_json(record), encoding="utf-8")
+    how = Spoilt(frequency=1.12, noise=2e-7, step=5e-4)
+    write_csv(tmp_path / "move.csv", record_moves(rebuilt, limits_of(record), how))
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: str) -> int:
+        monkeypatch.setattr("sys.argv", ["mtcommission", *words])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        return int(ended.value.code or 0)
+
+    assert run("verify", "record.json", "move.csv", "--json", "-") == 1
+    entry = json.loads(capsys.readouterr().out)
+    assert entry["verdict"] == "does not hold"
+    assert run("verify", "record.json", "move.csv", "-o", "out", "--language", "de") == 1
+    said = capsys.readouterr().out
+    assert "Nicht eingehalten" in said
+    assert max(map(len, said.splitlines())) <= 80
+    assert "does not hold" in (tmp_path / "out" / "verdict.json").read_text(encoding="utf-8")
+    run("sheet", "record.json", "--verified", "out/verdict.json", "-o", "sheet", "--no-pdf")
+    sheet = (tmp_path / "sheet" / "sheet.html").read_text(encoding="utf-8")
+    beam = next(one for one in entry["checks"] if one["name"] == "beam: frequency")
+    assert beam["verdict"] == "does not hold"
+    new = entry["refined"]["beam.frequency"]["new"]
+    assert f"{new:.4g}" in sheet.split('id="measurements"')[1]
+    capsys.readouterr()
+    other = {**entry, "record": "0" * 64}
+    (tmp_path / "other.json").write_text(json.dumps(other), encoding="utf-8")
+    assert run("sheet", "record.json", "--verified", "other.json", "-o", "sheet") == 2
+    assert "about another record" in capsys.readouterr().err
+
+
+def words_of(found: Verification) -> Catalogue:
+    return Catalogue(rotary=found.record.machine.motion == "rotary")
+
+
+def test_an_accelerometer_at_the_tool_shows_the_modes(tmp_path: Path) -> None:
+    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
+    columns = record_moves(rebuilt, limits_of(record), Spoilt(frequency=1.08))
+    t, tool = columns["t"], columns["tcp"]
+    own = {"t": t, "x_ref": columns["x_ref"], "encoder": columns["encoder"],
+           "acceleration": np.gradient(np.gradient(tool, t), t)}  # fmt: skip
+    units = {**UNITS, "acceleration": "m/s^2"}
+    file = write_csv(tmp_path / "acc.csv", own, units=units)
+    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    beam = find(found, "beam: frequency")
+    assert beam.verdict is Verdict.FAILS
+    assert beam.measured == pytest.approx(1.08 * beam.predicted, rel=0.01)
+    assert find(found, "move 1: residual deviation").verdict is Verdict.UNKNOWN
+
+
+def test_without_a_setpoint_position_and_following_error_tell_it(tmp_path: Path) -> None:
+    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
+    columns = record_moves(rebuilt, limits_of(record), Spoilt())
+    t, tau = columns["t"], rebuilt.controller.reference_delay
+    late = np.interp(t - tau, t, columns["x_ref"])
+    own = {"t": t, "encoder": columns["encoder"], "tcp": columns["tcp"],
+           "following_error": late - columns["encoder"]}  # fmt: skip
+    file = write_csv(tmp_path / "e.csv", own, units={**UNITS, "following_error": "m"})
+    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    assert found.obeyed is True
+    assert find(found, "move 1: residual deviation").verdict is Verdict.HOLDS
+
+
+def test_on_a_rotary_axis_torque_stands_for_force(tmp_path: Path) -> None:
+    found = verified("rotary-table", tmp_path, Spoilt(before=0.3, dwell=0.6))
+    assert find(found, "move 1: max force").unit == "N m"
+    assert find(found, "move 1: residual deviation").verdict is Verdict.HOLDS
+    # The second move of the record was not recorded.
+    assert found.verdict is Verdict.UNKNOWN
+
+
+def test_units_decimal_commas_uneven_clocks_and_reversed_sensors(tmp_path: Path) -> None:
+    record, rebuilt = record_of(GANTRY), rebuilt_of(GANTRY)
+    columns = record_moves(rebuilt, limits_of(record), Spoilt(step=2.5e-4))
+    jitter = np.random.default_rng(1).uniform(-0.2, 0.2, columns["t"].size) * 2.5e-4
+    t = columns["t"] + jitter
+    rows = [
+        ";".join(f"{value:.9f}".replace(".", ",") for value in row)
+        for row in zip(
+            1e3 * t,
+            *(1e3 * CubicSpline(columns["t"], columns[key])(t) for key in ("x_ref", "encoder")),
+            -1e6 * CubicSpline(columns["t"], columns["tcp"])(t),
+            strict=True,
+        )
+    ]
+    head = "Zeit [ms];Sollposition X [mm];Istposition Geber [mm];Position Werkzeug [µm]"
+    file = tmp_path / "komma.csv"
+    file.write_text("\n".join([head, *rows]), encoding="utf-8")
+    trace = read_trace(str(file), {}, axis_of(rebuilt))
+    kinds = {remark.kind for remark in trace.remarks}
+    assert {"identify-resampled", "verify-reversed"} <= kinds
+    found = verify(record, [trace])
+    assert find(found, "move 1: residual deviation").verdict is Verdict.HOLDS
+
+
+@pytest.mark.parametrize(
+    ("head", "kind"),
+    [
+        ("t [s],x_ref [m],force [N],tcp [N]", "verify-unit-contradicts"),
+        ("t [s],a,encoder [m],b", "verify-missing-setpoint"),
+        ("t [s],x_ref [m],force [N],current [A]", "verify-constant-missing"),
+        ("t [s],x_ref [m],encoder [m],motor position [m]", "verify-two-columns"),
+        ("t [s],x_ref [m],encoder [mm],b", "verify-other-travel"),
+        ("t [s],x_ref [rad],encoder [rad],b", "verify-other-motion"),
+        ("t [s],x_ref [m],force [N],b", "verify-missing-measured"),
+    ],
+)
+def test_what_a_file_lacks_is_said_with_the_remedy(head: str, kind: str, tmp_path: Path) -> None:
+    rebuilt = rebuilt_of(GANTRY)
+    t = 1e-3 * np.arange(400)
+    x = np.clip(t - 0.1, 0.0, 0.1)
+    file = tmp_path / "bad.csv"
+    np.savetxt(file, np.column_stack([t, x, x, x]), delimiter=",", header=head, comments="")
+    with pytest.raises(InputError) as caught:
+        read_trace(str(file), {}, axis_of(rebuilt))
+    assert caught.value.faults[0].message.kind == kind
