@@ -57,7 +57,7 @@ def describe_limits(
                 entry.jerk, f"{length}/s^3", missing=no_limit if entry is today else "–"
             ),
             printed.quantity(entry.settling_time, "s", missing=unsettled),
-            printed.quantity(entry.residual_deviation, length, missing=unsettled),
+            printed.quantity(entry.residual_deviation, length),
             printed.quantity(entry.peak_deviation, length),
             spoken.text("terminal-yes" if keeps else "terminal-no"),
         )

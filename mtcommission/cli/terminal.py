@@ -41,7 +41,10 @@ def heading(text: str) -> Text:
 
 
 WORD = 19
-"""Width that no word of a first column exceeds in either language."""
+"""Width that no word of a first column exceeds in either language.
+
+The width is fixed since rich narrows a column below its least width, then cuts the last columns.
+"""
 
 
 def empty_table(spoken: Catalogue, *columns: str) -> Table:
@@ -49,7 +52,7 @@ def empty_table(spoken: Catalogue, *columns: str) -> Table:
     table = Table(box=None, pad_edge=False, header_style="bold")
     for number, column in enumerate(columns):
         head = spoken.text(f"terminal-head-{column}")
-        table.add_column(head, overflow="fold", min_width=None if number else WORD)
+        table.add_column(head, overflow="fold", width=None if number else WORD)
     return table
 
 
