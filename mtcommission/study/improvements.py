@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf, sqrt
 
 from mtcommission.control_kinds.kind import PositionLoop
@@ -193,14 +194,13 @@ def _family(machine: Machine, shape: Shape, settings: Settings) -> LoopFamily:
 
 def _judged(change: _Change, tuned: TunedLoop, choice: Choice, settings: Settings) -> Improvement:
     changed, plant = change.machine, build_plant(change.machine)
-    found = [
-        choose_limits(
-            changed, plant, tuned, starts=(choice.limits,), near=near, settings=settings.comparison
-        ).candidate
-        for near in ((None, choice.limits) if changed.requirements.every_size else (None,))
-    ]
-    met = [candidate for candidate in found if candidate.assessment.is_met] or found
-    candidate = min(met, key=lambda candidate: candidate.settling_time)
+    search = partial(
+        choose_limits, changed, plant, tuned, starts=(choice.limits,), settings=settings.comparison
+    )
+    # One change leaves the best limits nearby; where it does not, all are looked at.
+    candidate = search(near=choice.limits).candidate
+    if changed.requirements.every_size and not candidate.assessment.is_met:
+        candidate = search().candidate
     return Improvement(
         change=change.change,
         settling_time=candidate.settling_time,

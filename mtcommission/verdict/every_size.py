@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from math import inf, isfinite, nan, sqrt
+from math import ceil, inf, isfinite, log2, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,13 @@ from mtcommission.loop.analysis.quantisation import SIGMAS, encoder_noise
 from mtcommission.loop.batch.echoes import Echoes, behind_filter, less_delayed, listen
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import settle
-from mtcommission.loop.batch.tables import build_tables, search_horizon, sketch_tables
+from mtcommission.loop.batch.tables import (
+    ResponseTables,
+    build_tables,
+    search_horizon,
+    sketch_tables,
+)
+from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, Positioning
 from mtcommission.machine.requirement import (
@@ -57,6 +63,9 @@ FORCED_SIZES = 24
 LEAST_FORCED = 0.01
 """The least of them, as a share of the listed one [-]."""
 
+KEPT_TABLES = 96
+"""Tables of loops that are kept for the next limits: some corners, lengths and orders."""
+
 LONGEST_TAIL = 0.2
 """Period of a mode that still counts for how long they are looked at after the setpoint [s]."""
 
@@ -91,7 +100,12 @@ class SizeCheck:
 
 
 def judge_every_size(
-    machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    *,
+    only_if_kept: bool = False,
 ) -> tuple[SizeCheck, ...]:
     """Return the worst of all smaller moves, the listed ones included, for each requirement.
 
@@ -101,6 +115,9 @@ def judge_every_size(
         Nominal machine, its plant, its loop in every corner.
     limits
         Acceleration, jerk and the setpoint filter.
+    only_if_kept
+        Whether the rest is looked at only if no size may leave the band; else the residual
+        deviation alone is returned.
 
     Returns
     -------
@@ -110,12 +127,15 @@ def judge_every_size(
     """
     resolution = machine.drive.encoder_resolution
     noises = [encoder_noise(loop, resolution=resolution) for loop in tuned.loops]
+    noise = max(item.tool for item in noises)
     checks: list[SizeCheck] = []
     for number, move in enumerate(machine.moves, start=1):
         residual = _worst_residual(machine, tuned, limits, move, number)
-        noise = max(item.tool for item in noises)
         checks.append(replace(residual, value=residual.value + noise, bound=residual.bound + noise))
-        checks += _worst_extremes(machine, plant, tuned, limits, move, number)
+    band = machine.requirements.tcp_deviation
+    if not only_if_kept or all(check.bound <= band for check in checks):
+        for number, move in enumerate(machine.moves, start=1):
+            checks += _worst_extremes(machine, plant, tuned, limits, move, number)
     order = list(dict.fromkeys(item.requirement for item in checks))
     return tuple(
         max((item for item in checks if item.requirement == name), key=lambda item: item.value)
@@ -146,8 +166,7 @@ def _worst_residual(
         corner=tuned.corners[0],
     )
     for loop, corner in zip(tuned.loops, tuned.corners, strict=True):
-        tables = build_tables(loop, longest=float(steps.duration.max()), order=steps.order)
-        tables = sketch_tables(tables, loop.plant, samples=SAMPLES)
+        tables = _tables(loop, _rounded_up(float(steps.duration.max())), steps.order)
         residual = settle(tables, steps, band=band).residual_deviation
         place = int(np.argmax(residual))
         if residual[place] > worst.value:
@@ -158,6 +177,18 @@ def _worst_residual(
         K * spacing**2 / 8.0 for K, spacing in ((curve.pointed, pointed), (curve.held, held)) if K
     )
     return replace(worst, bound=worst.value + between)
+
+
+@lru_cache(maxsize=KEPT_TABLES)
+def _tables(loop: SampledLoop, longest: float, order: int) -> ResponseTables:
+    """The tables of one loop, once for all limits that are judged on it."""
+    tables = build_tables(loop, longest=longest, order=order)
+    return sketch_tables(tables, loop.plant, samples=SAMPLES)
+
+
+def _rounded_up(duration: float) -> float:
+    """The next power of sqrt(2) [s]: tables for somewhat longer moves serve shorter ones, too."""
+    return float(2.0 ** (ceil(2.0 * log2(duration)) / 2.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -110,9 +110,11 @@ def build_tables(loop: SampledLoop, *, longest: float, order: int = 3) -> Respon
 def _free_motion(lifted: LiftedLoop, rows: Array, *, cycles: int) -> Array:
     """``rows`` of the loop state so many cycles ago, shape (cycles, n_rows, n)."""
     found = np.empty((cycles, *rows.shape))
-    found[0] = rows
-    for i in range(1, cycles):
-        np.matmul(found[i - 1], lifted.A, out=found[i])
+    found[0], known, power = rows, 1, lifted.A
+    while known < cycles:  # twice as many in each product
+        part = found[known : 2 * known]
+        np.matmul(found[: len(part)], power, out=part)
+        known, power = 2 * known, power @ power
     return found
 
 
