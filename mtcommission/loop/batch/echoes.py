@@ -100,7 +100,7 @@ def behind_filter(answers: Array, item: SetpointFilter | None, *, dt: float) -> 
     Returns
     -------
     ndarray
-        Delays are rounded to samples.
+        Averages are rounded to samples; between them copies are interpolated.
     """
     if item is None:
         return answers
@@ -113,8 +113,10 @@ def behind_filter(answers: Array, item: SetpointFilter | None, *, dt: float) -> 
     if len(times) > 1:
         copies = np.zeros_like(answers)
         for time, share in zip(times, shares, strict=True):
-            lag = round(time / dt)
-            copies[:, lag:] += share * answers[:, : answers.shape[1] - lag]
+            # A shaper cancels: half a sample of rounding would leave more than the limits do.
+            lag, part = divmod(time / dt, 1.0)
+            for whole, weight in ((int(lag), 1.0 - part), (int(lag) + 1, part)):
+                copies[:, whole:] += share * weight * answers[:, : answers.shape[1] - whole]
         answers = copies
     return answers
 

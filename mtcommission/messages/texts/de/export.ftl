@@ -207,3 +207,4 @@ marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 und 7 EI mit zwei und drei Hoeckern, 8 MZV;
 marlin-jerk = Was Marlin "jerk" nennt (M205), ist ein Geschwindigkeitssprung in mm/s, kein Ruck.
 marlin-build = M493 braucht eine Ausgabe mit FT_MOTION; M500 speichert die Werte.
 ros-gain = Kv des Trajektorienreglers, Geschwindigkeit als Stellgroesse
+export-no-loop = Der Motor folgt dem Sollwert: hier wird nichts von einem Regelkreis eingestellt.

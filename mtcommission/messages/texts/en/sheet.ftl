@@ -565,3 +565,5 @@ improvements-none = No gain was found by: { $changes }.
 improvement = Change
 improvement-saved = Saved
 improvement-share = Change of time
+no-position-loop = none: the motor follows its setpoint, given every { $position_cycle }
+setpoint-spacing = Spacing of the setpoints
