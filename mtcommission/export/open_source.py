@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from mtcommission.control_kinds.kind import SHAPERS
-from mtcommission.control_kinds.open_source import MARLIN_SHAPERS
+from mtcommission.control_kinds.open_source import KLIPPER_SHAPERS, MARLIN_SHAPERS
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.choose import Chosen
 from mtcommission.export.control import Control
@@ -164,7 +163,11 @@ def _klipper(subject: Subject, _loop: Values) -> list[Row]:
             meaning=Message("klipper-tool-head"),
             section="printer",
         ),
-        row(Setting.SHAPER, f"shaper_type_{letter}", codes={kind: kind for kind in SHAPERS}),
+        row(
+            Setting.SHAPER,
+            f"shaper_type_{letter}",
+            codes=dict(zip(KLIPPER_SHAPERS, KLIPPER_SHAPERS, strict=True)),
+        ),
         row(
             Setting.SHAPER_FREQUENCY,
             f"shaper_freq_{letter}",
@@ -196,7 +199,7 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
         row(
             Setting.SHAPER,
             f"M493 {letter} C",
-            codes={kind: MARLIN_SHAPERS[kind] for kind in SHAPERS},
+            codes={kind: MARLIN_SHAPERS[kind] for kind in MARLIN_SHAPERS},
             meaning=Message("marlin-shaper"),
         ),
         row(
