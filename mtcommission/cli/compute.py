@@ -267,7 +267,9 @@ def simulate(
         moves = simulate_moves(machine, tuned, chosen)
     loop = tuned.controller
     notes.append(
-        Message(
+        Message("simulated-without-loop")
+        if loop.follows
+        else Message(
             "simulated-with-loop",
             Kv=loop.position_gain,
             Kp=loop.velocity_gain,

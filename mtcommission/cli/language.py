@@ -19,6 +19,7 @@ ENGLISH = "en"
 
 _spoken = ContextVar("spoken", default=ENGLISH)
 _rotary = ContextVar("rotary", default=False)
+_follows = ContextVar("follows", default=False)
 
 
 def choose(language: str) -> str:
@@ -44,6 +45,7 @@ def choose(language: str) -> str:
         raise InputError([Fault(where="--language", message=message)])
     _spoken.set(language)
     _rotary.set(False)
+    _follows.set(False)
     return language
 
 
@@ -60,15 +62,17 @@ LanguageOption = Annotated[
 
 
 def speak_of(machine: Machine) -> None:
-    """Speak of torques and angles from now on, if the axis turns."""
+    """Speak of torques and angles from now on, if the axis turns; of no force, if it follows."""
     _rotary.set(machine.motion.value == "rotary")
+    _follows.set(machine.drive.follows)
 
 
 def words(*, rotary: bool | None = None) -> Catalogue:
     """Return the catalogue of the chosen language for a kind of axis: that of the machine read."""
     from mtcommission.messages.catalogue import Catalogue
 
-    return Catalogue(_spoken.get(), rotary=_rotary.get() if rotary is None else rotary)
+    turns = _rotary.get() if rotary is None else rotary
+    return Catalogue(_spoken.get(), rotary=turns, follows=_follows.get())
 
 
 def say(kind: str, /, **values: Value) -> str:

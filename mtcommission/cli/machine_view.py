@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -35,16 +36,18 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message 
     """
     spoken, axis = words_for(machine), machine.axis_units
     printed, length, force = spoken.format, axis.length.si, axis.force.si
-    modes = empty_table(spoken, "mode", "frequency", "damping-ratio", "tool-per-force", "seen")
+    columns = ("mode", "frequency", "damping-ratio", "tool-per-force", "seen")
+    modes = empty_table(spoken, *(columns[:-1] if machine.drive.follows else columns))
     for mode in plant.modes:
         compliance = mode.tcp_gain / mode.natural_frequency**2
         at_full = printed.quantity(abs(compliance) * machine.drive.motion_force, length)
+        seen = spoken.text("terminal-yes" if mode.measured_gain else "terminal-no")
         modes.add_row(
             mode.name,
             printed.quantity(mode.frequency_hz, "Hz"),
             printed.number(mode.damping_ratio, digits=3),
             spoken.text("terminal-at-full-force", value=at_full),
-            spoken.text("terminal-yes" if mode.measured_gain else "terminal-no"),
+            *(() if machine.drive.follows else (seen,)),
         )
     limits = empty_table(spoken, "rigid-body-limit", "value", "reason")
     a = machine.drive.motion_force / plant.moving_mass
@@ -52,12 +55,20 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message 
     limits.add_row(
         spoken.text("terminal-acceleration"),
         printed.quantity(a, f"{length}/s^2"),
-        spoken.text(
+        spoken.text("terminal-of-motor")
+        if machine.drive.follows
+        else spoken.text(
             "terminal-force-on-mass",
             force=printed.quantity(machine.drive.motion_force, force),
             mass=mass,
         ),
     )
+    if isfinite(machine.drive.max_velocity):
+        limits.add_row(
+            spoken.text("terminal-velocity"),
+            printed.quantity(machine.drive.max_velocity, axis.velocity.si),
+            spoken.text("terminal-of-motor"),
+        )
     for number, move in enumerate(machine.moves, start=1):
         limits.add_row(
             spoken.text("terminal-time-of-move", number=number),
@@ -84,13 +95,15 @@ def _basis(machine: Machine, spoken: Catalogue) -> Table:
     control, printed = machine.control, spoken.format
     name = spoken.text(f"control-kind-{control.kind.key}")
     loop = spoken.text(
-        f"position-loop-{control.position_loop.value}",
+        "no-position-loop"
+        if machine.drive.follows
+        else f"position-loop-{control.position_loop.value}",
         position_cycle=printed.quantity(control.position_cycle, "s"),
         velocity_cycle=printed.quantity(control.velocity_cycle, "s"),
     )
     if any(map(machine.is_assumed, LOOP_KEYS)):
         loop = spoken.text("assumed", value=loop)
-    has = spoken.say(describe_kind(control.kind))
+    has = spoken.say(describe_kind(control.kind, follows=machine.drive.follows))
     table = empty_table(spoken, "basis")
     table.add_column(overflow="fold")
     for label, sentences in (

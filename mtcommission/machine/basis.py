@@ -20,13 +20,19 @@ SAID = (
 """Keys of ``Machine.assumed`` that have a sentence of their own."""
 
 
-def describe_kind(kind: ControlKind) -> Message:
+OF_SETPOINT = ("jerk", "setpoint-filters", "modes")
+"""What a control has that shapes its setpoint."""
+
+
+def describe_kind(kind: ControlKind, *, follows: bool = False) -> Message:
     """Return what a kind of control has and what it lacks; "(?)" marks what was not read.
 
     Parameters
     ----------
     kind
         Its table.
+    follows
+        Whether the motor follows its setpoint: then only what shapes the setpoint counts.
 
     Returns
     -------
@@ -43,6 +49,8 @@ def describe_kind(kind: ControlKind) -> Message:
         "state-feedback": kind.state_feedback,
         **({"modes": True} if kind.modes else {}),
     }
+    if follows:
+        counts = {name: count for name, count in counts.items() if name in OF_SETPOINT}
     has, lacks = list[Message](), list[Message]()
     for name, count in counts.items():
         said = Message(f"has-{name}")
@@ -76,10 +84,14 @@ def list_assumed(machine: Machine) -> Iterator[Message]:
 
 def list_neglected(machine: Machine) -> Iterator[Message]:
     """Yield what the model leaves out, with what to do where it matters."""
-    if machine.control.kind.follows_steps:
-        yield Message("neglected-steps")
-    yield Message("neglected-force-over-speed")
+    if machine.drive.follows:
+        yield Message("neglected-lost-steps")
+        yield Message("neglected-acceleration-over-speed")
+    else:
+        if machine.control.kind.follows_steps:
+            yield Message("neglected-steps")
+        yield Message("neglected-force-over-speed")
     yield Message("neglected-friction")
-    if not machine.drive.encoder_resolution:
+    if not machine.drive.encoder_resolution and not machine.drive.follows:
         yield Message("neglected-encoder")
     yield Message("neglected-travel")

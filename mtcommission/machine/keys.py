@@ -56,9 +56,9 @@ def keyed(
     return field(default=default, metadata={"key": about})
 
 
-def keyed_array(parts: type[Any], meaning: str, *, most: int) -> Any:
+def keyed_array(parts: type[Any], meaning: str, *, most: int, key: str = "") -> Any:
     """Return a field that stands in the profile as an array of one to ``most`` tables."""
-    return field(metadata={"key": Key(meaning=meaning, parts=parts, most=most)})
+    return field(metadata={"key": Key(meaning=meaning, parts=parts, most=most, name=key)})
 
 
 def list_keys(kind: type[Any]) -> Iterator[tuple[str, Field[Any], Key]]:

@@ -15,7 +15,13 @@ from mtcommission.control_kinds.kinds import GENERIC
 from mtcommission.machine.identified import Identification
 from mtcommission.machine.mechanics import Mechanics
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.units.axis_units import (
+    LINEAR,
+    LINEAR_SOURCE,
+    ROTARY,
+    ROTARY_SOURCE,
+    AxisUnits,
+)
 
 
 class Motion(Enum):
@@ -25,16 +31,30 @@ class Motion(Enum):
     ROTARY = "rotary"
 
 
+class DriveKind(Enum):
+    """How the motor moves the axis."""
+
+    SERVO = "servo"
+    POSITION_SOURCE = "position_source"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drive:
     """The motor as the axis feels it.
 
+    A position source follows its setpoint whatever force that takes. What drives the plant is
+    then its acceleration: that stands for every force here, in m/s², and the moving mass is 1.
+
     Parameters
     ----------
+    kind
+        A force behind a loop, or a motor that simply follows.
     force_lag
         Time constant T of the force loop [s].
     max_force
         F_max [N].
+    max_velocity
+        Of a position source, by its step rate or its torque [m/s]; inf: none was given.
     continuous_force
         Thermal (RMS) limit over move and dwell [N]; inf if none was given.
     static_load
@@ -50,8 +70,10 @@ class Drive:
         Smallest step of the measured position [m]; 0: not stated.
     """
 
+    kind: DriveKind = DriveKind.SERVO
     force_lag: float
     max_force: float
+    max_velocity: float = inf
     continuous_force: float = inf
     static_load: float = 0.0
     coulomb_friction: float = 0.0
@@ -59,6 +81,11 @@ class Drive:
     lead: float | None = None
     gear: float = 1.0
     encoder_resolution: float = 0.0
+
+    @property
+    def follows(self) -> bool:
+        """Whether the motor follows its setpoint: a position source, without a loop to tune."""
+        return self.kind is DriveKind.POSITION_SOURCE
 
     @property
     def motion_force(self) -> float:
@@ -448,6 +475,8 @@ class Machine:
     @property
     def axis_units(self) -> AxisUnits:
         """What masses, forces and lengths are on this axis."""
+        if self.drive.follows:
+            return ROTARY_SOURCE if self.motion is Motion.ROTARY else LINEAR_SOURCE
         return ROTARY if self.motion is Motion.ROTARY else LINEAR
 
 

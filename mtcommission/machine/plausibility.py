@@ -191,6 +191,8 @@ def _check_drive(machine: Machine) -> Iterator[Remark]:
             "continuous-force-above-max", force=drive.continuous_force, max_force=drive.max_force
         )
         yield Remark(key="drive.continuous_force", message=message)
+    if machine.control.kind.follows_steps and not drive.follows:
+        yield Remark(key="drive.kind", message=Message("drive-kind-steps"))
     if drive.force_lag > LONGEST_FORCE_LAG:
         yield Remark(key="drive.force_lag", message=Message("force-lag-long", lag=drive.force_lag))
 

@@ -32,6 +32,25 @@ _NO_WORD = re.compile(r"[^a-zA-Z0-9]+")
 _REFERENCE = re.compile(r"\{\s*(-?[a-z][\w-]*)")
 
 
+ACCELERATION_FOR_FORCE: Mapping[str, tuple[tuple[re.Pattern[str], str], ...]] = {
+    "en": (
+        (re.compile(r"(?<![\w$.-])force(?![\w-])"), "acceleration"),
+        (re.compile(r"(?<![\w$.-])Force(?![\w-])"), "Acceleration"),
+        (re.compile(r"F_max/m|F_max"), "a_max"),
+        (re.compile(r"\bF_set\b"), "a_set"),
+    ),
+    "de": (
+        (re.compile(r"(?<![\w$.-])Kraft(?=[a-zäöü])"), "Beschleunigungs"),
+        (re.compile(r"(?<![\w$.-])Kraft(?![\w-])"), "Beschleunigung"),
+        (re.compile(r"(?<=[a-zäöü])kraft(?![\w-])"), "beschleunigung"),
+        (re.compile(r"F_max/m|F_max"), "a_max"),
+        (re.compile(r"\bF_(set|soll)\b"), r"a_\1"),
+    ),
+}
+"""What a force is called on an axis whose motor follows its setpoint: the acceleration that stands
+for it. Both are feminine in German, so the words around them stay."""
+
+
 class Catalogue:
     """The texts of one language for one kind of axis.
 
@@ -41,6 +60,8 @@ class Catalogue:
         One of ``LANGUAGES``.
     rotary
         Whether the axis turns: torque for force, degrees for metres.
+    follows
+        Whether the motor follows its setpoint: acceleration for force.
 
     Raises
     ------
@@ -48,10 +69,12 @@ class Catalogue:
         There is no such language.
     """
 
-    def __init__(self, language: str = "en", *, rotary: bool = False) -> None:
-        self.language, self.rotary = language, rotary
-        self.format = Formatter(rotary=rotary, decimal_mark=LANGUAGES[language])
-        self._bundle, self._loaded = _texts_of(language, rotary)
+    def __init__(
+        self, language: str = "en", *, rotary: bool = False, follows: bool = False
+    ) -> None:
+        self.language, self.rotary, self.follows = language, rotary, follows
+        self.format = Formatter(rotary=rotary, decimal_mark=LANGUAGES[language], follows=follows)
+        self._bundle, self._loaded = _texts_of(language, rotary, follows)
 
     def say(self, message: Message | str) -> str:
         """Return the text of a message; one of the user's own stays as it is.
@@ -80,14 +103,14 @@ class Catalogue:
         >>> Catalogue("en", rotary=True).text("requirement-rms-force")
         'RMS torque'
         """
-        source = entries_of(self.language)[kind]
+        source = self._worded(kind)
         if not set("{\n") & set(source):
             return source  # most need no parser
         self._load(kind)
         found = self._bundle.get_message(kind)
         if found.value is None:
             raise KeyError(kind)
-        axis = "rotary" if self.rotary else "linear"
+        axis = "rotary" if self.rotary and not self.follows else "linear"
         spoken = {name: self._spoken(value) for name, value in values.items()}
         text, faults = self._bundle.format_pattern(found.value, {**spoken, "axis": axis})
         if faults:
@@ -129,6 +152,15 @@ class Catalogue:
             return printable(value)
         return "" if value is None else value
 
+    def _worded(self, kind: str) -> str:
+        """The source of a text; with acceleration for force where the motor follows."""
+        source = entries_of(self.language)[kind]
+        if not self.follows:
+            return source
+        for word, other in ACCELERATION_FOR_FORCE[self.language]:
+            source = word.sub(other, source)
+        return source
+
     def _load(self, kind: str) -> None:
         """Parse a text and those that it refers to."""
         waiting = [kind]
@@ -137,15 +169,16 @@ class Catalogue:
             if name in self._loaded:
                 continue
             known = entries_of(self.language)
-            self._bundle.add_resource(FluentResource(f"{name} = {known[name]}"))
+            self._bundle.add_resource(FluentResource(f"{name} = {self._worded(name)}"))
             self._loaded.add(name)
             waiting += [other for other in _REFERENCE.findall(known[name]) if other in known]
 
 
 @cache
-def _texts_of(language: str, rotary: bool) -> tuple[FluentBundle, set[str]]:
+def _texts_of(language: str, rotary: bool, follows: bool) -> tuple[FluentBundle, set[str]]:
     """The texts parsed so far, and their keys; every catalogue of this kind shares them."""
-    functions = functions_of(Formatter(rotary=rotary, decimal_mark=LANGUAGES[language]))
+    form = Formatter(rotary=rotary, decimal_mark=LANGUAGES[language], follows=follows)
+    functions = functions_of(form)
     return FluentBundle([language], functions=functions, use_isolating=False), set()
 
 

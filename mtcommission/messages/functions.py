@@ -33,6 +33,15 @@ UNITS: Mapping[str, tuple[str, str]] = MappingProxyType(
 )
 """Functions of the texts for quantities: SI unit on a linear axis and on a rotary one."""
 
+FOLLOWED: Mapping[str, tuple[str, str]] = {
+    **UNITS,
+    "FORCE": UNITS["ACCELERATION"],
+    "MASS": ("", ""),
+    "GAIN": ("", ""),
+    "COMPLIANCE": ("s^2", "s^2"),
+}
+"""The same where the motor follows its setpoint, and its acceleration stands for every force."""
+
 PER_SI: Mapping[str, float] = MappingProxyType({"": 1.0, "ms": 1e3, "us": 1e6, "%": 100.0})
 """Units in which a text may ask for a plain number, and how many make one of SI."""
 
@@ -56,6 +65,7 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
     >>> functions_of(Formatter(rotary=True))["SI"](2.5, "FORCE")
     '2.5 N m'
     """
+    units = FOLLOWED if form.follows else UNITS
 
     def plain(value: object, digits: object = DIGITS, unit: str = "", style: object = "g") -> str:
         return form.plain(PER_SI[unit] * (_number(value) or 0.0), int(str(digits)), str(style))
@@ -67,7 +77,7 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
     def quantity(unit: str) -> Callable[..., str]:
         return lambda value, digits=DIGITS: form.quantity(_number(value), unit, digits=int(digits))
 
-    return {name: quantity(units[form.rotary]) for name, units in UNITS.items()} | {
+    return {name: quantity(both[form.rotary]) for name, both in units.items()} | {
         "QUANTITY": lambda value, unit: form.quantity(_number(value), str(unit)),
         "NUMBER": lambda value, digits=DIGITS: form.number(
             _number(value) or 0.0, digits=int(digits)
@@ -75,7 +85,7 @@ def functions_of(form: Formatter) -> dict[str, Callable[..., Any]]:
         "PLAIN": plain,
         "ROUND": rounded,
         "SI": lambda value, quantity, digits=DIGITS: (
-            f"{rounded(value, digits)} {_printed(UNITS[str(quantity)][form.rotary])}"
+            f"{rounded(value, digits)} {_printed(units[str(quantity)][form.rotary])}"
         ),
         "SHARE": lambda value, digits=3: form.percent_if_known(_number(value), digits=int(digits)),
         "PERCENT": lambda value: form.with_unit(f"{100.0 * (_number(value) or 0.0):.0f}", "%"),

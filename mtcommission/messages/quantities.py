@@ -84,10 +84,13 @@ class Formatter:
         Whether angles are the axis's own coordinate (then degrees) or a tilt (then mrad).
     decimal_mark
         Of the language.
+    follows
+        Whether the motor follows its setpoint: its acceleration stands for every force.
     """
 
     rotary: bool = False
     decimal_mark: str = "."
+    follows: bool = False
 
     def quantity(
         self, value: float | None, unit: str, *, missing: str = "–", digits: int = DIGITS
@@ -133,6 +136,7 @@ class Formatter:
         missing
             Text for None.
         """
+        unit = {"N": "m/s^2", "kg": ""}.get(unit, unit) if self.follows else unit
         return self.quantity(value, motion_unit(unit, rotary=self.rotary), missing=missing)
 
     def with_unit(self, number: str, unit: str) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from math import inf
 
+from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.machine.machine import (
     Control,
     DampingOptimal,
     Drive,
+    DriveKind,
     Machine,
     Modes,
     Motion,
@@ -24,10 +26,13 @@ from mtcommission.machine.machine import (
     VelocityStep,
     Weight,
 )
+from mtcommission.machine.mechanics import Mechanics
 from mtcommission.profile.model import (
     ControlTable,
     DampingOptimalTable,
+    DriveTable,
     MoveTable,
+    PositionSourceTable,
     ProfileTable,
     RequirementsTable,
     TodayTable,
@@ -58,27 +63,19 @@ def build_machine(table: ProfileTable) -> Machine:
     Machine
         SI.
     """
+    mechanics = table.plant.build()
+    drive = _build_drive(table.drive, mechanics)
     return Machine(
         name=table.machine.name,
         axis=table.machine.axis,
         source=table.machine.source,
         motion=Motion(table.machine.motion),
-        mechanics=table.plant.build(),
-        drive=Drive(
-            force_lag=table.drive.force_lag,
-            max_force=table.drive.max_force,
-            continuous_force=_or_infinite(table.drive.continuous_force),
-            static_load=table.drive.static_load,
-            coulomb_friction=table.drive.coulomb_friction,
-            viscous_friction=table.drive.viscous_friction,
-            lead=table.drive.lead,
-            gear=table.drive.gear,
-            encoder_resolution=table.drive.encoder_resolution or 0.0,
-        ),
-        moves=tuple(_build_move(move) for move in table.moves),
+        mechanics=mechanics,
+        drive=drive,
+        moves=tuple(_build_move(move, fastest=drive.max_velocity) for move in table.moves),
         requirements=_build_requirements(table.requirements),
         damping_optimal=_build_damping_optimal(table.damping_optimal),
-        control=_build_control(table.control),
+        control=_build_control(table.control, follows=drive.follows),
         today=_build_today(table.today) if table.today else None,
         illustrative=table.machine.illustrative,
         assumed=(*table.machine.assumed, *_left_out(table)),
@@ -105,11 +102,36 @@ def _or_weight(weight: float | None, is_there: bool) -> float:
     return float(is_there) if weight is None else weight
 
 
-def _build_move(move: MoveTable) -> Move:
-    if move.distance is not None:
-        return Positioning(
-            distance=move.distance, max_velocity=_or_infinite(move.max_velocity), dwell=move.dwell
+RISE = 0.005
+"""Time constant with which the acceleration of a position source builds up in its time-optimal
+control, by the time scale 1/ω of its fastest mode [-]: some 0.03 % of the shortest moves."""
+
+
+def _build_drive(drive: DriveTable | PositionSourceTable, mechanics: Mechanics) -> Drive:
+    if isinstance(drive, PositionSourceTable):
+        return Drive(
+            kind=DriveKind.POSITION_SOURCE,
+            force_lag=RISE / max(mode.natural_frequency for mode in mechanics.modes),
+            max_force=drive.max_acceleration,
+            max_velocity=drive.velocity_limit,
         )
+    return Drive(
+        force_lag=drive.force_lag,
+        max_force=drive.max_force,
+        continuous_force=_or_infinite(drive.continuous_force),
+        static_load=drive.static_load,
+        coulomb_friction=drive.coulomb_friction,
+        viscous_friction=drive.viscous_friction,
+        lead=drive.lead,
+        gear=drive.gear,
+        encoder_resolution=drive.encoder_resolution or 0.0,
+    )
+
+
+def _build_move(move: MoveTable, *, fastest: float) -> Move:
+    if move.distance is not None:
+        velocity = min(_or_infinite(move.max_velocity), fastest)
+        return Positioning(distance=move.distance, max_velocity=velocity, dwell=move.dwell)
     if move.velocity_step is not None:
         return VelocityStep(velocity_step=move.velocity_step, dwell=move.dwell)
     raise AssertionError("a validated move has a distance or a velocity step")
@@ -155,14 +177,20 @@ def _build_today(today: TodayTable) -> Today:
     )
 
 
-def _build_control(control: ControlTable) -> Control:
+def _build_control(control: ControlTable, *, follows: bool) -> Control:
     kind, feedback = KINDS[control.kind], control.state_feedback
     given = feedback if isinstance(feedback, dict) else {}
     mode = StateFeedback(feedback) if isinstance(feedback, str) else StateFeedback.GIVEN
     chosen = control.setpoint_filter
+    position_cycle, velocity_cycle = (
+        cycle_of(control),
+        control.velocity_cycle or kind.velocity_cycle,
+    )
+    if follows and kind.follows_steps and control.position_cycle is None:
+        position_cycle = 2.0 * velocity_cycle  # steps leave at any instant
     return Control(
         kind=kind,
-        position_loop=closes_in(control),
+        position_loop=PositionLoop.DRIVE if follows else closes_in(control),
         position_gain=control.position_gain,
         velocity_gain=control.velocity_gain,
         integral_time=control.integral_time,
@@ -174,8 +202,8 @@ def _build_control(control: ControlTable) -> Control:
         jerk_feedforward=control.jerk_feedforward,
         feedforward_mass=control.feedforward_mass,
         reference_delay=control.reference_delay if kind.reference_delay else 0.0,
-        position_cycle=cycle_of(control),
-        velocity_cycle=control.velocity_cycle or kind.velocity_cycle,
+        position_cycle=position_cycle,
+        velocity_cycle=velocity_cycle,
         tcp_sensor=TcpSensor(control.tcp_sensor),
         state_feedback=mode,
         state_gains=tuple(StateGain(state=name, value=value) for name, value in given.items()),

@@ -12,6 +12,7 @@ from pydantic_core import ErrorDetails
 
 from mtcommission.errors import Fault
 from mtcommission.messages.message import Message
+from mtcommission.plant.kinds import KINDS
 from mtcommission.profile.filter_tables import ForceFilterTable, SetpointFilterTable
 from mtcommission.profile.identified_tables import (
     IdentifiedTable,
@@ -20,18 +21,21 @@ from mtcommission.profile.identified_tables import (
 )
 from mtcommission.profile.lines import KeyLines, KeyPath, show_key
 from mtcommission.profile.model import (
+    POSITION_SOURCE,
+    SERVO,
     ControlTable,
     DampingOptimalTable,
     DriveTable,
     MachineTable,
     ModeBands,
     MoveTable,
+    PositionSourceTable,
     ProfileTable,
     RequirementsTable,
     ReserveTable,
     TodayTable,
 )
-from mtcommission.profile.plant_tables import PLANT_TABLES, element_tables
+from mtcommission.profile.plant_tables import MOTOR_HELD, PLANT_TABLES, element_tables
 from mtcommission.profile.table import Table
 from mtcommission.profile.values import Faults, describe, find_close, one_of, propose
 
@@ -44,7 +48,8 @@ _TABLES: Mapping[tuple[str, ...], type[Table]] = {
         for kind, table in PLANT_TABLES.items()
         for key, element in element_tables(table).items()
     },
-    ("drive",): DriveTable,
+    ("drive", SERVO): DriveTable,
+    ("drive", POSITION_SOURCE): PositionSourceTable,
     ("moves",): MoveTable,
     ("requirements",): RequirementsTable,
     ("requirements", "modes"): ModeBands,
@@ -148,11 +153,28 @@ def _fields_at(names: tuple[str, ...]) -> dict[str, FieldInfo]:
     }
 
 
+TAGS = {"plant": tuple(PLANT_TABLES), "drive": (SERVO, POSITION_SOURCE)}
+"""What tells the kinds of a table apart."""
+
+
 def _written(loc: KeyPath) -> KeyPath:
-    """The path as the file has it: pydantic puts the plant's kind into it."""
-    if loc[:1] == ("plant",) and loc[1:2] and loc[1] in PLANT_TABLES:
+    """The path as the file has it: pydantic puts the kind of plant or drive into it."""
+    if loc[1:2] and loc[1] in TAGS.get(str(loc[0]), ()):
         return (loc[0], *loc[2:])
     return loc
+
+
+def _of_other_drive(name: str, loc: KeyPath) -> Message | None:
+    """That a key belongs to the other kind of drive; None if neither knows it."""
+    for ours, theirs, drive in (
+        (("drive", SERVO), ("drive", POSITION_SOURCE), POSITION_SOURCE),
+        (("drive", POSITION_SOURCE), ("drive", SERVO), SERVO),
+        (("plant", MOTOR_HELD), ("plant", "modal"), SERVO),
+        (("plant", MOTOR_HELD, "modes"), ("plant", "modal", "modes"), SERVO),
+    ):
+        if loc == ours and name in _TABLES[theirs].model_fields:
+            return Message("key-of-other-drive", drive=drive)
+    return None
 
 
 def _translate(detail: ErrorDetails, where: str, lines: KeyLines) -> list[Fault]:
@@ -186,19 +208,20 @@ def _message(detail: ErrorDetails, loc: KeyPath) -> Message:
     name = str(loc[-1]) if loc else ""
     match detail["type"]:
         case "extra_forbidden":
-            return Message("key-unknown", hint=propose(name, fields))
+            place = tuple(part for part in loc[:-1] if isinstance(part, str))
+            other = _of_other_drive(name, place)
+            return other or Message("key-unknown", hint=propose(name, fields))
         case "missing":
             return Message("key-missing", remedy=_remedy(name, fields.get(name)))
         case "literal_error":
             return Message("got-other-word", got=got, words=_words(context["expected"]))
         case "union_tag_not_found":
-            *first, last = (f'kind = "{kind}"' for kind in PLANT_TABLES)
+            *first, last = (f'kind = "{kind}"' for kind in KINDS)
             kinds = Message("one-or-other", first=", ".join(first), last=last)
             return Message("key-missing", remedy=Message("add-kind", kinds=kinds))
         case "union_tag_invalid":
-            return Message(
-                "got-other-word", got=f'"{context["tag"]}"', words=one_of(tuple(PLANT_TABLES))
-            )
+            words = one_of(TAGS["drive"] if loc[0] == "drive" else tuple(KINDS))
+            return Message("got-other-word", got=f'"{context["tag"]}"', words=words)
         case "bool_type":
             return Message("got-no-boolean", got=got)
         case "model_type" | "model_attributes_type":

@@ -6,10 +6,18 @@ that means is decided where the Machine is built.
 
 from __future__ import annotations
 
-from math import ceil
+from math import ceil, inf
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from mtcommission.control_kinds.kind import ControlKind, PositionLoop
 from mtcommission.control_kinds.kinds import GENERIC, KINDS
@@ -38,6 +46,7 @@ from mtcommission.machine.ranges import (
     SHARES,
     SPREADS,
     STATIC_LOADS,
+    STEP_RATES,
     TIMES,
     VELOCITIES,
     VELOCITY_GAINS,
@@ -51,7 +60,7 @@ from mtcommission.profile.filter_tables import (
     read_force_filters,
 )
 from mtcommission.profile.identified_tables import IdentifiedTable
-from mtcommission.profile.plant_tables import AnyKind, PlantTable
+from mtcommission.profile.plant_tables import MOTOR_HELD, PLANT_TABLES, AnyKind, PlantTable
 from mtcommission.profile.table import Table, optional, raise_all, required
 from mtcommission.profile.values import (
     Faults,
@@ -63,7 +72,7 @@ from mtcommission.profile.values import (
     describe,
     one_of,
 )
-from mtcommission.units.axis_units import ROTARY
+from mtcommission.units.axis_units import ROTARY, AxisUnits
 
 FEEDFORWARDS_OF_KINDS = ("velocity_feedforward", "acceleration_feedforward", "jerk_feedforward")
 """Keys of [control], and fields of the kinds of control."""
@@ -99,9 +108,14 @@ class MachineTable(Table):
     )
 
 
-class DriveTable(Table):
-    """[drive]."""
+SERVO, POSITION_SOURCE = "servo", "position_source"
+"""Words of drive.kind."""
 
+
+class DriveTable(Table):
+    """[drive] with a force behind a loop."""
+
+    kind: Literal["servo"] = optional("How the motor moves the axis.", '"servo"', SERVO)
     force_lag: Annotated[float, Read(LAGS)] = required(
         "Time constant of the force loop, T.", '"2.5 ms"'
     )
@@ -156,6 +170,55 @@ class DriveTable(Table):
             faults.append(("gear", Message("gear-without-lead")))
         raise_all(faults)
         return self
+
+
+class PositionSourceTable(Table):
+    """[drive] with a motor that follows its setpoint."""
+
+    kind: Literal["position_source"] = required(
+        "How the motor moves the axis.", '"position_source"'
+    )
+    max_acceleration: Annotated[float, Read(ACCELERATIONS)] = required(
+        "Largest acceleration that the motor follows.", '"10 m/s^2"'
+    )
+    max_velocity: Annotated[float | None, Read(VELOCITIES)] = optional(
+        "Largest velocity that the motor follows.", '"0.5 m/s"'
+    )
+    step_rate: Annotated[float | None, Read(STEP_RATES)] = optional(
+        "Steps per second that the control sends at most.", '"100 kHz"'
+    )
+    step_length: Annotated[float | None, Read(RESOLUTIONS)] = optional(
+        "Travel per (micro)step: 1 mm by the steps per mm.", '"12.5 um"'
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        faults: list[Misfit] = []
+        for key, other in (("step_rate", "step_length"), ("step_length", "step_rate")):
+            if getattr(self, key) is not None and getattr(self, other) is None:
+                faults.append((key, Message("key-without-other", other=other)))
+        raise_all(faults)
+        return self
+
+    @property
+    def velocity_limit(self) -> float:
+        """Largest velocity of the motor, of all that is stated [m/s]; inf: none is."""
+        stated = inf if self.max_velocity is None else self.max_velocity
+        if self.step_rate is None or self.step_length is None:
+            return stated
+        return min(stated, self.step_rate * self.step_length)
+
+
+def _kind_of_drive(table: object) -> str:
+    """Tag of [drive], from data that may still be wrong."""
+    kind = table.get("kind", SERVO) if isinstance(table, dict) else SERVO
+    return kind if isinstance(kind, str) else ""
+
+
+AnyDrive = Annotated[
+    Annotated[DriveTable, Tag(SERVO)] | Annotated[PositionSourceTable, Tag(POSITION_SOURCE)],
+    Discriminator(_kind_of_drive),
+]
 
 
 class MoveTable(Table):
@@ -430,7 +493,7 @@ class ProfileTable(Table):
     )
     machine: MachineTable = Field(description="What the sheet calls the axis.")
     plant: Annotated[PlantTable, AnyKind()] = Field(description="The mechanics.")
-    drive: DriveTable = Field(description="The motor as the axis feels it.")
+    drive: AnyDrive = Field(description="The motor as the axis feels it.")
     moves: list[MoveTable] = Field(
         description="One or more; the limits must serve all of them.",
         min_length=1,
@@ -452,7 +515,7 @@ class ProfileTable(Table):
         return value
 
     @model_validator(mode="after")
-    def _check(self) -> Self:
+    def _check(self, info: ValidationInfo) -> Self:
         faults: list[Misfit] = []
         spread = self.requirements.damping_spread
         most_damped = max(mode.damping_ratio for mode in self.plant.build().modes)
@@ -463,6 +526,8 @@ class ProfileTable(Table):
                 "damping-spread-beyond-one", got=spread, largest=largest, allowed=allowed
             )
             faults.append(("requirements.damping_spread", message))
+        if isinstance(self.drive, PositionSourceTable):
+            faults += _list_needless(self, self.drive, context_of(info).axis)
         kind = KINDS[self.control.kind]
         if self.today and self.today.jerk and not kind.has_jerk_limit:
             message = Message("control-without-jerk-limit", control=kind.key)
@@ -476,3 +541,48 @@ class ProfileTable(Table):
             )
         raise_all(faults)
         return self
+
+
+NEEDLESS_CONTROL = (
+    "position_loop",
+    "position_gain",
+    "velocity_gain",
+    "integral_time",
+    "reference_model_time",
+    "velocity_feedforward",
+    "acceleration_feedforward",
+    "jerk_feedforward",
+    "feedforward_mass",
+    "reference_delay",
+    "tcp_sensor",
+    "state_feedback",
+    "force_filters",
+    "minimum_bandwidth",
+)
+"""Keys of [control] that belong to a loop."""
+
+NEEDLESS_TODAY = ("position_gain", "velocity_gain", "integral_time")
+
+
+def _list_needless(
+    profile: ProfileTable, drive: PositionSourceTable, axis: AxisUnits
+) -> list[Misfit]:
+    """What a profile states that means nothing, or too much, where the motor follows."""
+    faults: list[Misfit] = []
+    if not isinstance(profile.plant, PLANT_TABLES[MOTOR_HELD]):
+        faults.append(("plant.kind", Message("motor-held-needs-modes")))
+    for name, keys in (("control", NEEDLESS_CONTROL), ("today", NEEDLESS_TODAY)):
+        stated = getattr(profile, name).model_fields_set if getattr(profile, name) else ()
+        faults += [(f"{name}.{key}", Message("no-loop-to-set")) for key in keys if key in stated]
+    for key in ("payload", "payload_radius"):
+        if key in profile.requirements.model_fields_set:
+            faults.append((f"requirements.{key}", Message("payload-of-position-source")))
+    limit = drive.velocity_limit
+    for place, move in enumerate(profile.moves):
+        for key in ("velocity_step", "max_velocity"):
+            velocity = getattr(move, key)
+            if velocity is not None and velocity > limit:
+                unit = axis.velocity.si
+                message = Message("move-beyond-motor", got=velocity, limit=limit, unit=unit)
+                faults.append((f"moves.{place}.{key}", message))
+    return faults

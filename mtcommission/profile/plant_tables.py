@@ -16,6 +16,7 @@ from pydantic_core import CoreSchema
 
 from mtcommission.machine.keys import Key, list_keys
 from mtcommission.machine.mechanics import Mechanics
+from mtcommission.plant.base_excited import BaseExcited
 from mtcommission.plant.kinds import KINDS
 from mtcommission.profile.table import Table, optional, raise_all, required
 from mtcommission.profile.values import Name, Read
@@ -92,24 +93,30 @@ def _element(key: str, data_type: type[Any]) -> type[DataTable]:
     return table
 
 
-def plant_table(kind: str, data_type: type[Any]) -> type[PlantTable]:
-    """Return the table of a kind of plant."""
-    tag: Any = Literal[kind]
+def plant_table(tag: str, data_type: type[Any]) -> type[PlantTable]:
+    """Return the table of a kind of plant; the tag tells it apart within a program."""
+    kind, only = data_type.kind, {"const": data_type.kind}
+    form = Field(description="Form of the plant.", examples=[f'"{kind}"'], json_schema_extra=only)
+    tagged: Any = Literal[tag]
     table: type[PlantTable] = create_model(
-        f"{kind.title()}Table",
+        f"{data_type.__name__}Table",
         __base__=PlantTable,
         __doc__=f'[plant] with kind = "{kind}".',
-        kind=(tag, required("Form of the plant.", f'"{kind}"')),
+        kind=(tagged, form),
         **_keys(data_type),
     )
     table.data_type = data_type
     return table
 
 
+MOTOR_HELD = "modal, motor held"
+"""Tag of the modal plant below a motor that follows its setpoint: the same kind, other keys."""
+
 PLANT_TABLES: Mapping[str, type[PlantTable]] = {
-    kind: plant_table(kind, data_type) for kind, data_type in KINDS.items()
+    **{tag: plant_table(tag, data_type) for tag, data_type in KINDS.items()},
+    MOTOR_HELD: plant_table(MOTOR_HELD, BaseExcited),
 }
-"""Table of each kind of plant."""
+"""Table of each kind of plant, by the tag that stands for its kind while it is read."""
 
 
 class AnyKind:

@@ -14,16 +14,18 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
+from mtcommission.plant.base_excited import BaseExcited
 from mtcommission.plant.kinds import KINDS
+from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import OUTPUTS
 from mtcommission.profile.build import build_machine
 from mtcommission.profile.faults import list_faults
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
-from mtcommission.profile.model import ProfileTable
-from mtcommission.profile.plant_tables import PLANT_TABLES
+from mtcommission.profile.model import POSITION_SOURCE, ProfileTable
+from mtcommission.profile.plant_tables import MOTOR_HELD, PLANT_TABLES
 from mtcommission.profile.syntax import load_toml
 from mtcommission.profile.values import Context, describe, find_close, one_of
-from mtcommission.units.axis_units import LINEAR, ROTARY
+from mtcommission.units.axis_units import LINEAR, ROTARY, of_position_source
 from mtcommission.units.quantities import Dimension
 
 LARGEST_FILE = 1_000_000
@@ -153,6 +155,7 @@ def parse_profile(text: str, *, where: str) -> Machine:
         raise InputError([Fault(where=where, line=1, message=Message("file-empty"))])
     parsed = load_toml(text, where=where)
     data, wrong_kind = _mend_kind(parsed.data)
+    data = _hold_motor(data)
     faults, lines = list(parsed.faults), find_key_lines(parsed.text)
     if wrong_kind:
         line = lines.line_of(("plant", "kind"))
@@ -186,7 +189,10 @@ def profile_schema() -> str:
     >>> json.loads(profile_schema())["title"]
     'ProfileTable'
     """
-    return json.dumps(ProfileTable.model_json_schema(by_alias=True), indent=2)
+    schema = ProfileTable.model_json_schema(by_alias=True)
+    # Two of the plant's tables are of one kind, so its keys tell them apart, not the tag.
+    schema["properties"]["plant"].pop("discriminator")
+    return json.dumps(schema, indent=2)
 
 
 def _file_fault(where: str, message: Message) -> InputError:
@@ -200,21 +206,27 @@ def _mend_kind(data: dict[str, Any]) -> tuple[dict[str, Any], Message | None]:
     """
     plant = data.get("plant")
     given = plant.get("kind", "") if isinstance(plant, dict) else ""
-    if not isinstance(plant, dict) or (isinstance(given, str) and given in PLANT_TABLES):
+    if not isinstance(plant, dict) or (isinstance(given, str) and given in KINDS):
         return data, None
-    kind = find_close(given, PLANT_TABLES) if isinstance(given, str) else ""
-    shared = {
-        name: sum(key in table.model_fields for key in plant)
-        for name, table in PLANT_TABLES.items()
-    }
+    kind = find_close(given, KINDS) if isinstance(given, str) else ""
+    shared = {name: sum(key in PLANT_TABLES[name].model_fields for key in plant) for name in KINDS}
     kind = kind or max(shared, key=lambda name: shared[name])
     if "kind" in plant:
         hint = Message("hint-did-you-mean", name=kind)
-        words = one_of(tuple(PLANT_TABLES))
+        words = one_of(tuple(KINDS))
         wrong = Message("got-other-word-for", got=describe(given), words=words, hint=hint)
     else:
         wrong = Message("key-missing", remedy=Message("add-kind-of-keys", kind=kind))
     return {**data, "plant": {**plant, "kind": kind}}, wrong
+
+
+def _hold_motor(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the data with a modal plant tagged that stands below a motor that follows."""
+    plant, drive = data.get("plant"), data.get("drive")
+    follows = isinstance(drive, dict) and drive.get("kind") == POSITION_SOURCE
+    if follows and isinstance(plant, dict) and plant["kind"] == Modal.kind:
+        return {**data, "plant": {**plant, "kind": MOTOR_HELD}}
+    return data
 
 
 def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, Message]]:
@@ -247,10 +259,12 @@ def _context(data: Mapping[str, Any]) -> Context:
     is_rotary = isinstance(machine, dict) and machine.get("motion") == "rotary"
     axis = ROTARY if is_rotary else LINEAR
     states: dict[str, Dimension] = {}
-    if isinstance(plant, dict) and (kind := KINDS.get(plant["kind"])):
+    if isinstance(plant, dict) and (table := PLANT_TABLES.get(plant["kind"])):
+        kind = table.data_type
         modes = plant.get("modes")
         tables = modes if isinstance(modes, list) else []
         names = [str(mode.get("name")) for mode in tables if isinstance(mode, dict)]
-        states = kind.states(names, axis)
+        measured = of_position_source(axis) if kind is BaseExcited else axis
+        states = kind.states(names, measured)
     outputs = dict.fromkeys(OUTPUTS, axis.length)
     return Context(axis=axis, states=states, outputs=outputs)

@@ -71,7 +71,11 @@ def build_record(
         created=created,
         profile=profile,
         machine=entry_of(
-            MachineEntry, machine, motion=machine.motion.value, kind=machine.mechanics.kind
+            MachineEntry,
+            machine,
+            motion=machine.motion.value,
+            kind=machine.mechanics.kind,
+            drive=machine.drive.kind.value,
         ),
         data=list_data(machine, plant, profile.text),
         settings=_settings_entry(commissioning),

@@ -83,13 +83,22 @@ class Series:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MachineEntry:
-    """What the machine is called, and where its data come from."""
+    """What the machine is called, and where its data come from.
+
+    ``drive`` is ``servo``, or ``position_source`` where the motor follows its setpoint.
+    """
 
     name: str
     axis: str
     motion: str
     source: str
     kind: str
+    drive: str = "servo"
+
+    @property
+    def follows(self) -> bool:
+        """Whether the motor follows its setpoint."""
+        return self.drive != "servo"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

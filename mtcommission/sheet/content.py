@@ -55,7 +55,8 @@ def compose(
     InputError
         If the two records cannot be compared.
     """
-    words = Catalogue(language, rotary=record.machine.motion == "rotary")
+    axis = record.machine
+    words = Catalogue(language, rotary=axis.motion == "rotary", follows=axis.follows)
     text = words.text
     profile = record.profile
     changes = () if before is None else (differences(before, record, words),)

@@ -77,7 +77,8 @@ class Summary:
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield title, verdict, values and the small plot."""
         record = self.record
-        words = Catalogue(self.language, rotary=record.machine.motion == "rotary")
+        axis = record.machine
+        words = Catalogue(self.language, rotary=axis.motion == "rotary", follows=axis.follows)
         text = words.text
 
         def plain(line: str, style: str = "") -> Text:

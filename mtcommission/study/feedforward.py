@@ -89,11 +89,17 @@ def feed_forward(
     cycle = tuned.controller.velocity_cycle
     count = ceil((solution.t_f + TAIL) / cycle)
     wanted = sample_evenly(plant, solution.arcs, step=cycle, until=(count + 1) * cycle)
-    whole = replace(tuned.controller, velocity_feedforward=1.0)
-    loops = [
-        build_loop(build_plant(vary(machine, corner)), whole, model=plant) for corner in places
-    ]
-    tool, saturated = _advance(plant, loops, wanted, limit=machine.drive.motion_force)
+    plants = [build_plant(vary(machine, corner)) for corner in places]
+    if tuned.controller.follows:
+        # The motor does what the optimum asks for, one cycle late like every force fed forward.
+        moved = [sample_evenly(one, solution.arcs, step=cycle, until=(count + 1) * cycle)
+                 @ one.row("tcp") for one in plants]  # fmt: skip
+        tool = np.vstack([np.zeros(len(places)), np.column_stack(moved)[:-2]])
+        saturated = np.zeros(tool.shape, dtype=np.bool_)
+    else:
+        whole = replace(tuned.controller, velocity_feedforward=1.0)
+        loops = [build_loop(one, whole, model=plant) for one in plants]
+        tool, saturated = _advance(plant, loops, wanted, limit=machine.drive.motion_force)
     aimed = wanted @ plant.row("tcp")
     if isinstance(solution, BandForce):
         after = ceil(solution.t_f / cycle)

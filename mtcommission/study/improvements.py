@@ -23,6 +23,7 @@ from mtcommission.loop.tuning.proposals import (
     tune_shape,
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Control, Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
@@ -92,7 +93,8 @@ def find_improvements(
     # The classic rule begins with the symmetrical optimum, all other loops with more.
     largest = settings.tuning.largest_fraction if trial else 1.0
     found = [_computed(change, shape, largest, choice, settings) for change in _changes(machine)]
-    if machine.control.kind.force_filters and not machine.control.seeks_force_filters:
+    has_filters = machine.control.kind.force_filters and not machine.drive.follows
+    if has_filters and not machine.control.seeks_force_filters:
         found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
     for variant in loop.variants:
         if variant.name == WITH and not variant.is_used:
@@ -129,7 +131,7 @@ class _Change:
 
 def _changes(machine: Machine) -> Iterator[_Change]:
     """Yield what the control and the machine leave room for."""
-    control, needs, drive = machine.control, machine.requirements, machine.drive
+    control, drive = machine.control, machine.drive
     kind = control.kind
 
     def controlled(name: str, changed: Control) -> _Change:
@@ -146,8 +148,25 @@ def _changes(machine: Machine) -> Iterator[_Change]:
     if kind.setpoint_filters and not control.seeks_setpoint_filter:
         filtered = replace(control, setpoint_filter=None, seeks_setpoint_filter=True)
         yield controlled("change-setpoint-filter", filtered)
+    if drive.follows:
+        yield from _of_structure(machine)
+        return
     faster = replace(drive, force_lag=0.5 * drive.force_lag)
     yield _Change(change=Message("change-lag"), machine=replace(machine, drive=faster))
+    yield from _of_structure(machine)
+    less = PART * machine.mechanics.moving_mass
+    lighter = machine.mechanics.vary(payload=-less, payload_radius=0.0, frequency=1.0, damping=1.0)
+    fed = control.feedforward_mass
+    adapted = replace(control, feedforward_mass=None if fed is None else fed - less)
+    yield _Change(
+        change=Message("change-lighter", share=PART),
+        machine=replace(machine, mechanics=lighter, control=adapted),
+    )
+
+
+def _of_structure(machine: Machine) -> Iterator[_Change]:
+    """Yield what can be known better, or built stiffer."""
+    needs = machine.requirements
     if needs.frequency_spread > KNOWN_SPREAD:
         known = replace(needs, frequency_spread=KNOWN_SPREAD)
         yield _Change(
@@ -161,14 +180,6 @@ def _changes(machine: Machine) -> Iterator[_Change]:
     yield _Change(
         change=Message("change-stiffer", share=PART), machine=replace(machine, mechanics=stiffer)
     )
-    less = PART * mechanics.moving_mass
-    lighter = mechanics.vary(payload=-less, payload_radius=0.0, frequency=1.0, damping=1.0)
-    fed = control.feedforward_mass
-    adapted = replace(control, feedforward_mass=None if fed is None else fed - less)
-    yield _Change(
-        change=Message("change-lighter", share=PART),
-        machine=replace(machine, mechanics=lighter, control=adapted),
-    )
 
 
 def _computed(
@@ -176,6 +187,8 @@ def _computed(
 ) -> Improvement:
     """What a change brings; named where it cannot be computed."""
     try:
+        if change.machine.drive.follows:
+            return _judged(change, tune_loop(change.machine), choice, settings)
         family = _family(change.machine, shape, settings)
         tuned = tune_shape(family, shape, largest=largest)
         if tuned is None:

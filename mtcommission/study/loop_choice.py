@@ -158,6 +158,8 @@ def settle_on_loop(machine: Machine, plant: Plant, settings: Settings) -> LoopCh
     ComputationError
         As ``tune_loop``.
     """
+    if machine.drive.follows:
+        return LoopChoice(tuned=tune_loop(machine))
     choice = _choose(machine, plant, settings)
     if machine.control.seeks_force_filters:
         return _with_filters(machine, plant, choice, settings)
@@ -210,6 +212,8 @@ def show_alternatives(
     -------
     LoopChoice
     """
+    if machine.drive.follows:
+        return choice
     if not machine.control.seeks_force_filters:
         choice = _with_filters(machine, plant, choice, settings)
     return show_state_feedback(machine, plant, choice, settings)

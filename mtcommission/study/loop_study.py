@@ -67,7 +67,8 @@ class LoopStudy:
     Parameters
     ----------
     disturbed
-        The loop without and with state feedback, or the one there is.
+        The loop without and with state feedback, or the one there is; empty where the motor
+        follows its setpoint, whatever pushes.
     jerk_feedforward
         Without, with, and as the profile has it; empty where the control has none.
     """
@@ -92,6 +93,8 @@ def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> Loop
     -------
     LoopStudy
     """
+    if machine.drive.follows:
+        return LoopStudy(disturbed=(), jerk_feedforward=())
     shown = [(variant.name, variant.tuned) for variant in loop.variants]
     shown = shown or [(Message("loop-in-use"), loop.tuned)]
     used = loop.tuned.controller.jerk_feedforward

@@ -5,7 +5,7 @@ The one place that pairs the quantities of the two kinds of axis; units of messa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mtcommission.units.quantities import (
     ACCELERATION,
@@ -23,6 +23,7 @@ from mtcommission.units.quantities import (
     MODAL_RATE,
     PER_INERTIA,
     PER_MASS,
+    RATIO,
     ROTARY_DAMPING,
     ROTARY_MODAL_DEFLECTION,
     ROTARY_MODAL_RATE,
@@ -91,3 +92,22 @@ ROTARY = AxisUnits(
     modal_deflection=ROTARY_MODAL_DEFLECTION,
     modal_rate=ROTARY_MODAL_RATE,
 )
+
+
+def of_position_source(axis: AxisUnits) -> AxisUnits:
+    """Return what the same axis measures where the motor follows its setpoint.
+
+    The plant is then driven by the acceleration of the motor: that stands for the force, on a
+    mass of 1, and the modes deflect by q'' + 2 ζ ω q' + ω² q = -x_ref'' as lengths.
+    """
+    return replace(
+        axis,
+        mass=RATIO,
+        force=axis.acceleration,
+        gain=RATIO,
+        modal_deflection=axis.length,
+        modal_rate=axis.velocity,
+    )
+
+
+LINEAR_SOURCE, ROTARY_SOURCE = of_position_source(LINEAR), of_position_source(ROTARY)

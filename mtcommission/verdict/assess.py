@@ -23,6 +23,9 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.verdict.every_size import SizeCheck
 
+LAST_DIGIT = 1e-9
+"""An acceleration of just what the motor follows comes back with rounding errors [-]."""
+
 ROUNDING = 1e-6
 """Relative difference that search and simulation may have where a reserve is just kept."""
 
@@ -142,7 +145,7 @@ def assess(
             value=value,
             limit=limit,
             unit=unit,
-            is_met=value <= limit,
+            is_met=value <= (1.0 + LAST_DIGIT) * limit,
             where=where,
         )
 

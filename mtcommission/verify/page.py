@@ -65,7 +65,8 @@ def print_verification(
         Code, e.g. "en".
     """
     record = found.record
-    words = Catalogue(language, rotary=record.machine.motion == "rotary")
+    axis = record.machine
+    words = Catalogue(language, rotary=axis.motion == "rotary", follows=axis.follows)
     say = words.text
     warnings = tuple(words.say(warning) for warning in found.warnings)
     sections = [

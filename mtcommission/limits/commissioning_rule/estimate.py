@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, floor, pi, sin, sqrt
+from math import exp, floor, inf, pi, sin, sqrt
 
 import numpy as np
 
@@ -196,6 +196,8 @@ def _mode_numbers(machine: Machine, controller: Controller, mode: PlantMode) -> 
 
 
 def _servo_numbers(machine: Machine, plant: Plant, controller: Controller) -> ServoEstimate:
+    if controller.follows:
+        return ServoEstimate(speed=inf, impulse=0.0, missing=0.0, drag=0.0)
     m, Kv, Tn = controller.feedforward_mass, controller.position_gain, controller.integral_time
     masses = masses_in_corners(machine)
     omega_v = controller.velocity_gain / max(masses)

@@ -141,7 +141,9 @@ def hear(machine: Machine, plant: Plant, tuned: TunedLoop) -> Heard:
     allowed = [_left(drive.motion_force, force), *(peak.bound for peak in needs.peaks)]
     echoes = listen(tuned.loops, signals=np.array(rows), spacing=FINEST)
     spacing = _spacing(echoes)
-    every = max(int(min(spacing, COARSEST) / echoes.dt), 1)
+    if machine.control.kind.jerk is Jerk.NONE:  # every ramp lasts one cycle, and is to be seen
+        spacing = min(spacing, machine.control.position_cycle)
+    every = max(int(min(spacing, COARSEST) / echoes.dt + 1e-9), 1)
     moving = echoes.signals[..., ::every] / np.array(allowed)[None, :, None, None]
     dt = every * echoes.dt
     # The tool is judged from τ on: a sample must lie there, where a servo's tail is largest.

@@ -24,7 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.model.controller import Controller
-from mtcommission.loop.model.discrete import Stage, discretise, discretise_filter
+from mtcommission.loop.model.discrete import (
+    Stage,
+    discretise,
+    discretise_filter,
+    discretise_followed,
+)
 from mtcommission.loop.model.friction import Friction
 from mtcommission.loop.model.handed_down import HandedDown, hand_down
 from mtcommission.plant.plant import Plant
@@ -152,9 +157,12 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     held = len(names)
     names += handed_down.names
     names += [f"{name}[-{k}]" for k in range(1, delays + 1) for name in INPUTS]
-    step, demand, integration = _velocity_cycle(
-        plant, controller, filters, handed_down, size=len(names)
-    )
+    if controller.follows:
+        step, demand, integration = _followed_cycle(plant, controller, handed_down, size=len(names))
+    else:
+        step, demand, integration = _velocity_cycle(
+            plant, controller, filters, handed_down, size=len(names)
+        )
     unit = np.eye(len(names))
     P = unit[: plant.order]
     sensed = np.zeros((2, len(names)))
@@ -232,6 +240,54 @@ def _velocity_cycle(
         demand = stage.C @ unit[part] + stage.D * demand
         rest = part.stop
     return step, demand, T_v / controller.integral_time * integrated
+
+
+def _followed_cycle(
+    plant: Plant, controller: Controller, handed_down: HandedDown, *, size: int
+) -> tuple[Array, Array, Array]:
+    """The same where the motor follows what is handed down; its acceleration is the "force".
+
+    The states of encoder and integrator are there, and stay zero.
+    """
+    n = plant.order
+    step, own = np.eye(size, size + 1), slice(n + 3, n + 3 + len(handed_down.names))
+    followed = discretise_followed(plant, controller.velocity_cycle)
+    step[:n] = 0.0
+    step[:n, :size] = drive_by_motion(*followed, plant, held=own.start, size=size)
+    step[own] = handed_down.advance @ step[own]
+    demand = handed_down.force @ step[own]
+    # The setpoint's own acceleration is shown; what excites the modes has its mean and its slope
+    # over a position cycle, which a step of the acceleration inside it makes overshoot.
+    step[plant.force] = demand
+    step[n : n + 3] = 0.0
+    return step, demand, np.zeros(size + 1)
+
+
+def drive_by_motion(A: Array, B: Array, plant: Plant, *, held: int, size: int) -> Array:
+    """Return the rows of a plant's states where the motion is handed down to it.
+
+    Parameters
+    ----------
+    A, B
+        Of one plant or many, from ``discretise_followed``, shapes (..., n, n), (..., n).
+    plant
+        The nominal one.
+    held
+        Index of the position that is handed down; velocity, acceleration and jerk follow it.
+    size
+        Number of the loop's states.
+
+    Returns
+    -------
+    ndarray, shape (..., n, size)
+    """
+    n, slaves = plant.order, [plant.position, plant.velocity, plant.force]
+    rows = np.zeros((*A.shape[:-1], size))
+    rows[..., :n] = A
+    rows[..., slaves] = 0.0
+    rows[..., held : held + 3] = A[..., slaves]
+    rows[..., held + 3] = B
+    return rows
 
 
 def _position_cycle(plant: Plant, handed_down: HandedDown, *, size: int) -> Array:
@@ -321,7 +377,8 @@ def lift_on_plants(loop: SampledLoop, A: Array, B: Array, *, signals: Array) -> 
     loop
         The same controller on one of them.
     A, B
-        The plants over a velocity cycle, shapes (n_plants, n, n), (n_plants, n).
+        The plants over a velocity cycle, shapes (n_plants, n, n), (n_plants, n); followed ones
+        where the motor follows.
     signals
         Rows over the loop's state (``own_size`` columns), shape (n_signals, n).
 
@@ -334,7 +391,12 @@ def lift_on_plants(loop: SampledLoop, A: Array, B: Array, *, signals: Array) -> 
     """
     n, size = loop.plant.order, loop.own_size
     cycle = np.repeat(loop.cycle[None, :size, :size], len(A), axis=0)
-    cycle[:, :n, :n], cycle[:, :n, loop.integrator + 1] = A, B
+    if loop.controller.follows:
+        modal = [i for mode in loop.plant.modes for i in (mode.deflection, mode.rate)]
+        rows = drive_by_motion(A, B, loop.plant, held=loop.held, size=size)
+        cycle[:, modal] = rows[:, modal]
+    else:
+        cycle[:, :n, :n], cycle[:, :n, loop.integrator + 1] = A, B
     rows = np.repeat(np.vstack([signals, loop.observation[:1, :size]])[None], len(A), axis=0)
     pieces = []
     for _ in range(loop.controller.cycles):

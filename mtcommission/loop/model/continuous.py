@@ -34,8 +34,10 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
     Returns
     -------
     control.StateSpace
-        4 inputs, 3 outputs.
+        4 inputs, 3 outputs. Where the motor follows its setpoint, of the delayed one.
     """
+    if controller.follows:
+        return _held_structure(plant)
     held = controller.handing_down_delay
     arrival = controller.reference_age + held
     in_drive = controller.position_loop is PositionLoop.DRIVE
@@ -86,6 +88,16 @@ def build_continuous(plant: Plant, controller: Controller, *, model: Plant) -> c
     return control.interconnect(
         blocks, inputs=list(INPUTS), outputs=["tcp", "encoder", "force"], check_unused=False
     )
+
+
+def _held_structure(plant: Plant) -> control.StateSpace:
+    """The modes below a motor that follows: driven by the acceleration itself, without cycles."""
+    modal = [i for mode in plant.modes for i in (mode.deflection, mode.rate)]
+    B, C, D = np.zeros((len(modal), 4)), np.zeros((3, len(modal))), np.zeros((3, 4))
+    B[:, 2] = plant.A[modal, plant.force]
+    C[0] = plant.row("tcp")[modal]
+    D[:2, 0] = D[2, 2] = 1.0
+    return control.ss(plant.A[np.ix_(modal, modal)], B, C, D, inputs=list(INPUTS))
 
 
 def _correction_delay(controller: Controller) -> float:

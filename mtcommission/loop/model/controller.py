@@ -64,6 +64,8 @@ class Controller:
         K, set force per deviation of each plant state, shape (n_plant,) [N per unit].
     observer
         Where K gets its states from; without states if K is zero.
+    follows
+        Whether there is no loop at all: the motor follows its setpoint, interpolated.
     """
 
     position_loop: PositionLoop
@@ -83,6 +85,7 @@ class Controller:
     sensors: tuple[str, ...]
     state_gains: Array
     observer: Observer
+    follows: bool = False
 
     @property
     def position_cycle(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,18 @@ def discretise(plant: Plant, step: float) -> tuple[Array, Array]:
     joint[:n, n] = plant.B
     transition = expm(joint * step)
     return transition[:n, :n], transition[:n, n]
+
+
+def driven_by_jerk(plant: Plant) -> Plant:
+    """Return the plant with the jerk for its input: its force is an acceleration without lag."""
+    A, B = plant.A.copy(), np.zeros_like(plant.B)
+    A[plant.force, plant.force], B[plant.force] = 0.0, 1.0
+    return replace(plant, A=A, B=B)
+
+
+def discretise_followed(plant: Plant, step: float) -> tuple[Array, Array]:
+    """Return (A, B) over one step [s] of a plant whose acceleration rises with constant jerk."""
+    return discretise(driven_by_jerk(plant), step)
 
 
 def discretise_filter(item: ForceFilter, controller: Controller) -> Stage:

@@ -73,9 +73,9 @@ def simulate_continuous(
     A, B, C = _balance(system.A, system.B, system.C)
     system = control.ss(A, B, C, system.D)
     t = np.arange(int(np.ceil(until / STEP)) + 1, dtype=np.float64) * STEP
-    inputs = sample_setpoint(setpoint, t)
-    response = control.forced_response(system, t, inputs.T, squeeze=False)
     tau = controller.reference_delay
+    inputs = sample_setpoint(setpoint, t - tau if controller.follows else t)
+    response = control.forced_response(system, t, inputs.T, squeeze=False)
     deviation = np.asarray(response.outputs)[0] - sample_setpoint(setpoint, t - tau)[:, 0]
     end = setpoint.duration + tau
     size = np.abs(deviation)

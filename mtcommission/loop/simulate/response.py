@@ -32,6 +32,9 @@ HORIZON = 10.0
 """A response that may still leave the band this long after t_e is "not settled" [s] (empirical:
 no commissioning engineer waits longer)."""
 
+ROUNDING = 1e-9
+"""Relative excess over the force limit that is none."""
+
 LEAST_SIZE = 1e-6
 """Free motion below this share of the band is not followed to its own end: picometres."""
 
@@ -114,8 +117,9 @@ def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float
     until = setpoint.duration + tau
     motion = _run_linear(loop, setpoint, until=until, band=band)
     max_force = float(np.max(np.abs(motion.outputs[:, 2])))
-    saturated = max_force > drive.motion_force
-    if saturated:
+    saturated = max_force > drive.motion_force * (1.0 + ROUNDING)
+    # A motor that follows does not saturate: it loses steps, and no motion could be shown.
+    if saturated and not loop.controller.follows:
         motion = _run_saturated(loop, setpoint, limit=drive.motion_force, until=until, band=band)
     outputs, decayed = motion.outputs, motion.decayed
     t: Array = np.arange(len(outputs), dtype=np.float64) * loop.controller.velocity_cycle

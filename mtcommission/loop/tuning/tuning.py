@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.tuning.cascade import CLASSIC, explain_cascade, symmetrical_optimum
+from mtcommission.loop.tuning.following import follow
 from mtcommission.loop.tuning.judgement import judge_given, warn_of_filters, warn_of_modes
 from mtcommission.loop.tuning.proposals import (
     LEAST_FRACTION,
@@ -26,6 +27,7 @@ from mtcommission.loop.tuning.tuned import (
     TunedLoop,
     TuningSettings,
     close_loop,
+    corner_plants,
     describe_margins,
 )
 from mtcommission.machine.machine import Machine, StateFeedback
@@ -47,7 +49,8 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
     Returns
     -------
     TunedLoop
-        With state feedback "auto" the stiffest with one of the weights, where there is one.
+        Where the motor follows its setpoint, just that. With state feedback "auto" the stiffest
+        with one of the weights, where there is one.
 
     Raises
     ------
@@ -59,6 +62,8 @@ def tune_loop(machine: Machine, *, settings: TuningSettings | None = None) -> Tu
         a state that the sensors do not see; FEEDBACK_DESIGN_FAILED if the observer for given
         state gains cannot be computed.
     """
+    if machine.drive.follows:
+        return follow(machine, corner_plants(machine))
     family = cascade_family(machine, settings or TuningSettings())
     classic = tune_shape(family, CLASSIC, largest=1.0)
     if machine.control.state_feedback is StateFeedback.AUTO:
@@ -86,7 +91,7 @@ def check_loop(machine: Machine) -> tuple[Message, ...]:
         Empty where nothing is, and at once where the profile leaves all to tuning.
     """
     given = machine.control
-    if given.leaves_all_to_rules:
+    if machine.drive.follows or given.leaves_all_to_rules:
         return ()
     try:
         proposals = propose_cascades(cascade_family(machine, TuningSettings()))

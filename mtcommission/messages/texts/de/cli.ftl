@@ -57,3 +57,4 @@ stage-response = Antwort
 # Gains of the loop, as the profile names them
 simulated-without-filter = Ohne Sollwertfilter simuliert: Das Profil lässt ihn offen (auto). Mit control.setpoint_filter angeben, hinter welchem beurteilt werden soll.
 simulated-with-loop = Simuliert mit Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }. Was das Profil offen lässt, wurde für diese Bewegungen abgestimmt, hier wie bei run; wo run nach anderen Größen oder Filtern gefragt wurde, dessen Verstärkungen in [control] angeben.
+simulated-without-loop = Simuliert mit einem Motor, der dem Sollwert folgt: kein Regelkreis wurde abgestimmt.

@@ -79,3 +79,9 @@ neglected-force-over-speed = { $axis ->
 neglected-friction = Reibung und Umkehrspiel (eigene Fehler im Stillstand)
 neglected-encoder = Geberstufen (drive.encoder_resolution angeben)
 neglected-travel = Eigenformen über den Verfahrweg (frequency_spread weiten)
+
+# Motor folgt dem Sollwert
+motor-follows-assumed = der Motor folgt dem Sollwert genau: kein Schritt geht verloren, und die Struktur zieht ihn nicht zurück
+drive-kind-steps = diese Steuerung gibt ungeregelte Schritte aus; folgt der Motor ihnen einfach, drive.kind = "position_source" angeben, mit den Frequenzen der Eigenformen bei festgehaltenem Motor: sie sind andere als die der freien Achse
+neglected-lost-steps = verlorene Schritte, und dass der Motor der Last nachgibt
+neglected-acceleration-over-speed = mit der Drehzahl fallendes Moment (drive.max_acceleration gilt bei der größten)

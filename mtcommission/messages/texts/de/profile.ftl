@@ -103,3 +103,11 @@ control-without-force-filters = "auto" angegeben; kind = "{ $control }" hat kein
 control-with-fewer-filters = { $got } Filter angegeben; kind = "{ $control }" hat { $most } im Momentensollwert; nicht mehr angeben
 control-without-jerk-limit = kind = "{ $control }" begrenzt den Ruck nicht, also ist heute keiner eingestellt; den Schlüssel entfernen
 delay-below-drive = { PLAIN($got, digits: 6) } s angegeben; ein Antrieb, der den Lageregelkreis schließt, kennt keinen neueren Sollwert als den vor zwei Lagereglertakten: mindestens { PLAIN($least, digits: 6) } s schreiben oder den Schlüssel weglassen
+
+# Motor folgt dem Sollwert. $drive: Art des Antriebs, zu der der Schlüssel gehört
+key-of-other-drive = gehört zu drive.kind = "{ $drive }"; entfernen, oder diese Art von Antrieb angeben
+key-without-other = sagt allein nichts: { $other } daneben angeben oder den Schlüssel entfernen
+motor-held-needs-modes = zu drive.kind = "position_source" gehört kind = "modal", mit den Frequenzen der Eigenformen bei festgehaltenem Motor
+no-loop-to-set = drive.kind = "position_source" hat keinen Regelkreis: der Motor folgt dem Sollwert; den Schlüssel entfernen
+payload-of-position-source = ein Motor, der dem Sollwert folgt, bewegt jede Zuladung gleich, aber jede hat eigene Frequenzen: den Schlüssel entfernen und requirements.frequency_spread weiten
+move-beyond-motor = { PLAIN($got, digits: 6) } { $unit } angegeben, der Motor folgt aber nur { PLAIN($limit, digits: 6) } { $unit }, nach drive.max_velocity oder step_rate mal step_length

@@ -574,3 +574,4 @@ improvements-none = Kein Gewinn gefunden durch: { $changes }.
 improvement = Änderung
 improvement-saved = Gespart
 improvement-share = Zeitänderung
+no-position-loop = keiner: der Motor folgt dem Sollwert, vorgegeben alle { $position_cycle }

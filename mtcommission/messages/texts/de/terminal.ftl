@@ -104,3 +104,5 @@ terminal-sizes-kept = Die empfohlenen Grenzwerte bleiben für { $sizes ->
     [steps] Geschwindigkeitssprünge
    *[distances] Wege
 } von { $least } bis { $largest } in der erlaubten Abweichung; der Beschleunigungsgrenzwert wird ab { $reached } erreicht.
+terminal-velocity = Geschwindigkeit
+terminal-of-motor = so weit folgt der Motor laut Profil

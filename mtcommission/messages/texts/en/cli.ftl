@@ -61,3 +61,4 @@ stage-response = response
 # Gains of the loop, as the profile names them
 simulated-without-filter = Simulated without a setpoint filter: the profile leaves it open (auto). State control.setpoint_filter to judge limits behind one.
 simulated-with-loop = Simulated with Kv { RATE($Kv) }, Kp { DAMPING($Kp) }, Tn { TIME($Tn) }. What the profile leaves out was tuned for these moves, here and in run alike; where run was asked for other sizes or filters, state its gains in [control].
+simulated-without-loop = Simulated with a motor that follows its setpoint: no loop was tuned.

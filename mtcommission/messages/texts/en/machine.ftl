@@ -86,3 +86,9 @@ neglected-force-over-speed = { $axis ->
 neglected-friction = friction and backlash (errors at standstill of their own)
 neglected-encoder = encoder steps (state drive.encoder_resolution)
 neglected-travel = modes changing over the travel (widen frequency_spread)
+
+# A motor that follows its setpoint
+motor-follows-assumed = the motor follows its setpoint exactly: no step is lost, and the structure does not pull it back
+drive-kind-steps = this control sends steps open loop; if the motor simply follows them, state drive.kind = "position_source", with the frequencies that the modes have while the motor is held: they differ from those of a free axis
+neglected-lost-steps = steps lost, and the motor yielding to the load
+neglected-acceleration-over-speed = torque falling with speed (drive.max_acceleration holds at the fastest)

@@ -565,3 +565,4 @@ improvements-none = No gain was found by: { $changes }.
 improvement = Change
 improvement-saved = Saved
 improvement-share = Change of time
+no-position-loop = none: the motor follows its setpoint, given every { $position_cycle }

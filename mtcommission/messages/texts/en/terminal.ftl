@@ -108,3 +108,5 @@ terminal-sizes-kept = The recommended limits stay within the permitted deviation
     [steps] velocity steps
    *[distances] distances
 } from { $least } to { $largest }; the acceleration limit is reached from { $reached } on.
+terminal-velocity = velocity
+terminal-of-motor = what the motor follows, as stated

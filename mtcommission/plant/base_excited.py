@@ -1,0 +1,157 @@
+"""Modes with the motor held, excited by its acceleration: an axis whose motor simply follows.
+
+    q'' + 2 ζ ω q' + ω² q = -x_ref'',   tool = x_ref + Σ tcp_gain q
+
+That is the modal plant with a mass of 1 and the acceleration of the motor for its force. The
+frequencies are those with the motor held, which is what an accelerometer shows while it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import pi
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.machine.keys import keyed, keyed_array
+from mtcommission.machine.mechanics import (
+    FlexibleMode,
+    Misfit,
+    ModeStates,
+    find_equal_poles,
+)
+from mtcommission.machine.ranges import FREQUENCIES, RATIOS
+from mtcommission.messages.message import Message
+from mtcommission.plant.modal import MOST_MODES, Modal
+from mtcommission.units.axis_units import AxisUnits
+from mtcommission.units.quantities import Dimension
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeldMode:
+    """One mode q'' + 2 ζ ω q' + ω² q = -x_ref''.
+
+    Parameters
+    ----------
+    name
+        Identifier, used in state names.
+    natural_frequency
+        ω of the undamped mode, motor held [rad/s].
+    damping_ratio
+        ζ [-], 0 <= ζ < 1.
+    tcp_gain
+        Share of q in the tool position, signed [-].
+    """
+
+    name: str = keyed(None, "Name of the mode.", "belt")
+    natural_frequency: float = keyed(
+        FREQUENCIES,
+        "Eigenfrequency with the motor held, undamped.",
+        "48 Hz",
+        key="frequency",
+        factor=2.0 * pi,
+    )
+    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.05")
+    tcp_gain: float = keyed(
+        RATIOS, "Share in the tool position; 1 where one mode is all of it.", "1", default=1.0
+    )
+
+    def find_faults(self) -> list[Misfit]:
+        """Return key and message of what cannot be."""
+        return self.driven.find_faults()
+
+    @property
+    def driven(self) -> FlexibleMode:
+        """The same mode driven by the acceleration, as every plant has its modes: -q for q."""
+        return FlexibleMode(
+            name=self.name,
+            natural_frequency=self.natural_frequency,
+            damping_ratio=self.damping_ratio,
+            tcp_gain=-self.tcp_gain,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaseExcited:
+    """Modes on a motor that follows its setpoint.
+
+    Parameters
+    ----------
+    held_modes
+        One to eight modes with distinct poles.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> head = HeldMode(name="belt", natural_frequency=2 * pi * 45, damping_ratio=0.05)
+    >>> driven = BaseExcited(held_modes=(head,)).modes
+    >>> [(mode.tcp_gain, round(mode.frequency_hz)) for mode in driven]
+    [(-1.0, 45)]
+    """
+
+    kind: ClassVar = "modal"
+    position: ClassVar = "x"
+    velocity: ClassVar = "v"
+    moving_mass: ClassVar = 1.0
+
+    held_modes: tuple[HeldMode, ...] = keyed_array(
+        HeldMode, "One to eight modes, with the motor held.", most=MOST_MODES, key="modes"
+    )
+
+    @property
+    def modes(self) -> tuple[FlexibleMode, ...]:
+        """The modes as driven by the acceleration of the motor."""
+        return tuple(mode.driven for mode in self.held_modes)
+
+    def mode_states(self) -> tuple[ModeStates, ...]:
+        """Return where each mode stands in the plant: q with its own sign."""
+        return tuple(ModeStates(f"q_{one.name}", f"v_{one.name}", -1.0) for one in self.held_modes)
+
+    @classmethod
+    def states(cls, modes: Sequence[str], axis: AxisUnits) -> dict[str, Dimension]:
+        """Return the plant's states in order and what they measure; F is the acceleration."""
+        return Modal.states(modes, axis)
+
+    def mode_key(self, index: int) -> str:
+        """Return the key of a mode in the profile."""
+        return f"plant.modes[{index + 1}]"
+
+    def vary(
+        self, *, payload: float, payload_radius: float, frequency: float, damping: float
+    ) -> Self:
+        """Return the modes in a corner; the motor follows whatever it carries."""
+        modes = tuple(
+            replace(
+                mode,
+                natural_frequency=mode.natural_frequency * frequency,
+                damping_ratio=mode.damping_ratio * damping,
+            )
+            for mode in self.held_modes
+        )
+        return replace(self, held_modes=modes)
+
+    def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
+        """Return 1: no payload is stated here."""
+        return np.ones_like(payload)
+
+    def find_faults(self) -> list[Misfit]:
+        """Return key below [plant] and message of what does not fit together."""
+        names = [mode.name for mode in self.held_modes]
+        faults = [
+            (f"modes.{place}.name", Message("mode-named-twice", name=name))
+            for place, name in enumerate(names)
+            if name in names[:place]
+        ]
+        return faults + [
+            (f"modes.{place}.frequency", Message("equal-poles", modes=what))
+            for place, what in find_equal_poles(self.modes)
+        ]
+
+    def assumptions(self) -> tuple[Message, ...]:
+        """Return what is assumed of the motor."""
+        return (Message("motor-follows-assumed"),)

@@ -1,0 +1,236 @@
+"""Axes whose motor simply follows its setpoint: base-excited modes, frequencies with it held."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf, pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.errors import InputError
+from mtcommission.loop.batch.response import simulate_batched
+from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import Machine, Positioning
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.variations import as_variations
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.setpoint.setpoint import plan_setpoint, plan_within
+
+PRINTER = """
+schema = 1
+[machine]
+name = "Printer"
+axis = "X"
+source = "accelerometer on the head"
+[plant]
+kind = "modal"
+[[plant.modes]]
+name = "belt"
+frequency = "45 Hz"
+damping_ratio = 0.05
+[drive]
+kind = "position_source"
+max_acceleration = "20 m/s^2"
+[[moves]]
+distance = "20 mm"
+max_velocity = "300 mm/s"
+[requirements]
+tcp_deviation = "20 um"
+[control]
+kind = "klipper"
+"""
+
+MZV = SetpointFilter(kind="mzv", frequency_hz=45.0, damping_ratio=0.05)
+
+
+def printer() -> Machine:
+    return parse_profile(PRINTER, where="printer.toml")
+
+
+def base_excited_residual(
+    limits: MotionLimits, move: Positioning, *, frequency_hz: float, zeta: float
+) -> tuple[float, float]:
+    """A second program: the modal equation integrated numerically, setpoint by convolution.
+
+    A trapezoid of velocity whose ramps of acceleration last a/j is the one without ramps behind
+    a moving average of that length; a shaper sends weighted copies. Returns the residual and the
+    end of the setpoint.
+    """
+    a, v = limits.acceleration, min(move.max_velocity, sqrt(limits.acceleration * move.distance))
+    edges = np.array([0.0, v / a, move.distance / v, move.distance / v + v / a])
+    item = limits.setpoint_filter
+    impulses = item.impulses if item else None
+    delays, shares = (impulses.delays, impulses.shares) if impulses else ((0.0,), (1.0,))
+    ramp, omega = limits.jerk_time, 2.0 * pi * frequency_hz
+
+    def velocity(t: float) -> float:  # of the plain trapezoid
+        return float(np.interp(t, edges, [0.0, v, v, 0.0]))
+
+    def acceleration(t: float) -> float:
+        parts = (velocity(t - delay) - velocity(t - delay - ramp) for delay in delays)
+        return sum(share * part / ramp for share, part in zip(shares, parts, strict=True))
+
+    end = edges[-1] + ramp + delays[-1]
+    found = solve_ivp(
+        lambda t, y: [y[1], -acceleration(t) - 2.0 * zeta * omega * y[1] - omega**2 * y[0]],
+        (0.0, end + 0.2),
+        [0.0, 0.0],
+        max_step=1e-4,
+        rtol=1e-8,
+        atol=1e-12,
+        dense_output=True,
+    )
+    after = np.linspace(end, end + 0.2, 8001)
+    return float(np.abs(found.sol(after)[0]).max()), end
+
+
+@pytest.mark.parametrize("item", [None, MZV, SetpointFilter(kind="zv", frequency_hz=45.0)])
+@pytest.mark.parametrize("acceleration", [4.0, 11.7, 18.0])
+def test_residual_by_a_second_program(item: SetpointFilter | None, acceleration: float) -> None:
+    """Else the vibration that is printed is not that of a head behind a motor that follows."""
+    machine = printer()
+    limits = replace(without_jerk_limit(machine, acceleration), setpoint_filter=item)
+    move = machine.moves[0]
+    assert isinstance(move, Positioning)
+    loop = tune_loop(machine).loops[0]
+    response = simulate(loop, plan_setpoint(move, limits), drive=machine.drive, band=20e-6)
+    residual, end = base_excited_residual(limits, move, frequency_hz=45.0, zeta=0.05)
+    # The tool holds the setpoint 0.25 ms and looks every 0.125 ms: 1 % of what one step of the
+    # acceleration leaves, a/omega^2.
+    resolution = 0.01 * acceleration / (2.0 * pi * 45.0) ** 2
+    assert response.residual_deviation == pytest.approx(residual, abs=resolution)
+    assert response.t_end == pytest.approx(end + 0.5e-3, abs=1e-6)
+
+
+def test_corners_in_a_batch_are_those_one_by_one() -> None:
+    """Else the search chooses limits by another machine than the verdict judges."""
+    machine = printer()
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    limits = replace(without_jerk_limit(machine, 11.7), setpoint_filter=MZV)
+    plan = plan_within(machine, limits)
+    batch = simulate_batched(machine, plant, tuned, plan, variations=as_variations(tuned.corners))
+    for i, loop in enumerate(tuned.loops):
+        one = simulate(loop, plan(machine.moves[0]), drive=machine.drive, band=20e-6)
+        assert batch.residual_deviation[i] == pytest.approx(one.residual_deviation, rel=1e-6)
+        assert batch.settling_time[i] == pytest.approx(one.settling_time, rel=1e-6)
+        assert batch.shares[i, 0] * 20.0 == pytest.approx(one.max_force, rel=1e-9)
+
+
+def test_the_motor_is_shown_with_the_acceleration_of_its_setpoint() -> None:
+    """Interpolation between setpoints overshoots a step of it by a quarter; that is not asked."""
+    machine = printer()
+    limits = without_jerk_limit(machine, 20.0)
+    loop = tune_loop(machine).loops[0]
+    response = simulate(
+        loop, plan_setpoint(machine.moves[0], limits), drive=machine.drive, band=20e-6
+    )
+    assert response.max_force == pytest.approx(20.0)
+    assert not response.saturated
+
+
+def test_states_have_the_sign_of_the_base_excited_equation() -> None:
+    """While accelerating steadily the head hangs back: q = -a/omega^2, tool = x_ref + q."""
+    plant = build_plant(printer())
+    assert plant.row("tcp")[plant.states.index("q_belt")] == 1.0
+    assert plant.A[plant.states.index("v_belt"), plant.force] == -1.0
+    assert dict(zip(plant.signals, plant.signal_units, strict=True)) == {
+        "x": "m", "v": "m/s", "q_belt": "m", "v_belt": "m/s", "F": "m/s^2",
+        "tcp": "m", "encoder": "m", "tcp_vibration": "m",
+    }  # fmt: skip
+
+
+def test_frequencies_scale_with_the_corner_but_no_payload_exists() -> None:
+    """Else a spread of the belt tension would move the motor, too."""
+    machine = printer()
+    stiffer = machine.mechanics.vary(payload=1.0, payload_radius=0.0, frequency=1.1, damping=1.0)
+    assert stiffer.modes[0].frequency_hz == pytest.approx(49.5)
+    assert stiffer.moving_mass == 1.0
+
+
+STEPS = """max_acceleration = "20 m/s^2"
+step_rate = "10 kHz"
+step_length = "12.5 um"
+"""
+
+
+def test_step_rate_bounds_the_velocity() -> None:
+    """Else the limits need steps that the control cannot send."""
+    text = PRINTER.replace('max_acceleration = "20 m/s^2"\n', STEPS)
+    faults = faults_of(text)
+    assert faults == [
+        "17: moves[1].max_velocity: got 0.3 m/s, but the motor follows only 0.125 m/s, by "
+        "drive.max_velocity or step_rate times step_length"
+    ] or faults[0].split(": ", 1)[1].startswith("moves[1].max_velocity")
+    open_ended = text.replace('max_velocity = "300 mm/s"\n', "")
+    machine = parse_profile(open_ended, where="printer.toml")
+    assert machine.moves[0] == Positioning(distance=0.02, max_velocity=0.125)
+
+
+def faults_of(text: str) -> list[str]:
+    with pytest.raises(InputError) as refused:
+        parse_profile(text, where="p")
+    return [str(fault).removeprefix("p:") for fault in refused.value.faults]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ('kind = "modal"', 'kind = "modal"\nmoving_mass = "1 kg"',
+         'plant.moving_mass: belongs to drive.kind = "servo"; remove it, or state that kind of '
+         "drive"),
+        ("damping_ratio = 0.05", 'damping_ratio = 0.05\nmeasured_gain = "1 1/kg"',
+         'plant.modes[1].measured_gain: belongs to drive.kind = "servo"; remove it, or state that '
+         "kind of drive"),
+        ("damping_ratio = 0.05", 'damping_ratio = 0.05\ntcp_gain = "1 1/kg"',
+         None),
+        ('max_acceleration = "20 m/s^2"', 'max_acceleration = "20 m/s^2"\nforce_lag = "1 ms"',
+         'drive.force_lag: belongs to drive.kind = "servo"; remove it, or state that kind of '
+         "drive"),
+        ('max_acceleration = "20 m/s^2"', "",
+         "drive.max_acceleration: missing; add the value of your machine, for example "
+         'max_acceleration = "10 m/s^2"'),
+        ('max_acceleration = "20 m/s^2"', 'max_acceleration = "20 m/s^2"\nstep_rate = "1 kHz"',
+         "drive.step_rate: says nothing alone: state step_length beside it, or remove it"),
+        ('kind = "klipper"', 'kind = "klipper"\nposition_gain = "60 1/s"',
+         'control.position_gain: drive.kind = "position_source" has no loop: the motor follows its '
+         "setpoint; remove the key"),
+        ('tcp_deviation = "20 um"', 'tcp_deviation = "20 um"\npayload = ["0 kg", "1 kg"]',
+         "requirements.payload: a motor that follows its setpoint moves any payload alike, but "
+         "each has frequencies of its own: remove the key, and widen "
+         "requirements.frequency_spread"),
+        ('"position_source"', '"stepper"',
+         'drive.kind: got "stepper", must be "servo" or "position_source"'),
+    ],
+)  # fmt: skip
+def test_keys_that_mean_nothing_here(old: str, new: str, fault: str | None) -> None:
+    """Else somebody believes that a mass, a loop or a payload was looked at."""
+    assert old in PRINTER
+    faults = [text.split(": ", 1)[1] for text in faults_of(PRINTER.replace(old, new))]
+    if fault is None:
+        assert faults[0].startswith("plant.modes[1].tcp_gain: got")
+    else:
+        assert fault in faults
+
+
+def test_a_servo_profile_of_a_printer_is_told_of_the_kind_of_drive() -> None:
+    """Its frequencies would be free-free ones, and the exported shaper would miss the head."""
+    from mtcommission.machine.plausibility import check_plausibility
+
+    servo = replace(printer().drive, kind=type(printer().drive.kind).SERVO, force_lag=1e-3)
+    remarks = check_plausibility(replace(printer(), drive=servo))
+    assert "drive.kind" in [remark.key for remark in remarks]
+    assert "drive.kind" not in [remark.key for remark in check_plausibility(printer())]
+
+
+def test_kinds_that_send_steps() -> None:
+    """The warning above names just these."""
+    assert [key for key, kind in KINDS.items() if kind.follows_steps] == [
+        "klipper", "grblhal", "fluidnc", "marlin",
+    ]  # fmt: skip
+    assert printer().drive.max_velocity == inf
