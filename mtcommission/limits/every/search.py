@@ -22,7 +22,7 @@ from mtcommission.limits.every.families import Judged
 from mtcommission.limits.every.filters import filters_to_try, neighbours
 from mtcommission.limits.every.sizes import Sizes
 from mtcommission.loop.analysis.quantisation import encoder_noise
-from mtcommission.loop.batch.echoes import Echoes, behind_filter, less_delayed, listen
+from mtcommission.loop.batch.echoes import Echoes, behind_filter, less_delayed, linear, listen
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.machine.requirement import slow_to_feed
@@ -438,15 +438,15 @@ def _cases(
     wait = heard.wait + round((item.duration if item else 0.0) / dt)
 
     def sizes(answers: Array, wait: int) -> Sizes:
-        judged = Judged(
-            answers=behind_filter(answers, item, dt=dt), wait=wait, longest=round(LONGEST / dt)
-        )
+        judged = Judged(answers=answers, wait=wait, longest=round(LONGEST / dt))
         return Sizes(judged=judged, dt=dt, every=heard.between)
 
-    cases = [(sizes(heard.residual, wait), moves), (sizes(heard.moving, -1), moves)]
+    residual = behind_filter(heard.residual, item, dt=dt)
+    moving = behind_filter(heard.moving, item, dt=dt, between=linear)  # forces jump
+    cases = [(sizes(residual, wait), moves), (sizes(moving, -1), moves)]
     if len(heard.path):
         slow = tuple(slow_to_feed(move, needs.contour_feed) for move in moves)
-        cases.append((sizes(heard.path, -1), slow))
+        cases.append((sizes(behind_filter(heard.path, item, dt=dt), -1), slow))
     return cases
 
 
