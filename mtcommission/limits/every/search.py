@@ -150,7 +150,7 @@ def hear(machine: Machine, plant: Plant, tuned: TunedLoop) -> Heard:
     begin = int(echoes.delay / echoes.dt + 1e-9)
     deviation = echoes.deviation[:, begin % every :: every]
     moving = _leading(moving.reshape(-1, moving.shape[-1]), dt)
-    residual = _leading(deviation / _left(needs.tcp_deviation, tool), dt)
+    residual = deviation / _left(needs.tcp_deviation, tool)
     path = _leading(deviation / _left(needs.contour_deviation, tool), dt)
     return Heard(
         dt=dt,
@@ -175,6 +175,18 @@ def _spacing(echoes: Echoes) -> float:
 def _leading(rows: Array, dt: float) -> Array:
     """Rows that can ask for most: of the others no ramp leaves as much."""
     sizes = [np.abs(less_delayed(rows, max(round(t / dt), 1))).max(axis=1) for t in PROBES]
+    return rows[np.any([size >= LEADING * size.max() for size in sizes], axis=0)]
+
+
+def _left_vibrating(rows: Array, dt: float, wait: int) -> Array:
+    """Rows that can ask for most behind a shaper, where other corners lead than before it.
+
+    One that is faster than the shaper expects swings less far, but is left more of it. Compared
+    by what there is after a ramp up and down again: a ramp alone leaves the tool held aside.
+    """
+    lags = [max(round(t / dt), 1) for t in PROBES]
+    twice = [less_delayed(less_delayed(rows, k), k)[:, wait + 2 * k :] for k in lags]
+    sizes = [np.abs(left).max(axis=1, initial=0.0) for left in twice]
     return rows[np.any([size >= LEADING * size.max() for size in sizes], axis=0)]
 
 
@@ -442,6 +454,8 @@ def _cases(
         return Sizes(judged=judged, dt=dt, every=heard.between)
 
     residual = behind_filter(heard.residual, item, dt=dt)
+    shaped = item is not None and not item.averages
+    residual = _left_vibrating(residual, dt, wait) if shaped else _leading(residual, dt)
     moving = behind_filter(heard.moving, item, dt=dt, between=linear)  # forces jump
     cases = [(sizes(residual, wait), moves), (sizes(moving, -1), moves)]
     if len(heard.path):
