@@ -35,6 +35,24 @@ ALWAYS = (
 """Settings without which there is no loop."""
 
 
+NOT_OF_A_SETPOINT = (
+    *ALWAYS,
+    Setting.VELOCITY_FEEDFORWARD,
+    Setting.FORCE_FEEDFORWARD,
+    Setting.JERK_FEEDFORWARD,
+    Setting.FEEDFORWARD,
+    Setting.REFERENCE_DELAY,
+    Setting.REFERENCE_MODEL,
+    Setting.FILTERS,
+)
+"""Settings that mean nothing where the motor follows its setpoint."""
+
+
+def without_loop(values: Values) -> dict[Key, float | str]:
+    """Return settings without those of a loop, for a motor that follows its setpoint."""
+    return {key: value for key, value in values.items() if key[0] not in NOT_OF_A_SETPOINT}
+
+
 def loop_of(subject: Subject) -> dict[Key, float | str]:
     """Return the settings of the record's loop, as far as the control has them.
 
@@ -262,6 +280,18 @@ def hold(subject: Subject, values: Values) -> Held:
     InputError
         If a setting is missing, contradicts another, or the loop is unstable.
     """
+    if subject.machine.drive.follows:
+        # Nothing of a loop stands in the text: its setpoint is simulated as the record's.
+        cycle = subject.controller.position_cycle
+        values = {(Setting.POSITION_CYCLE, ""): cycle, **values}
+        control = replace(
+            subject.machine.control,
+            kind=subject.kind,
+            setpoint_filter=None,
+            seeks_setpoint_filter=False,
+        )
+        machine = replace(subject.machine, control=control)
+        return Held(machine=machine, tuned=tune_loop(machine), values=values)
     machine = replace(subject.machine, control=_control(values, subject))
     try:
         tuned = tune_loop(machine)

@@ -144,6 +144,9 @@ class Subject:
     def left_out(self) -> tuple[str, ...]:
         """What the loop of the record uses and this control lacks."""
         kind, loop, control = self.kind, self.controller, self.machine.control
+        has_same_filter = self.limits.setpoint_filter == self.setpoint_filter
+        if loop.follows:
+            return () if has_same_filter else ("setpoint-filter",)
         lacks = {
             "state-feedback": bool(loop.state_gains.any()) and not kind.state_feedback,
             "velocity": loop.velocity_feedforward > 0.0 and not kind.velocity_feedforward,
@@ -151,7 +154,7 @@ class Subject:
             and not kind.acceleration_feedforward,
             "jerk": loop.jerk_feedforward > 0.0 and not kind.jerk_feedforward,
             "delay": loop.reference_delay > self.own_delay + ROUNDING and not kind.reference_delay,
-            "setpoint-filter": self.limits.setpoint_filter != self.setpoint_filter,
+            "setpoint-filter": not has_same_filter,
             "force-filters": len(loop.force_filters) > kind.force_filters,
             f"loop-{control.position_loop.value}": self.position_loop is not control.position_loop,
         }
@@ -196,6 +199,10 @@ def build_subject(record: Record, kind: ControlKind) -> Subject:
     )
 
 
+FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
+"""What a record calls the bound of the drive."""
+
+
 def for_mode(machine: Machine, mode: ModeLimitsEntry | None) -> Machine:
     """Return the machine with the band of a machining mode; None: as it is."""
     if mode is None:
@@ -216,7 +223,7 @@ def _require_own_profile(record: Record) -> None:
 def _as_recorded(record: Record) -> Machine:
     """The profile's machine with the record's force limit and gains in place of tuning."""
     machine = parse_profile(record.profile.text, where=record.profile.name)
-    force = next(row.value for row in record.data if row.key == "drive.max_force")
+    force = next(row.value for row in record.data if row.key in FORCE_LIMITS)
     loop, gains = record.loop, record.loop.state_feedback
     control = replace(
         machine.control,

@@ -15,7 +15,14 @@ from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.export.catalogue import find_control_key, name_control
 from mtcommission.export.choose import Chosen, choose_limits, take
 from mtcommission.export.control import Control, complete
-from mtcommission.export.held import Held, hold, loop_of, today_of
+from mtcommission.export.held import (
+    NOT_OF_A_SETPOINT,
+    Held,
+    hold,
+    loop_of,
+    today_of,
+    without_loop,
+)
 from mtcommission.export.layout import LIST, Entry, Layout, read_elsewhere
 from mtcommission.export.numeric import NUMERIC_CONTROLS
 from mtcommission.export.open_source import OPEN_CONTROLS
@@ -100,10 +107,15 @@ def export_record(
     """
     target = CONTROLS[find_control_key(control)]
     subject = build_subject(record, KINDS[target.key])
-    words = Catalogue(language, rotary=subject.is_rotary)
+    follows = subject.machine.drive.follows
+    words = Catalogue(language, rotary=subject.is_rotary, follows=follows)
     layout = LIST if as_list else target.layout
     loop = loop_of(subject)
-    rows = complete(target.rows(subject, loop), loop, subject.machine.axis_units)
+    own = target.rows(subject, loop)
+    if follows:
+        loop = without_loop(loop)
+        own = [row for row in own if row.setting not in NOT_OF_A_SETPOINT]
+    rows = complete(own, loop, subject.machine.axis_units)
     entries = _choose(subject, target, rows, loop)
     lines = write_body(layout, entries, words)
     written = tuple(entry.row for entry in entries)
@@ -329,7 +341,8 @@ def _find_lost_margins(record: Record, held: Held) -> Message | None:
     """The margins of the text's loop where these are poor and those of the record were not."""
     worst = record.loop.worst_corner
     had = (
-        (worst.gain_margin_db or inf) >= ROUNDED_MARGINS.gain_margin_db
+        worst is not None
+        and (worst.gain_margin_db or inf) >= ROUNDED_MARGINS.gain_margin_db
         and (worst.phase_margin_deg or inf) >= ROUNDED_MARGINS.phase_margin_deg
         and worst.sensitivity_peak <= ROUNDED_MARGINS.sensitivity_peak
     )
@@ -402,6 +415,8 @@ def _left_out(subject: Subject, verdict: Candidate) -> list[Message]:
 
 def _shaft(subject: Subject, rows: Sequence[Row]) -> list[Message]:
     """Where the values of the drive count."""
+    if subject.machine.drive.follows:
+        return [Message("export-no-loop")]
     if subject.shaft is None:
         return [Message("export-no-shaft")]
     own = (Setting.VELOCITY_GAIN, Setting.FORCE_FEEDFORWARD)

@@ -292,6 +292,9 @@ def _explain_sizes(
         for check in judge_every_size(machine, plant, tuned, raised):
             if check.value > bound_of(machine, check.requirement):
                 broken[check.requirement] = None
+    motor = machine.drive.motion_force
+    if not broken and machine.drive.follows and RAISED[0][0] * limits.acceleration > motor:
+        return Message("bound-by-motor", acceleration=motor)
     if not broken:
         return Message("bound-by-settling-later")
     return Message(

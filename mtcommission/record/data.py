@@ -84,15 +84,21 @@ def list_data(machine: Machine, plant: Plant, profile_text: str) -> list[Datum]:
 
 def _control_rows(machine: Machine) -> list[Row]:
     control = machine.control
-    return [
-        ("control.kind", control.kind.key, ""),
-        ("control.position_loop", control.position_loop.value, ""),
-    ]
+    kind: list[Row] = [("control.kind", control.kind.key, "")]
+    if machine.drive.follows:
+        return kind
+    return [*kind, ("control.position_loop", control.position_loop.value, "")]
 
 
 def _drive_rows(machine: Machine) -> list[Row]:
     drive, force = machine.drive, machine.axis_units.force.si
     length = machine.axis_units.length.si
+    if drive.follows:
+        return [
+            ("drive.kind", drive.kind.value, ""),
+            ("drive.max_acceleration", drive.max_force, force),
+            ("drive.max_velocity", drive.max_velocity, machine.axis_units.velocity.si),
+        ]
     stated = [
         ("drive.lead", drive.lead or 0.0, length),
         ("drive.gear", drive.gear if drive.lead else 0.0, ""),

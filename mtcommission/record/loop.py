@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,12 +47,11 @@ PUSH_STEP = 0.5e-3
 def loop_part(commissioning: Commissioning) -> LoopPart:
     """Return controller, margins, closed-loop matrices and frequency responses."""
     tuned, plant = commissioning.tuned, commissioning.plant
-    controller, nominal, lifted = tuned.controller, tuned.nominal, tuned.loops[0].lifted
+    controller, lifted = tuned.controller, tuned.loops[0].lifted
     machine, control = commissioning.machine, commissioning.machine.control
-    mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
     return entry_of(
         LoopPart,
-        nominal,
+        *tuned.analyses[:1],
         controller,
         tuned,
         kind=control.kind.key,
@@ -65,9 +65,6 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
             entry_of(ForceFilterEntry, item, kind=item.kind.value)
             for item in controller.force_filters
         ],
-        Kv=controller.position_gain,
-        Kp=controller.velocity_gain,
-        Tn=controller.integral_time,
         state_feedback={
             state: float(gain)
             for state, gain in zip(plant.states, controller.state_gains, strict=True)
@@ -86,20 +83,60 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
             sensors=controller.sensors,
         ),
         closed_loop=entry_of(ClosedLoop, lifted),
-        poles=[[float(pole.real), float(pole.imag)] for pole in nominal.poles],
-        mode_damping=_by_mode(plant, nominal.mode_damping),
         candidates=[_candidate_entry(trial) for trial in commissioning.loop.trials],
         reasons=list(commissioning.loop.remarks),
         variants=[_variant_entry(plant, variant) for variant in commissioning.loop.variants],
-        worst_corner=_worst_corner(tuned),
-        worst_mode_damping=_by_mode(plant, tuned.least_damping),
-        corners=_corner_entries(plant, tuned),
+        corners=_corner_entries(plant, tuned) if tuned.analyses else [],
         delays=_delay_entries(controller),
         disturbance=_disturbance_entry(commissioning.loop_study),
         jerk_feedforward=_jerk_feedforward_entries(commissioning.loop_study),
-        bode=_bode(tuned.responses[0]),
-        remarks=[*tuned.remarks, *explain_mixing(mixed)],
+        **_judged(plant, tuned),
     )
+
+
+NOT_WITHOUT_LOOP = (
+    "Kv",
+    "Kp",
+    "Tn",
+    "gain_margin_db",
+    "gain_margin_up_db",
+    "gain_margin_down_db",
+    "phase_margin_deg",
+    "sensitivity_peak",
+    "bandwidth_hz",
+    "dynamic_stiffness",
+    "weakest_frequency_hz",
+    "worst_corner",
+)
+"""What is null where the motor follows its setpoint."""
+
+NO_SERIES = Series(t=[], signals={})
+
+
+def _judged(plant: Plant, tuned: TunedLoop) -> dict[str, Any]:
+    """Gains, poles and margins of a loop; null and empty where the motor follows its setpoint."""
+    if tuned.controller.follows:
+        return {
+            **dict.fromkeys(NOT_WITHOUT_LOOP),
+            "poles": [],
+            "mode_damping": {},
+            "worst_mode_damping": {},
+            "bode": NO_SERIES,
+            "remarks": list(tuned.remarks),
+        }
+    controller, nominal = tuned.controller, tuned.nominal
+    mixed = find_mixed_modes(tuned.loops[0], nominal.mode_damping)
+    return {
+        "Kv": controller.position_gain,
+        "Kp": controller.velocity_gain,
+        "Tn": controller.integral_time,
+        "poles": [[float(pole.real), float(pole.imag)] for pole in nominal.poles],
+        "mode_damping": _by_mode(plant, nominal.mode_damping),
+        "worst_corner": _worst_corner(tuned),
+        "worst_mode_damping": _by_mode(plant, tuned.least_damping),
+        "bode": _bode(tuned.responses[0]),
+        "remarks": [*tuned.remarks, *explain_mixing(mixed)],
+    }
 
 
 def _noise_entry(tuned: TunedLoop, resolution: float) -> EncoderNoiseEntry | None:
@@ -209,6 +246,8 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
             total=age + dead + hold + lag,
         )
 
+    if controller.follows:
+        return [entry(Message("path-position-setpoint"), dead=T_p, hold=T_p)]
     ahead = {"age": controller.reference_age, **handing_down}
     velocity = {"age": controller.velocity_age, **handing_down}
     wanted = [entry(Message("path-wanted-state"), **ahead)] if controller.state_gains.any() else []
@@ -234,6 +273,8 @@ def _delay_entries(controller: Controller) -> list[DelayEntry]:
 
 
 def _disturbance_entry(study: LoopStudy) -> Series:
+    if not study.disturbed:
+        return NO_SERIES
     t = study.disturbed[0].step.t
     every = max(1, round(PUSH_STEP / (t[1] - t[0])))
     return Series(

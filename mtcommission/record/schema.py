@@ -692,15 +692,18 @@ class LoopPart:
     drive, by the name of the loop. ``candidates`` are the loops that were tried, soonest first,
     and ``reasons`` say why one of them is used. ``remarks`` say which rule chose what;
     ``warnings`` say what is poor about the loop, and are part of the record's warnings, too.
+
+    Where the motor follows its setpoint there is no loop: gains, margins and stiffness are null,
+    what is told of them is empty, and ``closed_loop`` still moves the axis.
     """
 
     kind: str
     jerk: str
     position_loop: str
     features: list[FeatureEntry]
-    Kv: float
-    Kp: float
-    Tn: float
+    Kv: float | None
+    Kp: float | None
+    Tn: float | None
     reference_model_time: float
     reference_delay: float
     reference_age: float
@@ -722,15 +725,15 @@ class LoopPart:
     gain_margin_up_db: float | None
     gain_margin_down_db: float | None
     phase_margin_deg: float | None
-    sensitivity_peak: float
+    sensitivity_peak: float | None
     bandwidth_hz: float | None
-    dynamic_stiffness: float
-    weakest_frequency_hz: float
+    dynamic_stiffness: float | None
+    weakest_frequency_hz: float | None
     mode_damping: dict[str, float]
     candidates: list[CandidateEntry]
     reasons: list[Words]
     variants: list[VariantEntry]
-    worst_corner: Margins
+    worst_corner: Margins | None
     worst_mode_damping: dict[str, float]
     corners: list[LoopCornerEntry]
     delays: list[DelayEntry]

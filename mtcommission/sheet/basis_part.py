@@ -27,7 +27,7 @@ def basis_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
 def _control(record: Record, words: Catalogue) -> str:
     f, loop = words.format, record.loop
     where = words.text(
-        f"position-loop-{loop.position_loop}",
+        "no-position-loop" if record.machine.follows else f"position-loop-{loop.position_loop}",
         position_cycle=f.quantity(loop.position_cycle, "s"),
         velocity_cycle=f.quantity(loop.velocity_cycle, "s"),
     )

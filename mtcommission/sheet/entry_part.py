@@ -20,8 +20,10 @@ def parameters(record: Record, words: Catalogue) -> Section:
     """Return the parameters for the control, with empty columns."""
     text, f = words.text, words.format
     limits, kv = record.limits.recommended, record.loop.Kv
-    per_minute = (60.0 * kv, "1/min") if words.rotary else (kv / KV_UNIT, "(m/min)/mm")
-    kv_text = f.with_unit(f.number(float(f"{per_minute[0]:.4g}")), per_minute[1])
+    kv_text = ""
+    if kv is not None:
+        per_minute = (60.0 * kv, "1/min") if words.rotary else (kv / KV_UNIT, "(m/min)/mm")
+        kv_text = f.with_unit(f.number(float(f"{per_minute[0]:.4g}")), per_minute[1])
     rows = [
         (
             text("acceleration"),

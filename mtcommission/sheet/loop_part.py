@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit, symbol
-from mtcommission.record.schema import CandidateEntry, LoopPart, Record, VariantEntry
+from mtcommission.record.schema import CandidateEntry, LoopPart, Margins, Record, VariantEntry
 from mtcommission.sheet.control_part import control_has
 from mtcommission.sheet.diagram_part import structure
 from mtcommission.sheet.loop_study_part import loop_study
@@ -37,34 +37,32 @@ OPEN, CLOSED = 4, 1
 def loop(record: Record, words: Catalogue) -> Section:
     """Return gains, margins, the loops that were tried, and frequency response."""
     text, part = words.text, record.loop
-    sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
-    sentences = [text("sensors", names=", ".join(sensors))]
-    if part.observer.states:
-        sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
-    if not part.state_feedback:
-        sentences.append(text("no-state-feedback"))
-    gains = Table(
-        caption=text("gains-caption"),
-        columns=(
-            Column(head=text("quantity"), width=2.0),
-            Column(head=text("value"), is_number=True),
-        ),
-        rows=gain_rows(record, words),
-    )
     remarks: tuple[Block, ...] = ()
     if part.remarks:
         remarks = (
             Subheading(text=text("remarks")),
             Bullets(items=tuple(map(words.say, part.remarks))),
         )
+    if part.worst_corner is None:
+        return Section(
+            key="loop",
+            heading=text("loop-heading"),
+            blocks=(_gains(record, words), *remarks, *control_has(record, words)),
+        )
+    sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
+    sentences = [text("sensors", names=", ".join(sensors))]
+    if part.observer.states:
+        sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
+    if not part.state_feedback:
+        sentences.append(text("no-state-feedback"))
     return Section(
         key="loop",
         heading=text("loop-heading"),
         blocks=(
             structure(record, words),
-            gains,
+            _gains(record, words),
             Paragraph(text=" ".join(sentences), tone=Tone.NOTE),
-            _margins(record, words),
+            _margins(part, part.worst_corner, words),
             *_trade_off(record, words),
             *_variants(record, words),
             _bode(record, words),
@@ -75,10 +73,27 @@ def loop(record: Record, words: Catalogue) -> Section:
     )
 
 
+def _gains(record: Record, words: Catalogue) -> Table:
+    text = words.text
+    return Table(
+        caption=text("gains-caption"),
+        columns=(
+            Column(head=text("quantity"), width=2.0),
+            Column(head=text("value"), is_number=True),
+        ),
+        rows=gain_rows(record, words),
+    )
+
+
 def gain_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
     """Return name and value of every gain, delay and cycle."""
     text, f, part, units = words.text, words.format, record.loop, record.plant.units
     mass = motion_unit("kg", rotary=words.rotary)
+    if part.Kv is None:
+        return (
+            (text("reference-delay"), f.quantity(part.reference_delay, "s")),
+            (text("setpoint-spacing"), f.quantity(part.position_cycle, "s")),
+        )
     rows = [
         (words.name("Kv"), f.quantity(part.Kv, "1/s")),
         (words.name("Kp"), f.axis(part.Kp, "N s/m")),
@@ -108,9 +123,8 @@ def gain_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
     return tuple(rows)
 
 
-def _margins(record: Record, words: Catalogue) -> Table:
-    text, f, part = words.text, words.format, record.loop
-    worst = part.worst_corner
+def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
+    text, f = words.text, words.format
     peak = worst.sensitivity_peak
     rows = (
         (
@@ -127,7 +141,7 @@ def _margins(record: Record, words: Catalogue) -> Table:
         ),
         (
             text("sensitivity-peak"),
-            f.number(part.sensitivity_peak, digits=3),
+            f.quantity(part.sensitivity_peak, "", digits=3),
             f.number(peak, digits=3) if isfinite(peak) else "–",
         ),
         (

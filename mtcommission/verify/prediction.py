@@ -14,6 +14,7 @@ from mtcommission.loop.model.assembly import SampledLoop, build_loop
 from mtcommission.loop.model.controller import Controller, Observer
 from mtcommission.loop.model.friction import find_friction
 from mtcommission.loop.simulate.driven import drive_loop
+from mtcommission.loop.tuning.following import follow
 from mtcommission.loop.tuning.tuned import corner_plants
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine
 from mtcommission.machine.variations import Corner
@@ -111,6 +112,8 @@ def close_again(machine: Machine, entry: LoopPart) -> Rebuilt:
         The controller of the record.
     """
     bench = corner_plants(machine)
+    if machine.drive.follows:
+        return _with_poles(machine, bench.corners, follow(machine, bench).loops)
     controller = _controller(entry, bench.model)
     loops = tuple(build_loop(plant, controller, model=bench.model) for plant in bench.plants)
     return _with_poles(machine, bench.corners, loops)
@@ -182,6 +185,8 @@ def predict(rebuilt: Rebuilt, motion: Motion) -> Prediction:
 def _controller(entry: LoopPart, plant: Plant) -> Controller:
     states, observer = plant.states, entry.observer
     n = len(observer.states)
+    if entry.Kv is None or entry.Kp is None or entry.Tn is None:
+        raise AssertionError("the record of a servo has its gains")
     return Controller(
         position_loop=PositionLoop(entry.position_loop),
         position_gain=entry.Kv,

@@ -213,3 +213,4 @@ marlin-corner-bound = M205 J steht für einen Geschwindigkeitssprung am rechten 
 marlin-grid = FT Motion legt die Kopien eines Shapers auf ein Raster von 1 ms (FTM_FS, shaping.cpp, Stand 195278e4), was ihn bei 50 Hz um bis zu 5 % verstimmt und darüber um mehr; das ist hier nicht simuliert.
 marlin-build = M493 braucht eine Ausgabe mit FT_MOTION; M500 speichert die Werte.
 ros-gain = Kv des Trajektorienreglers, Geschwindigkeit als Stellgroesse
+export-no-loop = Der Motor folgt dem Sollwert: hier wird nichts von einem Regelkreis eingestellt.

@@ -575,3 +575,4 @@ improvement = Änderung
 improvement-saved = Gespart
 improvement-share = Zeitänderung
 no-position-loop = keiner: der Motor folgt dem Sollwert, vorgegeben alle { $position_cycle }
+setpoint-spacing = Abstand der Sollwerte

@@ -226,3 +226,4 @@ marlin-corner-bound = M205 J stands for a step of velocity at a right angle of a
 marlin-grid = FT motion places a shaper's copies on its grid of 1 ms (FTM_FS, shaping.cpp at 195278e4), which detunes it by up to 5 % at 50 Hz and more above; that is not simulated here.
 marlin-build = M493 needs a build with FT_MOTION; M500 keeps the values.
 ros-gain = Kv of the trajectory controller, velocity command interface
+export-no-loop = The motor follows its setpoint: nothing of a loop is set here.

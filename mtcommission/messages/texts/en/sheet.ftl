@@ -566,3 +566,4 @@ improvement = Change
 improvement-saved = Saved
 improvement-share = Change of time
 no-position-loop = none: the motor follows its setpoint, given every { $position_cycle }
+setpoint-spacing = Spacing of the setpoints
