@@ -12,7 +12,7 @@ from bisect import bisect_left
 from cmath import exp
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import cos, pi, sqrt
+from math import comb, cos, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Move, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.shapers import HUMPS, shape
 from mtcommission.plant.manipulator import Manipulator
 
 Array = NDArray[np.float64]
@@ -225,14 +226,21 @@ def behind(profile: Profile, item: SetpointFilter | None) -> Profile:
 
 
 def shaper(kind: str, f: float, zeta: float) -> tuple[list[float], list[float]]:
-    """Delays and shares; those of EI from their condition: no hump above 5 %."""
+    """Delays and shares; classical EI from its condition: no hump above 5 %.
+
+    Klipper's EI is a fit whose own test says how well it meets the damped condition.
+    """
+    if kind in ("ei", *HUMPS):
+        fitted = shape(kind, frequency_hz=f, damping_ratio=zeta)
+        return list(fitted.delays), list(fitted.shares)
     half = 0.5 / (f * sqrt(1 - zeta**2))
     if kind == "mzv":
         half, plain = 0.75 * half, [1 - sqrt(0.5), sqrt(2) - 1, 1 - sqrt(0.5)]
-    elif kind in ("zv", "zvd"):
-        plain = [1.0, 1.0] if kind == "zv" else [1.0, 2.0, 1.0]
+    elif kind.startswith("zv"):
+        order = len(kind) - 1
+        plain = [float(comb(order, n)) for n in range(order + 1)]
     else:
-        plain = _with_humps({"ei": 1, "2hump_ei": 2, "3hump_ei": 3}[kind], 0.05)
+        plain = _with_humps({"e": 1, "2": 2, "3": 3}[kind[0]], 0.05)
     fade = [exp(-2 * pi * f * zeta * half * n).real for n in range(len(plain))]
     total = sum(share * c for share, c in zip(plain, fade, strict=True))
     shares = [share * c / total for share, c in zip(plain, fade, strict=True)]

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, NamedTuple, NoReturn
 
 import typer
 
@@ -76,35 +76,92 @@ def identify(
     """Measured responses to mass, delay and modes in a profile.
 
     Reads tables of responses and signals, SINUMERIK, TwinCAT, LinuxCNC, Klipper and UFF files.
+    Klipper's resonances_x_... and resonances_y_... at once: NEW-x.toml and NEW-y.toml.
     """
-    from mtcommission.files import require_writable, write_text
+    from mtcommission.identify.axes import by_axis, of_axis
+    from mtcommission.identify.gather import split_sensor
 
-    beside = json_file
-    if not beside and output not in ("", "-"):
-        from mtcommission.identify.statement import evidence_file
-
-        beside = evidence_file(output)
-    from mtcommission.identify.gather import gather, split_sensor
-
-    require_writable(beside, page, output, inputs=[Path(split_sensor(one)[0]) for one in files])
-    _keep_others(output, profile)
-    given = _read_given(sensor, input_, constant, measured, columns or [], profile)
     limits, count = _read_band(band), _read_count(modes)
     ratio = read_number("--tool-ratio", tool_ratio) if tool_ratio else None
-    before = _read_before(profile)
+    given = _read_given(sensor, input_, constant, measured, columns or [], profile)
+    axes = by_axis([split_sensor(one)[0] for one in files])
+    if len(axes) == 1:
+        jobs = [_Job(files, profile, output, page, json_file, next(iter(axes)))]
+    else:
+        if profile is not None or "-" in (output, page, json_file):
+            _refuse("FILE", Message("identify-several-axes", axes=", ".join(axes)))
+        jobs = [
+            _Job(
+                [one for one in files if split_sensor(one)[0] in own],
+                None,
+                of_axis(output, axis),
+                of_axis(page, axis),
+                of_axis(json_file, axis),
+                axis,
+            )
+            for axis, own in axes.items()
+        ]
+    for job in jobs:
+        _require_writable(job)
+    for job in jobs:
+        _identify(job, given, limits, count, ratio, language)
+
+
+class _Job(NamedTuple):
+    """Files of one axis, and what is written for it."""
+
+    files: list[str]
+    profile: Path | None
+    output: str
+    page: str
+    json_file: str
+    axis: str
+
+    @property
+    def beside(self) -> str:
+        """The file with points and advice; "" for none."""
+        if self.json_file or self.output in ("", "-"):
+            return self.json_file
+        from mtcommission.identify.statement import evidence_file
+
+        return evidence_file(self.output)
+
+
+def _require_writable(job: _Job) -> None:
+    from mtcommission.files import require_writable
+    from mtcommission.identify.gather import split_sensor
+
+    inputs = [Path(split_sensor(one)[0]) for one in job.files]
+    require_writable(job.beside, job.page, job.output, inputs=inputs)
+    _keep_others(job.output, job.profile)
+
+
+def _identify(
+    job: _Job,
+    given: Given,
+    limits: tuple[float, float] | None,
+    count: int | None,
+    ratio: float | None,
+    language: str,
+) -> None:
+    """One axis: files to profile, page and terminal."""
+    before = _read_before(job.profile)
 
     from mtcommission.cli.identified_view import describe_identified
     from mtcommission.cli.terminal import show
+    from mtcommission.files import write_text
     from mtcommission.identify.check import check_records
     from mtcommission.identify.document import Writing, merge_profile, write_profile
     from mtcommission.identify.entry import identified_json, identified_part
+    from mtcommission.identify.gather import gather
     from mtcommission.identify.page import print_identified
     from mtcommission.identify.states import identify as identify_axis
     from mtcommission.record.files import dump_json
 
+    _, profile, output, page, json_file, axis = job
     with show_stage() as progress:
         progress(Message("identify-stage"))
-        evidence = gather(files, given)
+        evidence = gather(job.files, given)
         found = identify_axis(evidence, band_hz=limits, count=count)
         checks = check_records(found, force_per_unit=given.constant, band_hz=limits, count=count)
     created = now()
@@ -116,22 +173,24 @@ def identify(
         tool_ratio=ratio,
         words=words(rotary=found.rotary),
         part=part,
-        evidence=_seen_from(output, beside),
+        evidence=_seen_from(output, job.beside),
+        axis=axis or "X",
     )
     text = merge_profile(before, found, how) if before else write_profile(found, how)
     if page:
         write_text(page, print_identified(part, profile=text, language=language))
     if output:
         write_text(output, text)
-    if beside:
-        write_text(beside, dump_json(identified_json(part, profile=text)))
+    if job.beside:
+        write_text(job.beside, dump_json(identified_json(part, profile=text)))
     if "-" in (json_file, output, page):
         return
     show(describe_identified(part))
-    if written := [name for name in (output, page, beside) if name]:
+    if written := [name for name in (output, page, job.beside) if name]:
         print_written(Path(), written)
     if output:
-        sys.stdout.write(say("identify-next", file=output) + "\n")
+        kind = "identify-next-run" if part.proposals else "identify-next"
+        sys.stdout.write(say(kind, file=output) + "\n")
 
 
 def _keep_others(output: str, profile: Path | None) -> None:

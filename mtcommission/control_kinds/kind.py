@@ -88,8 +88,12 @@ def believed(parameters: str = "", note: str = "", *, beside: str = "") -> Featu
 
 
 MOVING_AVERAGE, TWO_AVERAGES, FIR = "moving_average", "two_moving_averages", "fir"
-SHAPERS = ("zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei")
-"""Kinds of setpoint filter, as in profiles: averages, taps, and shapers by rising duration."""
+SHAPERS = (
+    *("zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei"),
+    *("zvdd", "zvddd", "ei_classic", "2hump_ei_classic", "3hump_ei_classic"),
+)
+"""Kinds of setpoint filter, as in profiles: averages, taps, and shapers. The EI family without a
+word is Klipper's since September 2025; the classical one is Marlin's, and Klipper's before."""
 
 LONGEST_AVERAGE = 0.2
 """Longest average that is looked for where a control does not bound it [s]: empirical."""

@@ -90,6 +90,7 @@ def _steps(source: str, **read_there: Feature) -> Mapping[str, Feature]:
     return common | read_there
 
 
+KLIPPER_SHAPERS = SHAPERS[:6]
 MOST_DAMPING = {"ei": 0.4, "2hump_ei": 0.3, "3hump_ei": 0.2}
 """Largest damping ratios that Klipper takes, where it is not 0.99."""
 
@@ -105,7 +106,7 @@ KLIPPER = ControlKind(
             ),
             most_damping=MOST_DAMPING.get(shaper, 0.99),
         )
-        for shaper in SHAPERS
+        for shaper in KLIPPER_SHAPERS
     ),
     follows_steps=True,
     jerk=Jerk.NONE,
@@ -125,7 +126,9 @@ KLIPPER = ControlKind(
         setpoint_filters=read(
             KLIPPER_SOURCE,
             "[input_shaper] shaper_type_x, shaper_freq_x [Hz], damping_ratio_x",
-            "One shaper per axis. Damping at most 0.99, ei 0.4, 2hump_ei 0.3, 3hump_ei 0.2.",
+            "One shaper per axis. Damping at most 0.99, ei 0.4, 2hump_ei 0.3, 3hump_ei 0.2. The EI "
+            "family as of 2025-09-16 (5da026a3), 3hump_ei as of 2026-03-31 (0d1445a7); earlier "
+            "ones were ei_classic and so on. mzv(n, t) and ei(v_tol) of 2026 are not offered.",
         ),
         reference_delay=read(
             KLIPPER_SOURCE, note="None; pulses are centred, so a shaper's delay is not one."
@@ -184,9 +187,11 @@ MARLIN_SHAPERS: Mapping[str, str] = {
     "zv": "1",
     "mzv": "8",
     "zvd": "2",
-    "ei": "5",
-    "2hump_ei": "6",
-    "3hump_ei": "7",
+    "zvdd": "3",
+    "zvddd": "4",
+    "ei_classic": "5",
+    "2hump_ei_classic": "6",
+    "3hump_ei_classic": "7",
 }
 """Values of M493 C."""
 
@@ -222,7 +227,7 @@ MARLIN = ControlKind(
             MARLIN_SOURCE,
             "M593 X/Y F [Hz] D; M493 C, A [Hz], I 0.01..0.25; M494 [s]",
             "ZV, or with FT motion ZV to ZVDDD, EI, 2HEI, 3HEI, MZV per axis, 10 or 20 to 500 Hz; "
-            "ZVDD and ZVDDD are not offered.",
+            "its EI family is the classical one (shaping.cpp at 195278e4).",
         ),
         position_cycle=read(MARLIN_SOURCE, "FTM_FS", "FT motion computes at 1000 Hz."),
     ),

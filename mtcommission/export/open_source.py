@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from functools import partial
+from math import sqrt
 
-from mtcommission.control_kinds.kind import SHAPERS
-from mtcommission.control_kinds.open_source import MARLIN_SHAPERS
+from mtcommission.control_kinds.open_source import KLIPPER_SHAPERS, MARLIN_SHAPERS
 from mtcommission.errors import Fault, InputError
 from mtcommission.export.choose import Chosen
 from mtcommission.export.control import Control
@@ -15,6 +15,7 @@ from mtcommission.export.plc import identifier
 from mtcommission.export.row import Row, Setting, Values, fixed
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import MILLI
+from mtcommission.limits.corner_velocity import find_corner_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 
@@ -29,6 +30,9 @@ LEAST_DAMPING, MOST_DAMPING = 0.01, 0.25
 FREQUENCY_STEP, DAMPING_STEP = 0.01, 0.001
 """Decimals of a shaper's frequency [Hz] and damping ratio; Klipper and Marlin print as many."""
 
+
+USUAL_CORNER = 5e-3
+"""square_corner_velocity that Klipper takes unless told otherwise [m/s] (Config_Reference)."""
 
 WHOLE = 0.999
 """Share of the recommended acceleration that is all of it, but for rounding."""
@@ -150,9 +154,25 @@ def _make_up(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     return (Message("export-share-of-acceleration", share=share, shaper=shaper),)
 
 
+def _corner_velocity(subject: Subject) -> float:
+    """Klipper's default, or less where that leaves the band [m/s]; 0: the model does not say."""
+    if not subject.machine.drive.follows:
+        return 0.0
+    return min(find_corner_velocity(subject.machine, subject.setpoint_filter), USUAL_CORNER)
+
+
+def _of_corner(subject: Subject, kind: str) -> tuple[Message, ...]:
+    """What the model says of the corner, and what it does not."""
+    if not subject.machine.drive.follows:
+        return ()
+    most = find_corner_velocity(subject.machine, subject.setpoint_filter)
+    return (Message(kind, usual=1e3 * USUAL_CORNER, most=1e3 * most),)
+
+
 def _klipper(subject: Subject, _loop: Values) -> list[Row]:
     _require_linear(subject, "Klipper")
     letter = _letter(subject, "XYZ", "Klipper").lower()
+    corner = _corner_velocity(subject)
     row = partial(Row, section="input_shaper", is_verified=letter != "z")
     of_mode = _of_mode(subject)
     return [
@@ -164,7 +184,23 @@ def _klipper(subject: Subject, _loop: Values) -> list[Row]:
             meaning=Message("klipper-tool-head"),
             section="printer",
         ),
-        row(Setting.SHAPER, f"shaper_type_{letter}", codes={kind: kind for kind in SHAPERS}),
+        *(
+            [
+                fixed(
+                    "square_corner_velocity",
+                    f"{1e3 * corner:.3g}",
+                    Message("klipper-corner"),
+                    section="printer",
+                )
+            ]
+            if corner
+            else []
+        ),
+        row(
+            Setting.SHAPER,
+            f"shaper_type_{letter}",
+            codes=dict(zip(KLIPPER_SHAPERS, KLIPPER_SHAPERS, strict=True)),
+        ),
         row(
             Setting.SHAPER_FREQUENCY,
             f"shaper_freq_{letter}",
@@ -180,8 +216,14 @@ def _klipper_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
     return (
         Message("klipper-no-jerk"),
         *_make_up(subject, chosen),
+        *_of_corner(subject, "klipper-corner-bound"),
         Message("klipper-cruise"),
         Message("klipper-shaper"),
+        *(
+            (Message("klipper-three-humps"),)
+            if chosen.values.get((Setting.SHAPER, "")) == "3hump_ei"
+            else ()
+        ),
     )
 
 
@@ -190,13 +232,16 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
     letter = _letter(subject, "XYZ", "Marlin")
     row = partial(Row, is_verified=False)
     of_mode = _of_mode(subject)
+    corner, a = _corner_velocity(subject), subject.limits.acceleration
+    deviation = 1e3 * corner**2 * (sqrt(2.0) - 1.0) / a
     return [
         _acceleration(subject, f"M201 {letter}"),
+        *([fixed("M205 J", f"{deviation:.3g}", Message("marlin-corner"))] if corner else []),
         fixed("M493 S", "1", Message("marlin-fixed-time")),
         row(
             Setting.SHAPER,
             f"M493 {letter} C",
-            codes={kind: MARLIN_SHAPERS[kind] for kind in SHAPERS},
+            codes={kind: MARLIN_SHAPERS[kind] for kind in MARLIN_SHAPERS},
             meaning=Message("marlin-shaper"),
         ),
         row(
@@ -211,7 +256,13 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
 
 
 def _marlin_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
-    return (Message("marlin-jerk"), *_make_up(subject, chosen), Message("marlin-build"))
+    return (
+        Message("marlin-jerk"),
+        *_make_up(subject, chosen),
+        *_of_corner(subject, "marlin-corner-bound"),
+        Message("marlin-build"),
+        Message("marlin-grid"),
+    )
 
 
 def _ros(subject: Subject, loop: Values) -> list[Row]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log
 from typing import Any
 
@@ -22,6 +22,15 @@ from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 COLUMN = 34
 """Where comments begin, if the line leaves room."""
+PRINTER = (
+    ("drive", "max_acceleration", "10 m/s^2"),
+    ("moves", "distance", "20 mm"),
+    ("moves", "max_velocity", "200 mm/s"),
+    ("requirements", "tcp_deviation", "20 um"),
+)
+"""What a printer's resonance test does not tell, as assumed: the test itself drives the motor at
+60 mm/s^2 per Hz up to 135 Hz (klippy/extras/resonance_tester.py at 84104bbb), 8 m/s^2, older ones
+at 75 up to 133 Hz, 10 m/s^2; a short infill line; a ringing that can hardly be seen."""
 TO_ASK = (
     "drive.max_force",
     "drive.force_lag",
@@ -50,6 +59,8 @@ class Writing:
         What was measured, as the sheet prints it.
     evidence
         Name of the file with its points, as seen from the profile; "" for none.
+    axis
+        Letter.
     """
 
     date: str
@@ -58,6 +69,7 @@ class Writing:
     words: Catalogue
     part: IdentifiedPart
     evidence: str = ""
+    axis: str = "X"
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,11 +100,17 @@ def write_profile(found: Identified, how: Writing) -> str:
         for row in rows
         if row.is_assumed
     ]
+    printer = _printer_rows(words) if how.part.proposals else {}
+    assumed += [
+        f"{'moves[1]' if table == 'moves' else table}.{row.key}"
+        for table, rows in printer.items()
+        for row in rows
+    ]
     lines = [f"# {line}" for line in _heading(found, how)]
     lines += ["", "schema = 1", "", "[machine]"]
     lines += [
         _line(_Row("name", words.text("identify-document-name"), "")),
-        _line(_Row("axis", "X", "")),
+        _line(_Row("axis", how.axis, "")),
         _line(_Row("source", _source(found, how), "")),
     ]
     if found.rotary:
@@ -101,22 +119,44 @@ def write_profile(found: Identified, how: Writing) -> str:
         lines.append(f"assumed = {tomlkit.item(assumed).as_string()}")
     lines += ["", "[plant]", 'kind = "modal"']
     mass = _mass_row(found, unit)
-    asked = list(TO_ASK)
     if mass:
         lines.append(_line(mass))
-    else:
-        asked.insert(0, "plant.moving_mass")
-        asked.insert(1, "plant.modes[1].tcp_gain")
     for rows in modes:
         lines += ["", "[[plant.modes]]", *map(_line, rows)]
-    lines += ["", "[requirements]", *map(_line, _spread_rows(found, how))]
+    if found.is_base_excited:
+        held = _Row("kind", "position_source", words.text("identify-document-held"))
+        lines += ["", "[drive]", _line(held), *map(_line, printer.get("drive", ()))]
+    if printer:
+        lines += ["", "[[moves]]", *map(_line, printer["moves"])]
+    stated_rows = [*printer.get("requirements", ()), *_spread_rows(found, how)]
+    lines += ["", "[requirements]", *map(_line, stated_rows)]
+    if printer:
+        lines += ["", "[control]", _line(_Row("kind", "klipper", ""))]
     stated = tomlkit.document()
     stated["identified"] = statement(how.part, evidence=how.evidence)
     lines += ["", f"# {words.text('identify-document-measured')}"]
     lines += tomlkit.dumps(stated).rstrip().splitlines()
-    lines += ["", f"# {words.text('identify-document-open', file=how.file)}"]
-    lines += [f"#   {key}" for key in asked]
+    asked = [] if printer else _to_ask(found)
+    if asked:
+        lines += ["", f"# {words.text('identify-document-open', file=how.file)}"]
+        lines += [f"#   {key}" for key in asked]
     return "\n".join(lines) + "\n"
+
+
+def _to_ask(found: Identified) -> list[str]:
+    if found.is_base_excited:
+        return ["drive.max_acceleration", *TO_ASK[2:]]
+    unknown = [] if found.moving_mass else ["plant.moving_mass", "plant.modes[1].tcp_gain"]
+    return [*unknown, *TO_ASK]
+
+
+def _printer_rows(words: Catalogue) -> dict[str, list[_Row]]:
+    """What a printer's resonance test leaves open, by table; each an assumption."""
+    tables: dict[str, list[_Row]] = {}
+    for table, key, value in PRINTER:
+        note = words.text(f"identify-document-printer-{key.replace('_', '-')}")
+        tables.setdefault(table, []).append(_Row(key, value, note, is_assumed=True))
+    return tables
 
 
 def merge_profile(text: str, found: Identified, how: Writing) -> str:
@@ -135,6 +175,9 @@ def merge_profile(text: str, found: Identified, how: Writing) -> str:
         Date, names and language.
     """
     document = tomlkit.parse(text)
+    if document.get("drive", {}).get("kind") != "position_source" and found.is_base_excited:
+        # Shares of a held motor's modes are none of those with the motor free.
+        found = replace(found, modes=tuple(replace(one, tcp_gain=None) for one in found.modes))
     plant = document.get("plant")
     if not isinstance(plant, Table) or plant.get("kind") != "modal":
         plant = tomlkit.table()
@@ -276,6 +319,12 @@ def _tool_row(
 ) -> _Row | None:
     """tcp_gain: measured, by the user's word, as before, or the worst case; None: to be asked."""
     gain, words = _units(found).gain.si, how.words
+    if found.is_base_excited:
+        # A single one is the whole tool on its spring: 1, which profiles take unless told.
+        if mode.tcp_gain is None or len(found.modes) == 1:
+            return None
+        share = float(f"{mode.tcp_gain.value:.4g}")
+        return _Row("tcp_gain", share, _plus_minus(mode.tcp_gain, ""))
     if found.moving_mass is None:
         return None
     if mode.tcp_gain is not None:

@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.identify.calibrate_shaper import judged_by_klipper, propose_shapers
 from mtcommission.identify.check import Checked
 from mtcommission.identify.fit.fitted import Fitted, FittedResponse
 from mtcommission.identify.fit.peaks import FittedSpectrum
 from mtcommission.identify.identified import Identified
 from mtcommission.identify.measurement import Input, Output
-from mtcommission.machine.identified import MeasuredFile, MeasuredMode
+from mtcommission.machine.identified import MeasuredFile, MeasuredMode, ShaperProposal
+from mtcommission.messages.message import Message
 from mtcommission.record.schema import (
     IdentifiedPart,
     MeasuredResponseEntry,
@@ -49,6 +51,7 @@ def identified_part(
     """
     bands = [fit.band_hz for fit in found.fits]
     misfits = [fit.misfit for fit in found.fits]
+    proposals = propose_shapers(judged_by_klipper(found.evidence))
     return IdentifiedPart(
         created=created,
         rotary=found.rotary,
@@ -81,9 +84,26 @@ def identified_part(
             RecordCheckEntry(record=one.record, explained=one.explained, held_back=one.is_held_back)
             for one in checks
         ],
-        warnings=list(found.warnings),
+        warnings=[*found.warnings, *_of_klipper(proposals)],
+        proposals=list(proposals),
         responses=_responses(found),
     )
+
+
+def _of_klipper(proposals: Sequence[ShaperProposal]) -> list[Message]:
+    """What Klipper would choose, and for which axes its shapers are."""
+    chosen = [
+        Message(
+            "identify-klipper-choice",
+            shaper=one.shaper.upper(),
+            frequency=one.frequency_hz,
+            acceleration=1e3 * one.max_acceleration,
+            vibration=one.vibration,
+        )
+        for one in proposals
+        if one.is_recommended
+    ]
+    return [*chosen, Message("identify-core-xy")] if chosen else []
 
 
 def identified_json(part: IdentifiedPart, *, profile: str) -> dict[str, Any]:

@@ -135,6 +135,23 @@ class FrequencyResponse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class AllDirections:
+    """Power of all directions of an accelerometer together, which Klipper judges.
+
+    Parameters
+    ----------
+    frequency_hz, density
+        Shape (n_lines,), with the line at 0 Hz [Hz; its scale means nothing].
+    is_divided
+        Whether it is divided by frequency already.
+    """
+
+    frequency_hz: Array
+    density: Array
+    is_divided: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Spectrum:
     """Power of a signal by frequency: no phase, no force.
 
@@ -152,6 +169,8 @@ class Spectrum:
         What was seen, and where.
     remarks
         How it was estimated, what was assumed and what is doubtful.
+    all_directions
+        For Klipper's own criterion; None where it is not Klipper's measurement.
     """
 
     source: Source
@@ -163,6 +182,7 @@ class Spectrum:
     sensor: Sensor
     rotary: bool
     remarks: tuple[Message, ...] = ()
+    all_directions: AllDirections | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from typing import Any
 import tomlkit
 from tomlkit.items import Table
 
-from mtcommission.machine.identified import Estimate, MeasuredMode
+from mtcommission.machine.identified import Estimate, MeasuredMode, ShaperProposal
 from mtcommission.plant.modal import MOST_MODES
 from mtcommission.profile.identified_tables import LONGEST_FILE, MOST_FILES
 from mtcommission.record.identified import evidence_checksum
@@ -59,6 +59,7 @@ def statement(part: IdentifiedPart, *, evidence: str, names: dict[str, str] | No
         table["evidence"] = evidence
         table["checksum"] = evidence_checksum(to_plain(part))
     for key, rows in (
+        ("calibrate_shaper", [_proposal(one) for one in part.proposals]),
         ("files", [_file(one) for one in part.sources[:MOST_FILES]]),
         ("modes", [_mode(m, part, names or {}) for m in part.modes[: 4 * MOST_MODES]]),
     ):
@@ -77,6 +78,17 @@ def _file(one: Any) -> dict[str, str]:
     return {"name": name[-LONGEST_FILE:], "sensor": one.sensor, "sha256": one.sha256}
 
 
+def _proposal(one: ShaperProposal) -> dict[str, str | float | bool]:
+    return {
+        "shaper": one.shaper,
+        "frequency": f"{one.frequency_hz:.6g} Hz",
+        "vibration": float(f"{one.vibration:.3g}"),
+        "smoothing": f"{1e3 * one.smoothing:.3g} mm",
+        "max_acceleration": f"{one.max_acceleration:.6g} m/s^2",
+        "recommended": one.is_recommended,
+    }
+
+
 def _mode(mode: MeasuredMode, part: IdentifiedPart, names: dict[str, str]) -> dict[str, Any]:
     gain = "" if part.base_excited else (ROTARY if part.rotary else LINEAR).gain.si
     found: dict[str, Any] = {
@@ -84,7 +96,7 @@ def _mode(mode: MeasuredMode, part: IdentifiedPart, names: dict[str, str]) -> di
         "frequency": _pair(mode.frequency_hz, "Hz"),
         "damping_ratio": _pair(mode.damping_ratio, ""),
     }
-    if part.moving_mass is not None:
+    if part.moving_mass is not None or part.base_excited:
         for key, one in (("measured_gain", mode.measured_gain), ("tcp_gain", mode.tcp_gain)):
             if one is not None:
                 found[key] = _pair(one, gain)

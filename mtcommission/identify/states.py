@@ -213,7 +213,11 @@ def _of_spectrum(one: FittedSpectrum) -> State:
     return State(
         name=one.spectrum.source.state or one.spectrum.source.name,
         modes=tuple(
-            MeasuredMode(frequency_hz=peak.frequency_hz, damping_ratio=peak.damping_ratio)
+            MeasuredMode(
+                frequency_hz=peak.frequency_hz,
+                damping_ratio=peak.damping_ratio,
+                tcp_gain=peak.share,
+            )
             for peak in one.modes
         ),
         moving_mass=None,

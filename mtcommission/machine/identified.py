@@ -68,6 +68,34 @@ class MeasuredFile:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ShaperProposal:
+    """A shaper as Klipper's calibrate_shaper would set it.
+
+    Parameters
+    ----------
+    shaper
+        Kind of setpoint filter.
+    frequency_hz
+        [Hz].
+    vibration
+        Share of the measured power that it leaves, by that script's measure [-].
+    smoothing
+        By how much it rounds a corner at 5 m/s^2, by the same measure [m].
+    max_acceleration
+        At which that is 0.12 mm [m/s^2].
+    is_recommended
+        Whether the script would recommend this one.
+    """
+
+    shaper: str
+    frequency_hz: float
+    vibration: float
+    smoothing: float
+    max_acceleration: float
+    is_recommended: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
     """What was measured when the profile was written; values may have been changed since.
 
@@ -89,6 +117,8 @@ class Identification:
         Name of the file beside the profile with points and advice; "" for none.
     checksum
         Of that file's content.
+    proposals
+        What Klipper's calibrate_shaper would choose from the same files; empty where it could not.
     """
 
     date: str
@@ -101,3 +131,4 @@ class Identification:
     modes: tuple[MeasuredMode, ...]
     evidence: str
     checksum: str
+    proposals: tuple[ShaperProposal, ...] = ()

@@ -5,17 +5,22 @@ It states what the measurement said; [plant] may be changed by hand beside it, a
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from mtcommission.control_kinds.kind import SHAPERS
 from mtcommission.machine.identified import (
     Estimate,
     Identification,
     MeasuredFile,
     MeasuredMode,
+    ShaperProposal,
 )
 from mtcommission.machine.ranges import (
+    ACCELERATIONS,
+    BANDS,
+    FREQUENCIES,
     MEASURED_FREQUENCIES,
     MEASURED_MASSES,
     MEASURED_TIMES,
@@ -33,6 +38,8 @@ Frequencies = Annotated[list[Annotated[float, Read(MEASURED_FREQUENCIES)]], _PAI
 Ratios = Annotated[list[Annotated[float, Read(RATIOS)]], _PAIR]
 Gains = Annotated[list[Annotated[float, Read(MODE_GAINS)]], _PAIR]
 Hash = Annotated[str, Name(longest=64)]
+
+ShaperName: Any = Literal[SHAPERS]
 
 LONGEST_FILE = 400
 """Characters of a file's name."""
@@ -57,6 +64,30 @@ class MeasuredModeTable(Table):
     tcp_gain: Gains | None = optional("At the tool.", '["2e-3 1/kg", "2e-5 1/kg"]')
 
 
+class ShaperProposalTable(Table):
+    """[[identified.calibrate_shaper]]: what Klipper's script would choose."""
+
+    shaper: ShaperName = required("Shaper.", '"mzv"')
+    frequency: Annotated[float, Read(FREQUENCIES)] = required("Its frequency.", '"45.2 Hz"')
+    vibration: Annotated[float, Read(SPREADS)] = required("Share of the power it leaves.", "0.02")
+    smoothing: Annotated[float, Read(BANDS)] = required("How it rounds corners.", '"0.1 mm"')
+    max_acceleration: Annotated[float, Read(ACCELERATIONS)] = required(
+        "At which it rounds them by 0.12 mm.", '"11.7 m/s^2"'
+    )
+    recommended: bool = required("Whether the script recommends it.", "true")
+
+    def build(self) -> ShaperProposal:
+        """Return the proposal, in SI."""
+        return ShaperProposal(
+            shaper=self.shaper,
+            frequency_hz=self.frequency,
+            vibration=self.vibration,
+            smoothing=self.smoothing,
+            max_acceleration=self.max_acceleration,
+            is_recommended=self.recommended,
+        )
+
+
 class IdentifiedTable(Table):
     """[identified]: what was measured; pairs are value and standard error."""
 
@@ -77,6 +108,9 @@ class IdentifiedTable(Table):
     )
     modes: Annotated[list[MeasuredModeTable], Field(max_length=MOST_FILES)] = optional(
         "As measured.", "", []
+    )
+    calibrate_shaper: Annotated[list[ShaperProposalTable], Field(max_length=8)] = optional(
+        "What Klipper's script would choose from the same files.", "", []
     )
 
     def build(self) -> Identification:
@@ -104,6 +138,7 @@ class IdentifiedTable(Table):
             ),
             evidence=self.evidence or "",
             checksum=self.checksum or "",
+            proposals=tuple(one.build() for one in self.calibrate_shaper),
         )
 
 

@@ -100,6 +100,7 @@ def _from_profile(machine: Machine, said: Identification, warning: Message) -> I
             frequency=needs.frequency_spread, damping=needs.damping_spread, because=[]
         ),
         misfit=said.misfit,
+        proposals=list(said.proposals),
         checks=[],
         warnings=[warning],
         responses=[],

@@ -7,10 +7,10 @@ null.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from mtcommission.machine.identified import Estimate, MeasuredFile, MeasuredMode
+from mtcommission.machine.identified import Estimate, MeasuredFile, MeasuredMode, ShaperProposal
 from mtcommission.messages.formula import Expression
 from mtcommission.messages.message import Message
 
@@ -1098,6 +1098,7 @@ class IdentifiedPart:
     warnings: list[Message]
     responses: list[MeasuredResponseEntry]
     tool_sensor: ToolSensorEntry | None = None
+    proposals: list[ShaperProposal] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

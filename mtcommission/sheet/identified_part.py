@@ -35,7 +35,10 @@ from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 Array = NDArray[np.float64]
 
-INFORMATION = ("identify-by-", "identify-hold", "identify-band-given", "identify-loudest-axis")
+INFORMATION = (
+    *("identify-by-", "identify-hold", "identify-band-given", "identify-loudest-axis"),
+    *("identify-klipper-choice", "identify-core-xy"),
+)
 """How the kinds of messages begin that warn of nothing."""
 SHOWN_DIGITS = 16
 """Of a hash; the profile's text has it whole."""

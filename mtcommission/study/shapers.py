@@ -8,6 +8,7 @@ best.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 from math import inf
 
@@ -24,7 +25,7 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, dominant_mode
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import Plan, plan_setpoint
-from mtcommission.verdict.evaluate import Candidate, evaluate_moves, simulate_planned
+from mtcommission.verdict.evaluate import Candidate, evaluate, evaluate_moves, simulate_planned
 
 ACCELERATIONS = 16
 """Accelerations tried for each shaper, from a tenth of F_max/m upwards, logarithmic."""
@@ -36,14 +37,18 @@ SOURCES = {
     "zv": "source-singer",
     "mzv": "source-klipper",
     "zvd": "source-singer",
-    "ei": "source-singhose",
+    "ei": "source-klipper",
 }
 """Shapers that are compared, by rising duration, and who says so."""
+
+DESIGN_DAMPING = 0.1
+"""Damping ratio that Klipper's shapers are set to unless told otherwise [-]."""
 
 
 def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Candidate, ...]:
     """Return shapers and the jerk filter through the same loop and judgement.
 
+    What Klipper's calibrate_shaper would choose comes first, where the machine was measured so.
     All are designed for the dominant mode of the nominal plant; each gets the acceleration, of
     ``ACCELERATIONS`` tried, that settles soonest within all requirements (if none does, within
     force and peaks; if none does, F_max/m).
@@ -78,7 +83,40 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[C
         Message("moving-average-for-mode", mode=mode.name, frequency=f),
         Message("source-jerk-filter"),
     )
-    return (*found, _best_candidate(machine, plant, tuned, average, name=name, source=source))
+    return (
+        *_of_klipper(machine, plant, tuned),
+        *found,
+        _best_candidate(machine, plant, tuned, average, name=name, source=source),
+    )
+
+
+def _of_klipper(machine: Machine, plant: Plant, tuned: TunedLoop) -> Iterator[Candidate]:
+    """What calibrate_shaper recommends for the same measurement, at its max_accel.
+
+    Where that is more than the motor follows, at what it follows.
+    """
+    identified = machine.identified
+    for one in identified.proposals if identified else ():
+        if not one.is_recommended:
+            continue
+        item = SetpointFilter(
+            kind=one.shaper, frequency_hz=one.frequency_hz, damping_ratio=DESIGN_DAMPING
+        )
+        a = min(one.max_acceleration, machine.drive.motion_force / moving_mass(machine))
+        limits = MotionLimits(
+            acceleration=a, jerk=a / machine.control.position_cycle, setpoint_filter=item
+        )
+        name = Message(
+            "shaper-of-calibration", shaper=one.shaper.upper(), frequency=one.frequency_hz
+        )
+        yield evaluate(
+            machine,
+            plant,
+            tuned,
+            limits,
+            name=name,
+            source=Message("source-calibrate-shaper"),
+        )
 
 
 def _best_candidate(

@@ -39,6 +39,9 @@ RATIO_ENDS = (5e-3, 0.3)
 SWEPT = 0.15
 """Standard error of a frequency by what the sweep goes on within one window, in the distance of
 two lines (empirical: simulated sweeps of 1 and 2 Hz/s)."""
+SHARE_BIAS = 0.025
+"""Standard error of a share by what the window smears while the sweep goes on (empirical: in
+simulated sweeps shares come out lower by up to 0.046)."""
 MOST = 5
 """Peaks of a spectrum."""
 UNKNOWN_CORRELATION = 2.0
@@ -47,18 +50,21 @@ UNKNOWN_CORRELATION = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Peak:
-    """A mode as a spectrum shows it.
+    """A mode as a spectrum shows it; two within the window's width show as one.
 
     Parameters
     ----------
     frequency_hz, damping_ratio
         f [Hz] and ζ [-].
+    share
+        γ, at the tool [-].
     height
         Density at its frequency, by what it is without the mode [-].
     """
 
     frequency_hz: Estimate
     damping_ratio: Estimate
+    share: Estimate
     height: float
 
 
@@ -137,6 +143,7 @@ def fit_spectrum(spectrum: Spectrum) -> FittedSpectrum:
             if _criterion(grid, one) < _criterion(grid, best) - LEAST_FALL
             and min(_heights(grid, one)) > LEAST_HEIGHT
             and np.all(np.exp(one.modes[:, 1]) < 0.98 * RATIO_ENDS[1])
+            and np.all(np.diff(np.sort(np.exp(one.modes[:, 0]))) > lobe)
         ]
         if not better:
             break
@@ -243,6 +250,10 @@ def _peaks(grid: _Grid, fit: _Fit) -> tuple[Peak, ...]:
                     value=f, sigma=float(np.hypot(sigmas[3 * k] * f, SWEPT * grid.step))
                 ),
                 damping_ratio=Estimate(value=zeta, sigma=float(sigmas[3 * k + 1]) * zeta),
+                share=Estimate(
+                    value=float(fit.modes[k, 2]),
+                    sigma=float(np.hypot(sigmas[3 * k + 2], SHARE_BIAS)),
+                ),
                 height=heights[k],
             )
         )

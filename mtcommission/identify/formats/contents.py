@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.errors import Fault, InputError
-from mtcommission.identify.measurement import Array, ComplexArray, Output, Sensor
+from mtcommission.identify.measurement import (
+    AllDirections,
+    Array,
+    ComplexArray,
+    Output,
+    Sensor,
+)
 from mtcommission.messages.message import Message, Value
 
 Lines = NDArray[np.int64]
@@ -118,6 +124,8 @@ class SpectrumContents:
         As in ``Spectrum``.
     lines
         Line of each value in the file, shape (n_lines,).
+    all_directions
+        As in ``Spectrum``.
     """
 
     label: str
@@ -125,6 +133,7 @@ class SpectrumContents:
     density: Array
     resolution_hz: float | None
     lines: Lines
+    all_directions: AllDirections | None = None
 
 
 Item = TimeContents | ResponseContents | SpectrumContents

@@ -20,11 +20,14 @@ from mtcommission.identify.formats.contents import (
 )
 from mtcommission.identify.formats.heads import words_of
 from mtcommission.identify.formats.table import read_table
-from mtcommission.identify.measurement import Sensor
+from mtcommission.identify.measurement import AllDirections, Array, Sensor
 from mtcommission.messages.message import Message
 
 HALF_POWER_BINS = 1.41
 """Half-power width of Klipper's window, Kaiser's with β = 6, in its bins (computed)."""
+
+ROUNDING_HZ = 0.06
+"""Half of the last decimal with which frequencies are printed, and a bit [Hz]."""
 
 RESPONSE_WORDS = frozenset({"re", "im", "real", "imag", "magnitude", "mag", "phase", "gain"})
 """Words of another table that begins with a frequency."""
@@ -75,7 +78,7 @@ def _power(lines: Sequence[str], names: Sequence[str], *, where: str) -> FileCon
     if table.values.shape[1] != width:
         got = table.values.shape[1]
         raise refuse(where, "identify-row-length", line=int(table.lines[0]), got=got, wanted=width)
-    frequency, power = table.values[:, 0], table.values[:, 1:]
+    frequency, power = _evened(table.values[:, 0]), table.values[:, 1:]
     if (power < 0.0).any():
         row = int(np.argmax((power < 0.0).any(axis=1)))
         raise refuse(where, "identify-negative-power", line=int(table.lines[row]))
@@ -96,6 +99,11 @@ def _power(lines: Sequence[str], names: Sequence[str], *, where: str) -> FileCon
             density=power[:, spectra.index(name)],
             resolution_hz=HALF_POWER_BINS * spacing if axes else None,
             lines=table.lines,
+            all_directions=AllDirections(
+                frequency_hz=frequency,
+                density=power[:, [spectra.index(one) for one in axes or [name]]].sum(axis=1),
+                is_divided="shapers:" in names,
+            ),
         )
         for name in spectra_kept
     )
@@ -103,6 +111,15 @@ def _power(lines: Sequence[str], names: Sequence[str], *, where: str) -> FileCon
         raise refuse(where, "identify-no-response", found=tuple(names))
     format_ = Message("identify-format-klipper-power")
     return FileContents(format=format_, items=items, remarks=tuple(remarks))
+
+
+def _evened(frequency_hz: Array) -> Array:
+    """Lines of a Fourier transform, which are printed with one decimal only."""
+    number = np.arange(frequency_hz.size)
+    even = np.polyval(np.polyfit(number, frequency_hz, 1), number) if number.size > 1 else number
+    is_even = bool(np.all(np.abs(even - frequency_hz) <= ROUNDING_HZ))
+    found: Array = np.maximum(even, 0.0) if is_even else frequency_hz
+    return found
 
 
 def _raw(lines: Sequence[str], *, where: str) -> FileContents:

@@ -242,4 +242,5 @@ def read_spectrum(
         sensor=given.sensor or Sensor.TCP,
         rotary=bool(given.rotary),
         remarks=remarks,
+        all_directions=contents.all_directions,
     )

@@ -24,7 +24,7 @@ from mtcommission.identify.measurement import (
 from mtcommission.identify.responses.free_vibration import begins, find_start, fit_ringing, is_decay
 from mtcommission.identify.responses.impact import estimate_by_blows, find_blows
 from mtcommission.identify.responses.periodic import estimate_by_periods, find_period
-from mtcommission.identify.responses.power import estimate_power
+from mtcommission.identify.responses.power import estimate_power, power_as_klipper
 from mtcommission.identify.responses.ratio import Lines, Signals, prepare
 from mtcommission.identify.responses.welch import estimate_by_welch
 from mtcommission.messages.message import Message
@@ -43,6 +43,8 @@ HOLD = 0.078
 
 BIASED_BELOW = 0.9
 """Coherence below which a closed loop could bias a line by more than a tenth."""
+
+KLIPPER_RAW = "identify-format-klipper-raw"
 
 Finding = FrequencyResponse | Spectrum | FreeVibration
 
@@ -266,7 +268,12 @@ def _free(record: TimeRecord, motions: Sequence[Channel]) -> Iterator[Finding]:
     spectra = [one for one in found if isinstance(one, Spectrum)]
     if len(spectra) > 1:  # of one sensor's directions the one that shakes most
         loudest = max(spectra, key=lambda one: float(one.density.max()))
-        found = [one for one in found if not isinstance(one, Spectrum) or one is loudest]
+        whole = power_as_klipper(record) if record.source.format.kind == KLIPPER_RAW else None
+        found = [
+            replace(loudest, all_directions=whole) if one is loudest else one
+            for one in found
+            if not isinstance(one, Spectrum) or one is loudest
+        ]
     if not found:
         raise _refusal(record, "identify-nothing-rings")
     yield from found

@@ -9,9 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mtcommission.identify.measurement import Array
+from mtcommission.identify.measurement import AllDirections, Array, TimeRecord
 from mtcommission.identify.responses.ratio import HIGHEST_SHARE
 from mtcommission.identify.responses.welch import HALF_POWER_BINS, averages_of, segments_of
+
+KLIPPER_WINDOW, KLIPPER_KAISER = 0.5, 6.0
+"""Least length of Klipper's window [s], rounded up to a power of two of samples, and its shape:
+klippy/extras/shaper_calibrate.py at 84104bbb."""
 
 WINDOW = 1.0
 """Length of the window [s], if the record has four of them: lines 1 Hz apart."""
@@ -57,3 +61,25 @@ def estimate_power(values: Array, step: float) -> Power:
         averages=averages_of(len(transformed)),
         resolution_hz=HALF_POWER_BINS / (length * step),
     )
+
+
+def power_as_klipper(record: TimeRecord) -> AllDirections | None:
+    """Return the power of all channels together, as Klipper does; None if the record is too short.
+
+    Parameters
+    ----------
+    record
+        Accelerations alone.
+    """
+    length = 1 << int(KLIPPER_WINDOW / record.sample_time - 1).bit_length()
+    if record.size <= length:
+        return None
+    window, total = np.kaiser(length, KLIPPER_KAISER), np.zeros(length // 2 + 1)
+    for channel in record.channels:
+        parts = np.lib.stride_tricks.sliding_window_view(channel.values, length)
+        parts = parts[:: length - length // 2]
+        lines = np.fft.rfft(window * (parts - parts.mean(axis=1, keepdims=True)), axis=1)
+        total += (np.abs(lines) ** 2).mean(axis=0)
+    total[1:-1] *= 2.0
+    frequency = np.fft.rfftfreq(length, record.sample_time).astype(np.float64)
+    return AllDirections(frequency_hz=frequency, density=total, is_divided=False)

@@ -22,7 +22,7 @@ from mtcommission.limits.every.families import Judged
 from mtcommission.limits.every.filters import filters_to_try, neighbours
 from mtcommission.limits.every.sizes import Sizes
 from mtcommission.loop.analysis.quantisation import encoder_noise
-from mtcommission.loop.batch.echoes import Echoes, behind_filter, less_delayed, listen
+from mtcommission.loop.batch.echoes import Echoes, behind_filter, less_delayed, linear, listen
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.machine.requirement import slow_to_feed
@@ -150,7 +150,7 @@ def hear(machine: Machine, plant: Plant, tuned: TunedLoop) -> Heard:
     begin = int(echoes.delay / echoes.dt + 1e-9)
     deviation = echoes.deviation[:, begin % every :: every]
     moving = _leading(moving.reshape(-1, moving.shape[-1]), dt)
-    residual = _leading(deviation / _left(needs.tcp_deviation, tool), dt)
+    residual = deviation / _left(needs.tcp_deviation, tool)
     path = _leading(deviation / _left(needs.contour_deviation, tool), dt)
     return Heard(
         dt=dt,
@@ -175,6 +175,18 @@ def _spacing(echoes: Echoes) -> float:
 def _leading(rows: Array, dt: float) -> Array:
     """Rows that can ask for most: of the others no ramp leaves as much."""
     sizes = [np.abs(less_delayed(rows, max(round(t / dt), 1))).max(axis=1) for t in PROBES]
+    return rows[np.any([size >= LEADING * size.max() for size in sizes], axis=0)]
+
+
+def _left_vibrating(rows: Array, dt: float, wait: int) -> Array:
+    """Rows that can ask for most behind a shaper, where other corners lead than before it.
+
+    One that is faster than the shaper expects swings less far, but is left more of it. Compared
+    by what there is after a ramp up and down again: a ramp alone leaves the tool held aside.
+    """
+    lags = [max(round(t / dt), 1) for t in PROBES]
+    twice = [less_delayed(less_delayed(rows, k), k)[:, wait + 2 * k :] for k in lags]
+    sizes = [np.abs(left).max(axis=1, initial=0.0) for left in twice]
     return rows[np.any([size >= LEADING * size.max() for size in sizes], axis=0)]
 
 
@@ -438,15 +450,17 @@ def _cases(
     wait = heard.wait + round((item.duration if item else 0.0) / dt)
 
     def sizes(answers: Array, wait: int) -> Sizes:
-        judged = Judged(
-            answers=behind_filter(answers, item, dt=dt), wait=wait, longest=round(LONGEST / dt)
-        )
+        judged = Judged(answers=answers, wait=wait, longest=round(LONGEST / dt))
         return Sizes(judged=judged, dt=dt, every=heard.between)
 
-    cases = [(sizes(heard.residual, wait), moves), (sizes(heard.moving, -1), moves)]
+    residual = behind_filter(heard.residual, item, dt=dt)
+    shaped = item is not None and not item.averages
+    residual = _left_vibrating(residual, dt, wait) if shaped else _leading(residual, dt)
+    moving = behind_filter(heard.moving, item, dt=dt, between=linear)  # forces jump
+    cases = [(sizes(residual, wait), moves), (sizes(moving, -1), moves)]
     if len(heard.path):
         slow = tuple(slow_to_feed(move, needs.contour_feed) for move in moves)
-        cases.append((sizes(heard.path, -1), slow))
+        cases.append((sizes(behind_filter(heard.path, item, dt=dt), -1), slow))
     return cases
 
 

@@ -95,7 +95,7 @@ def _type(
 ) -> Typed | None:
     """The nearest limits that can be typed in and hold; None where that does not end."""
     a, jerk_time = found.acceleration, found.jerk_time
-    for _ in range(MOST_SCALED):
+    for tried in range(MOST_SCALED):
         limits = round_limits(machine, a, jerk_time, found)
         sizes = judge_every_size(machine, plant, tuned, limits, only_if_kept=True)
         used = max(_proved(check) / bound_of(machine, check.requirement) for check in sizes)
@@ -104,7 +104,8 @@ def _type(
             return Typed(
                 limits=limits, duration=max(durations), sizes=sizes, evaluations=evaluations
             )
-        a = min(limits.acceleration, a) / used * JUST_LESS
+        # Behind a shaper the worst size may change little with a: then ever longer steps.
+        a = min(limits.acceleration, a) / used ** (1 + tried) * JUST_LESS
     return None
 
 

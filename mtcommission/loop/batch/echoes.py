@@ -8,7 +8,7 @@ swings inside a position cycle where setpoints are held, so it is heard where it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import factorial
 
@@ -20,6 +20,7 @@ from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.setpoint_filter import SetpointFilter
 
 Array = NDArray[np.float64]
+Weights = tuple[tuple[int, float], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -85,7 +86,38 @@ def less_delayed(y: Array, lag: int) -> Array:
     return result
 
 
-def behind_filter(answers: Array, item: SetpointFilter | None, *, dt: float) -> Array:
+def cubic(lag: float) -> Weights:
+    """Return whole lags and weights that stand for one between them, for smooth answers: Lagrange.
+
+    To the nearest sample a shaper would be detuned by up to half of one, 1 % at 45 Hz and 0.25 ms,
+    which leaves as much vibration as a good part of its spread does.
+    """
+    n = int(lag + 1e-9)
+    p = lag - n
+    if n == 0 or abs(p) < 1e-9:
+        return linear(lag)
+    return (
+        (n - 1, -p * (p - 1.0) * (p - 2.0) / 6.0),
+        (n, (p * p - 1.0) * (p - 2.0) / 2.0),
+        (n + 1, -p * (p + 1.0) * (p - 2.0) / 2.0),
+        (n + 2, p * (p * p - 1.0) / 6.0),
+    )
+
+
+def linear(lag: float) -> Weights:
+    """Return the two whole lags about one and their weights: never more than the answers have."""
+    n = int(lag + 1e-9)
+    p = max(lag - n, 0.0)
+    return (n, 1.0 - p), (n + 1, p)
+
+
+def behind_filter(
+    answers: Array,
+    item: SetpointFilter | None,
+    *,
+    dt: float,
+    between: Callable[[float], Weights] = cubic,
+) -> Array:
     """Return answers behind a setpoint filter.
 
     Parameters
@@ -96,11 +128,13 @@ def behind_filter(answers: Array, item: SetpointFilter | None, *, dt: float) -> 
         The filter.
     dt
         Spacing [s].
+    between
+        How a lag between samples is made.
 
     Returns
     -------
     ndarray
-        Averages are rounded to samples; between them copies are interpolated.
+        Lengths of averages are rounded to samples, delays of impulses are not.
     """
     if item is None:
         return answers
@@ -113,10 +147,8 @@ def behind_filter(answers: Array, item: SetpointFilter | None, *, dt: float) -> 
     if len(times) > 1:
         copies = np.zeros_like(answers)
         for time, share in zip(times, shares, strict=True):
-            # A shaper cancels: half a sample of rounding would leave more than the limits do.
-            lag, part = divmod(time / dt, 1.0)
-            for whole, weight in ((int(lag), 1.0 - part), (int(lag) + 1, part)):
-                copies[:, whole:] += share * weight * answers[:, : answers.shape[1] - whole]
+            for lag, weight in between(time / dt):
+                copies[:, lag:] += share * weight * answers[:, : answers.shape[1] - lag]
         answers = copies
     return answers
 

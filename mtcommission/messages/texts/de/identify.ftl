@@ -39,16 +39,14 @@ identify-no-rigid-body = Im Bereich ist kein starrer Körper zu sehen: Die Masse
 identify-no-force = { $axis ->
     [rotary] Es wurde kein Drehmoment
    *[linear] Es wurde keine Kraft
-} aufgezeichnet: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, { $axis ->
-    [rotary] Trägheit
-   *[linear] Masse
-} und Verstärkungen sind unbekannt. [plant] meint Eigenformen bei freiem Motor, die höher liegen, wenn nicht der Motor den größten Teil der { $axis ->
-    [rotary] Trägheit
-   *[linear] Masse
-} trägt: Bei einer Servoachse mit dem Antrieb { $axis ->
+} aufgezeichnet: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, wie drive.kind = "position_source" sie meint (ein Motor, der seinem Sollwert folgt, etwa ein Schrittmotor). Eine Servoachse hat ihre Eigenformen bei freiem Motor, die höher liegen: Für sie mit dem Antrieb { $axis ->
     [rotary] Drehmoment
    *[linear] Kraft
 } zu Geschwindigkeit messen.
+identify-of-belt = entlang eines Riemens aufgezeichnet (AXIS=1,1 oder 1,-1), was die Riemen einer CoreXY vergleicht, aber keine Achse ist; die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY: TEST_RESONANCES AXIS=X und AXIS=Y aufzeichnen
+identify-several-axes = die Dateinamen nennen mehrere Achsen ({ $axes }): Jede bekommt eigene Dateien (-o NEU.toml schreibt NEU-x.toml und so fort), darum weder --profile noch - angeben; oder nur die Dateien einer Achse nennen
+identify-core-xy = Die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY. Dort teilen sich beide Motoren die Beschleunigung von X oder Y, aber auf einer Diagonale trägt ein Motor sie allein: drive.max_acceleration gilt für eine Achse und ist höchstens 1/√2 dessen, was ein Motor allein mitmacht.
+identify-klipper-choice = calibrate_shaper (Klipper, Stand 84104bbb, sein Kriterium hier berechnet) würde { $shaper } bei { FREQUENCY($frequency) } wählen, max_accel { NUMBER($acceleration, digits: 4) } mm/s²; das lässt nach seinem Maß { SHARE($vibration) } der gemessenen Leistung übrig. run simuliert es neben der eigenen Wahl.
 identify-friction-small-amplitude = Die viskose Reibung eines Frequenzgangs ist nicht die einer Bewegung (Coulombsche Reibung bei kleiner Amplitude) und steht nicht im Profil: aus der Aufzeichnung einer Bewegung bestimmen, und um eine Offsetgeschwindigkeit messen.
 # $bound [1/kg]
 identify-no-tool-sensor = Kein Sensor am Werkzeug: tcp_gain ist nicht gemessen. { GAIN($bound) } ist der ungünstigste Fall eines Werkzeugs auf der anderen Seite der Eigenform, oder deren Anteil am Geber, falls er größer ist. Ein Beschleunigungssensor am Werkzeug bei derselben Anregung, DATEI@tcp, ersetzt das; ebenso --tool-ratio, Spitze am Werkzeug durch Spitze am Motor.
@@ -67,6 +65,11 @@ identify-document-file = { $file }, SHA-256 { $hash }
 identify-document-file-dated = { $file }, gemessen { $date }, SHA-256 { $hash }
 identify-document-sigma = ± steht für zwei Standardabweichungen dieser Messung.
 identify-document-open = Noch anzugeben; mtcommission wizard -o { $file } fragt danach:
+identify-document-held = Motor folgt seinen Schritten; Eigenformen wie am Beschleunigungssensor
+identify-document-printer-max-acceleration = angenommen: was die Resonanzmessung selbst am oberen Ende fährt
+identify-document-printer-distance = angenommen: eine kurze Linie
+identify-document-printer-max-velocity = angenommen
+identify-document-printer-tcp-deviation = angenommen: kaum sichtbares Nachschwingen
 identify-document-name = Gemessene Achse
 identify-document-source = identifiziert aus { $files } am { $date }
 identify-document-tool-worst = kein Sensor am Werkzeug: ungünstigster Fall
@@ -155,6 +158,7 @@ identify-line-error = ± 2 Standardabweichungen
 identify-sensor-encoder = Geber
 identify-sensor-tcp = Werkzeug
 identify-stage = Identifiziere
+identify-next-run = Die Annahmen in { $file } ansehen, dann: mtcommission run { $file }
 identify-next = Dann: mtcommission wizard -o { $file }, danach mtcommission run { $file }
 
 # Options

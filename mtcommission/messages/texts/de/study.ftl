@@ -3,10 +3,11 @@ way-recommended = empfohlen
 recommended-limits = empfohlene Grenzwerte
 way-listed = nur angegebene Größen
 shaper-for-mode = { $shaper }-Shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
+shaper-of-calibration = calibrate_shaper: { $shaper } { FREQUENCY($frequency) }
 moving-average-for-mode = gleitender Mittelwert 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
-source-singhose = Singhose, Seering & Singer 1994
 source-klipper = Klipper, Resonance Compensation
+source-calibrate-shaper = Klipper, calibrate_shaper, Stand 84104bbb, sein Kriterium hier berechnet
 source-jerk-filter = Ruckfilter der Steuerungen, Biagiotti & Melchiorri 2008
 
 # where a worst value was found; $parts: some of the others

@@ -214,10 +214,16 @@ klipper-of-mode = of mode { $mode }
 shaper-of-run = as in the run
 klipper-no-jerk = Klipper has no jerk limit; its square_corner_velocity is a velocity step, no jerk.
 klipper-cruise = minimum_cruise_ratio (default 0.5) lowers the velocity of short moves: they are simulated without.
+klipper-corner = step of velocity at a right angle
+klipper-corner-bound = square_corner_velocity: up to { NUMBER($most, digits: 3) } mm/s the vibration that the step of velocity leaves behind the shaper stays by itself within the reserved share of the band, in every corner of frequency and damping; written is that, at most Klipper's default of { NUMBER($usual, digits: 3) } mm/s. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
+klipper-three-humps = 3HUMP_EI was faulty in Klipper from September 2025 until 31 March 2026 (a missing comma, #7235): update Klipper before using it.
 klipper-shaper = The shaper makes each move longer by its own length.
 marlin-fixed-time = fixed-time motion on
 marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 and 7 EI with two and three humps, 8 MZV; letters changed between versions
 marlin-jerk = What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.
+marlin-corner = junction deviation [mm], for builds with it (?)
+marlin-corner-bound = M205 J stands for a step of velocity at a right angle of at most { NUMBER($usual, digits: 3) } mm/s, J = v² (√2 − 1)/a; up to { NUMBER($most, digits: 3) } mm/s the vibration that it leaves behind the shaper stays by itself within the reserved share of the band. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
+marlin-grid = FT motion places a shaper's copies on its grid of 1 ms (FTM_FS, shaping.cpp at 195278e4), which detunes it by up to 5 % at 50 Hz and more above; that is not simulated here.
 marlin-build = M493 needs a build with FT_MOTION; M500 keeps the values.
 ros-gain = Kv of the trajectory controller, velocity command interface
 export-no-loop = The motor follows its setpoint: nothing of a loop is set here.

@@ -39,16 +39,14 @@ identify-no-rigid-body = No rigid body shows in the band: the mass is not known,
 identify-no-force = No { $axis ->
     [rotary] torque
    *[linear] force
-} was recorded: frequencies and damping are those of a tool on a motor that is held, { $axis ->
-    [rotary] inertia
-   *[linear] mass
-} and gains are not known. [plant] means modes with the motor free, which lie higher unless the motor carries most of the { $axis ->
-    [rotary] inertia
-   *[linear] mass
-}: for a servo axis measure { $axis ->
+} was recorded: frequencies and damping are those of a tool on a motor that is held, as drive.kind = "position_source" means them (a motor that follows its setpoint, such as a stepper). A servo axis has its modes with the motor free, which lie higher: for it measure { $axis ->
     [rotary] torque
    *[linear] force
 } to speed with the drive.
+identify-of-belt = recorded along a belt (AXIS=1,1 or 1,-1), which compares the belts of a CoreXY but is no axis; Klipper's shapers act on X and Y of the tool head, on a CoreXY, too: record TEST_RESONANCES AXIS=X and AXIS=Y
+identify-several-axes = the names of the files tell several axes ({ $axes }): each gets files of its own (-o NEW.toml writes NEW-x.toml and so on), so neither --profile nor - can be given; or name the files of one axis only
+identify-core-xy = Klipper's shapers act on X and Y of the tool head, on a CoreXY, too. There both motors share the acceleration of X or Y, but on a diagonal one motor carries all of it: drive.max_acceleration is that of one axis, at most 1/√2 of what a motor alone follows.
+identify-klipper-choice = calibrate_shaper (Klipper at 84104bbb, its criterion computed here) would choose { $shaper } at { FREQUENCY($frequency) }, max_accel { NUMBER($acceleration, digits: 4) } mm/s², which leaves { SHARE($vibration) } of the measured power by its measure. run simulates it beside our own choice.
 identify-friction-small-amplitude = The viscous friction of a response is not that of a move (Coulomb friction at small amplitude) and stays out of the profile: take it from a trace of a move, and measure about an offset speed.
 # $bound [1/kg]
 identify-no-tool-sensor = No sensor at the tool: tcp_gain is not measured. { GAIN($bound) } is the worst case of a tool on the far side of the mode, or its share at the encoder if that is larger. An accelerometer at the tool during the same excitation, FILE@tcp, replaces it; so does --tool-ratio, peak at the tool by peak at the motor.
@@ -67,6 +65,11 @@ identify-document-file = { $file }, SHA-256 { $hash }
 identify-document-file-dated = { $file }, measured { $date }, SHA-256 { $hash }
 identify-document-sigma = ± values are two standard errors of this measurement.
 identify-document-open = Still to be said; mtcommission wizard -o { $file } asks for it:
+identify-document-held = motor follows its steps; modes as an accelerometer shows them
+identify-document-printer-max-acceleration = assumed: what the resonance test itself drives at its upper end
+identify-document-printer-distance = assumed: a short line
+identify-document-printer-max-velocity = assumed
+identify-document-printer-tcp-deviation = assumed: ringing that can hardly be seen
 identify-document-name = Measured axis
 identify-document-source = identified from { $files } on { $date }
 identify-document-tool-worst = no sensor at the tool: worst case
@@ -155,6 +158,7 @@ identify-line-error = ± 2 standard errors
 identify-sensor-encoder = encoder
 identify-sensor-tcp = tool
 identify-stage = Identifying
+identify-next-run = Look at what is assumed in { $file }, then: mtcommission run { $file }
 identify-next = Then: mtcommission wizard -o { $file }, then mtcommission run { $file }
 
 # Options

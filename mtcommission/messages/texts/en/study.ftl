@@ -5,10 +5,11 @@ way-recommended = recommended
 recommended-limits = recommended limits
 way-listed = listed sizes only
 shaper-for-mode = { $shaper } shaper ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
+shaper-of-calibration = calibrate_shaper: { $shaper } { FREQUENCY($frequency) }
 moving-average-for-mode = moving average 1/f ({ $mode }, { NUMBER($frequency, digits: 3) } Hz)
 source-singer = Singer & Seering 1990
-source-singhose = Singhose, Seering & Singer 1994
 source-klipper = Klipper, Resonance Compensation
+source-calibrate-shaper = Klipper, calibrate_shaper at 84104bbb, its criterion computed here
 source-jerk-filter = jerk filter of the controls, Biagiotti & Melchiorri 2008
 
 # where a worst value was found; $parts: some of the others

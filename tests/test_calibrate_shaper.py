@@ -1,0 +1,184 @@
+"""Klipper's measurements: what its calibrate_shaper would choose, and profiles from two axes."""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mtcommission import cli
+from mtcommission.identify.axes import by_axis
+from mtcommission.identify.calibrate_shaper import CORNER_VELOCITY, propose_shapers
+from mtcommission.identify.gather import gather
+from mtcommission.identify.given import Given
+from mtcommission.identify.measurement import AllDirections, Spectrum
+from mtcommission.machine.shapers import shape
+
+Result = tuple[int, str, str]
+Modes = tuple[tuple[float, float, float], ...]
+"""Frequency [Hz], damping ratio and share at the tool of each."""
+
+LINES = np.arange(0.0, 200.1, 1.5625)
+ONE: Modes = ((45.0, 0.05, 1.0),)
+TWO: Modes = ((36.0, 0.06, 0.8), (92.0, 0.04, 0.2))
+
+OF_THE_SCRIPT = {
+    (ONE,): (
+        "mzv",
+        ("zv", 45.0, 0.005753, 0.081435, 7891.704),
+        ("mzv", 46.8, 0.000000, 0.092990, 6452.295),
+        ("ei", 57.4, 0.000000, 0.100005, 5999.677),
+        ("2hump_ei", 73.8, 0.000000, 0.103968, 5771.012),
+        ("3hump_ei", 92.6, 0.000000, 0.105442, 5690.308),
+    ),
+    (TWO,): (
+        "2hump_ei",
+        ("zv", 34.6, 0.075440, 0.130220, 4514.155),
+        ("mzv", 23.0, 0.012956, 0.385011, 1456.220),
+        ("ei", 33.8, 0.000336, 0.288412, 2080.355),
+        ("2hump_ei", 60.2, 0.004039, 0.156250, 3840.009),
+        ("3hump_ei", 74.0, 0.000048, 0.165110, 3633.935),
+    ),
+    tuple(((hertz, 0.07, 1.0),) for hertz in (24.0, 30.0, 36.0)): (
+        "ei",
+        ("zv", 29.8, 0.195915, 0.173370, 3206.289),
+        ("mzv", 24.8, 0.035459, 0.331150, 1746.743),
+        ("ei", 30.4, 0.001690, 0.356533, 1627.400),
+        ("2hump_ei", 39.0, 0.001301, 0.372291, 1476.265),
+        ("3hump_ei", 48.6, 0.000000, 0.382794, 1430.337),
+    ),
+}
+"""What Klipper's own find_best_shaper (commit 84104bbb) printed for these spectra: shaper, Hz,
+share of vibration, mm, mm/s^2."""
+
+
+def density(modes: Modes) -> NDArray[np.float64]:
+    """Power of a tool that a sweep shakes with an acceleration in proportion to its frequency."""
+    s = 2j * np.pi * LINES
+    transfer = np.ones(LINES.size, dtype=complex)
+    for hertz, zeta, share in modes:
+        omega = 2 * np.pi * hertz
+        transfer -= share * s**2 / (s**2 + 2 * zeta * omega * s + omega**2)
+    return np.asarray(LINES**2 * np.abs(transfer) ** 2 * (LINES < 134.0) + 5.0)
+
+
+def write(folder: Path, name: str, modes: Modes) -> Path:
+    """As Klipper's save_calibration_data writes it."""
+    power = density(modes)
+    columns = [0.9 * power, 0.07 * power, 0.03 * power, power]
+    rows = [
+        ",".join([f"{f:.1f}", *(f"{column[i]:.3e}" for column in columns)])
+        for i, f in enumerate(LINES)
+    ]
+    file = folder / name
+    file.write_text("\n".join(["freq,psd_x,psd_y,psd_z,psd_xyz", *rows]) + "\n")
+    return file
+
+
+@pytest.mark.parametrize("states", list(OF_THE_SCRIPT), ids=len)
+def test_proposals_are_those_of_klippers_own_script(states: tuple[Modes, ...]) -> None:
+    """If it failed, the sheet would ascribe to Klipper what it would never choose."""
+    chosen, *rows = OF_THE_SCRIPT[states]
+    measured = [
+        AllDirections(frequency_hz=LINES, density=density(modes), is_divided=False)
+        for modes in states
+    ]
+    found = propose_shapers(measured)
+    assert [one.shaper for one in found if one.is_recommended] == [chosen]
+    for one, (kind, hertz, vibration, smoothing, acceleration) in zip(found, rows, strict=True):
+        assert one.shaper == kind
+        assert one.frequency_hz == pytest.approx(float(hertz), abs=1e-9)
+        assert one.vibration == pytest.approx(float(vibration), abs=1e-6)
+        assert 1e3 * one.smoothing == pytest.approx(float(smoothing), abs=1e-6)
+        assert 1e3 * one.max_acceleration == pytest.approx(float(acceleration), abs=1e-3)
+
+
+def test_max_acceleration_rounds_a_corner_by_klippers_target() -> None:
+    """If it failed, max_accel would not belong to 0.12 mm: the path of a corner, integrated."""
+    (one,) = [
+        p
+        for p in propose_shapers(
+            [AllDirections(frequency_hz=LINES, density=density(ONE), is_divided=False)]
+        )
+        if p.shaper == "zv"
+    ]
+    delays, shares = shape("zv", frequency_hz=one.frequency_hz, damping_ratio=0.1)
+    centre = float(np.dot(delays, shares))
+    a, v = one.max_acceleration, CORNER_VELOCITY
+    # At the centre of the kernel: an axis that begins from the corner, another that brakes into it.
+    begun = sum(
+        share * (v * -min(centre - t, 0.0) + 0.5 * a * min(centre - t, 0.0) ** 2)
+        for t, share in zip(delays, shares, strict=True)
+    )
+    turned = sum(
+        share * 0.5 * a * (centre - t) ** 2 for t, share in zip(delays, shares, strict=True)
+    )
+    assert max(begun * np.sqrt(2.0), turned) == pytest.approx(0.12e-3, rel=1e-6)
+
+
+def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None:
+    """If it failed, every frequency would be off by up to 0.05 Hz, and Klipper's choice with it."""
+    evidence = gather([str(write(tmp_path, "a.csv", ONE))], Given())
+    (spectrum,) = evidence.spectra
+    assert isinstance(spectrum, Spectrum)
+    assert spectrum.frequency_hz == pytest.approx(LINES[1:], abs=0.01)
+    assert spectrum.all_directions is not None
+    (best,) = [p for p in propose_shapers([spectrum.all_directions]) if p.is_recommended]
+    assert best.shaper == "mzv"
+    assert best.frequency_hz == pytest.approx(46.8, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("names", "axes"),
+    [
+        (["resonances_x_20240101_1.csv", "d/resonances_y_20240101_1.csv"], ["X", "Y"]),
+        (["raw_data_axis=y_1.csv", "calibration_data_y_2.csv"], ["Y"]),
+        (["resonances_x_1.csv", "bode.csv"], [""]),
+        (["resonances_xyz.csv"], [""]),
+    ],
+)
+def test_axes_are_told_by_klippers_names(names: list[str], axes: list[str]) -> None:
+    """If it failed, a payload of Y would widen the spread of X."""
+    assert list(by_axis(names)) == axes
+
+
+def _run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: str | Path
+) -> Result:
+    monkeypatch.setattr(sys, "argv", ["mtcommission", "identify", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stopped:
+        cli.main()
+    captured = capsys.readouterr()
+    return int(stopped.value.code or 0), captured.out, captured.err
+
+
+def test_two_axes_become_two_profiles(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """If it failed, a printer's two files would need two sessions, or be mixed into one axis."""
+    files = [
+        str(write(tmp_path, f"resonances_{axis}_20261123_1.csv", modes))
+        for axis, modes in (("x", ONE), ("y", TWO))
+    ]
+    assert _run(monkeypatch, capsys, *files, "-o", tmp_path / "new.toml")[0] == 0
+    for axis, modes in (("x", ONE), ("y", TWO)):
+        profile = tomllib.loads((tmp_path / f"new-{axis}.toml").read_text())
+        assert profile["machine"]["axis"] == axis.upper()
+        assert profile["drive"]["kind"] == "position_source"
+        assert profile["control"]["kind"] == "klipper"
+        assert "drive.max_acceleration" in profile["machine"]["assumed"]
+        found = [float(mode["frequency"].split()[0]) for mode in profile["plant"]["modes"]]
+        assert found == pytest.approx([hertz for hertz, _, _ in modes], rel=0.01)
+        best = [one for one in profile["identified"]["calibrate_shaper"] if one["recommended"]]
+        assert best[0]["shaper"] == OF_THE_SCRIPT[(modes,)][0]
+    code, _, said = _run(monkeypatch, capsys, *files, "-o", "-")
+    assert code == 2
+    assert "X, Y" in said
+    belt = write(tmp_path, "raw_data_axis=1.000,-1.000_1.csv", ONE)
+    code, _, said = _run(monkeypatch, capsys, belt)
+    assert code == 2
+    assert "AXIS=X" in " ".join(said.split())
