@@ -14,15 +14,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mtcommission.errors import InputError
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate.response import simulate
-from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
+from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Move
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
+from mtcommission.options import read_tried
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.what_if import what_if_part
@@ -38,7 +40,7 @@ from mtcommission.verdict.evaluate import simulate_moves
 
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, axe_file, browse
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
+needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
 
 MACHINES = ("milling-manipulator", "modal-two-modes", "ball-screw", "rotary-table")
 CASES = 12
@@ -178,6 +180,7 @@ def run_in_page(bench: Bench, cases: list[Case], folder: Path) -> Any:
     return found
 
 
+@needs_browser
 @pytest.mark.parametrize("name", MACHINES)
 def test_random_settings_give_what_simulate_gives(name: str, tmp_path: Path) -> None:
     """Residual to 1 % of the band, settling to 0.1 ms, force and verdict, in all corners."""
@@ -225,6 +228,7 @@ addEventListener("load", () => {
 """
 
 
+@needs_browser
 @pytest.mark.parametrize("name", MACHINES)
 def test_margins_with_any_notch_are_those_of_the_loop_with_it(name: str, tmp_path: Path) -> None:
     """To 0.1 dB and 0.5 degrees; and a notch that makes the loop unstable is called so."""
@@ -248,23 +252,25 @@ def test_margins_with_any_notch_are_those_of_the_loop_with_it(name: str, tmp_pat
         for item in notches
     ]
     script = TELL + NOTCHES.replace("NOTCHES", json.dumps(asked))
+    found: Any
     found, console = browse(bench.html, tmp_path, script)
     assert console == ""
-    verdicts = set()
+    verdicts: list[bool] = []
     for item, corners in zip(notches, found, strict=True):
         controller = replace(bench.tuned.controller, force_filters=(item,))
         closed = close_loop(corner_plants(bench.machine), controller)
         for got, want in zip(corners, closed.analyses, strict=True):
-            verdicts.add(want.is_stable)
-            assert got["stable"] == want.is_stable
+            verdicts.append(want.is_stable)
+            assert got["stable"] is want.is_stable
             gain = inf if got["gain"] is None else got["gain"]
             phase = inf if got["phase"] is None else got["phase"]
             assert gain == pytest.approx(want.gain_margin_db, abs=0.1)
             assert phase == pytest.approx(want.phase_margin_deg, abs=0.5)
             assert got["peak"] == pytest.approx(want.sensitivity_peak, rel=0.01)
-    assert True in verdicts
+    assert any(verdicts)
 
 
+@needs_browser
 @pytest.mark.skipif(not axe_file().exists(), reason="needs axe-core")
 def test_axe_finds_nothing_in_the_part_that_answers(tmp_path: Path) -> None:
     script = axe_file().read_text(encoding="utf-8") + AXE_RUN
@@ -274,3 +280,54 @@ def test_axe_finds_nothing_in_the_part_that_answers(tmp_path: Path) -> None:
         found, _ = browse(html, tmp_path, script, option)
         assert found["faults"] == []
         assert found["passes"] > 20
+
+
+def test_what_is_tried_can_be_simulated() -> None:
+    """The command line that the page gives is one that ``simulate`` takes, in its words."""
+    machine = read_shipped("modal-two-modes").machine
+    options = {"setpoint_filter": "moving_average:0.012s", "move": 1, "size": "0.01"}
+    tried = read_tried(machine, **options, payload="20", error="-0.05")
+    assert tried.machine.control.setpoint_filter == SetpointFilter(
+        kind="moving_average", time=0.012
+    )
+    assert [size_of(move) for move in tried.machine.moves] == [0.01]
+    assert tried.place == Corner(payload=20.0, frequency_factor=0.95)
+    unchanged = read_tried(machine, setpoint_filter="", move=0, size="", payload="", error="")
+    assert (unchanged.machine, unchanged.place) == (machine, None)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"setpoint_filter": "hum:4"}, '--filter: got "hum"'),
+        ({"setpoint_filter": "moving_average"}, "--filter: got moving_average, must be none"),
+        ({"setpoint_filter": "moving_average:99s"}, "--filter: "),
+        ({"move": 7}, "--move: got 7, the profile has moves 1 to"),
+        ({"size": "3kg"}, '--size: got "3kg", which is a mass'),
+        ({"payload": "-3"}, "--payload: got -3, must be 0 to 1000000"),
+        ({"error": "80%"}, "--frequency-error: got 80%, must be -0.5 to 0.5"),
+    ],
+)
+def test_what_cannot_be_tried_is_said(changed: dict[str, Any], said: str) -> None:
+    machine = read_shipped("modal-two-modes").machine
+    nothing: dict[str, Any] = {
+        "setpoint_filter": "",
+        "move": 0,
+        "size": "",
+        "payload": "",
+        "error": "",
+    }
+    with pytest.raises(InputError) as caught:
+        read_tried(machine, **(nothing | changed))
+    assert said in str(caught.value)
+
+
+def test_a_machine_beside_the_corners_is_the_machine_with_these_values() -> None:
+    """``--payload`` and ``--frequency-error`` look at exactly this machine, the loop unchanged."""
+    bench, place = build_bench("ball-screw"), Corner(payload=120.0, frequency_factor=0.93)
+    beside = close_beside(bench.tuned, bench.machine, place)
+    plant = build_plant(vary(bench.machine, place))
+    own = build_loop(plant, bench.tuned.controller, model=bench.plant)
+    assert beside.corners == (*bench.tuned.corners, place)
+    np.testing.assert_array_equal(beside.loops[-1].step, own.step)
+    assert beside.loops[:-1] == bench.tuned.loops

@@ -25,10 +25,12 @@ const whatIf = (() => {
 
   function put(key, value, {slider = true, text = true} = {}) {
     const item = field[key];
+    // What is shown is what is computed: four digits, unless more are typed.
+    if (text) value = Number((value / item.size).toPrecision(4)) * item.size;
     state[key] = value;
     if (slider) id(`${key}-slider`).value = onSlider(item, value);
     id(`${key}-slider`).setAttribute("aria-valuetext", `${show(value / item.size)} ${item.unit}`);
-    if (text) id(key).value = String(Number((value / item.size).toPrecision(4))).replace(".", data.decimal_mark);
+    if (text) id(key).value = String(Number((value / item.size).toPrecision(10))).replace(".", data.decimal_mark);
     id(key).removeAttribute("aria-invalid");
   }
 
@@ -191,14 +193,14 @@ const whatIf = (() => {
 
   function writeCommand() {
     const limits = triedLimits(), parts = [`mtcommission simulate ${profile}`];
-    const digits = value => Number(value.toPrecision(4));
+    const digits = value => Number(value.toPrecision(10));
     parts.push(`--acceleration ${digits(limits.acceleration)}`, `--jerk ${digits(limits.jerk ?? limits.acceleration / (model.loop.cycles * model.loop.velocity_cycle))}`);
     const typed = isAverage() ? `moving_average:${digits(state.time)}s` : filter === "none" ? "none" : filters[filter].typed;
     if (typed) parts.push(`--filter ${typed}`);
     if (model.moves.length > 1) parts.push(`--move ${state.move + 1}`);
-    if (state.size !== engine.sizeOf(model.moves[state.move])) parts.push(`--size ${digits(state.size)}`);
+    if (Math.abs(state.size / engine.sizeOf(model.moves[state.move]) - 1) > 1e-6) parts.push(`--size ${digits(state.size)}`);
     if (state.payload) parts.push(`--payload ${digits(state.payload)}`);
-    if (state.error) parts.push(`--frequency-error ${digits(state.error)}`);
+    if (state.error) parts.push(`--frequency-error=${digits(state.error)}`);
     const rows = ROWS.slice(has_jerk ? 0 : 3, 4).concat(has_jerk ? [] : [ROWS[0]]).map(([key, tell]) => `${id(`name-${key}`).textContent}: ${tell(state.tried, limits)}`);
     id("command").value = [parts.join(" "), ...rows].join("\n");
   }
