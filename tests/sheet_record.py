@@ -129,6 +129,7 @@ def _unsealed_record() -> Json:
         "moves": [_move({"velocity_step": 0.102})],
         "comparisons": [_comparison()],
         "robustness": _robustness(),
+        "what_if": None,
         "assessment": {
             "met": True,
             "checks": [

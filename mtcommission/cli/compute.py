@@ -220,26 +220,56 @@ def simulate(
     profile: ProfileArgument,
     acceleration: Annotated[str, typer.Option("--acceleration", metavar="A", help="E.g. 2m/s^2.")],
     jerk: Annotated[str, typer.Option("--jerk", metavar="J", help="E.g. 100m/s^3.")],
+    setpoint_filter: Annotated[
+        str,
+        typer.Option(
+            "--filter", metavar="KIND:...", help="E.g. moving_average:20ms, zvd:40Hz:0.05, none."
+        ),
+    ] = "",
+    move: Annotated[
+        int, typer.Option("--move", metavar="N", help="Only this one of the profile's moves.")
+    ] = 0,
+    size: Annotated[
+        str, typer.Option("--size", metavar="S", help="Its distance or velocity step.")
+    ] = "",
+    payload: Annotated[
+        str, typer.Option("--payload", metavar="M", help="Of one machine more, e.g. 50kg.")
+    ] = "",
+    frequency_error: Annotated[
+        str, typer.Option("--frequency-error", metavar="E", help="Of that machine, e.g. 7%.")
+    ] = "",
     f_max: ForceOption = "",
     sizes: SizesOption = "",
     language: LanguageOption = ENGLISH,
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
 ) -> None:
-    """Run one setpoint through the loop and evaluate it."""
+    """Run one setpoint through the loop and evaluate it.
+
+    The loop is that of the profile, whatever is tried.
+    """
     from mtcommission.files import require_writable, write_text
     from mtcommission.limits.optima import require_force
-    from mtcommission.options import read_limits, require_short_moves
+    from mtcommission.options import read_limits, read_tried, require_short_moves
 
     require_writable(json_file, csv_file, inputs=[profile])
     machine = read_machine(profile, f_max, sizes=sizes)
     chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
+    tried = read_tried(
+        machine,
+        setpoint_filter=setpoint_filter,
+        move=move,
+        size=size,
+        payload=payload,
+        error=frequency_error,
+    )
     require_force(machine)
-    require_short_moves(machine, chosen)
+    require_short_moves(tried.machine, chosen)
 
     from mtcommission.cli.csv_texts import response_csv
     from mtcommission.cli.results_view import describe_simulation
     from mtcommission.cli.terminal import show
+    from mtcommission.loop.tuning.tuned import close_beside
     from mtcommission.plant.plant import build_plant
     from mtcommission.record.files import dump_json
     from mtcommission.record.moves import simulation_part
@@ -250,7 +280,7 @@ def simulate(
 
     asked = chosen
     notes: list[Words] = []
-    if machine.control.seeks_setpoint_filter:
+    if tried.machine.control.seeks_setpoint_filter:
         notes.append(Message("simulated-without-filter"))
     if asked.jerk_time < machine.control.position_cycle:
         chosen = without_jerk_limit(machine, asked.acceleration)
@@ -263,6 +293,9 @@ def simulate(
     with show_stage() as progress:
         progress(Message("stage-feedback-loop"))
         tuned = settle_on_loop(machine, plant, Settings()).tuned
+        if tried.place:
+            tuned = close_beside(tuned, machine, tried.place)
+        machine = tried.machine
         progress(Message("stage-response"))
         moves = simulate_moves(machine, tuned, chosen)
     loop = tuned.controller

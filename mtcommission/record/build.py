@@ -32,6 +32,7 @@ from mtcommission.record.schema import (
     Words,
 )
 from mtcommission.record.shape import entry_of, to_plain
+from mtcommission.record.what_if import what_if_part
 
 
 def build_record(
@@ -107,6 +108,13 @@ def build_record(
             tool_sensor=entry_of(ToolSensorEntry, freed)
             if (freed := commissioning.tool_sensor)
             else None,
+        ),
+        what_if=what_if_part(
+            machine,
+            plant,
+            commissioning.tuned,
+            commissioning.choice.limits,
+            commissioning.today,
         ),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))

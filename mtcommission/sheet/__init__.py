@@ -55,11 +55,17 @@ def print_html(
     InputError
         If there is no such language, or if the two records cannot be compared.
     """
+    from mtcommission.messages.catalogue import Catalogue
     from mtcommission.sheet.html import set_html
+    from mtcommission.sheet.what_if_part import what_if
 
     _require(language)
     document = compose(record, language, before=before, verified=verified)
-    return set_html(document, decimal_mark=LANGUAGES[language])
+    part, panel = record.what_if, None
+    if part is not None:
+        words = Catalogue(language, rotary=record.machine.motion == "rotary")
+        panel = what_if(part, words, profile=record.profile.name)
+    return set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
 
 
 def print_pdf(

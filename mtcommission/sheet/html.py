@@ -18,6 +18,7 @@ from mtcommission.sheet.axes import Axis, span
 from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.mathml import write_mathml
 from mtcommission.sheet.model import Cell, Document
+from mtcommission.sheet.panel import Panel
 from mtcommission.sheet.placement import place_labels
 from mtcommission.sheet.plot_model import HeatMap, LinePlot, Plot, PointPlot
 
@@ -25,11 +26,14 @@ FOLDER = Path(__file__).parent
 DIGITS = 5
 """Significant digits of plotted values; finer than a pixel, a third of the bytes."""
 
+SCRIPTS = ("page.js", "engine.js", "what_if.js")
+"""Of a page; the first one draws plots, the others answer back."""
+
 FRAME = (820.0, 340.0)
 """Width and height of the axes of a point plot, as page.js draws it [px]."""
 
 
-def set_html(document: Document, *, decimal_mark: str) -> str:
+def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = None) -> str:
     """Return a document as a page.
 
     Parameters
@@ -38,6 +42,8 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
         From ``content.compose``.
     decimal_mark
         For the values under the cursor.
+    panel
+        What answers back, behind the first section; None: nothing does.
 
     Returns
     -------
@@ -45,8 +51,8 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
         All text escaped; the content security policy admits only the page's own script and
         style, by their hashes, and no connection.
     """
-    style = (FOLDER / "page.css").read_text(encoding="utf-8")
-    script = (FOLDER / "page.js").read_text(encoding="utf-8")
+    style = _read("page.css") + (_read("what_if.css") if panel else "")
+    script = "".join(map(_read, SCRIPTS if panel else SCRIPTS[:1]))
     plots = {
         block.key: _plot_data(block)
         for section in document.sections
@@ -64,7 +70,13 @@ def set_html(document: Document, *, decimal_mark: str) -> str:
         draw=lambda diagram: Markup(draw_diagram(diagram)),
         set_cell=_set_cell,
         plots=_json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
+        panel=panel,
+        answers=_json_for_script(dict(panel.data)) if panel else "",
     )
+
+
+def _read(name: str) -> str:
+    return (FOLDER / name).read_text(encoding="utf-8")
 
 
 def _set_cell(cell: Cell) -> Markup | str:

@@ -191,6 +191,35 @@ def close_loop(
     return replace(found, remarks=remarks, warnings=warnings)
 
 
+def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop:
+    """Return a loop with one machine more behind its corners.
+
+    Parameters
+    ----------
+    tuned
+        The loop in every corner.
+    machine
+        Nominal.
+    place
+        Where the machine that is added differs from it.
+
+    Returns
+    -------
+    TunedLoop
+        The same controller.
+    """
+    plant, model = build_plant(vary(machine, place)), tuned.loops[0].plant
+    response = frequency_response(plant, tuned.controller)
+    closed = _close_on(plant, tuned.controller, response, model=model)
+    return replace(
+        tuned,
+        corners=(*tuned.corners, place),
+        loops=(*tuned.loops, closed.loop),
+        responses=(*tuned.responses, closed.response),
+        analyses=(*tuned.analyses, closed.analysis),
+    )
+
+
 def close_within_margins(
     bench: CornerPlants,
     controller: Controller,

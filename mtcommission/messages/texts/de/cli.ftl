@@ -3,6 +3,7 @@ either = { $first } oder { $last }
 option-one-of = erhalten { $got }, muss { $allowed } sein
 option-between = erhalten { $got }, muss zwischen { $least } und { PLAIN($most, digits: 12) } liegen
 option-not-positive = erhalten { $got }, muss > 0 { $unit } sein
+option-filter-form = erhalten: { $got }; erlaubt sind none oder eine Art mit ihren Zahlen: moving_average:ZEIT, two_moving_averages:ZEIT:ZEIT, zv:FREQUENZ:DÄMPFUNG (und ähnliche)
 option-no-such-move = erhalten { $got }, das Profil hat die Bewegungen 1 bis { $count }
 option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben

@@ -5,6 +5,7 @@ either = { $first } or { $last }
 option-one-of = got { $got }, must be { $allowed }
 option-between = got { $got }, must be { $least } to { PLAIN($most, digits: 12) }
 option-not-positive = got { $got }, must be > 0 { $unit }
+option-filter-form = got { $got }, must be none, or a kind with its numbers: moving_average:TIME, two_moving_averages:TIME:TIME, zv:FREQUENCY:DAMPING (and the like)
 option-no-such-move = got { $got }, the profile has moves 1 to { $count }
 # $force, $load: SI, printed as typed
 option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above what static load and friction take, { PLAIN($load, digits: 6) } { $unit }

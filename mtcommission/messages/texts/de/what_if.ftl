@@ -1,0 +1,111 @@
+# Der Teil der Seite, der antwortet. Was in Klammern steht, setzt das Skript ein.
+
+what-if-heading = Was wäre, wenn: andere Werte probieren
+what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Protokolls neu, in jeder Ecke, wie der Befehl simulate. Die heutigen Werte und die Empfehlung stehen für dieselbe Bewegung daneben.
+what-if-no-script = Werte zu probieren braucht JavaScript. Ohne beantwortet der Befehl simulate dieselben Fragen.
+what-if-slider = Schieber
+what-if-move = Bewegung
+# $number: of the move; $size: with its unit
+what-if-move-named = Bewegung { $number }: { $size }
+what-if-filter = Sollwertfilter
+what-if-load = Laden
+what-if-values = Werte nebeneinander
+what-if-quantity = Größe
+what-if-today = Heute
+what-if-recommended = Empfohlen
+what-if-tried = Probiert
+what-if-take = Diese nehmen
+what-if-taken = Kopiert.
+what-if-command = Befehlszeile, die die probierten Werte simuliert, und die Zeilen für die Steuerung
+what-if-response-caption = Abweichung des Werkzeugs
+what-if-response = Probiert: blau, die Ecken dünn; empfohlen: grün; heute: orange. Ab der senkrechten Linie zählt das Band für das Probierte.
+what-if-sizes-caption = Restabweichung über der Größe der Bewegung
+what-if-sizes = Schlechteste aller Maschinen, mit den probierten Werten. Tippen oder ziehen, um eine Größe zu probieren.
+what-if-landscape-caption = Einschwingzeit über Beschleunigung und Ruckzeit
+what-if-landscape = Dunkel ist langsam; schraffiert: eine Anforderung ist nicht erfüllt. Tippen oder ziehen, um Werte zu probieren. Ringe: empfohlen (grün), heute (orange).
+what-if-bode-caption = Offener Kreis mit Bandsperre
+what-if-bode = An der Sollkraft geschnitten; jetzt: grün, mit der Bandsperre: blau. Punkt ziehen für Frequenz und Tiefe.
+what-if-phase = Phase des offenen Kreises: jetzt (grün), mit der Bandsperre (blau)
+what-if-margins = Reserven mit der Bandsperre
+what-if-margins-now = Jetzt, nominal
+what-if-margins-tried = Probiert, nominal
+what-if-margins-worst = Jetzt, schlechteste Ecke
+what-if-margins-worst-tried = Probiert, schlechteste Ecke
+what-if-margin-gain = Amplitudenreserve
+what-if-margin-phase = Phasenreserve
+what-if-margin-peak = Spitze der Empfindlichkeit
+what-if-notch-note = Die Bandsperre tritt an die Stelle der ersten im Kreis, wenn er eine hat. Sie ändert hier die Reserven, nicht die Antwort oben: Dafür die Zeile in [control] des Profils schreiben und neu rechnen.
+what-if-no-notch = Keine Bandsperre: Tiefe 0 dB.
+what-if-unstable = instabil
+what-if-unlimited = unbegrenzt
+what-if-field-acceleration = Beschleunigung
+what-if-field-jerk = Ruck
+what-if-field-time = Filterlänge
+what-if-field-size = Größe der Bewegung
+what-if-field-payload = Zuladung
+what-if-field-error = Frequenzfehler
+what-if-field-notch-frequency = Frequenz der Bandsperre
+what-if-field-notch-width = Breite der Bandsperre (Dämpfung des Nenners)
+what-if-field-notch-depth = Tiefe der Bandsperre
+what-if-row-acceleration = Beschleunigung
+what-if-row-jerk = Ruck
+what-if-row-jerk-time = Ruckzeit
+what-if-row-filter = Sollwertfilter
+what-if-row-duration = Dauer des Sollwerts
+what-if-row-settling = Einschwingzeit
+what-if-row-residual = Restabweichung
+what-if-row-peak = Größte Abweichung
+what-if-row-force = { $axis ->
+    [rotary] Größtes Sollmoment
+   *[linear] Größte Sollkraft
+}
+what-if-row-verdict = Urteil
+what-if-time = Zeit
+what-if-size = Größe der Bewegung
+what-if-deviation = Abweichung
+what-if-residual = Restabweichung
+what-if-acceleration = Beschleunigung
+what-if-jerk-time = Ruckzeit
+what-if-frequency-hz = Frequenz in Hz
+what-if-open-loop-db = Offener Kreis in dB
+what-if-open-loop-deg = Phase in Grad
+what-if-in-unit = { $name } in { $unit }
+what-if-none = –
+what-if-no-filter = keiner
+what-if-moving-average = gleitender Mittelwert
+what-if-unsettled = nicht eingeschwungen
+what-if-met = erfüllt
+what-if-missed = nicht erfüllt
+what-if-nominal = nominale Maschine
+what-if-frequencies = Frequenzen × { $factor }
+what-if-damping = Dämpfung × { $factor }
+what-if-move-number = Bewegung { $number }
+what-if-all-corners = (schlechteste von allen { $count } Maschinen)
+what-if-worst-so-far = (bisher die schlechtesten { $count } von { $all } Maschinen)
+what-if-all-met = Alle Anforderungen von dieser Bewegung auf allen { $count } Maschinen erfüllt.
+what-if-missed-check = { $name }: { $value }, erlaubt { $limit }
+what-if-check-residual = Restabweichung
+what-if-check-settling = Einschwingzeit
+what-if-check-contour = Konturabweichung
+what-if-check-force = { $axis ->
+    [rotary] Sollmoment
+   *[linear] Sollkraft
+}
+what-if-check-rms = { $axis ->
+    [rotary] Effektivmoment
+   *[linear] Effektivkraft
+}
+what-if-saturated = { $axis ->
+    [rotary] Das verlangt mehr Moment, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
+   *[linear] Das verlangt mehr Kraft, als da ist; der Befehl simulate zeigt die begrenzte Bewegung.
+}
+what-if-saturated-short = { $axis ->
+    [rotary] mehr Moment, als da ist
+   *[linear] mehr Kraft, als da ist
+}
+what-if-tried-machine = Die Maschine mit { $place } wird zusätzlich betrachtet; ihre Restabweichung ist { $value }.
+what-if-sizes-met = Anforderungen bei allen { $count } betrachteten Größen der Bewegung gehalten (ab 1 %; der Befehl simulate begrenzt auch die dazwischen).
+what-if-sizes-missed = Bei { $missed } von { $count } Größen der Bewegung wird eine Anforderung verfehlt; am schlechtesten { $size } mit { $value }.
+what-if-landscape-range = Einschwingzeiten von { $least } bis { $most }.
+what-if-landscape-none = Bisher erfüllen keine Werte dieser Karte alle Anforderungen.
+what-if-out-of-range = { $name }: eine Zahl von { $low } bis { $high }

@@ -1,0 +1,111 @@
+# The part of the page that answers back. The script fills in what stands in braces.
+
+what-if-heading = What if: try other values
+what-if-intro = Slide or type: the page runs the sampled loop of this record again, in every corner, as the command simulate does. Today's values and the recommendation stay beside what you try, for the same move.
+what-if-no-script = Trying values needs JavaScript. Without it, the command simulate answers the same questions.
+what-if-slider = slider
+what-if-move = Move
+# $number: of the move; $size: with its unit
+what-if-move-named = Move { $number }: { $size }
+what-if-filter = Setpoint filter
+what-if-load = Load
+what-if-values = Values side by side
+what-if-quantity = Quantity
+what-if-today = Today
+what-if-recommended = Recommended
+what-if-tried = Tried
+what-if-take = Take these
+what-if-taken = Copied.
+what-if-command = Command line that simulates the tried values, and the rows for the control
+what-if-response-caption = Deviation of the tool
+what-if-response = Tried: blue, its corners thin; recommended: green; today: orange. The upright line is where the band begins to count for what is tried.
+what-if-sizes-caption = Residual deviation over the size of the move
+what-if-sizes = Worst of all machines, with the tried values. Tap or drag to try a size.
+what-if-landscape-caption = Settling time over acceleration and jerk time
+what-if-landscape = Dark is slow; hatched: a requirement is not met. Tap or drag to try values. Rings: recommended (green), today (orange).
+what-if-bode-caption = Open loop with a notch
+what-if-bode = Cut at the set force; now: green, with the notch: blue. Drag the point for frequency and depth.
+what-if-phase = Phase of the open loop: now (green), with the notch (blue)
+what-if-margins = Margins with the notch
+what-if-margins-now = Now, nominal
+what-if-margins-tried = Tried, nominal
+what-if-margins-worst = Now, worst corner
+what-if-margins-worst-tried = Tried, worst corner
+what-if-margin-gain = Gain margin
+what-if-margin-phase = Phase margin
+what-if-margin-peak = Sensitivity peak
+what-if-notch-note = The notch takes the place of the first notch in the loop, if it has one. It changes the margins here, not the response above: for that, write the line into [control] of the profile and run again.
+what-if-no-notch = No notch: depth 0 dB.
+what-if-unstable = unstable
+what-if-unlimited = unlimited
+what-if-field-acceleration = Acceleration
+what-if-field-jerk = Jerk
+what-if-field-time = Filter length
+what-if-field-size = Size of the move
+what-if-field-payload = Payload
+what-if-field-error = Frequency error
+what-if-field-notch-frequency = Notch frequency
+what-if-field-notch-width = Notch width (damping of the denominator)
+what-if-field-notch-depth = Notch depth
+what-if-row-acceleration = Acceleration
+what-if-row-jerk = Jerk
+what-if-row-jerk-time = Jerk time
+what-if-row-filter = Setpoint filter
+what-if-row-duration = Duration of the setpoint
+what-if-row-settling = Settling time
+what-if-row-residual = Residual deviation
+what-if-row-peak = Peak deviation
+what-if-row-force = { $axis ->
+    [rotary] Largest set torque
+   *[linear] Largest set force
+}
+what-if-row-verdict = Verdict
+what-if-time = Time
+what-if-size = Size of the move
+what-if-deviation = Deviation
+what-if-residual = Residual deviation
+what-if-acceleration = Acceleration
+what-if-jerk-time = Jerk time
+what-if-frequency-hz = Frequency in Hz
+what-if-open-loop-db = Open loop in dB
+what-if-open-loop-deg = Phase in degrees
+what-if-in-unit = { $name } in { $unit }
+what-if-none = –
+what-if-no-filter = none
+what-if-moving-average = moving average
+what-if-unsettled = not settled
+what-if-met = met
+what-if-missed = not met
+what-if-nominal = nominal machine
+what-if-frequencies = frequencies × { $factor }
+what-if-damping = damping × { $factor }
+what-if-move-number = Move { $number }
+what-if-all-corners = (worst of all { $count } machines)
+what-if-worst-so-far = (worst { $count } of { $all } machines so far)
+what-if-all-met = All requirements met by this move on all { $count } machines.
+what-if-missed-check = { $name }: { $value }, allowed { $limit }
+what-if-check-residual = residual deviation
+what-if-check-settling = settling time
+what-if-check-contour = contour deviation
+what-if-check-force = { $axis ->
+    [rotary] set torque
+   *[linear] set force
+}
+what-if-check-rms = { $axis ->
+    [rotary] RMS torque
+   *[linear] RMS force
+}
+what-if-saturated = { $axis ->
+    [rotary] This asks for more torque than there is; the command simulate shows the saturated motion.
+   *[linear] This asks for more force than there is; the command simulate shows the saturated motion.
+}
+what-if-saturated-short = { $axis ->
+    [rotary] more torque than there is
+   *[linear] more force than there is
+}
+what-if-tried-machine = The machine with { $place } is looked at besides; its residual deviation is { $value }.
+what-if-sizes-met = Requirements kept at all { $count } sizes of move that were looked at (from 1 % up; the command simulate bounds those between, too).
+what-if-sizes-missed = At { $missed } of { $count } sizes of move a requirement is missed; the worst is { $size } with { $value }.
+what-if-landscape-range = Settling times from { $least } to { $most }.
+what-if-landscape-none = No values on this map meet all requirements so far.
+what-if-out-of-range = { $name }: a number from { $low } to { $high }

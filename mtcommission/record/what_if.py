@@ -1,0 +1,161 @@
+"""Loop, machine and requirements as data: enough to simulate any other move from the record."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from mtcommission.control_kinds.kind import MOVING_AVERAGE
+from mtcommission.loop.analysis.quantisation import encoder_noise
+from mtcommission.loop.model.assembly import SampledLoop, build_loop
+from mtcommission.loop.tuning.tuned import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant
+from mtcommission.record.data import describe_move, filter_entry
+from mtcommission.record.schema import (
+    ForceFilterEntry,
+    KnownLimitsEntry,
+    NeedsEntry,
+    NoisyCornerEntry,
+    SampledEntry,
+    SetpointFilterEntry,
+    SignalEntry,
+    VariedModeEntry,
+    VariedPlantEntry,
+    WhatIfPart,
+)
+from mtcommission.record.shape import entry_of
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.study.today import TodaysValues
+
+PAYLOAD = 1.0
+"""At which the share of a payload in a mode's inertia is read [kg]: it is linear in it."""
+
+
+def what_if_part(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    limits: MotionLimits,
+    today: TodaysValues | None,
+) -> WhatIfPart:
+    """Return what a page needs to answer for other limits, moves and machines.
+
+    Parameters
+    ----------
+    machine, plant, tuned
+        Nominal machine, its plant, its loop in every corner.
+    limits
+        Recommended.
+    today
+        The values now in the control, if stated.
+
+    Returns
+    -------
+    WhatIfPart
+        ``today`` first, where there is such a thing and its loop is stable.
+    """
+    controller, control = tuned.controller, machine.control
+    given = limits.setpoint_filter or control.setpoint_filter
+    known = [_known("recommended", limits, entry=filter_entry(given))]
+    if today is not None and today.judged is not None:
+        own = build_loop(plant, today.controller, model=plant) if today.stated else None
+        entry = filter_entry(today.today.setpoint_filter)
+        known.insert(0, _known("today", today.limits, entry=entry, loop=own))
+    average = control.kind.find_filter(MOVING_AVERAGE)
+    return WhatIfPart(
+        jerk=control.kind.jerk.value,
+        loop=sampled_entry(tuned.loops[0]),
+        plant=_plant_entry(machine, plant),
+        corners=_corner_entries(machine, tuned),
+        moves=[describe_move(move) for move in machine.moves],
+        requirements=entry_of(
+            NeedsEntry,
+            machine.requirements,
+            machine.drive,
+            motion_force=machine.drive.motion_force,
+        ),
+        limits=known,
+        force_filters=[
+            entry_of(ForceFilterEntry, item, kind=item.kind.value)
+            for item in controller.force_filters
+        ],
+        averages=list(average.times(controller.position_cycle)) if average else None,
+    )
+
+
+def sampled_entry(loop: SampledLoop) -> SampledEntry:
+    """Return a loop without the kept setpoint samples, which follow from the setpoint alone."""
+    size, rows = loop.own_size, loop.handed_down
+    # Kept samples stand before the current one in ``handed_down``: newest first from here on.
+    by_setpoint = np.hstack([rows[:, -4:], rows[:, size:-4]])
+    return SampledEntry(
+        velocity_cycle=loop.controller.velocity_cycle,
+        cycles=loop.controller.cycles,
+        reference_delay=loop.controller.reference_delay,
+        states=list(loop.states[:size]),
+        pending=loop.integrator + 1,
+        held=loop.held,
+        cycle=loop.cycle[:size, :size].tolist(),
+        by_state=rows[:, :size].tolist(),
+        by_setpoint=by_setpoint.tolist(),
+    )
+
+
+def _plant_entry(machine: Machine, plant: Plant) -> VariedPlantEntry:
+    radius = machine.requirements.payload_radius
+    force = plant.states[plant.force]
+    bounds = {peak.name: peak.bound for peak in machine.requirements.peaks}
+    return entry_of(
+        VariedPlantEntry,
+        plant,
+        tcp=plant.row("tcp"),
+        signals=[
+            SignalEntry(
+                name=name,
+                unit=plant.unit(name),
+                bound=bound,
+                row=plant.row(name).tolist(),
+            )
+            for name, bound in [(force, None), *bounds.items()]
+        ],
+        modes=[
+            VariedModeEntry(
+                deflection=mode.deflection,
+                rate=mode.rate,
+                payload_share=_payload_share(machine, mode.name, radius),
+            )
+            for mode in plant.modes
+        ],
+    )
+
+
+def _payload_share(machine: Machine, mode: str, radius: float) -> float:
+    ratio = machine.mechanics.inertia_ratio(mode, np.array([PAYLOAD]), radius)
+    return float(1.0 / ratio[0] - 1.0) / PAYLOAD
+
+
+def _corner_entries(machine: Machine, tuned: TunedLoop) -> list[NoisyCornerEntry]:
+    resolution: float = machine.drive.encoder_resolution
+    found = []
+    for corner, loop in zip(tuned.corners, tuned.loops, strict=True):
+        noise = encoder_noise(loop, resolution=resolution)
+        found.append(
+            entry_of(NoisyCornerEntry, corner, tool_noise=noise.tool, force_noise=noise.force)
+        )
+    return found
+
+
+def _known(
+    name: str,
+    limits: MotionLimits,
+    *,
+    entry: SetpointFilterEntry | None,
+    loop: SampledLoop | None = None,
+) -> KnownLimitsEntry:
+    return entry_of(
+        KnownLimitsEntry,
+        limits,
+        name=name,
+        setpoint_filter=entry,
+        loop=sampled_entry(loop) if loop else None,
+    )

@@ -1,0 +1,246 @@
+"""The part of the page that answers back: what can be moved, from where to where, in which units.
+
+It computes nothing: engine.js runs the loop, what_if.js shows what comes of it.
+"""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import asdict
+from math import pi
+from typing import Any
+
+from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import motion_unit
+from mtcommission.record.schema import KnownLimitsEntry, SetpointFilterEntry, WhatIfPart
+from mtcommission.record.shape import to_plain
+from mtcommission.sheet.panel import Field, Panel
+from mtcommission.sheet.values import say_filter
+
+SMALLEST_SHARE = 200.0
+"""Of the largest acceleration, at which its slider begins."""
+
+LONGEST_RAMP = 500.0
+"""Position cycles of the longest jerk time that the slider of the jerk reaches."""
+
+LARGEST_ERROR = 0.2
+"""Of the frequencies, either way [-]."""
+
+OTHER_PAYLOAD = 0.5
+"""Of the moving mass, where the profile states less."""
+
+NARROWEST, WIDEST, DEEPEST = 0.02, 1.0, 40.0
+"""Width of a notch [-] and its depth [dB]."""
+
+WORDS = (
+    "acceleration", "all-corners", "all-met", "check-contour", "check-force", "check-residual",
+    "check-rms", "check-settling", "damping", "deviation", "frequencies", "frequency-hz", "in-unit",
+    "jerk-time", "landscape-none", "landscape-range", "met", "missed", "missed-check",
+    "move-number", "moving-average", "no-filter", "no-notch", "nominal", "none", "open-loop-db",
+    "open-loop-deg", "out-of-range", "residual", "saturated", "saturated-short", "size",
+    "sizes-met", "sizes-missed", "taken", "time", "tried-machine", "unlimited", "unsettled",
+    "unstable", "worst-so-far",
+)  # fmt: skip
+"""That the script says, with the places that it fills in."""
+
+PLACES = (
+    "all", "count", "factor", "high", "least", "limit", "low", "missed", "most", "name", "number",
+    "place", "size", "unit", "value",
+)  # fmt: skip
+
+ROWS = (
+    "acceleration", "jerk", "jerk-time", "filter", "duration", "settling", "residual", "peak",
+    "force", "verdict",
+)  # fmt: skip
+
+TEXTS = (
+    "bode", "bode-caption", "command", "filter", "heading", "intro", "landscape",
+    "landscape-caption", "load", "margins", "move", "no-script", "notch-note", "phase", "quantity",
+    "response", "response-caption", "sizes", "sizes-caption", "slider", "take", "tried", "values",
+)  # fmt: skip
+
+
+def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
+    """Return the part of a page that answers for other limits, moves and machines.
+
+    Parameters
+    ----------
+    part
+        Of a record.
+    words
+        Of its language and axis.
+    profile
+        Name of the profile's file, for the command line.
+
+    Returns
+    -------
+    Panel
+    """
+    filters = _filters(part, words)
+    names = {"today": words.text("what-if-today"), "recommended": words.text("what-if-recommended")}
+    units = _units(part, words)
+    known = [_known(item, filters) for item in part.limits]
+    return Panel(
+        texts={key.replace("-", "_"): words.text(f"what-if-{key}") for key in TEXTS},
+        moves=tuple(
+            words.text("what-if-move-named", number=number, size=_say_size(move, words))
+            for number, move in enumerate(part.moves, start=1)
+        ),
+        columns=tuple(names[item.name] for item in part.limits),
+        margin_columns=tuple(
+            words.text(f"what-if-margins-{key}") for key in ("now", "tried", "worst", "worst-tried")
+        ),
+        filters=tuple((key, item["name"]) for key, item in filters.items()),
+        rows=tuple((key, words.text(f"what-if-row-{key}")) for key in ROWS if _has(part, key)),
+        margin_rows=tuple(
+            (key, words.text(f"what-if-margin-{key}")) for key in ("gain", "phase", "peak")
+        ),
+        fields=_fields(part, words, units),
+        data={
+            "model": to_plain(part),
+            "words": {key.replace("-", "_"): _template(key, words) for key in WORDS},
+            "fields": [asdict(item) for item in _fields(part, words, units)],
+            "units": units,
+            "filters": {key: item["entry"] for key, item in filters.items()},
+            "known": known,
+            "profile": shlex.quote(profile),
+            "has_jerk": part.jerk != "none",
+        },
+    )
+
+
+def _has(part: WhatIfPart, row: str) -> bool:
+    return part.jerk != "none" or row not in ("jerk", "jerk-time")
+
+
+def _template(key: str, words: Catalogue) -> str:
+    """A text with its places left open."""
+    return words.text(f"what-if-{key}", **{place: f"{{{place}}}" for place in PLACES})
+
+
+def _say_size(move: dict[str, float], words: Catalogue) -> str:
+    f = words.format
+    if "velocity_step" in move:
+        return f.axis(move["velocity_step"], "m/s")
+    return f.axis(move["distance"], "m")
+
+
+def _filters(part: WhatIfPart, words: Catalogue) -> dict[str, Any]:
+    """The filters to choose among: none, an average of any length, and those that are known."""
+    found: dict[str, Any] = {"none": {"name": words.text("what-if-no-filter"), "entry": None}}
+    if part.averages:
+        name = words.text("what-if-moving-average")
+        found[MOVING_AVERAGE] = {"name": name, "entry": {"kind": MOVING_AVERAGE, "time": 0.0}}
+    for item in part.limits:
+        given = item.setpoint_filter
+        key = _filter_key(given)
+        if given is not None and key not in found:
+            entry = {
+                **to_plain(given),
+                "name": say_filter(given, words),
+                "typed": _typed(given) if given.kind != FIR else None,
+            }
+            found[key] = {"name": entry["name"], "entry": entry}
+    return found
+
+
+def _filter_key(item: SetpointFilterEntry | None) -> str:
+    if item is None:
+        return "none"
+    return item.kind if item.kind == MOVING_AVERAGE else _typed(item)
+
+
+def _typed(item: SetpointFilterEntry) -> str:
+    """A filter as ``simulate --filter`` takes it."""
+    if item.frequency_hz:
+        return f"{item.kind}:{item.frequency_hz:.6g}Hz:{item.damping_ratio:.4g}"
+    times = [f"{time:.6g}s" for time in (item.time, item.second_time) if time]
+    return ":".join([item.kind, *times])
+
+
+def _known(item: KnownLimitsEntry, filters: dict[str, Any]) -> dict[str, Any]:
+    key = _filter_key(item.setpoint_filter)
+    return {
+        "limits": {"acceleration": item.acceleration, "jerk": item.jerk},
+        "filter": key if key in filters else "none",
+        "time": item.setpoint_filter.time if item.setpoint_filter else 0.0,
+        "loop": to_plain(item.loop),
+    }
+
+
+def _units(part: WhatIfPart, words: Catalogue) -> dict[str, dict[str, Any]]:
+    f, best = words.format, part.limits[-1]
+    band, force = part.requirements.tcp_deviation, part.requirements.motion_force
+    sizes = [move.get("distance", 0.0) for move in part.moves]
+    velocities = [move.get("velocity_step", 0.0) for move in part.moves]
+    scales = {
+        "acceleration": f.scale(best.acceleration, _axis("m/s^2", words)),
+        "jerk": f.scale(best.jerk, _axis("m/s^3", words)),
+        "time": f.scale(1e-2, "s"),
+        "deviation": f.scale(band, _axis("m", words)),
+        "force": f.scale(force, part.plant.signals[0].unit),
+        "distance": f.scale(max(sizes), _axis("m", words)),
+        "velocity": f.scale(max(velocities), _axis("m/s", words)),
+        "payload": f.scale(1.0, "kg m^2" if words.rotary else "kg"),
+    }
+    return {key: {"size": scale.size, "unit": scale.unit} for key, scale in scales.items()}
+
+
+def _axis(unit: str, words: Catalogue) -> str:
+    return motion_unit(unit, rotary=words.rotary)
+
+
+def _fields(
+    part: WhatIfPart, words: Catalogue, units: dict[str, dict[str, Any]]
+) -> tuple[Field, ...]:
+    best, needs, plant = part.limits[-1], part.requirements, part.plant
+    cycle = part.loop.cycles * part.loop.velocity_cycle
+    mass = plant.moving_mass + min(corner.payload for corner in part.corners)
+    fastest = max(
+        1.1 * needs.motion_force / mass, *(1.1 * item.acceleration for item in part.limits)
+    )
+    payload = max(OTHER_PAYLOAD * plant.moving_mass, *(c.payload for c in part.corners))
+    slowest = fastest / SMALLEST_SHARE
+    jerks = [best.jerk, slowest / (LONGEST_RAMP * cycle) * SMALLEST_SHARE, fastest / cycle]
+
+    def field(
+        key: str, unit: str, low: float, high: float, value: float, *, log: bool = False
+    ) -> Field:
+        scale = units[unit]
+        return Field(
+            key=key,
+            label=words.text(f"what-if-field-{key.replace('_', '-')}"),
+            unit=scale["unit"],
+            size=scale["size"],
+            low=low,
+            high=high,
+            least=low / 100.0 if log else low,
+            most=high * 10.0 if log else high,
+            value=value,
+            log=log,
+        )
+
+    found = [field("acceleration", "acceleration", slowest, fastest, best.acceleration, log=True)]
+    if part.jerk != "none":
+        found.append(field("jerk", "jerk", min(jerks), max(jerks), best.jerk, log=True))
+    if part.averages:
+        given = best.setpoint_filter
+        longest = max(part.averages[1], 10.0 * cycle)
+        time = given.time if given and given.kind == MOVING_AVERAGE else 0.25 * longest
+        found.append(field("time", "time", max(part.averages[0], 0.5 * cycle), longest, time))
+    # Ends and unit of the size follow the move that is chosen.
+    found.append(field("size", "distance", 1e-3, 1.0, 1.0, log=True))
+    found.append(field("payload", "payload", 0.0, payload, 0.0))
+    percent = {"size": 0.01, "unit": "%"}
+    units = {**units, "percent": percent, "Hz": {"size": 1.0, "unit": "Hz"}}
+    units |= {"dB": {"size": 1.0, "unit": "dB"}, "number": {"size": 1.0, "unit": ""}}
+    found.append(field("error", "percent", -LARGEST_ERROR, LARGEST_ERROR, 0.0))
+    lowest = min((-plant.A[m.rate][m.deflection]) ** 0.5 for m in plant.modes) / (2.0 * pi)
+    highest = 0.4 / part.loop.velocity_cycle
+    found += [
+        field("notch_frequency", "Hz", 0.2 * lowest, highest, lowest, log=True),
+        field("notch_width", "number", NARROWEST, WIDEST, 0.5, log=True),
+        field("notch_depth", "dB", 0.0, DEEPEST, 0.0),
+    ]
+    return tuple(found)

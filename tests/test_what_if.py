@@ -1,0 +1,333 @@
+"""The page that answers back gives the numbers of ``simulate``, in a real browser, offline.
+
+If one of these fails, somebody types values into a control that the page called good.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from math import inf, isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mtcommission.errors import InputError
+from mtcommission.loop.model.assembly import build_loop
+from mtcommission.loop.simulate.response import simulate
+from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, corner_plants
+from mtcommission.loop.tuning.tuning import tune_loop
+from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Move
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.variations import Corner, vary
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.languages import LANGUAGES
+from mtcommission.options import read_tried
+from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.shipped import read_shipped
+from mtcommission.record.what_if import what_if_part
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.setpoint.smaller_moves import resize, size_of
+from mtcommission.sheet.html import set_html
+from mtcommission.sheet.model import Document
+from mtcommission.sheet.panel import Panel
+from mtcommission.sheet.what_if_part import what_if
+from mtcommission.verdict.assess import assess
+from mtcommission.verdict.evaluate import simulate_moves
+
+from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, axe_file, browse
+
+needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
+
+MACHINES = ("milling-manipulator", "modal-two-modes", "ball-screw", "rotary-table")
+CASES = 12
+SHAPER = SetpointFilter(kind="zvd", frequency_hz=31.0, damping_ratio=0.04)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A machine with a loop by the classic rule, and its page."""
+
+    machine: Machine
+    plant: Plant
+    tuned: TunedLoop
+    recommended: MotionLimits
+    panel: Panel
+    html: str
+
+
+def build_bench(name: str, language: str = "en") -> Bench:
+    machine = read_shipped(name).machine
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    a = 0.5 * machine.drive.motion_force / plant.moving_mass
+    recommended = MotionLimits(acceleration=a, jerk=a / 0.015, setpoint_filter=SHAPER)
+    words = Catalogue(language, rotary=machine.motion.value == "rotary")
+    part = what_if_part(machine, plant, tuned, recommended, None)
+    panel = what_if(part, words, profile=f"{name}.toml")
+    document = Document(
+        language=language,
+        title="Values to try",
+        machine=machine.name,
+        axis=machine.axis,
+        identity=name,
+        created="today",
+        disclaimer="calculated",
+        contents_heading="Contents",
+        skip_link="skip",
+        script_note="",
+        page_word="page",
+        sections=(),
+    )
+    html = set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
+    return Bench(machine, plant, tuned, recommended, panel, html)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What somebody tries."""
+
+    limits: MotionLimits
+    move: Move
+    place: Corner
+
+
+def draw_cases(bench: Bench, seed: int) -> list[Case]:
+    rng, machine = np.random.default_rng(seed), bench.machine
+    reached = machine.drive.motion_force / bench.plant.moving_mass
+    lengths = next((item.low, item.high) for item in bench.panel.fields if item.key == "time")
+    found = []
+    for number in range(CASES):
+        a = reached * rng.uniform(0.15, 1.05)
+        ramp = 10 ** rng.uniform(np.log10(machine.control.position_cycle), -1.0)
+        average = SetpointFilter(kind="moving_average", time=float(rng.uniform(*lengths)))
+        given = (None, average, SHAPER)[number % 3]
+        listed = machine.moves[0]
+        move = resize(listed, size_of(listed) * float(10 ** rng.uniform(-1.5, 0.0)))
+        place = Corner(
+            payload=float(rng.uniform(0.0, 0.4)) * bench.plant.moving_mass * (number % 2),
+            frequency_factor=1.0 + float(rng.uniform(-0.15, 0.15)) * (number % 4 > 1),
+        )
+        found.append(
+            Case(MotionLimits(acceleration=a, jerk=a / ramp, setpoint_filter=given), move, place)
+        )
+    return found
+
+
+TRY = """
+const type = (key, value) => {
+  const box = document.getElementById(`wi-${key}`);
+  box.value = String(value);
+  box.dispatchEvent(new Event("input", {bubbles: true}));
+};
+const choose = key => {
+  const box = document.getElementById("wi-filter");
+  box.value = key;
+  box.dispatchEvent(new Event("change", {bubbles: true}));
+};
+addEventListener("load", () => {
+  const found = CASES.map(one => {
+    choose(one.filter);
+    for (const [key, value] of Object.entries(one.fields)) type(key, value);
+    whatIf.compute(false);
+    const {tried} = whatIf.state;
+    return {
+      complaint: document.getElementById("wi-complaint").textContent,
+      met: tried.met, checks: tried.checks, command: null,
+      responses: tried.responses.map(r => ({
+        settling: Number.isFinite(r.settling) ? r.settling : null, residual: r.residual,
+        peak: r.peak, force: r.maxForce, rms: r.rms, saturated: r.saturated, contour: r.contour,
+      })),
+    };
+  });
+  tell(found);
+});
+"""
+
+
+def as_typed(bench: Bench, case: Case) -> dict[str, Any]:
+    """The case as it is typed into the fields, in their units, to all digits."""
+    sizes = {item.key: item.size for item in bench.panel.fields}
+    units = bench.panel.data["units"]
+    is_step = not hasattr(case.move, "distance")
+    sizes["size"] = units["velocity" if is_step else "distance"]["size"]
+    item = case.limits.setpoint_filter
+    values = {
+        "acceleration": case.limits.acceleration,
+        "jerk": case.limits.jerk,
+        "size": size_of(case.move),
+        "payload": case.place.payload,
+        "error": case.place.frequency_factor - 1.0,
+    }
+    keys = list(dict(bench.panel.filters))
+    chosen = "none" if item is None else item.kind
+    if item is not None and item.kind != "moving_average":
+        chosen = next(key for key in keys if key.startswith(item.kind))
+    elif item is not None:
+        values["time"] = item.time
+    return {
+        "filter": chosen,
+        "fields": {key: repr(value / sizes[key]) for key, value in values.items()},
+    }
+
+
+def run_in_page(bench: Bench, cases: list[Case], folder: Path) -> Any:
+    typed = json.dumps([as_typed(bench, case) for case in cases])
+    found, console = browse(bench.html, folder, TELL + TRY.replace("CASES", typed))
+    assert console == ""
+    return found
+
+
+@needs_browser
+@pytest.mark.parametrize("name", MACHINES)
+def test_random_settings_give_what_simulate_gives(name: str, tmp_path: Path) -> None:
+    """Residual to 1 % of the band, settling to 0.1 ms, force and verdict, in all corners."""
+    bench = build_bench(name)
+    machine, band = bench.machine, bench.machine.requirements.tcp_deviation
+    cases, seen = draw_cases(bench, seed=11), 0
+    for case, found in zip(cases, run_in_page(bench, cases, tmp_path), strict=True):
+        assert found["complaint"] == ""
+        own = replace(machine, moves=(case.move,))
+        expected = list(simulate_moves(own, bench.tuned, case.limits)[0].responses)
+        if case.place != Corner():
+            plant = build_plant(vary(machine, case.place))
+            loop = build_loop(plant, bench.tuned.controller, model=bench.plant)
+            setpoint = plan_setpoint(case.move, case.limits)
+            expected.insert(0, simulate(loop, setpoint, drive=machine.drive, band=band))
+        else:
+            verdict = assess(machine, bench.plant, bench.tuned.corners, [expected])
+            assert found["met"] == verdict.is_met
+            assert len(found["checks"]) == len(verdict.checks)
+        assert len(found["responses"]) == len(expected)
+        for got, want in zip(found["responses"], expected, strict=True):
+            assert got["saturated"] == want.saturated
+            assert got["force"] == pytest.approx(want.max_force, rel=1e-6)
+            if want.saturated:
+                continue
+            seen += 1
+            assert abs(got["residual"] - want.residual_deviation) <= 0.01 * band
+            assert abs(got["peak"] - want.peak_deviation) <= 0.01 * band
+            settling = inf if got["settling"] is None else got["settling"]
+            assert isfinite(settling) == isfinite(want.settling_time)
+            if isfinite(settling):
+                assert abs(settling - want.settling_time) <= 1e-4
+            assert got["rms"] == pytest.approx(want.rms_force, rel=1e-3)
+    assert seen > 20, "nearly everything saturates: nothing was compared"
+
+
+NOTCHES = """
+addEventListener("load", () => {
+  tell(NOTCHES.map(notch => whatIf.model.corners.map(corner => {
+    const {scan, before} = whatIf.scanOf(corner), finite = x => Number.isFinite(x) ? x : null;
+    const {gain, phase, peak, stable} = engine.marginsOf(scan, notch, before.turns);
+    return {gain: finite(gain), phase: finite(phase), peak, stable};
+  })));
+});
+"""
+
+
+@needs_browser
+@pytest.mark.parametrize("name", MACHINES)
+def test_margins_with_any_notch_are_those_of_the_loop_with_it(name: str, tmp_path: Path) -> None:
+    """To 0.1 dB and 0.5 degrees; and a notch that makes the loop unstable is called so."""
+    bench, rng = build_bench(name), np.random.default_rng(5)
+    slowest = min(mode.natural_frequency for mode in bench.plant.modes)
+    notches = [
+        ForceFilter(
+            kind=FilterKind.NOTCH,
+            natural_frequency=slowest * float(10 ** rng.uniform(-0.8, 0.8)),
+            damping=width * float(10 ** rng.uniform(-1.5, -0.1)),
+            width=width,
+        )
+        for width in (0.05, 0.2, 0.5, 0.9, 0.9, 0.9)
+    ]
+    asked = [
+        {
+            "frequency_hz": item.natural_frequency / (2 * np.pi),
+            "damping": item.damping,
+            "width": item.width,
+        }
+        for item in notches
+    ]
+    script = TELL + NOTCHES.replace("NOTCHES", json.dumps(asked))
+    found: Any
+    found, console = browse(bench.html, tmp_path, script)
+    assert console == ""
+    verdicts: list[bool] = []
+    for item, corners in zip(notches, found, strict=True):
+        controller = replace(bench.tuned.controller, force_filters=(item,))
+        closed = close_loop(corner_plants(bench.machine), controller)
+        for got, want in zip(corners, closed.analyses, strict=True):
+            verdicts.append(want.is_stable)
+            assert got["stable"] is want.is_stable
+            gain = inf if got["gain"] is None else got["gain"]
+            phase = inf if got["phase"] is None else got["phase"]
+            assert gain == pytest.approx(want.gain_margin_db, abs=0.1)
+            assert phase == pytest.approx(want.phase_margin_deg, abs=0.5)
+            assert got["peak"] == pytest.approx(want.sensitivity_peak, rel=0.01)
+    assert any(verdicts)
+
+
+@needs_browser
+@pytest.mark.skipif(not axe_file().exists(), reason="needs axe-core")
+def test_axe_finds_nothing_in_the_part_that_answers(tmp_path: Path) -> None:
+    script = axe_file().read_text(encoding="utf-8") + AXE_RUN
+    for scheme, language in ((1, "en"), (0, "de")):
+        html = build_bench("ball-screw", language).html
+        option = f"--blink-settings=preferredColorScheme={scheme}"
+        found, _ = browse(html, tmp_path, script, option)
+        assert found["faults"] == []
+        assert found["passes"] > 20
+
+
+def test_what_is_tried_can_be_simulated() -> None:
+    """The command line that the page gives is one that ``simulate`` takes, in its words."""
+    machine = read_shipped("modal-two-modes").machine
+    options = {"setpoint_filter": "moving_average:0.012s", "move": 1, "size": "0.01"}
+    tried = read_tried(machine, **options, payload="20", error="-0.05")
+    assert tried.machine.control.setpoint_filter == SetpointFilter(
+        kind="moving_average", time=0.012
+    )
+    assert [size_of(move) for move in tried.machine.moves] == [0.01]
+    assert tried.place == Corner(payload=20.0, frequency_factor=0.95)
+    unchanged = read_tried(machine, setpoint_filter="", move=0, size="", payload="", error="")
+    assert (unchanged.machine, unchanged.place) == (machine, None)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"setpoint_filter": "hum:4"}, '--filter: got "hum"'),
+        ({"setpoint_filter": "moving_average"}, "--filter: got moving_average, must be none"),
+        ({"setpoint_filter": "moving_average:99s"}, "--filter: "),
+        ({"move": 7}, "--move: got 7, the profile has moves 1 to"),
+        ({"size": "3kg"}, '--size: got "3kg", which is a mass'),
+        ({"payload": "-3"}, "--payload: got -3, must be 0 to 1000000"),
+        ({"error": "80%"}, "--frequency-error: got 80%, must be -0.5 to 0.5"),
+    ],
+)
+def test_what_cannot_be_tried_is_said(changed: dict[str, Any], said: str) -> None:
+    machine = read_shipped("modal-two-modes").machine
+    nothing: dict[str, Any] = {
+        "setpoint_filter": "",
+        "move": 0,
+        "size": "",
+        "payload": "",
+        "error": "",
+    }
+    with pytest.raises(InputError) as caught:
+        read_tried(machine, **(nothing | changed))
+    assert said in str(caught.value)
+
+
+def test_a_machine_beside_the_corners_is_the_machine_with_these_values() -> None:
+    """``--payload`` and ``--frequency-error`` look at exactly this machine, the loop unchanged."""
+    bench, place = build_bench("ball-screw"), Corner(payload=120.0, frequency_factor=0.93)
+    beside = close_beside(bench.tuned, bench.machine, place)
+    plant = build_plant(vary(bench.machine, place))
+    own = build_loop(plant, bench.tuned.controller, model=bench.plant)
+    assert beside.corners == (*bench.tuned.corners, place)
+    np.testing.assert_array_equal(beside.loops[-1].step, own.step)
+    assert beside.loops[:-1] == bench.tuned.loops
