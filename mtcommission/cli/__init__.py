@@ -17,12 +17,12 @@ import typer
 from mtcommission import __version__
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
-from mtcommission.cli.inputs import now
 from mtcommission.cli.language import ENGLISH, choose, say, words
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
 from mtcommission.cli.measured import identify
 from mtcommission.cli.records import export, sheet
 from mtcommission.cli.verify import verify
+from mtcommission.clock import now
 from mtcommission.errors import MtcommissionError
 
 EXIT_CODES = (

@@ -10,9 +10,9 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
-from mtcommission.cli.inputs import now
 from mtcommission.cli.language import say
 from mtcommission.cli.progress import print_written, show_bar, show_stage
+from mtcommission.clock import now
 
 
 def sweep(

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 
 from mtcommission.cli.arguments import JsonOption
-from mtcommission.cli.inputs import now
 from mtcommission.cli.language import ENGLISH, LanguageOption, say, words
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.clock import now
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 

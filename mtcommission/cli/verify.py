@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import JsonOption, RecordArgument
-from mtcommission.cli.inputs import now
 from mtcommission.cli.language import ENGLISH, LanguageOption, speak_of, words
 from mtcommission.cli.measured import read_columns, read_number
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
 EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}

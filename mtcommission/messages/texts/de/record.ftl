@@ -1,5 +1,6 @@
 record-not-readable = kein Protokoll von mtcommission run: { $why }
 record-too-large = ist größer als { PLAIN($most, digits: 9) } Bytes; das ist kein Protokoll
+record-without-profile = ein Protokoll enthält den Text des Profils, und diese Maschine wurde aus keiner Datei gerechnet; die Datei des Profils rechnen
 record-steers = enthält Zeichen, die ein Terminal steuern und die kein Lauf schreibt; das Profil neu rechnen
 record-not-json = kein Protokoll von mtcommission run: der Inhalt ist kein JSON; das record.json angeben, das mtcommission run schreibt
 record-is-directory = ist ein Ordner; das record.json darin angeben

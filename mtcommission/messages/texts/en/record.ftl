@@ -3,6 +3,7 @@
 
 record-not-readable = not a record of mtcommission run: { $why }
 record-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no record
+record-without-profile = a record holds the text of the profile, and this machine was not run from one; run the profile's file
 record-steers = holds characters that steer a terminal, which no run writes; run the profile again
 record-not-json = not a record of mtcommission run: its contents are not JSON; give the record.json that mtcommission run writes
 record-is-directory = is a directory; give the record.json in it
