@@ -27,8 +27,8 @@ from mtcommission.profile.values import Context, describe, find_close, one_of
 from mtcommission.units.axis_units import LINEAR, ROTARY
 from mtcommission.units.quantities import Dimension
 
-LARGEST_FILE = 1_000_000
-"""Bytes; a profile has a few thousand."""
+LARGEST_FILE = 200_000
+"""Bytes; a profile has a few thousand. Each of its faults costs another reading."""
 
 
 def read_profile(path: Path | str) -> Machine:
