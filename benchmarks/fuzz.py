@@ -3,10 +3,12 @@
     python -m benchmarks.fuzz --count 10000 --command check
     python -m benchmarks.fuzz --count 200 --command limits --values --second
 
-Each case is a shipped profile (for ``export`` and ``sheet`` a record), broken by its seed alone.
-Costly commands run in a process of their own with a limit of CPU time. A case is bad if it ends
-otherwise than with exit code 0 to 3, prints a traceback or an internal error, prints nan or inf as
-a number, or takes longer than ``--longest`` times the whole run of the profile that was broken.
+Each case is a shipped profile, broken by its seed alone; for ``export``, ``sheet`` and ``verify`` a
+record, mostly changed and sealed again; for ``sweep`` a table of cases. Costly commands run in a
+process of their own with a limit of CPU time. A case is bad if it ends otherwise than with exit
+code 0 to 3, prints a traceback, a warning of Python, an internal error, or a character that steers
+a terminal, prints nan or inf as a number, holds more than a gigabyte, or takes longer than
+``--longest`` times the whole run of the profile that was broken.
 ``--values`` only moves numbers, and skips what ``check`` refuses, so that every case is computed.
 ``--second`` lets the second program of the tests judge what ``limits`` recommends.
 """
@@ -15,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import json
 import os
 import re
 import signal
@@ -27,18 +30,30 @@ from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from shutil import rmtree
 from tempfile import TemporaryDirectory
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.mutations import dice_of, mutated, mutated_values, shipped_texts
+from benchmarks.mutations import (
+    dice_of,
+    mutated,
+    mutated_table,
+    mutated_values,
+    resealed,
+    shipped_texts,
+)
 from mtcommission import cli
 from mtcommission.errors import ComputationError
 from mtcommission.export.catalogue import CONTROL_KEYS
 from mtcommission.profile.shipped import read_shipped, shipped_names
 
-COMMANDS = ("check", "wizard", "optimal", "simulate", "limits", "run", "export", "sheet")
+RECORDS = ("export", "sheet", "verify")
+"""Commands that read a record."""
+
+COMMANDS = ("check", "wizard", "optimal", "simulate", "limits", "run", "sweep", *RECORDS)
 QUICK = ("check", "wizard", "export")
 """Commands that compute little; the others run in a process of their own."""
 
@@ -62,16 +77,26 @@ GOOD = "milling-manipulator"
 ALWAYS_ALLOWED = 1.0
 """CPU time that is not compared [s]: every shipped profile's run takes several times as long."""
 
+LARGEST = 1024.0
+"""Memory that a command may hold [MB]."""
+
+GOOD_TABLE = """requirements.tcp_deviation,f_max
+5 um,2000
+2e-5,2.5 kN
+"""
+"""Cases of a sweep."""
+
 NUMBER = re.compile(r"(?<![\w.])(nan|inf)(?![\w.])")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ending:
-    """How a case ended: exit code (-1 killed), CPU time [s], and all that was said."""
+    """How a case ended: exit code (-1 killed), CPU time [s], memory [MB], and all that was said."""
 
     code: int
     processor: float
     said: str
+    memory: float = 0.0
 
 
 def call(*arguments: str) -> tuple[int, str]:
@@ -120,6 +145,7 @@ def in_child(work: Callable[[], tuple[int, str]], *, seconds: int) -> Ending:
         code=-1 if killed else int(code_text),
         processor=used.ru_utime + used.ru_stime,
         said=f"ended by the system, status {status}" if killed else said,
+        memory=used.ru_maxrss / 1024.0,
     )
 
 
@@ -140,7 +166,13 @@ def arguments_of(command: str, profile: Path, dice: np.random.Generator) -> list
         case "export":
             return [command, str(profile), "--control", str(dice.choice(CONTROL_KEYS))]
         case "sheet":
-            return [command, str(profile), "-o", folder, "--no-pdf"]
+            print_also = [] if dice.random() < 0.2 else ["--no-pdf"]
+            return [command, str(profile), "-o", folder, *print_also]
+        case "verify":
+            return [command, str(profile), str(profile.parent / "trace.csv")]
+        case "sweep":
+            table, out = str(profile.parent / "case.csv"), str(profile.parent / "swept")
+            return [command, str(profile), "--cases", table, "-o", out, "--workers", "1"]
     return [command, str(profile)]
 
 
@@ -148,9 +180,11 @@ def fault_of(command: str, ending: Ending, *, longest: float) -> str:
     """What is bad about an ending; "" if nothing is."""
     if ending.code not in (0, 1, 2, 3):
         return f"exit code {ending.code}"
-    for words in ("Traceback", "internal error"):
+    for words in ("Traceback", "internal error", "RuntimeWarning", "\x1b"):
         if words in ending.said:
-            return words
+            return repr(words)
+    if ending.memory > LARGEST:
+        return f"{ending.memory:.0f} MB"
     if ending.code and not ending.said.strip():
         return "silent"
     printed = ending.said.split("Source of the data", 1)[-1]
@@ -187,9 +221,13 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
     for name in WARM:  # else every child would import them anew
         import_module(name)
     runs = GoodRuns(folder=folder)
-    reads_record = command in ("export", "sheet")
+    reads_record = command in RECORDS
     names = [GOOD] if reads_record else list(shipped_names())
-    texts = [runs.record_of(GOOD)] if reads_record else shipped_texts()
+    if reads_record and options.record:
+        texts = [path.read_text("utf-8") for path in options.record]
+        names = [GOOD] * len(texts)
+    else:
+        texts = [runs.record_of(GOOD)] if reads_record else shipped_texts()
     case = folder / ("case.json" if reads_record else "case.toml")
     codes: Counter[int] = Counter()
     times: list[float] = []
@@ -198,8 +236,13 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
     while len(times) < options.count:
         seed += 1
         dice, base = dice_of(options.series, seed), seed % len(texts)
-        mutate = mutated_values if options.values else mutated
-        case.write_text(mutate(texts[base], dice), "utf-8", newline="")
+        case.write_text(_broken(texts[base], dice, options, seed), "utf-8", newline="")
+        if command == "sweep":
+            table = mutated_table(GOOD_TABLE, dice)
+            (folder / "case.csv").write_text(table, "utf-8", newline="")
+            rmtree(folder / "swept", ignore_errors=True)
+        if command == "verify":
+            _write_trace(folder / "trace.csv", json.loads(texts[base]))
         if options.values and call("check", str(case))[0]:
             skipped += 1
             continue
@@ -224,6 +267,24 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
     shares = ", ".join(f"{t:.3g} s" for t in np.quantile(times, [0.5, 0.9, 0.99, 1.0]))
     print(f"CPU median, 90 %, 99 %, largest: {shares}; {bad} bad")
     return 1 if bad else 0
+
+
+def _broken(text: str, dice: np.random.Generator, options: argparse.Namespace, seed: int) -> str:
+    if options.command == "sweep":
+        return text
+    if options.command in RECORDS and seed % 8:
+        return resealed(json.loads(text), dice)
+    return (mutated_values if options.values else mutated)(text, dice)
+
+
+def _write_trace(path: Path, record: dict[str, Any]) -> None:
+    """The first move as a perfect machine would have recorded it."""
+    series = record["moves"][0]["series"]
+    t, x = np.array(series["t"]), np.array(series["signals"]["x_ref_delayed"])
+    even = np.arange(-0.2, t[-1], 1e-3)
+    moved = np.interp(even, t, x)
+    rows = [f"{at:.6g},{y:.9g},{y:.9g}" for at, y in zip(even, moved, strict=True)]
+    path.write_text("t [s],x_ref [m],encoder [m]\n" + "\n".join(rows) + "\n", "utf-8")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -260,6 +321,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "--longest", type=float, default=1.0, help="in runs of the unbroken profile"
     )
+    parser.add_argument("--record", type=Path, action="append", help="in place of a run's own")
     parser.add_argument("--seconds", type=int, default=60, help="CPU after which a case is ended")
     parser.add_argument("--keep", type=Path, default=Path(), help="folder for bad profiles")
     return parser.parse_args()

@@ -119,24 +119,25 @@ def _job(name: str, group: str, times: list[float], *, megabytes: float = nan) -
 
 def stages(repeats: int) -> list[Job]:
     """Where the time of the whole job goes, imports not counted, by the names of its stages."""
-    from mtcommission.cli.inputs import describe_profile, parse_machine
+    from mtcommission.cli.inputs import parse_machine
     from mtcommission.commission import commission
     from mtcommission.messages.catalogue import Catalogue
-    from mtcommission.record.build import build_record
+    from mtcommission.profile.read import read_source
+    from mtcommission.record.build import record_run
     from mtcommission.sheet import print_html, print_pdf
 
     english, times = Catalogue(), dict[str, list[float]]()
     for _ in range(repeats + 1):
-        source = describe_profile(PROFILE)
+        source = read_source(PROFILE)
         marks: list[tuple[str, float]] = [("profile", process_time())]
 
         def mark(stage: Message | str, into: list[tuple[str, float]] = marks) -> None:
             into.append((english.say(stage), process_time()))
 
         machine = parse_machine(source, "", where=PROFILE)
-        found = commission(machine, progress=mark)
+        found = commission(machine, profile=source, progress=mark)
         mark("record")
-        record = build_record(found, profile=source, created="", warnings=[])
+        record = record_run(found, created="")
         mark("sheet, HTML")
         print_html(record)
         mark("sheet, PDF")

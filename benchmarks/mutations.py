@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from typing import Any
 
 import numpy as np
 
 from mtcommission.profile.shipped import read_shipped, shipped_names
+from mtcommission.record.files import find_checksum
 
 JUNK = "\"'#[]{}=,.\n\\\t \0é€µΩ\ufeff\u202e😀-+eE0123456789abcxyz_%/^*()"
 NUMBERS = (
@@ -18,6 +23,27 @@ NUMBERS = (
 UNITS = ("kg", "t", "N", "kN", "um", "mm", "m", "rad", "deg", "rev/min", "s", "ms", "Hz", "N m",
          "%",
          "furlong", "N/um", "kg m^2", "m/s")  # fmt: skip
+
+RECORD_FORMS: Mapping[type, tuple[Any, ...]] = {
+    float: (0.0, -1.0, 1e308, -1e308, 5e-324, 1e-30, None, 10**400, 0, 1),
+    int: (0, -1, 1, 2, 10**9, 10**30, 0.5),
+    str: ("", "x", "x_b", "tcp", "{ $a }", "9" * 300, "1e999 m", "µ" * 5000, "none", "机床"),
+    list: ([], [0.0], [[]], [None], [1.0, 2.0], ["x"]),
+    dict: ({}, {"x": 1.0}, {"message": "force", "values": {}}),
+    bool: (True, False),
+    type(None): (None, 0.0, "", [], {}),
+}
+RECORD_VALUES = tuple(value for values in RECORD_FORMS.values() for value in values)
+
+TABLE_CELLS = (
+    "", " ", '"', '"5 um"', "5;2", "=1+1", "5,0 um", "nan", "\ufeff", "\0", "5 µm", "1e400", "-",
+    "'5 um", "5 um 5 um", "[1]", "true", "10 %", "x" * 70_000,
+)  # fmt: skip
+TABLE_KEYS = (
+    "f_max", "plant.modes.x.frequency", "plant.modes[1].frequency", "drive", "moves[0].distance",
+    "moves.1.distance", "machine.name", "requirements.payload", "no.such.key", "[", "a" * 5000,
+    "plant.kind", "schema", "control.kind", "requirements.tcp_deviation.x", "case", "t_f",
+)  # fmt: skip
 
 NUMBER_WITH_UNIT = r'(?<=")[-+0-9.e]+(?= )'
 
@@ -95,3 +121,82 @@ def _replace_some(pattern: str, new: str, text: str, dice: np.random.Generator) 
         if dice.random() < 2.0 / len(places):
             text = text[: place.start()] + new + text[place.end() :]
     return text
+
+
+def mutated_table(text: str, dice: np.random.Generator) -> str:
+    """Break a table of cases one to three times, as spreadsheets and people do."""
+    for _ in range(int(dice.integers(1, 4))):
+        rows = [line.split(",") for line in text.split("\n")]
+        row = rows[int(dice.integers(len(rows)))]
+        cell = int(dice.integers(len(row)))
+        match int(dice.integers(8)):
+            case 0:
+                row[cell] = TABLE_CELLS[int(dice.integers(len(TABLE_CELLS)))]
+            case 1:
+                row.append(TABLE_CELLS[int(dice.integers(len(TABLE_CELLS)))])
+            case 2:
+                del row[cell]
+            case 3:
+                rows.insert(int(dice.integers(len(rows) + 1)), list(row))
+            case 4:
+                for each in rows:
+                    each.append(each[-1])
+            case 5:
+                key = TABLE_KEYS[int(dice.integers(len(TABLE_KEYS)))]
+                rows[0] = [key, *rows[0][1:]]
+            case 6:
+                row[cell] = NUMBERS[int(dice.integers(len(NUMBERS)))]
+            case _:
+                text = mutated_text(text, dice) or text
+                continue
+        text = "\n".join(",".join(row) for row in rows) or text
+    return text
+
+
+def resealed(record: Mapping[str, Any], dice: np.random.Generator) -> str:
+    """Change a record in one to three places as other programs and people do, and seal it again.
+
+    Places are drawn by their keys, so that series of a thousand numbers are not all that is hit.
+    """
+    changed = deepcopy(dict(record))
+    for _ in range(int(dice.integers(1, 4))):
+        kinds: dict[tuple[str, ...], list[tuple[Any, Any]]] = {}
+        for keys, holder, place in _places(changed):
+            kinds.setdefault(keys, []).append((holder, place))
+        found = list(kinds.values())[int(dice.integers(len(kinds)))]
+        holder, place = found[int(dice.integers(len(found)))]
+        _change(holder, place, dice)
+    changed["checksum"] = find_checksum(changed)
+    return json.dumps(changed)
+
+
+def _places(value: Any, keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any, Any]]:
+    """Every place in JSON: its keys, all places of an array being one, what holds it and where."""
+    inner = value.items() if isinstance(value, dict) else enumerate(value)
+    for place, item in inner:
+        below = (*keys, place if isinstance(value, dict) else "")
+        if below not in (("schema",), ("checksum",)):
+            yield below, value, place
+        if isinstance(item, dict | list):
+            yield from _places(item, below)
+
+
+def _change(holder: Any, place: Any, dice: np.random.Generator) -> None:
+    """Change one value of JSON to another, mostly of its own form."""
+    value = holder[place]
+    others = RECORD_VALUES if dice.random() < 0.3 else RECORD_FORMS.get(type(value), RECORD_VALUES)
+    match int(dice.integers(5)):
+        case 0 if isinstance(value, dict | list) and value:
+            where = list(value) if isinstance(value, dict) else range(len(value))
+            del value[where[int(dice.integers(len(where)))]]
+        case 1 if isinstance(value, list) and value:
+            value.append(deepcopy(value[0]))
+        case 2 if type(value) in (int, float):
+            holder[place] = value * 10.0 ** float(dice.integers(-12, 13))
+        case 3 if isinstance(value, str) and value:
+            holder[place] = value[: int(dice.integers(len(value)))]
+        case 4 if isinstance(holder, dict):
+            other = list(holder)[int(dice.integers(len(holder)))]
+            holder[place], holder[other] = holder[other], value
+        case _:
+            holder[place] = deepcopy(others[int(dice.integers(len(others)))])

@@ -1,3 +1,78 @@
-"""Acceleration and jerk limits for machine tool axes, from the mechanical model."""
+"""Acceleration and jerk limits for machine tool axes, from the mechanical model.
+
+``run`` computes a machine, ``make_record`` what the sheet is printed from; both load the rest
+when they are called.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from mtcommission.commission import Commissioning
+    from mtcommission.machine.machine import Machine
+    from mtcommission.record.schema import Record
+    from mtcommission.study.settings import Settings
+
+__all__ = ["make_record", "run"]
 
 __version__ = "0.1.0"
+
+
+def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> Commissioning:
+    """Return optima, recommended limits, their response and the verdict.
+
+    Parameters
+    ----------
+    profile
+        A profile's file, or a machine that was read from one and changed.
+    settings
+        Numerical settings; None: the defaults.
+
+    Returns
+    -------
+    Commissioning
+        docs/python.md tells what it holds, and the shape and unit of every time series.
+
+    Raises
+    ------
+    InputError
+        With every fault of the profile.
+    ComputationError
+        A stage ended with a named outcome; the message tells the remedy.
+    """
+    from mtcommission.commission import commission
+    from mtcommission.machine.machine import Machine
+    from mtcommission.profile.read import parse_profile, read_source
+
+    if isinstance(profile, Machine):
+        return commission(profile, settings=settings)
+    source = read_source(profile)
+    machine = parse_profile(source.text, where=str(profile))
+    return commission(machine, profile=source, settings=settings)
+
+
+def make_record(found: Commissioning) -> Record:
+    """Return the record of a machine that was run from its profile.
+
+    Parameters
+    ----------
+    found
+        From ``run`` with a file: a record holds the profile's text.
+
+    Returns
+    -------
+    Record
+        For ``mtcommission.sheet`` and ``mtcommission.export``.
+
+    Raises
+    ------
+    InputError
+        If it was run from a machine instead.
+    """
+    from mtcommission.clock import now
+    from mtcommission.record.build import record_run
+
+    return record_run(found, created=now())

@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
+from typing import TYPE_CHECKING
 
+from mtcommission.glance import plot_moves, say_verdict, show_html
 from mtcommission.limits.choose import Choice, choose_for_listed, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
 from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
@@ -18,6 +20,7 @@ from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.read import ProfileSource
 from mtcommission.study.attainable import Attainable, find_attainable
 from mtcommission.study.comparison import MoveComparison, compare_move
 from mtcommission.study.friction import FrictionEffect, examine_friction
@@ -35,12 +38,15 @@ from mtcommission.study.within_band import WithinBand, find_within_band
 from mtcommission.verdict.assess import Assessment
 from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 Progress = Callable[[Message], None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Commissioning:
-    """All that was computed for a machine.
+    """All that was computed for a machine; a notebook shows verdict, limits and plot.
 
     Parameters
     ----------
@@ -84,6 +90,8 @@ class Commissioning:
         What the values now in the control do; None where the profile states none.
     tool_sensor
         What measuring at the tool could free; None where nothing was measured, or all of it.
+    profile
+        The profile that the machine came from; None: another source, so no record.
     improve
         Finds what single changes would bring, when it is first asked for: a sweep never does.
     """
@@ -108,6 +116,7 @@ class Commissioning:
     friction: tuple[FrictionEffect, ...]
     today: TodaysValues | None
     tool_sensor: ToolSensor | None
+    profile: ProfileSource | None
     improve: Callable[[], tuple[Improvement, ...]]
 
     @property
@@ -135,9 +144,35 @@ class Commissioning:
         """Verdict on the recommendation."""
         return self.recommended.assessment
 
+    def plot(self, figure: Figure | None = None) -> Figure:
+        """Return a figure: deviation at the tool and set force of each move, in every corner.
+
+        Parameters
+        ----------
+        figure
+            Empty, to be drawn into, e.g. one of pyplot's; None: a new one.
+        """
+        return plot_moves(self.machine, self.moves, self.tuned.corners, figure)
+
+    def __repr__(self) -> str:
+        """Return one line instead of every number inside."""
+        return f"<Commissioning: {say_verdict(self.machine, self.recommended)}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: verdict, limits, requirements and the plot."""
+        rules = [(item.name, item) for item in (*self.alternatives, *self.rules) if item.name]
+        named = [(Message("terminal-recommended"), self.recommended), *rules]
+        if self.today and self.today.judged:
+            named.insert(1, (Message("terminal-today"), self.today.judged))
+        return show_html(self.machine, named, self.plot())
+
 
 def commission(
-    machine: Machine, *, settings: Settings | None = None, progress: Progress = lambda _: None
+    machine: Machine,
+    *,
+    profile: ProfileSource | None = None,
+    settings: Settings | None = None,
+    progress: Progress = lambda _: None,
 ) -> Commissioning:
     """Return optima, recommended limits, their response and the verdict for a machine.
 
@@ -145,6 +180,8 @@ def commission(
     ----------
     machine
         From a profile.
+    profile
+        That profile, for a record.
     settings
         Numerical settings; None: the defaults.
     progress
@@ -231,5 +268,6 @@ def commission(
         friction=friction,
         today=today,
         tool_sensor=tool_sensor,
+        profile=profile,
         improve=cache(partial(find_improvements, machine, loop, choice, comparisons, settings)),
     )

@@ -51,6 +51,10 @@ class Fault:
         return self.text(_english())
 
 
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
+
 class MtcommissionError(Exception):
     """Base of all errors that the program raises on purpose; ``str`` speaks English."""
 
@@ -121,6 +125,7 @@ class Outcome(Enum):
     MOVE_TOO_LONG = "outcome-move-too-long"
     SETPOINT_FAILED = "outcome-setpoint-failed"
     WORKER_LOST = "outcome-worker-lost"
+    SCHEDULER_LOST = "outcome-scheduler-lost"
     STOPPED = "outcome-stopped"
     PRINTING_FAILED = "outcome-printing-failed"
 
@@ -141,6 +146,8 @@ class ComputationError(MtcommissionError):
     def __init__(self, outcome: Outcome, detail: Message) -> None:
         super().__init__(outcome, detail)
         self.outcome, self.detail = outcome, detail
+        if outcome is Outcome.STOPPED:
+            self.exit_code = INTERRUPTED
 
     @property
     def message(self) -> Message:

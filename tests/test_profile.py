@@ -28,7 +28,7 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
-from mtcommission.profile.lines import find_key_lines
+from mtcommission.profile.lines import find_key_lines, find_open_value
 from mtcommission.profile.read import parse_profile, profile_schema, profile_text_hash, read_profile
 from tests.machines import paper_machine
 
@@ -969,7 +969,7 @@ def fault_of_file(path: Path) -> Fault:
             1,
             "is nested too deeply; a profile needs no more than three levels",
         ),
-        (b"#" * 1_000_001, 0, "is larger than 1000000 bytes; that is no profile"),
+        (b"#" * 200_001, 0, "is larger than 200000 bytes; that is no profile"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_no_profile(tmp_path: Path, data: bytes, line: int, message: str) -> None:
@@ -1124,3 +1124,21 @@ def test_the_examples_of_the_schema_are_valid() -> None:
         assert isinstance(
             parse_profile(changed(text, "[drive]", f"{proposal}\n[drive]"), where=""), Machine
         )
+
+
+@pytest.mark.parametrize(
+    ("extra", "line"),
+    [
+        ('x = """', 4),
+        ("x = '''", 4),
+        ("x = [", 4),
+        ('a = "]"\nb = [[1], # [\n2]\nx = {y = 1, z = [', 7),
+    ],
+)
+def test_a_value_that_never_ends_is_named_by_its_line(extra: str, line: int) -> None:
+    """Ten thousand lines inside it once took half a minute, and the first line was blamed."""
+    text = f"schema = 1\n\n[machine]\n{extra}\n" + "y = 1\n" * 10_000
+    assert find_open_value(text) == line
+    with pytest.raises(InputError) as refused:
+        parse_profile(text, where="open.toml")
+    assert refused.value.faults[0].line in (line, line + 1)

@@ -10,12 +10,13 @@ import re
 import resource
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
 import tomllib
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, closing, suppress
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -28,6 +29,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from mtcommission.cli import main
 from mtcommission.errors import ComputationError, InputError, Outcome
+from mtcommission.messages.message import Message
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound
 from mtcommission.plant.plant import build_plant
@@ -326,7 +328,7 @@ def test_asked_to_end_and_resumed(tmp_path: Path, undisturbed: pl.DataFrame, nam
         time.sleep(0.002)
     os.killpg(running.pid, getattr(signal, name))
     _, told = running.communicate()
-    assert running.returncode == 3
+    assert running.returncode == 130
     assert re.fullmatch(r"stopped: \d+ of 24 cases are on disk in .* --resume\n", told), told
     assert resumed(tmp_path).equals(undisturbed)
 
@@ -1050,6 +1052,98 @@ def test_cluster_gives_the_same_rows_and_survives_a_lost_worker(
         store = run_sweep(plan, folder=tmp_path, engine=engine, progress=kill_one)
     assert killed
     assert read_table(plan, store).frame.equals(undisturbed)
+
+
+def test_cluster_without_workers_says_so_and_goes_on_with_the_first(
+    tmp_path: Path, undisturbed: pl.DataFrame
+) -> None:
+    """A bar that stands still for ever tells nobody what to start."""
+    distributed = pytest.importorskip("distributed")
+    told: list[str] = []
+    plan = masses_plan()
+    with distributed.LocalCluster(
+        n_workers=0, threads_per_worker=1, dashboard_address=None, silence_logs=50
+    ) as cluster:
+
+        def start_one(note: Message) -> None:
+            told.append(note.kind)
+            cluster.scale(1)
+
+        engine = Engine(scheduler=cluster.scheduler_address)
+        store = run_sweep(plan, folder=tmp_path, engine=engine, notice=start_one)
+    assert told == ["sweep-waits"]
+    assert read_table(plan, store).frame.equals(undisturbed)
+
+
+def test_waiting_for_workers_ends_at_the_first_ctrl_c(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+
+    def stop(note: Message) -> None:
+        raise KeyboardInterrupt
+
+    with distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs=50) as cluster:
+        engine = Engine(scheduler=cluster.scheduler_address)
+        with pytest.raises(ComputationError) as stopped:
+            run_sweep(plan_of(), folder=tmp_path, engine=engine, notice=stop)
+    assert stopped.value.outcome is Outcome.STOPPED
+    assert stopped.value.exit_code == 130
+
+
+def test_what_no_worker_computes_does_not_hold_up_the_end() -> None:
+    """Dask's executor waits at its end for all that was submitted, unless it is told not to."""
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address=None, silence_logs=50) as cluster,
+        pytest.raises(KeyboardInterrupt),
+    ):
+        _submit_and_stop(cluster.scheduler_address)
+
+
+def _submit_and_stop(address: str) -> None:
+    with open_lane(Engine(scheduler=address)) as lane:
+        lane.executor.submit(time.sleep, 0.0)
+        raise KeyboardInterrupt
+
+
+def test_lost_scheduler_names_resume(tmp_path: Path, undisturbed: pl.DataFrame) -> None:
+    pytest.importorskip("distributed")
+    with closing(socket.create_server(("127.0.0.1", 0))) as free:
+        port = free.getsockname()[1]
+    address, module = f"tcp://127.0.0.1:{port}", "distributed.cli.dask"
+    begin = [sys.executable, "-m", f"{module}_scheduler", "--no-dashboard", "--port", str(port)]
+    join = [sys.executable, "-m", f"{module}_worker", address, "--no-dashboard"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    scheduler = subprocess.Popen([*begin, "--host", "127.0.0.1"], **quiet)
+    worker = subprocess.Popen([*join, "--nthreads", "1", "--nworkers", "1"], **quiet)
+
+    def end(done: int, total: int, failures: int) -> None:
+        scheduler.kill()
+
+    try:
+        _wait_for_port(port)
+        with pytest.raises(ComputationError, match=r"of 24 cases are on disk.* --resume") as lost:
+            run_sweep(
+                masses_plan(), folder=tmp_path, engine=Engine(scheduler=address), progress=end
+            )
+    finally:
+        scheduler.kill()
+        worker.kill()
+    assert lost.value.outcome is Outcome.SCHEDULER_LOST
+    assert resumed(tmp_path).equals(undisturbed)
+
+
+def _wait_for_port(port: int) -> None:
+    while True:
+        with suppress(OSError), closing(socket.create_connection(("127.0.0.1", port))):
+            return
+        time.sleep(0.1)
+
+
+def test_encrypted_address_without_certificate_is_wrong_input(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    engine = Engine(scheduler="tls://127.0.0.1:1")
+    with pytest.raises(InputError, match=r"needs a certificate.*ca-file"):
+        run_sweep(plan_of(), folder=tmp_path, engine=engine)
 
 
 def test_cluster_that_does_not_answer_is_wrong_input(tmp_path: Path) -> None:

@@ -17,20 +17,19 @@ import typer
 from mtcommission import __version__
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
-from mtcommission.cli.inputs import now
 from mtcommission.cli.language import ENGLISH, choose, say, words
 from mtcommission.cli.machines import check, copy_profile, list_profiles, show_profile, wizard
 from mtcommission.cli.measured import identify
 from mtcommission.cli.records import export, sheet
 from mtcommission.cli.verify import verify
-from mtcommission.errors import MtcommissionError
+from mtcommission.clock import now
+from mtcommission.errors import INTERRUPTED, MtcommissionError
 
 EXIT_CODES = (
     "Exit codes: 0 done and all requirements met, 1 a requirement is not met, 2 wrong input, "
     "3 a computation ended with a named outcome, 130 interrupted by Ctrl-C."
 )
 
-INTERRUPTED = 130
 LONGEST_ERROR = 500
 """Letters: an error of encoding holds the whole text."""
 

@@ -10,9 +10,9 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import FolderOption, JsonOption, ProfileArgument
-from mtcommission.cli.inputs import now
 from mtcommission.cli.language import say
-from mtcommission.cli.progress import print_written, show_bar, show_stage
+from mtcommission.cli.progress import print_note, print_written, show_bar, show_stage
+from mtcommission.clock import now
 
 
 def sweep(
@@ -79,7 +79,9 @@ def sweep(
     )
     engine = Engine(workers=workers or os.cpu_count() or 1, scheduler=scheduler)
     with show_bar(plan.count) as progress:
-        store = run_sweep(plan, folder=output, engine=engine, resume=resume, progress=progress)
+        store = run_sweep(
+            plan, folder=output, engine=engine, resume=resume, progress=progress, notice=print_note
+        )
     table = read_table(plan, store)
     write_table(table, output)
     page = print_sweep(plan, table, created=store.created)

@@ -22,15 +22,10 @@ from mtcommission.cli.arguments import (
     ProfileArgument,
     SizesOption,
 )
-from mtcommission.cli.inputs import (
-    describe_profile,
-    list_warnings,
-    now,
-    parse_machine,
-    read_machine,
-)
+from mtcommission.cli.inputs import parse_machine, read_machine
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
@@ -50,29 +45,23 @@ def run(
     DIR gets record.json, sheet.html, sheet.pdf and, for each move, a setpoint.csv.
     """
     from mtcommission.files import require_folder, write_files
+    from mtcommission.profile.read import read_source
 
     names = ("record.json", "sheet.html", "sheet.pdf", "setpoint.csv")
     require_folder(output, *names, inputs=[profile])
-    source = describe_profile(profile)
+    source = read_source(profile)
     machine = parse_machine(source, f_max, where=profile, sizes=sizes)
 
     from mtcommission.cli.csv_texts import setpoint_csv
     from mtcommission.cli.terminal import show
     from mtcommission.commission import commission
-    from mtcommission.record.build import build_record
+    from mtcommission.record.build import record_run
     from mtcommission.record.files import dump_json
-    from mtcommission.record.identified import read_evidence
     from mtcommission.sheet import print_html, print_pdf, summarise
 
     with show_stage() as progress:
-        found = commission(machine, progress=progress)
-    record = build_record(
-        found,
-        profile=source,
-        created=now(),
-        warnings=list_warnings(machine),
-        identified=read_evidence(machine, profile.parent),
-    )
+        found = commission(machine, profile=source, progress=progress)
+    record = record_run(found, created=now())
     with show_stage() as progress:
         progress(Message("stage-sheet"))
         files = {

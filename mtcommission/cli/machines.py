@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.compute import run
-from mtcommission.cli.inputs import list_delays, list_warnings, read_machine
+from mtcommission.cli.inputs import read_machine
 from mtcommission.cli.language import ENGLISH, LanguageOption
 from mtcommission.cli.progress import print_written
 from mtcommission.errors import Fault, InputError
@@ -66,11 +66,12 @@ def check(
         raise InputError([Fault(where="check", message=Message("cli-no-profile"))])
     from mtcommission.cli.machine_view import describe_machine
     from mtcommission.cli.terminal import show
+    from mtcommission.machine.plausibility import check_patience, check_plausibility
     from mtcommission.plant.plant import build_plant
 
     machine = read_machine(profile, "")
-    warnings: list[Message | str]
-    warnings = [*list_warnings(machine), *list_delays(machine)]
+    remarks = [*check_plausibility(machine), *check_patience(machine)]
+    warnings: list[Message | str] = [remark.with_key() for remark in remarks]
     if not machine.control.leaves_all_to_rules:
         from mtcommission.loop.tuning.tuning import check_loop  # its libraries load slowly
 

@@ -11,14 +11,17 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple, NoReturn
 import typer
 
 from mtcommission.cli.arguments import JsonOption
-from mtcommission.cli.inputs import now
 from mtcommission.cli.language import ENGLISH, LanguageOption, say, words
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.clock import now
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
 MOST_MODES = 8
 """Of a profile."""
+
+PER_AMPERE = ("N/A", "N m/A", "N*m/A", "Nm/A")
+"""Units of a force or torque constant, all of SI."""
 
 if TYPE_CHECKING:
     from mtcommission.identify.given import Given
@@ -228,7 +231,7 @@ def _read_given(
     return Given(
         sensor=Sensor(sensor) if sensor else None,
         input=input_,
-        constant=read_number("--constant", constant) if constant else None,
+        constant=read_number("--constant", constant, units=PER_AMPERE) if constant else None,
         output=Output(measured) if measured else None,
         columns=read_columns(columns),
         rotary=rotary,
@@ -268,15 +271,18 @@ def _require_word(option: str, got: str, allowed: Sequence[str]) -> None:
         _refuse(option, Message("option-one-of", got=got, allowed=shown))
 
 
-def read_number(option: str, text: str) -> float:
-    """A positive number; a unit of SI behind it may stand, it says nothing new."""
-    number = text.strip().split(" ")[0].replace("N/A", "").replace(",", ".")
+def read_number(option: str, text: str, *, units: tuple[str, ...] = ()) -> float:
+    """A number other than 0, with or without one of some units of SI, which say nothing new."""
+    number, _, unit = text.strip().replace(",", ".").partition(" ")
+    for one in units:  # "12N/A", too
+        number = number.removesuffix(one)
     try:
-        value = float(number)
+        value = float(number) if unit.strip() in ("", *units) else 0.0
     except ValueError:
         value = 0.0
     if not (isfinite(value) and value != 0.0):
-        _refuse(option, Message("identify-option-number", got=text))
+        kind = "identify-option-constant" if units else "identify-option-number"
+        _refuse(option, Message(kind, got=text))
     return value
 
 

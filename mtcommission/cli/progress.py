@@ -55,6 +55,11 @@ def show_bar(total: int) -> Iterator[Callable[[int, int, int], None]]:
         )
 
 
+def print_note(note: Message) -> None:
+    """Say on the error stream what the user must know while something is computed."""
+    sys.stderr.write(words().say(note) + "\n")
+
+
 def print_written(folder: Path, names: Iterable[str] = ("",)) -> None:
     """Say which files were written."""
     files = tuple(str(folder / name) for name in names)

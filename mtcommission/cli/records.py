@@ -33,6 +33,7 @@ def sheet(
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.files import require_folder, write_files
+    from mtcommission.record.agreement import trusting
     from mtcommission.record.files import load_record
     from mtcommission.record.verified import load_verdict
     from mtcommission.sheet import print_html, print_pdf
@@ -42,18 +43,12 @@ def sheet(
     loaded = load_record(record)
     before = load_record(compare) if compare else None
     found = load_verdict(verified, loaded) if verified else None
-    try:
-        with show_stage() as progress:
-            progress(Message("stage-sheet"))
-            page = print_html(loaded, language=language, before=before, verified=found)
-            files = {"sheet.html": page.encode()}
-            if not no_pdf:
-                files["sheet.pdf"] = print_pdf(
-                    loaded, language=language, before=before, verified=found
-                )
-    except KeyError as error:
-        message = Message("cli-record-lacks", key=str(error))
-        raise InputError([Fault(where=str(record), message=message)]) from error
+    with trusting(record), show_stage() as progress:
+        progress(Message("stage-sheet"))
+        page = print_html(loaded, language=language, before=before, verified=found)
+        files = {"sheet.html": page.encode()}
+        if not no_pdf:
+            files["sheet.pdf"] = print_pdf(loaded, language=language, before=before, verified=found)
     write_files(output, files)
     print_written(output, files)
     raise typer.Exit(0 if loaded.assessment.met else 1)
@@ -90,8 +85,11 @@ def export(
     require_writable(output, inputs=[record])
 
     from mtcommission.export.write import export_record
+    from mtcommission.record.agreement import trusting
     from mtcommission.record.files import load_record
 
-    found = export_record(load_record(record), control=key, language=language, as_list=as_csv)
+    loaded = load_record(record)
+    with trusting(record):
+        found = export_record(loaded, control=key, language=language, as_list=as_csv)
     write_text(output, found.text)
     raise typer.Exit(0 if found.meets_requirements else 1)

@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 
 from mtcommission.cli.arguments import JsonOption, RecordArgument
-from mtcommission.cli.inputs import now
 from mtcommission.cli.language import ENGLISH, LanguageOption, speak_of, words
-from mtcommission.cli.measured import read_columns, read_number
+from mtcommission.cli.measured import PER_AMPERE, read_columns, read_number
 from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
 EXIT_BY_VERDICT = {"holds": 0, "does not hold": 1, "cannot tell": 1}
@@ -50,12 +50,13 @@ def verify(
     if output:
         require_folder(output, "verification.html", "verdict.json", inputs=inputs)
     said = read_columns(columns or [])
-    force = read_number("--constant", constant) if constant else None
+    force = read_number("--constant", constant, units=PER_AMPERE) if constant else None
 
     from mtcommission.cli.terminal import show
     from mtcommission.cli.verified_view import describe_verification
     from mtcommission.machine.machine import Motion
     from mtcommission.profile.read import parse_profile
+    from mtcommission.record.agreement import trusting
     from mtcommission.record.files import dump_json, load_record
     from mtcommission.verify.columns import Axis
     from mtcommission.verify.entry import verification_entry
@@ -70,9 +71,10 @@ def verify(
     machine = parse_profile(loaded.profile.text, where=loaded.profile.name)
     speak_of(machine)
     axis = Axis(rotary=machine.motion is Motion.ROTARY, drive=machine.drive, constant=force)
-    with show_stage() as progress:
+    recorded = [read_trace(name, said, axis) for name in traces]
+    with trusting(record), show_stage() as progress:
         progress(Message("verify-stage"))
-        found = compare(loaded, [read_trace(name, said, axis) for name in traces])
+        found = compare(loaded, recorded)
         refined = refine(found)
         limits = None
         if renewed:

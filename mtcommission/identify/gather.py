@@ -65,11 +65,16 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
     findings: list[Finding] = []
     records: list[TimeRecord] = []
     faults: list[Fault] = []
+    names: dict[bytes, str] = {}
     for text in files:
         name, sensor = split_sensor(text)
         try:
+            data = _bytes_of(name)
+            # As two measurements it would halve every interval.
+            if (first := names.setdefault(sha256(data).digest(), text)) is not text:
+                raise refuse(name, "identify-file-twice", other=first)
             one = replace(given, sensor=sensor) if sensor else given
-            found, used = read_file(_bytes_of(name), one, name=name)
+            found, used = read_file(data, one, name=name)
             findings += found
             records += used
         except InputError as error:

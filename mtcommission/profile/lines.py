@@ -129,6 +129,34 @@ def find_repetition(text: str, line: int) -> tuple[str, int]:
     return (show_key(here), known[here]) if here and here in known else ("", 0)
 
 
+def find_open_value(text: str) -> int:
+    r"""Return the line of the value or table that a text ends in, since nothing closes it.
+
+    Parameters
+    ----------
+    text
+        Valid TOML but for that end.
+
+    Returns
+    -------
+    int
+        The last line if everything is closed.
+
+    Examples
+    --------
+    >>> find_open_value("a = 1\nb = [\n1,\n")
+    2
+    """
+    line, end, depth, start = 1, 0, 0, 0
+    for match in _PIECE.finditer(text):
+        if match.start() > end:
+            return line  # a quote that belongs to no piece
+        start = line if depth == 0 else start
+        depth += (match[0] in ("[", "{")) - (match[0] in ("]", "}"))
+        line, end = line + match[0].count("\n"), match.end()
+    return start if depth > 0 else line
+
+
 def _walk(text: str) -> Iterator[tuple[int, tuple[KeyPath, ...]]]:
     """Yield each statement's line with the tables or keys that it declares, the inmost last."""
     counts: Counter[KeyPath] = Counter()

@@ -78,6 +78,7 @@ FEEDFORWARDS_OF_KINDS = ("velocity_feedforward", "acceleration_feedforward", "je
 """Keys of [control], and fields of the kinds of control."""
 
 MOST_MOVES = 50
+MOST_ASSUMED = 300
 LARGEST_FREQUENCY_SPREAD = 0.5
 Kind: Any = Literal[tuple(KINDS)]
 """Key of a kind of control."""
@@ -101,7 +102,7 @@ class MachineTable(Table):
     illustrative: bool = optional(
         "Whether the numbers are plausible ones, not those of a real machine.", "false", False
     )
-    assumed: list[Annotated[str, Name()]] = optional(
+    assumed: Annotated[list[Annotated[str, Name()]], Field(max_length=MOST_ASSUMED)] = optional(
         "Keys whose values are defaults that were accepted, not measured.",
         '["drive.force_lag", "plant.modes[1].damping_ratio"]',
         [],

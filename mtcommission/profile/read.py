@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -28,8 +29,8 @@ from mtcommission.profile.values import Context, describe, find_close, one_of
 from mtcommission.units.axis_units import LINEAR, ROTARY, of_position_source
 from mtcommission.units.quantities import Dimension
 
-LARGEST_FILE = 1_000_000
-"""Bytes; a profile has a few thousand."""
+LARGEST_FILE = 200_000
+"""Bytes; a profile has a few thousand. Each of its faults costs another reading."""
 
 
 def read_profile(path: Path | str) -> Machine:
@@ -109,6 +110,47 @@ def decode_profile(data: bytes, *, where: str) -> str:
         line = data.count(b"\n", 0, error.start) + 1
         message = Message("file-not-utf8", byte=f"0x{data[error.start]:02x}")
         raise InputError([Fault(where=where, line=line, message=message)]) from error
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileSource:
+    """A profile as it stood in its file.
+
+    Parameters
+    ----------
+    path
+        Of the file; what was measured stands beside it.
+    sha256
+        Of its bytes, 64 hexadecimal digits.
+    text
+        Without byte order mark.
+    """
+
+    path: Path
+    sha256: str
+    text: str
+
+
+def read_source(path: Path | str) -> ProfileSource:
+    """Return a profile's text and hash, from one reading: a pipe gives it only once.
+
+    Parameters
+    ----------
+    path
+        TOML file in UTF-8.
+
+    Returns
+    -------
+    ProfileSource
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read as text.
+    """
+    data = read_profile_bytes(path)
+    text = decode_profile(data, where=str(path))
+    return ProfileSource(path=Path(path), sha256=profile_text_hash(data), text=text)
 
 
 def profile_text_hash(data: bytes) -> str:

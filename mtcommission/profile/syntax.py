@@ -13,16 +13,13 @@ from typing import Any
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
-from mtcommission.profile.lines import find_key_lines, find_repetition, show_key
+from mtcommission.profile.lines import find_key_lines, find_open_value, find_repetition, show_key
 
 MOST_FAULTS = 50
 """Lines named in one go; every one costs another reading of the text."""
 
 MOST_PARTS = 300
 """Parts of a dotted key: the time to read one grows with their square."""
-
-MOST_LINES = 500
-"""Lines tried from the end for the one where an open value begins."""
 
 LONGEST_SHOWN = 40
 
@@ -139,14 +136,7 @@ def _line_without_place(reason: str, lines: list[str]) -> int:
     """The line of a fault for which tomllib names none."""
     if "end of document" not in reason:  # a number with too many digits
         return next((i for i, line in enumerate(lines, start=1) if re.search(r"\d{4000}", line)), 1)
-    # What begins here never ends: all that stands above can be read.
-    for size in range(len(lines) - 1, max(0, len(lines) - MOST_LINES), -1):
-        try:
-            tomllib.loads("\n".join(lines[:size]))
-        except ValueError:
-            continue
-        return size + 1
-    return 1
+    return find_open_value("\n".join(lines))
 
 
 def _remedy(value: str) -> Message | None:

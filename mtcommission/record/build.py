@@ -9,11 +9,14 @@ from math import isinf
 
 from mtcommission import __version__
 from mtcommission.commission import Commissioning
-from mtcommission.messages.message import Message
+from mtcommission.errors import Fault, InputError
+from mtcommission.machine.plausibility import check_plausibility
+from mtcommission.messages.message import Message, printable
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.comparisons import comparison_entry
 from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.files import find_checksum
+from mtcommission.record.identified import read_evidence
 from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
 from mtcommission.record.moves import assessment_part, move_entry
@@ -33,6 +36,38 @@ from mtcommission.record.schema import (
 )
 from mtcommission.record.shape import entry_of, to_plain
 from mtcommission.record.what_if import what_if_part
+
+
+def record_run(found: Commissioning, *, created: str) -> Record:
+    """Return the record of a machine that was read from its profile.
+
+    Parameters
+    ----------
+    found
+        With the profile that it came from; what was measured stands beside that.
+    created
+        Date and time, ISO 8601.
+
+    Returns
+    -------
+    Record
+
+    Raises
+    ------
+    InputError
+        If the machine came from no profile, whose text a record holds.
+    """
+    source, machine = found.profile, found.machine
+    if source is None:
+        raise InputError([Fault(where=machine.name, message=Message("record-without-profile"))])
+    name = printable(source.path.name)
+    return build_record(
+        found,
+        profile=Profile(name=name, sha256=source.sha256, text=source.text),
+        created=created,
+        warnings=[remark.with_key() for remark in check_plausibility(machine)],
+        identified=read_evidence(machine, source.path.parent),
+    )
 
 
 def build_record(

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import reduce
 from hashlib import sha256
 from itertools import islice
+from math import isfinite
 from pathlib import Path
 from typing import NoReturn
 
@@ -15,6 +16,7 @@ from cattrs import BaseValidationError
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
 from mtcommission.messages.message import STEERING, Message
+from mtcommission.record.agreement import find_contradictions, trusting
 from mtcommission.record.schema import SCHEMA, Record
 from mtcommission.record.shape import WrongFormError, find_faults, to_entry, to_plain
 
@@ -76,7 +78,7 @@ def load_record(path: Path) -> Record:
     if len(content) > LARGEST_FILE:
         raise _fault(path, Message("record-too-large", most=LARGEST_FILE))
     try:
-        data = json.loads(content.decode(), parse_constant=_refuse)
+        data = json.loads(content.decode(), parse_constant=_refuse, parse_float=_read_float)
     except _NoNumberError as error:
         raise _fault(path, Message("record-not-readable", why=error.message)) from error
     except (ValueError, RecursionError) as error:
@@ -96,6 +98,10 @@ def load_record(path: Path) -> Record:
         raise _fault(path, _named("record-edited", wrong), "checksum")
     if record is None:
         raise _fault(path, _named("record-of-other-version", wrong))
+    with trusting(path):
+        contradictions = list(islice(find_contradictions(record), MOST_NAMED + 1))
+    if contradictions:
+        raise _fault(path, _named("record-disagrees", contradictions))
     return record
 
 
@@ -140,6 +146,11 @@ class _NoNumberError(ValueError):
     def __init__(self, constant: str) -> None:
         self.message = Message("json-no-number", constant=constant)
         super().__init__(constant)
+
+
+def _read_float(text: str) -> float:
+    value = float(text)
+    return value if isfinite(value) else _refuse(text)
 
 
 def _refuse(constant: str) -> NoReturn:

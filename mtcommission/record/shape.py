@@ -24,6 +24,9 @@ from mtcommission.messages.message import Message, from_json, to_json
 
 Entry = TypeVar("Entry")
 
+LARGEST = 1e100
+"""Magnitude of a number; what is beyond overflows when it is squared."""
+
 SHOWN = 40
 """Characters of a wrong value that a message shows."""
 
@@ -220,9 +223,9 @@ def _english() -> Catalogue:
 def _number(value: object, _: Any) -> float:
     if value is None:
         return nan
-    if type(value) not in (float, int):
+    if not isinstance(value, float | int) or isinstance(value, bool) or abs(value) > LARGEST:
         raise _wrong(value, "json-number")
-    return value  # type: ignore[return-value]
+    return value
 
 
 def _number_or_null(value: object, form: Any) -> float | None:

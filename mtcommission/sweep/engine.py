@@ -6,10 +6,12 @@ interruption changes what is computed together.
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -22,7 +24,6 @@ from concurrent.futures import (
 )
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,8 @@ POLL = 0.5
 
 Progress = Callable[[int, int, int], None]
 """Called with cases done, cases in all, and failures so far."""
+Notice = Callable[[Message], None]
+"""Called with what the user must know while a sweep runs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +93,7 @@ def run_sweep(
     engine: Engine | None = None,
     resume: bool = False,
     progress: Progress = lambda done, total, failures: None,
+    notice: Notice = lambda _: None,
 ) -> Opened:
     """Return the store with the rows of all cases, computing those that are missing.
 
@@ -105,6 +109,8 @@ def run_sweep(
         Whether to continue what is there.
     progress
         Called after each piece.
+    notice
+        Called where a cluster has no workers to wait for.
 
     Returns
     -------
@@ -116,34 +122,39 @@ def run_sweep(
         If the plan or the folder cannot be used, another sweep is at work there, or the disk is
         full.
     ComputationError
-        WORKER_LOST if workers end again and again; STOPPED by Ctrl-C, kill or a closed terminal.
+        WORKER_LOST if workers end again and again, SCHEDULER_LOST if a cluster's scheduler does;
+        STOPPED by Ctrl-C, kill or a closed terminal.
     """
     check_plan(plan)
     with hold_folder(folder), end_as_if_by_keyboard():
-        return _complete(plan, folder, engine or Engine(), resume=resume, progress=progress)
+        store, tally = _begin(plan, folder, resume=resume, progress=progress)
+        plan = replace(plan, created=store.created)
+        try:
+            _complete_pieces(plan, store, engine or Engine(), tally, notice)
+        except KeyboardInterrupt as error:
+            kept = Message(
+                "sweep-cases-kept", done=tally.done, count=plan.count, folder=str(folder)
+            )
+            raise ComputationError(Outcome.STOPPED, kept) from error
+        return store
 
 
-def _complete(
-    plan: Plan, folder: Path, engine: Engine, *, resume: bool, progress: Progress
-) -> Opened:
+def _begin(plan: Plan, folder: Path, *, resume: bool, progress: Progress) -> tuple[Opened, _Tally]:
+    """The store, and the count of what stands in it already."""
     # Rows of pieces that were cut otherwise would be sorted into the wrong places.
     digest = f"{plan.digest}/{piece_size(plan)}"
     store = open_store(
         folder, digest=digest, created=plan.created, resume=resume, results=(*RESULTS, RECORDS)
     )
-    plan = replace(plan, created=store.created)
     tally = _Tally(total=plan.count, progress=progress)
     for finished in read_finished(store):
         tally.add(finished)
-    try:
-        _complete_pieces(plan, store, engine, tally)
-    except KeyboardInterrupt as error:
-        detail = Message("sweep-cases-kept", done=tally.done, count=plan.count, folder=str(folder))
-        raise ComputationError(Outcome.STOPPED, detail) from error
-    return store
+    return store, tally
 
 
-def _complete_pieces(plan: Plan, store: Opened, engine: Engine, tally: _Tally) -> None:
+def _complete_pieces(
+    plan: Plan, store: Opened, engine: Engine, tally: _Tally, notice: Notice
+) -> None:
     """Compute what is missing, anew where a worker is lost."""
     left = set(range(count_pieces(plan))) - store.pieces
     losses = 0
@@ -152,7 +163,7 @@ def _complete_pieces(plan: Plan, store: Opened, engine: Engine, tally: _Tally) -
         try:
             workers = min(engine.workers, len(left))
             with open_lane(replace(engine, workers=workers)) as lane:
-                _work(plan, store, lane, left, tally)
+                _work(plan, store, lane, left, tally, notice)
         except (BrokenExecutor, CancelledError) as error:
             losses = losses + 1 if len(left) == before else 1
             if losses >= LOSSES:
@@ -160,6 +171,17 @@ def _complete_pieces(plan: Plan, store: Opened, engine: Engine, tally: _Tally) -
                     "sweep-piece-lost", done=tally.done, count=plan.count, piece=min(left)
                 )
                 raise ComputationError(Outcome.WORKER_LOST, detail) from error
+        except _NoSchedulerError as error:
+            if not losses:
+                message = Message("sweep-no-scheduler", address=engine.scheduler)
+                raise InputError([Fault(where="--scheduler", message=message)]) from error
+            detail = Message(
+                "sweep-scheduler-gone",
+                address=engine.scheduler,
+                done=tally.done,
+                count=plan.count,
+            )
+            raise ComputationError(Outcome.SCHEDULER_LOST, detail) from error
 
 
 class _Tally:
@@ -175,11 +197,22 @@ class _Tally:
         self.progress(self.done, self.total, self.failures)
 
 
-def _work(plan: Plan, store: Opened, lane: Lane, left: set[int], tally: _Tally) -> None:
+def _work(
+    plan: Plan, store: Opened, lane: Lane, left: set[int], tally: _Tally, notice: Notice
+) -> None:
     """Keep a few pieces under way and write each one as it comes in."""
-    queue, executor = cut_work(plan, sorted(left)), lane.executor
-    running = {executor.submit(solve_piece, work): work for work in islice(queue, lane.width)}
-    while running:
+    queue, running = cut_work(plan, sorted(left)), dict[Future[Any], Work]()
+    following, had_workers = next(queue, None), True
+    while following or running:
+        width = lane.width()
+        if had_workers and not width:
+            notice(Message("sweep-waits"))
+        had_workers = width > 0
+        while following and len(running) < width:
+            running[lane.executor.submit(solve_piece, following)] = following
+            following = next(queue, None)
+        if not running:
+            time.sleep(POLL)
         ready, _ = wait(running, timeout=POLL, return_when=FIRST_COMPLETED)
         for future in ready:
             work = running.pop(future)
@@ -187,8 +220,6 @@ def _work(plan: Plan, store: Opened, lane: Lane, left: set[int], tally: _Tally) 
             _keep(store, work, answers)
             left.discard(work.piece)
             tally.add(Finished(piece=work.piece, rows=tuple(answer.row for answer in answers)))
-            for following in islice(queue, 1):
-                running[executor.submit(solve_piece, following)] = following
 
 
 def _keep(store: Opened, work: Work, answers: tuple[Answer, ...]) -> None:
@@ -213,11 +244,16 @@ class Lane:
     executor
         Of ``concurrent.futures``, or one that behaves so.
     width
-        Pieces under way: enough to keep every worker busy, so that memory stays flat.
+        Tells how many pieces are to be under way: enough to keep every worker busy, so that memory
+        stays flat; 0 while there is no worker.
     """
 
     executor: Executor
-    width: int
+    width: Callable[[], int]
+
+
+class _NoSchedulerError(Exception):
+    """A cluster's scheduler does not answer."""
 
 
 @contextmanager
@@ -230,8 +266,9 @@ def open_lane(engine: Engine) -> Iterator[Lane]:
     alone = engine.workers == 1
     others = multiprocessing.active_children()
     executor = Immediate() if alone else _open_pool(engine.workers)
+    width = 1 if alone else 2 * engine.workers
     try:
-        yield Lane(executor=executor, width=1 if alone else 2 * engine.workers)
+        yield Lane(executor=executor, width=lambda: width)
     except BaseException:
         # Nobody waits minutes for slow cases whose rows would be dropped; workers own no files.
         for worker in multiprocessing.active_children():
@@ -273,13 +310,34 @@ def _open_cluster(address: str) -> Iterator[Lane]:
     except ImportError as error:
         message = Message("sweep-no-cluster-extra")
         raise InputError([Fault(where="--scheduler", message=message)]) from error
+    _hush()
     try:
         client = Client(address, timeout=10)
-    except (OSError, ValueError) as error:
-        message = Message("sweep-no-scheduler", address=address)
+    except TypeError as error:
+        # What Dask says where tls:// finds no certificate among its settings.
+        message = Message("sweep-no-certificate", address=address)
         raise InputError([Fault(where="--scheduler", message=message)]) from error
-    with client, client.get_executor(pure=False) as executor:
+    except (OSError, ValueError) as error:
+        raise _NoSchedulerError from error
+
+    def width() -> int:
         try:
-            yield Lane(executor=executor, width=2 * max(1, sum(client.nthreads().values())))
+            return 2 * sum(client.nthreads().values())
+        except OSError as error:
+            raise BrokenExecutor(str(error)) from error
+
+    with client:
+        executor = client.get_executor(pure=False)
+        try:
+            yield Lane(executor=executor, width=width)
         except KilledWorker as error:
             raise BrokenExecutor(str(error)) from error
+        finally:
+            executor.shutdown(wait=False)  # else Ctrl-C waits for what no worker computes
+
+
+def _hush() -> None:
+    """Keep the pages to itself that Dask logs where a scheduler is lost: we say it in a line."""
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)

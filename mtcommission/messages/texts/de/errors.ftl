@@ -28,6 +28,7 @@ outcome-no-force-left = { $axis ->
 outcome-move-too-long = Bewegung zu lang: { $detail }: eine so lange Bewegung wird nicht Takt für Takt verfolgt; die Einheit von max_force prüfen oder eine kürzere Bewegung angeben (einen kleineren velocity_step oder einen kürzeren Weg bei gleicher max_velocity: konstante Geschwindigkeit und lange konstante Beschleunigung lassen keine Schwingung zurück, die Grenzwerte bleiben also nahezu gleich; was wegfällt, auch von max_settling_time abziehen)
 outcome-setpoint-failed = kein Sollwert: { $detail }: Ruckig fand zu diesen Grenzwerten keinen Sollwert; prüfen, ob sie in SI-Einheiten angegeben sind
 outcome-worker-lost = Prozess verloren: { $detail }: Prozesse der Reihenrechnung endeten immer wieder, aus Mangel an Speicher oder mit Gewalt; mit --resume und weniger --workers fortsetzen
+outcome-scheduler-lost = Scheduler verloren: { $detail }: ihn und seine Prozesse neu starten und mit --resume fortsetzen
 outcome-stopped = angehalten: { $detail }: die Reihenrechnung wurde unterbrochen; mit --resume fortsetzen
 outcome-printing-failed = Druck gescheitert: { $detail }: das PDF konnte nicht gesetzt werden; --no-pdf verwenden und die Meldung einsenden
 

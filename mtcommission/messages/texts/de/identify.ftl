@@ -163,6 +163,8 @@ identify-next = Dann: mtcommission wizard -o { $file }, danach mtcommission run 
 
 # Options
 identify-profile-there = { $file } gibt es schon, und identify hat es nicht geschrieben; anderen Namen angeben, oder --profile { $file }, um hineinzuschreiben
+identify-option-constant = „{ $got }“ angegeben, muss eine Zahl ungleich 0 in N/A oder N m/A sein, z. B. „12.5 N/A“
+identify-file-twice = enthält dieselbe Messung wie { $other }, die doppelt zählte; sie einmal angeben
 identify-option-number = gegeben "{ $got }", muss eine Zahl ungleich 0 sein
 identify-option-band = gegeben "{ $got }", muss UNTEN:OBEN in Hz sein mit 0 < UNTEN < OBEN, z. B. 8:300
 identify-option-modes = gegeben "{ $got }", muss auto oder 1 bis { $most } sein

@@ -120,3 +120,15 @@ change-robust-force = { $axis ->
 }
 change-judged-by-band = nur das Band beurteilt, bei den aufgeführten Größen
 change-without-margins = kein Kp hält die Reserven ein
+
+# Was eine Python-Konsole und ein Notebook zeigen
+glance = { $machine }, Achse { $axis_name }: { $verdict }; a = { $acceleration }, j = { $jerk }, Sollwertfilter { $filter }, Einschwingzeit { $settling }
+glance-alt = Abweichung am Werkzeug und Sollkraft über der Zeit in jeder Ecke
+glance-corners = weitere Ecken
+glance-deviation = Abweichung am Werkzeug in { $unit }
+glance-end = Sollwert zu Ende
+glance-force = { $axis ->
+    [rotary] Sollmoment in { $unit }
+   *[linear] Sollkraft in { $unit }
+}
+glance-time = Zeit in ms

@@ -35,7 +35,6 @@ file-write-protected = is write-protected; give another name, or allow writing
 cli-no-profile = got no profile; give a TOML file
 cli-no-record = got no record; give the record.json of a run, or --control ? for the list
 cli-file-exists = exists already; give another name
-cli-record-lacks = this record lacks { $key }: another version of mtcommission wrote it; run the profile again, or print it with that version
 cli-interrupted = interrupted; every file is whole: as it was before, or, if it was just being written, new
 cli-no-epoch = got "{ $got }", must be seconds since 1970, or unset it
 cli-file-system = file system

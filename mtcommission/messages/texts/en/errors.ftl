@@ -31,6 +31,7 @@ outcome-no-force-left = { $axis ->
 outcome-move-too-long = move too long: { $detail }: so long a motion is not followed cycle by cycle; check the unit of max_force, or state a shorter move (a smaller velocity_step, or a shorter distance at the same max_velocity: constant velocity and long constant acceleration leave no vibration, so the limits stay nearly the same; take what is cut off from max_settling_time, too)
 outcome-setpoint-failed = setpoint failed: { $detail }: Ruckig found no setpoint for these limits; check that they are in SI units
 outcome-worker-lost = worker lost: { $detail }: processes of the sweep ended again and again, for want of memory or by force; continue with --resume, with fewer --workers
+outcome-scheduler-lost = scheduler lost: { $detail }: start it and its workers again, and continue with --resume
 outcome-stopped = stopped: { $detail }: the sweep was interrupted; continue with --resume
 outcome-printing-failed = printing failed: { $detail }: the PDF could not be set; use --no-pdf and report the message
 

@@ -163,6 +163,8 @@ identify-next = Then: mtcommission wizard -o { $file }, then mtcommission run { 
 
 # Options
 identify-profile-there = { $file } is there and was not written by identify; give another name, or --profile { $file } to merge into it
+identify-option-constant = got "{ $got }", must be a number other than 0 in N/A or N m/A, e.g. "12.5 N/A"
+identify-file-twice = holds the same measurement as { $other }, which would count twice; give it once
 identify-option-number = got "{ $got }", must be a number other than 0
 identify-option-band = got "{ $got }", must be LOW:HIGH in Hz with 0 < LOW < HIGH, e.g. 8:300
 identify-option-modes = got "{ $got }", must be auto or 1 to { $most }

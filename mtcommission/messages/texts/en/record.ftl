@@ -3,6 +3,12 @@
 
 record-not-readable = not a record of mtcommission run: { $why }
 record-too-large = is larger than { PLAIN($most, digits: 9) } bytes; that is no record
+record-without-profile = a record holds the text of the profile, and this machine was not run from one; run the profile's file
+record-contradicts = contradicts itself, which no run writes ({ $why }); run the profile again, and report it if the new record does the same
+record-disagrees = disagrees with itself, so that it cannot be read; run the profile again
+record-disagrees-where = { $wrong }; the record disagrees with itself, which no run writes; run the profile again
+record-lengths-differ = { $key }: lengths { $counts } must be equal
+record-times-fall = { $key }: must rise, with two instants at least
 record-steers = holds characters that steer a terminal, which no run writes; run the profile again
 record-not-json = not a record of mtcommission run: its contents are not JSON; give the record.json that mtcommission run writes
 record-is-directory = is a directory; give the record.json in it
@@ -23,6 +29,7 @@ json-no-number = { $constant } is no number of JSON
 json-object = an object
 json-array = an array
 json-message = a message that is known here
+json-formula = a formula
 json-text = a text
 json-boolean = true or false
 json-number = a number

@@ -124,3 +124,15 @@ change-robust-force = { $axis ->
 }
 change-judged-by-band = only the band was judged, at the listed sizes
 change-without-margins = no Kp keeps the margins
+
+# What a Python prompt and a notebook show
+glance = { $machine }, axis { $axis_name }: { $verdict }; a = { $acceleration }, j = { $jerk }, setpoint filter { $filter }, settling time { $settling }
+glance-alt = Deviation at the tool and set force over time in every corner
+glance-corners = further corners
+glance-deviation = tool deviation in { $unit }
+glance-end = setpoint has ended
+glance-force = { $axis ->
+    [rotary] set torque in { $unit }
+   *[linear] set force in { $unit }
+}
+glance-time = time in ms

@@ -1,0 +1,151 @@
+"""The package in a Python prompt and a notebook: light to import, short to look at, documented."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mtcommission
+from mtcommission.commission import Commissioning
+from mtcommission.errors import InputError
+
+DOCS = Path(__file__).parent.parent / "docs" / "python.md"
+
+SMALL = """
+schema = 1
+[machine]
+name = "Small <b>axis</b> $x_1$"
+axis = "X"
+source = "made up"
+[plant]
+kind = "modal"
+moving_mass = "100 kg"
+[[plant.modes]]
+name = "frame"
+frequency = "40 Hz"
+damping_ratio = 0.03
+tcp_gain = "2e-3 1/kg"
+[drive]
+force_lag = "1 ms"
+max_force = "1 kN"
+[[moves]]
+velocity_step = "0.1 m/s"
+[requirements]
+tcp_deviation = "50 um"
+frequency_spread = "5 %"
+damping_spread = "0 %"
+move_sizes = "listed"
+[control]
+setpoint_filter = "none"
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("python")
+    (folder / "axis.toml").write_text(SMALL, "utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def found(folder: Path) -> Commissioning:
+    return mtcommission.run(folder / "axis.toml")
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    """Whoever only asks for the version must not wait for numpy."""
+    code = (
+        "import sys, mtcommission; print(sorted({'numpy', 'typer', 'control'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_one_line_says_the_verdict_and_what_to_type_in(found: Commissioning) -> None:
+    """250 kB of dataclass bury both."""
+    line = repr(found)
+    best = found.recommended.limits
+    assert len(line.splitlines()) == 1
+    assert len(line) < 300
+    assert "All requirements met" in line
+    assert f"{best.acceleration:g}" in line
+    assert f"{best.jerk:g}" in line
+
+
+def test_a_notebook_shows_verdict_limits_requirements_and_plot(found: Commissioning) -> None:
+    html = found._repr_html_()
+    assert len(html) < 200_000
+    for words in (
+        "All requirements met",
+        "recommended",
+        "residual deviation",
+        "data:image/png;base64,",
+    ):
+        assert words in html
+    names = {len(re.findall("<tr>", html))}
+    judged = 1 + len(found.alternatives) + len(found.rules)
+    assert names == {judged + len(found.assessment.checks) + 2}  # two heads
+
+
+def test_a_notebook_reads_no_markup_in_the_names_of_the_user(found: Commissioning) -> None:
+    html = found._repr_html_()
+    assert "Small &lt;b&gt;axis&lt;/b&gt; $x_1$" in html
+    assert "Small <b>" not in html
+
+
+def test_what_misses_its_requirements_says_so(found: Commissioning) -> None:
+    check = replace(found.assessment.checks[0], value=np.inf, is_met=False)
+    missed = replace(found.recommended, assessment=replace(found.assessment, checks=(check,)))
+    worse = replace(found, choice=replace(found.choice, candidate=missed))
+    assert "Requirements NOT met" in repr(worse)
+    assert "Requirements NOT met" in worse._repr_html_()
+    assert "not settled" in worse._repr_html_()
+
+
+def test_the_plot_shows_every_corner_in_its_unit(found: Commissioning) -> None:
+    upper, lower = found.plot().axes
+    response = found.moves[0].responses[0]
+    nominal = next(line for line in upper.get_lines() if line.get_label() == "nominal")
+    assert np.max(np.abs(nominal.get_ydata())) == pytest.approx(1e6 * response.peak_deviation)
+    assert upper.get_ylabel() == "tool deviation in µm"
+    assert np.max(nominal.get_xdata()) == pytest.approx(1e3 * response.t[-1])
+    curves = [line for line in lower.get_lines() if len(line.get_xdata()) > 2]
+    assert len(curves) == len(found.tuned.corners) == 3
+    limits = [line.get_ydata()[0] for line in lower.get_lines() if len(line.get_xdata()) == 2]
+    assert sorted(limits) == [-1.0, 1.0]  # kN
+    assert lower.get_ylabel() == "set force in kN"
+
+
+def test_a_record_holds_the_profile_that_was_run(found: Commissioning, folder: Path) -> None:
+    record = mtcommission.make_record(found)
+    assert record.profile.name == "axis.toml"
+    assert record.profile.text == (folder / "axis.toml").read_text("utf-8")
+    with pytest.raises(InputError, match="run the profile's file"):
+        mtcommission.make_record(replace(found, profile=None))
+
+
+def test_the_documented_lines_run(
+    found: Commissioning, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Names, shapes and units of the time series are what docs/python.md says."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(mtcommission, "run", lambda _: found)
+    names: dict[str, Any] = {}
+    for block in re.findall(r"```python\n(.*?)```", DOCS.read_text("utf-8"), re.DOTALL):
+        exec(compile(block, str(DOCS), "exec"), names)
+    response, sent, tool = found.moves[0].responses[0], names["sent"], names["tool"]
+    n = response.t.size
+    assert response.deviation.shape == response.force.shape == tool.shape == (n,)
+    assert response.states.shape == (n, len(found.plant.states))
+    assert sent.shape == (n, 4)
+    tau = found.tuned.controller.reference_delay
+    delayed = np.interp(response.t - tau, response.t, sent[:, 0])
+    np.testing.assert_allclose(tool - delayed, response.deviation, atol=2e-7)
+    assert (folder / "sheet.pdf").read_bytes().startswith(b"%PDF")
