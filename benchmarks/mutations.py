@@ -174,7 +174,7 @@ def _places(value: Any, keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str,
     """Every place in JSON: its keys, all places of an array being one, what holds it and where."""
     inner = value.items() if isinstance(value, dict) else enumerate(value)
     for place, item in inner:
-        below = (*keys, place if isinstance(value, dict) else "")
+        below = (*keys, str(place) if isinstance(value, dict) else "")
         if below not in (("schema",), ("checksum",)):
             yield below, value, place
         if isinstance(item, dict | list):

@@ -322,7 +322,7 @@ def _open_cluster(address: str) -> Iterator[Lane]:
 
     def width() -> int:
         try:
-            return 2 * sum(client.nthreads().values())
+            return 2 * int(sum(client.nthreads().values()))
         except OSError as error:
             raise BrokenExecutor(str(error)) from error
 
