@@ -66,7 +66,8 @@ def find_contradictions(record: Record) -> Iterator[Message]:
             counts = ", ".join(map(str, lengths))
             yield Message("record-lengths-differ", key=key, counts=counts)
     for key, entry in _walk("", record):
-        if isinstance(entry, Series):
+        # A motor that follows has no disturbance and no Bode plot: these series are empty.
+        if isinstance(entry, Series) and not (record.machine.follows and not entry.t):
             steps = [after - before for before, after in pairwise(entry.t)]
             if not steps or not all(step >= 0.0 and isfinite(step) for step in steps):
                 yield Message("record-times-fall", key=f"{key}.t")
@@ -89,7 +90,8 @@ def _alike(record: Record) -> Iterator[tuple[str, Sequence[int]]]:
     yield "loop.observer.C", [len(observer.states), *map(len, observer.C)]
     yield "loop.observer.L", [len(observer.states), len(observer.B), len(observer.L)]
     yield "moves", [len(record.moves), len(record.optima), len(record.comparisons)]
-    yield "moves.corners", [len(loop.corners), *(len(move.corners) for move in record.moves)]
+    margins = [] if record.machine.follows else [len(loop.corners)]
+    yield "moves.corners", [*margins, *(len(move.corners) for move in record.moves)]
     seen = limits.landscape
     rows, columns = len(seen.acceleration), len(seen.jerk_time)
     for name in ("settling_time", "residual_deviation", "usage"):
