@@ -1,19 +1,19 @@
-"""The control loop: gains, margins, the loops that were tried, and frequency response."""
+"""The control loop: frequency response with its margins, stiffness, the loops that were tried."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from math import inf, isfinite, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.quantities import motion_unit, symbol
+from mtcommission.messages.quantities import symbol
 from mtcommission.record.schema import CandidateEntry, LoopPart, Record, VariantEntry
 from mtcommission.sheet.control_part import control_has
 from mtcommission.sheet.diagram_part import structure
-from mtcommission.sheet.loop_study_part import loop_study
+from mtcommission.sheet.identified_part import changes, short_name
+from mtcommission.sheet.loop_study_part import disturbance, loop_study
 from mtcommission.sheet.model import (
     Block,
     Bullets,
@@ -30,27 +30,38 @@ from mtcommission.sheet.values import decibel, degree, settling
 
 Array = NDArray[np.float64]
 
-OPEN, CLOSED = 4, 1
+OPEN, CLOSED, MEASURED, MARGIN, FILTER = 4, 1, 2, 3, 0
 """Line styles: the open loop is the main curve."""
 
+HIGHEST_DB = 40.0
+"""Magnitude of the open loop from which on it is drawn."""
 
-def loop(record: Record, words: Catalogue) -> Section:
-    """Return gains, margins, the loops that were tried, and frequency response."""
-    text, part = words.text, record.loop
-    sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
-    sentences = [text("sensors", names=", ".join(sensors))]
-    if part.observer.states:
-        sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
-    if not part.state_feedback:
-        sentences.append(text("no-state-feedback"))
-    gains = Table(
-        caption=text("gains-caption"),
-        columns=(
-            Column(head=text("quantity"), width=2.0),
-            Column(head=text("value"), is_number=True),
-        ),
-        rows=gain_rows(record, words),
+SEEN_DB, SEEN_DEG = 0.5, 2.0
+"""How near a crossing of the plotted curve must be to a margin of the record to carry it."""
+
+JUMP = 0.5
+"""Share of all that a curve spans by which it changes from point to point only where it wraps."""
+
+
+def loop_blocks(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Return how far the loop is from unstable, how stiff it is, and why it is this one."""
+    text = words.text
+    reasons = tuple(map(words.say, record.loop.reasons))
+    why: tuple[Block, ...] = ()
+    if reasons:
+        why = (Paragraph(text=text("loop-why")), Bullets(items=reasons))
+    return (
+        Paragraph(text=_sensors(record, words), tone=Tone.NOTE),
+        bode(record, words),
+        margins(record, words),
+        disturbance(record, words),
+        *why,
     )
+
+
+def loop_details(record: Record, words: Catalogue) -> Section:
+    """Return structure, loops that were tried, corners, delays, and what the control has."""
+    text, part = words.text, record.loop
     remarks: tuple[Block, ...] = ()
     if part.remarks:
         remarks = (
@@ -58,57 +69,34 @@ def loop(record: Record, words: Catalogue) -> Section:
             Bullets(items=tuple(map(words.say, part.remarks))),
         )
     return Section(
-        key="loop",
-        heading=text("loop-heading"),
+        key="loop-details",
+        heading=text("loop-details-heading"),
         blocks=(
             structure(record, words),
-            gains,
-            Paragraph(text=" ".join(sentences), tone=Tone.NOTE),
-            _margins(record, words),
             *_trade_off(record, words),
             *_variants(record, words),
-            _bode(record, words),
             *loop_study(record, words),
             *remarks,
             *control_has(record, words),
         ),
+        is_appendix=True,
     )
 
 
-def gain_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
-    """Return name and value of every gain, delay and cycle."""
-    text, f, part, units = words.text, words.format, record.loop, record.plant.units
-    mass = motion_unit("kg", rotary=words.rotary)
-    rows = [
-        (words.name("Kv"), f.quantity(part.Kv, "1/s")),
-        (words.name("Kp"), f.axis(part.Kp, "N s/m")),
-        (words.name("Tn"), f.quantity(part.Tn, "s")),
-        (text("reference-delay"), f.quantity(part.reference_delay, "s")),
-    ]
-    for name, value in asdict(part.feedforward).items():
-        unit = mass if "mass" in name else ""
-        rows.append(
-            (text("feedforward", name=text(f"feedforward-{name}")), f.quantity(value, unit))
-        )
-    for state, gain in part.state_feedback.items():
-        unit = f"{units['F']}/({units[state]})" if state in units else ""
-        rows.append((text("state-feedback", name=symbol(state)), f.quantity(gain, unit)))
-    if part.reference_model_time:
-        rows.append((text("reference-model"), f.quantity(part.reference_model_time, "s")))
-    for number, item in enumerate(part.force_filters, start=1):
-        said = text(
-            f"loop-filter-{item.kind.replace('_', '-')}",
-            frequency=item.natural_frequency / (2.0 * pi),
-            damping=item.damping,
-            width=item.width,
-        )
-        rows.append((text("force-filter", number=number), said))
-    rows.append((text("position-cycle"), f.quantity(part.position_cycle, "s")))
-    rows.append((text("velocity-cycle"), f.quantity(part.velocity_cycle, "s")))
-    return tuple(rows)
+def _sensors(record: Record, words: Catalogue) -> str:
+    """Return what the loop measures, observes and feeds back."""
+    text, part = words.text, record.loop
+    sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
+    sentences = [text("sensors", names=", ".join(sensors))]
+    if part.observer.states:
+        sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
+    if not part.state_feedback:
+        sentences.append(text("no-state-feedback"))
+    return " ".join(sentences)
 
 
-def _margins(record: Record, words: Catalogue) -> Table:
+def margins(record: Record, words: Catalogue) -> Table:
+    """Return margins, bandwidth, stiffness and damping, nominal and in the worst corner."""
     text, f, part = words.text, words.format, record.loop
     worst = part.worst_corner
     peak = worst.sensitivity_peak
@@ -161,13 +149,11 @@ def _margins(record: Record, words: Catalogue) -> Table:
 
 
 def _trade_off(record: Record, words: Catalogue) -> tuple[Block, ...]:
-    """Return the loops that no other one beats in both stiffness and settling, and the reasons."""
+    """Return the loops that no other one beats in both stiffness and settling."""
     text, f, tried = words.text, words.format, record.loop.candidates
-    reasons = tuple(map(words.say, record.loop.reasons))
-    told = (Bullets(items=reasons),) if reasons else ()
     shown = [item for item in tried if item.used or item.classic or not _is_beaten(item, tried)]
     if len(shown) < 2:
-        return told
+        return ()
     heads = (
         "settling-time",
         "stiffness-short",
@@ -198,7 +184,7 @@ def _trade_off(record: Record, words: Catalogue) -> tuple[Block, ...]:
         ),
         strong_rows=tuple(k for k, item in enumerate(shown) if item.used),
     )
-    return (table, *told)
+    return (table,)
 
 
 def _is_beaten(item: CandidateEntry, others: list[CandidateEntry]) -> bool:
@@ -263,16 +249,34 @@ def _stiffness(part: LoopPart | VariantEntry, words: Catalogue) -> str:
     )
 
 
-def _bode(record: Record, words: Catalogue) -> LinePlot:
+def bode(record: Record, words: Catalogue) -> LinePlot:
+    """Return the frequency response with its margins, filters, and what was measured of it."""
     text, f, part = words.text, words.format, record.loop
     frequency = np.array(part.bode.t)
     signals = {name: np.array(values) for name, values in part.bode.signals.items()}
     # Whole turns are added so that the phase begins between -360 and 0 degrees.
-    phase = signals["open_loop_deg"] - 360.0 * np.ceil(signals["open_loop_deg"][0] / 360.0)
+    turns = 360.0 * np.ceil(signals["open_loop_deg"][0] / 360.0)
+    size, phase = signals["open_loop_db"], signals["open_loop_deg"] - turns
+    # Far below the crossover a loop only rises; there it would take the room of the margins.
+    first = max(int(np.argmax(size < HIGHEST_DB)) - 1, 0)
+    frequency, size, phase = frequency[first:], size[first:], phase[first:]
+    closed = signals["closed_velocity_db"][first:]
 
     def line(label: str, y: Array, style: int) -> Line:
         return Line(label=label, x=frequency, y=y, style=style)
 
+    gain_line, phase_line = _margin_lines(record, frequency, size, phase, words)
+    measured = _measured(record, frequency, size, phase, words)
+    corners = [item.natural_frequency / (2.0 * pi) for item in part.force_filters]
+    filters = tuple(
+        Line(
+            label=text("filter-at", frequency=f.quantity(corner, "Hz")),
+            x=np.full(2, corner),
+            y=np.array([float(size.min()), float(size.max())]),
+            style=FILTER,
+        )
+        for corner in corners
+    )
     return LinePlot(
         key="bode",
         caption=text("bode-caption"),
@@ -289,15 +293,101 @@ def _bode(record: Record, words: Catalogue) -> LinePlot:
             Panel(
                 y_label=text("magnitude"),
                 lines=(
-                    line(text("open-loop"), signals["open_loop_db"], OPEN),
-                    line(text("closed-velocity"), signals["closed_velocity_db"], CLOSED),
+                    line(text("open-loop"), size, OPEN),
+                    line(text("closed-velocity"), closed, CLOSED),
+                    *(one for one, _ in measured),
+                    *gain_line,
+                    *filters,
                 ),
                 borders=(Border(label="0 dB", y=0.0),),
             ),
             Panel(
                 y_label=text("phase"),
-                lines=(line(text("open-loop"), phase, OPEN),),
+                lines=(
+                    line(text("open-loop"), phase, OPEN),
+                    *(two for _, two in measured),
+                    *phase_line,
+                ),
                 borders=(Border(label="−180°", y=-180.0),),
             ),
         ),
     )
+
+
+def _margin_lines(
+    record: Record, frequency: Array, size: Array, phase: Array, words: Catalogue
+) -> tuple[tuple[Line, ...], tuple[Line, ...]]:
+    """Return the margins as lines at the frequencies at which the curves have them.
+
+    Of all crossings the one that has the margin of the record; none where the curve does not.
+    """
+    text, part = words.text, record.loop
+    gain: tuple[Line, ...] = ()
+    turned = (phase + 180.0) / 360.0
+    found = _crossings(frequency, turned - np.round(turned), size)
+    if part.gain_margin_db is not None and found:
+        margin = part.gain_margin_db
+        x, y = min(found, key=lambda at: abs(abs(at[1]) - margin))
+        if abs(abs(y) - margin) < SEEN_DB:
+            label = text("gain-margin-at", margin=decibel(margin, words))
+            gain = (Line(label=label, x=np.full(2, x), y=np.array([y, 0.0]), style=MARGIN),)
+    angle: tuple[Line, ...] = ()
+    found = _crossings(frequency, size, phase)
+    if part.phase_margin_deg is not None and found:
+        wanted = part.phase_margin_deg
+        legs = [(x, y, 360.0 * round((y + 180.0) / 360.0) - 180.0) for x, y in found]
+        x, y, axis = min(legs, key=lambda leg: abs(abs(leg[1] - leg[2]) - wanted))
+        if abs(abs(y - axis) - wanted) < SEEN_DEG:
+            label = text("phase-margin-at", margin=degree(wanted, words))
+            angle = (Line(label=label, x=np.full(2, x), y=np.array([axis, y]), style=MARGIN),)
+    return gain, angle
+
+
+def _crossings(x: Array, y: Array, other: Array) -> list[tuple[float, float]]:
+    """Return where y goes through 0, and what another curve is there; a jump is no crossing."""
+    step = np.abs(np.diff(y))
+    span = max(float(np.ptp(y)), 1e-12)
+    k = np.flatnonzero((y[:-1] * y[1:] <= 0.0) & (step > 0.0) & (step < JUMP * span))
+    share = y[k] / (y[k] - y[k + 1])
+    places = x[k] * (x[k + 1] / x[k]) ** share
+    values = other[k] + share * (other[k + 1] - other[k])
+    return list(zip(places.tolist(), values.tolist(), strict=True))
+
+
+def _measured(
+    record: Record, frequency: Array, size: Array, phase: Array, words: Catalogue
+) -> list[tuple[Line, Line]]:
+    """Return magnitude and phase of the open loop with each measured response in it.
+
+    It is the loop of the model times measured over fitted: all that lies between axis and loop is
+    the same in both. Only responses of the loop's own encoder, and only where the profile still is
+    what was fitted.
+    """
+    part = record.identified
+    if part is None or changes(part, record, words):
+        return []
+    sensors = {short_name(one.name): one.sensor for one in part.sources}
+    found = []
+    for one in part.responses:
+        if one.phase_deg is None or one.curve_phase_deg is None or not one.unit:
+            continue
+        if sensors.get(short_name(one.name)) != "encoder":
+            continue
+        low, high = max(frequency[0], one.curve_hz[0]), min(frequency[-1], one.curve_hz[-1])
+        f = np.array(one.frequency_hz)
+        inside = (f >= low) & (f <= high)
+        f = f[inside]
+        places = np.log(f), np.log(one.curve_hz), np.log(frequency)
+        label = words.text("open-loop-measured", file=short_name(one.name))
+        pair = []
+        for values, curve, base in (
+            (20.0 * np.log10(one.magnitude), 20.0 * np.log10(one.curve_magnitude), size),
+            (np.array(one.phase_deg), np.array(one.curve_phase_deg), phase),
+        ):
+            over = values[inside] - np.interp(places[0], places[1], curve)
+            if base is phase:
+                over -= 360.0 * np.round(over / 360.0)
+            y = np.interp(places[0], places[2], base) + over
+            pair.append(Line(label=label, x=f, y=y, style=MEASURED))
+        found.append((pair[0], pair[1]))
+    return found
