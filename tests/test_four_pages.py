@@ -17,8 +17,8 @@ from mtcommission.profile.shipped import shipped_names
 from mtcommission.record.schema import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf
+from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose
-from mtcommission.sheet.loop_part import bode
 from mtcommission.sheet.plot_model import LinePlot
 
 from .sheet_record import example_record, not_met, on_json, shipped_record, with_today

@@ -1006,6 +1006,20 @@ def test_german_knows_data_assumptions_loop_and_rule_of_every_example_machine(na
         assert GERMAN.say(sentence) != ENGLISH.say(sentence)
 
 
+def test_the_command_line_prints_the_appendix_on_demand(tmp_path):
+    file = tmp_path / "record.json"
+    file.write_text(json.dumps(example_record()), encoding="utf-8")
+    counts, html = [], set()
+    for more in ([], ["--appendix"]):
+        argv = ["sheet", str(file), "-o", str(tmp_path / "out"), *more]
+        assert CliRunner().invoke(app, argv).exit_code == 0
+        counts.append(len(pdf_pages((tmp_path / "out" / "sheet.pdf").read_bytes())))
+        html.add((tmp_path / "out" / "sheet.html").read_bytes())
+    assert counts[0] == 4
+    assert counts[1] > 9
+    assert len(html) == 1, "the page always has it"
+
+
 def test_the_command_line_knows_the_languages(tmp_path):
     file = tmp_path / "record.json"
     file.write_text(json.dumps(example_record()), encoding="utf-8")

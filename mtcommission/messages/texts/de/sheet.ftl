@@ -117,7 +117,6 @@ robust-force = { $axis ->
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
 reference-composed = { $optimum } (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter { $bound })
 checks-caption = Anforderungen
-data-source = Quelle der Maschinendaten: { $source }
 warning-count = Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
 further-warnings = Weitere Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
 check = Anforderung
@@ -388,10 +387,6 @@ feedforward = Vorsteuerung: { $name }
 feedforward-velocity = Geschwindigkeit
 feedforward-acceleration = Beschleunigung
 feedforward-jerk = Ruck
-feedforward-mass = { $axis ->
-    [rotary] Trägheitsmoment
-   *[linear] Masse
-}
 state-feedback = Zustandsrückführung von { $name }
 no-state-feedback = Keine Zustandsrückführung.
 sensors = Geber: { $names }.

@@ -117,7 +117,6 @@ robust-force = { $axis ->
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
 reference-composed = { $optimum } (composed with a cruise; proved: not below { $bound })
 checks-caption = Requirements
-data-source = Source of the machine data: { $source }
 warning-count = Warnings: { $count }, see the appendix, certificates and assumptions.
 further-warnings = Further warnings: { $count }, see the appendix, certificates and assumptions.
 check = Requirement
@@ -385,10 +384,6 @@ feedforward = Feed-forward: { $name }
 feedforward-velocity = velocity
 feedforward-acceleration = acceleration
 feedforward-jerk = jerk
-feedforward-mass = { $axis ->
-    [rotary] moment of inertia
-   *[linear] mass
-}
 state-feedback = State feedback from { $name }
 no-state-feedback = No state feedback.
 sensors = Sensors: { $names }.
