@@ -14,12 +14,16 @@ from typing import Any
 
 from mtcommission.limits.commissioning_rule.by_hand import T_F, Kp, f, formulas_for, m
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
-from mtcommission.machine.machine import VelocityStep
+from mtcommission.machine.machine import Motion, VelocityStep
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.messages import formula
 from mtcommission.messages.formula import call
 from mtcommission.messages.message import Message, Value, to_json
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.shipped import read_shipped
+from mtcommission.record.data import describe_move, list_data
 from mtcommission.record.files import find_checksum
+from mtcommission.record.loop import feature_entries
 from mtcommission.record.schema import SCHEMA, Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.study.machining_modes import NO_LIMITS
@@ -959,3 +963,109 @@ def retuned(record: Json) -> Json:
     later["loop"]["Kv"] *= 0.9
     later["checksum"] = find_checksum(later)
     return later
+
+
+def shipped_record(name: str) -> Json:
+    """The words of an example machine on made-up numbers: its names, data, sources, moves, control.
+
+    As long on paper as its own record, without the minutes that it takes to compute that.
+    """
+    profile = read_shipped(name)
+    machine = profile.machine
+    plant = build_plant(machine)
+    is_rotary = machine.motion is Motion.ROTARY
+    record = rotary_record() if is_rotary else example_record()
+    moves = [describe_move(move) for move in machine.moves]
+    record["profile"] |= {"name": f"{name}.toml", "text": profile.text}
+    record["machine"] |= {"name": machine.name, "axis": machine.axis, "source": machine.source}
+    record["data"] = to_plain(list_data(machine, plant, profile.text))
+    modes = record["plant"]["modes"]
+    record["plant"]["modes"] = [
+        modes[0] | {"name": mode.name, "frequency_hz": mode.frequency_hz} for mode in plant.modes
+    ]
+    damping = {mode.name: 0.031 for mode in plant.modes}
+    for key in ("optima", "moves", "comparisons"):
+        (first,) = record[key]
+        record[key] = [deepcopy(first) for _ in moves]
+    for move, optima, entry in zip(moves, record["optima"], record["moves"], strict=True):
+        optima["move"] = entry["move"] = optima["time"]["move"] = move
+    limits, loop = record["limits"], record["loop"]
+    sizes = [move.get("velocity_step") or move["distance"] for move in moves]
+    limits["recommended"] |= {
+        "setpoint_filter": average(0.016),
+        "valid_for": [{"smallest": 0.0, "largest": size} for size in sizes],
+    }
+    limits["move_sizes"] = [
+        item | {"move": move} for move in moves for item in limits["move_sizes"]
+    ]
+    limits["would_bring"] = [limits["would_bring"][0] for _ in range(6)]
+    kind = machine.control.kind
+    loop |= {
+        "kind": kind.key,
+        "jerk": kind.jerk.value,
+        "position_loop": machine.control.position_loop.value,
+        "features": to_plain(feature_entries(kind)),
+        "mode_damping": damping,
+        "worst_mode_damping": damping,
+        "state_feedback": dict.fromkeys(STATES, 1236.4) if kind.state_feedback else {},
+        "reasons": loop["reasons"] * 4,
+    }
+    for variant in loop["variants"]:
+        variant["mode_damping"] = damping
+    (check,) = record["assessment"]["checks"]
+    names = ["residual deviation", "settling time", "set force", "RMS force"]
+    parts = (
+        Message("place-move", number=1),
+        Message("place-payload", payload=200.0),
+        Message("place-frequencies", factor=0.95),
+        Message("place-damping", factor=1.3),
+    )
+    record["assessment"]["checks"] = [
+        check | {"name": kind, "where": said("place", parts=parts)} for kind in names
+    ]
+    return record
+
+
+def with_today(record: Json) -> Json:
+    """Today's limits and Kv beside the recommended ones."""
+    record["limits"]["today"] = {
+        "acceleration": 2.03,
+        "jerk": 17.1,
+        "jerk_time": 2.03 / 17.1,
+        "setpoint_filter": None,
+        "Kv": 31.0,
+        "Kp": 128400.0,
+        "Tn": 0.02337,
+        "stated": ["Kv"],
+        "basis": said("today-in-mixed-loop", stated=("Kv",), others=("Kp", "Tn")),
+        "failure": None,
+        "bound_by": None,
+        "settling_time": 0.3101,
+        "residual_deviation": 45.2e-6,
+        "peak_deviation": 61.3e-6,
+        "meets_requirements": False,
+        "keeps_reserve": False,
+        "frequency_range": None,
+        "valid_for": [{"smallest": 0.102, "largest": 0.102}],
+    }
+    return record
+
+
+def not_met(record: Json) -> Json:
+    """One requirement missed, with what could be met instead."""
+    check = record["assessment"]["checks"][0]
+    record["assessment"] |= {"met": False, "obstacle": "residual deviation"}
+    check |= {"value": 1.3 * check["limit"], "met": False}
+    record["limits"]["attainable"] = [
+        {
+            "requirement": name,
+            "limit": limit,
+            "value": 1.3 * limit,
+            "unit": unit,
+            "acceleration": 0.9,
+            "jerk": 11.0,
+            "together_with": [],
+        }
+        for name, limit, unit in (("residual deviation", 5e-6, "m"), ("settling time", 0.1, "s"))
+    ]
+    return record

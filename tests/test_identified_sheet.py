@@ -11,6 +11,7 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import tomlkit
 
@@ -24,6 +25,7 @@ from mtcommission.profile.read import parse_profile
 from mtcommission.record.identified import read_evidence
 from mtcommission.record.schema import IdentifiedPart, Record, ToolSensorEntry
 from mtcommission.record.shape import to_entry, to_plain
+from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified_part import identified
@@ -67,8 +69,8 @@ def _part(profile: Path) -> IdentifiedPart:
     return found
 
 
-def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
-    """The sheet of a record whose plant has what was measured, but for some changes."""
+def _record(part: IdentifiedPart, **plant) -> Record:
+    """A record whose plant has what was measured, but for some changes."""
     record = to_entry(example_record(), Record)
     modes = [
         replace(
@@ -82,8 +84,12 @@ def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
     ]
     mass = part.moving_mass.value
     plant = {"modes": modes, "moving_mass": mass} | plant
-    record = replace(record, identified=part, plant=replace(record.plant, **plant))
-    sections = identified(record, Catalogue(language))
+    return replace(record, identified=part, plant=replace(record.plant, **plant))
+
+
+def _section(part: IdentifiedPart, language: str = "en", **plant) -> str:
+    """Its section on paper."""
+    sections = identified(_record(part, **plant), Catalogue(language))
     document = compose(to_entry(example_record(), Record))
     return set_html(replace(document, sections=sections), decimal_mark=".")
 
@@ -119,6 +125,34 @@ def test_without_that_file_the_profile_alone_has_the_intervals_and_the_sheet_say
     beside.write_text(text.replace('"misfit": 0', '"misfit": 9', 1))
     assert [one.kind for one in _part(profile).warnings] == ["identified-evidence-differs"]
     assert "axis.identified.json" in _section(_part(profile))
+
+
+def test_the_loop_with_the_measured_axis_differs_by_measured_over_fitted(profile: Path) -> None:
+    """Points that are 6 dB above the fitted curve lie 6 dB above the loop of the model, and none
+    are drawn where the loop would not see them so."""
+    part = _part(profile)
+    (response,) = part.responses
+    fitted = np.interp(
+        np.log(response.frequency_hz), np.log(response.curve_hz), response.curve_magnitude
+    )
+    phase = np.interp(
+        np.log(response.frequency_hz), np.log(response.curve_hz), response.curve_phase_deg
+    )
+    shifted = replace(
+        response, magnitude=(2.0 * fitted).tolist(), phase_deg=(phase - 350.0).tolist()
+    )
+    record = _record(replace(part, responses=[shifted]))
+    panels = bode(record, Catalogue("en")).panels
+    for panel, apart in zip(panels, (20.0 * np.log10(2.0), 10.0), strict=True):
+        model = panel.lines[0]
+        (measured,) = (line for line in panel.lines if "e.csv" in line.label)
+        assert measured.x.size > 50
+        expected = np.interp(np.log(measured.x), np.log(model.x), model.y)
+        np.testing.assert_allclose(measured.y - expected, apart, atol=0.3)
+    tool = [replace(source, sensor="tcp") for source in part.sources]
+    for other in (replace(part, responses=[shifted], sources=tool), None):
+        lines = bode(replace(record, identified=other), Catalogue("en")).panels[0].lines
+        assert not [line for line in lines if "e.csv" in line.label]
 
 
 @pytest.mark.parametrize("language", ["en", "de"])

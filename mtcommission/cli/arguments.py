@@ -25,3 +25,7 @@ SizesOption = Annotated[
     typer.Option("--for", metavar="every|listed", help="Sizes of move that the limits serve."),
 ]
 NoPdfOption = Annotated[bool, typer.Option("--no-pdf", help="Leave the PDF out.")]
+AppendixOption = Annotated[
+    bool,
+    typer.Option("--appendix", help="Print the evidence, too; the HTML always has it."),
+]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from mtcommission.cli.arguments import (
+    AppendixOption,
     CsvOption,
     FolderOption,
     ForceOption,
@@ -39,6 +40,7 @@ def run(
     language: LanguageOption = ENGLISH,
     no_pdf: NoPdfOption = False,
     sizes: SizesOption = "",
+    appendix: AppendixOption = False,
 ) -> None:
     """Compute the limits; write record, sheet and setpoint.
 
@@ -69,7 +71,7 @@ def run(
             "sheet.html": print_html(record, language=language).encode(),
         }
         if not no_pdf:
-            files["sheet.pdf"] = print_pdf(record, language=language)
+            files["sheet.pdf"] = print_pdf(record, language=language, appendix=appendix)
         for number, move in enumerate(found.moves, start=1):
             name = "setpoint.csv" if number == 1 else f"setpoint-{number}.csv"
             cycle = found.tuned.controller.position_cycle

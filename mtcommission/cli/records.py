@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from mtcommission.cli.arguments import FolderOption, NoPdfOption, RecordArgument
+from mtcommission.cli.arguments import AppendixOption, FolderOption, NoPdfOption, RecordArgument
 from mtcommission.cli.language import ENGLISH, LanguageOption, words
 from mtcommission.cli.progress import print_written, show_stage
 from mtcommission.errors import Fault, InputError
@@ -30,6 +30,7 @@ def sheet(
     ] = None,
     language: LanguageOption = ENGLISH,
     no_pdf: NoPdfOption = False,
+    appendix: AppendixOption = False,
 ) -> None:
     """Print the sheet again from the record alone."""
     from mtcommission.files import require_folder, write_files
@@ -48,7 +49,9 @@ def sheet(
         page = print_html(loaded, language=language, before=before, verified=found)
         files = {"sheet.html": page.encode()}
         if not no_pdf:
-            files["sheet.pdf"] = print_pdf(loaded, language=language, before=before, verified=found)
+            files["sheet.pdf"] = print_pdf(
+                loaded, language=language, before=before, verified=found, appendix=appendix
+            )
     write_files(output, files)
     print_written(output, files)
     raise typer.Exit(0 if loaded.assessment.met else 1)

@@ -57,7 +57,7 @@ def loop_part(commissioning: Commissioning) -> LoopPart:
         kind=control.kind.key,
         jerk=control.kind.jerk.value,
         position_loop=control.position_loop.value,
-        features=_feature_entries(control.kind),
+        features=feature_entries(control.kind),
         motion_force=machine.drive.motion_force,
         encoder_resolution=machine.drive.encoder_resolution,
         encoder_noise=_noise_entry(tuned, machine.drive.encoder_resolution),
@@ -148,7 +148,8 @@ def _noise_entry(tuned: TunedLoop, resolution: float) -> EncoderNoiseEntry | Non
     )
 
 
-def _feature_entries(kind: ControlKind) -> list[FeatureEntry]:
+def feature_entries(kind: ControlKind) -> list[FeatureEntry]:
+    """Return what a kind of control has, by its own names, with the sources."""
     return [
         FeatureEntry(
             name=name,

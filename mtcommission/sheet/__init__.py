@@ -11,6 +11,7 @@ terminal.py     record -> summary in 80 columns
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mtcommission.errors import Fault, InputError
@@ -74,8 +75,12 @@ def print_pdf(
     language: str = "en",
     before: Record | None = None,
     verified: Verified | None = None,
+    appendix: bool = False,
 ) -> bytes:
     """Return the sheet as PDF, A4; the same record always gives the same bytes.
+
+    Four pages that one hands over, and one more for what changed. What does not fit on its page
+    takes another rather than smaller letters.
 
     Parameters
     ----------
@@ -87,6 +92,8 @@ def print_pdf(
         An earlier record of the axis; then the sheet tells what changed.
     verified
         What ``verify`` found; then the sheet shows it beside what was calculated.
+    appendix
+        Whether the evidence is printed behind them, as the page always shows it.
 
     Returns
     -------
@@ -103,6 +110,8 @@ def print_pdf(
 
     _require(language)
     document = compose(record, language, before=before, verified=verified)
+    if not appendix:
+        document = replace(document, sections=document.pages)
     return set_pdf(document, decimal_mark=LANGUAGES[language])
 
 

@@ -1,4 +1,4 @@
-"""On what the verdict rests: the control, what was allowed for, and what was only assumed."""
+"""For what the verdict holds, and on what it rests: control, reserve, measured and assumed data."""
 
 from __future__ import annotations
 
@@ -6,22 +6,65 @@ from mtcommission.machine.requirement import RESIDUAL_DEVIATION
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.schema import DampingErrorEntry, FrequencyErrorEntry, Record
+from mtcommission.sheet.machine_part import datum_name
 
-NOT_STATED = {"source-default", "source-illustrative", "source-accepted-default"}
+DEFAULT = "source-default"
+GUESSED = {"source-illustrative", "source-accepted-default"}
+NOT_STATED = {DEFAULT, *GUESSED}
 """Sources of values that nobody stated for this machine."""
 
 
+NAMED = 6
+"""Assumed data that page 1 names; the rest it counts."""
+
+
+def holds_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
+    """Return for which moves, frequencies, damping ratios and payloads all is kept."""
+    text = words.text
+    return (
+        (text("basis-sizes"), _sizes(record, words)),
+        (text("basis-frequencies"), _frequencies(record, words)),
+        (text("basis-damping"), _damping(record, words)),
+        *_payload(record, words),
+    )
+
+
 def basis_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
-    """Return the control and its loop, the spreads, the range really kept, and the reserve."""
+    """Return the control and its loop, the reserve, and what the encoder's steps do."""
     text = words.text
     return (
         (text("basis-control"), _control(record, words)),
-        (text("basis-frequencies"), _frequencies(record, words)),
-        (text("basis-damping"), _damping(record, words)),
         (text("basis-reserve"), _reserve(record, words)),
-        (text("basis-sizes"), _sizes(record, words)),
         *_encoder(record, words),
     )
+
+
+def data_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
+    """Return where the machine data come from: stated, measured, and assumed."""
+    text = words.text
+    source = words.say(record.machine.source)
+    if record.identified is None:
+        rows = [(text("basis-data"), text("measured-nothing", source=source))]
+    else:
+        part = record.identified
+        modes = ", ".join(mode.name for mode in part.modes)
+        measured = text("measured-modes", modes=modes, date=part.created[:10])
+        rows = [(text("basis-data"), source), (text("basis-measured"), measured)]
+    sources = {item.key: item.source for item in record.data}
+    guessed = [
+        datum_name(item, words)
+        for item in record.data
+        if isinstance(item.source, Message) and item.source.kind in GUESSED
+    ]
+    defaults = sum(isinstance(s, Message) and s.kind == DEFAULT for s in sources.values())
+    said = [text("assumed-defaults", count=defaults)] if defaults else []
+    if guessed:
+        more = len(guessed) - NAMED
+        listed = ", ".join(guessed[:NAMED])
+        said.insert(0, text("assumed-more", names=listed, count=more) if more > 0 else listed)
+    if said:
+        rows.append((text("basis-assumed"), "; ".join(said)))
+    return tuple(rows)
 
 
 def _control(record: Record, words: Catalogue) -> str:
@@ -87,6 +130,16 @@ def _sizes(record: Record, words: Catalogue) -> str:
         cost = f.quantity(max(together - alone.settling_time, 0.0), "s")
         said.append(text("sizes-cost", cost=cost))
     return "; ".join(said)
+
+
+def _payload(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
+    """The range of payload, where there is one."""
+    low, high = (_number(record, f"requirements.payload ({end})") for end in ("least", "largest"))
+    if high <= low:
+        return ()
+    f = words.format
+    said = words.text("payload-from-to", low=f.axis(low, "kg"), high=f.axis(high, "kg"))
+    return ((words.text("payload"), _marked(record, "requirements.payload", said, words)),)
 
 
 def _encoder(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SIZE = 7.0
-"""Font size [pt]."""
+SIZE = 8.0
+"""Font size [pt]; no smaller in print."""
 
-CHARACTER = 0.57
+CHARACTER = 0.6
 """Mean width of a character of DejaVu Sans in the names of curves, relative to the font size."""
 
 INK, GRID = "#000000", "#cccccc"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import symbol
 from mtcommission.record.schema import (
@@ -37,13 +39,13 @@ def comparisons(record: Record, words: Catalogue) -> Section:
         blocks.append(Subheading(text=move_title(move.move, number, words)))
         blocks.append(_controls(record, entry.controls, short, words))
         blocks += _told(text("claims"), entry.claims, words)
-        if entry.fed_forward:
-            blocks.append(_fed_forward(entry.fed_forward, short, words))
+        blocks += _fed_forward(entry.fed_forward, short, words)
         blocks += _told(text("why-not"), entry.why_not_the_optimum, words)
         sampled = settling(move.response.settling_time, words)
         check = _continuous_check(entry.continuous, sampled, words)
         blocks.append(Paragraph(text=check, tone=Tone.NOTE))
-    return Section(key="comparisons", heading=text("comparison-heading"), blocks=tuple(blocks))
+    heading = text("comparison-heading")
+    return Section(key="comparisons", heading=heading, blocks=tuple(blocks), is_appendix=True)
 
 
 def _told(lead: str, sentences: list[Words], words: Catalogue) -> tuple[Block, ...]:
@@ -104,8 +106,15 @@ def _controls(record: Record, controls: list[ComparedEntry], move: str, words: C
     )
 
 
-def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) -> Table:
+def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) -> tuple[Block, ...]:
+    """Return the machines on which a control settles; those on which none does as a sentence."""
     text, f = words.text, words.format
+    settled = [entry for entry in entries if entry.settling_time is not None]
+    lost = Counter(words.say(entry.control) for entry in entries if entry.settling_time is None)
+    told = "; ".join(f"{name}: {count}" for name, count in lost.items())
+    note = (Paragraph(text=text("fed-forward-lost", told=told)),) if lost else ()
+    if not settled:
+        return note
     heads = (
         text("payload"),
         text("frequencies"),
@@ -115,7 +124,7 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) ->
         text("peak-deviation"),
         text("saturated-share"),
     )
-    return Table(
+    table = Table(
         caption=text("fed-forward-caption", move=move),
         columns=name_and_numbers(text("control"), heads, width=1.4),
         rows=tuple(
@@ -129,6 +138,7 @@ def _fed_forward(entries: list[FedForwardEntry], move: str, words: Catalogue) ->
                 f.axis(entry.peak_deviation, "m"),
                 f.percent(entry.saturated_share),
             )
-            for entry in entries
+            for entry in settled
         ),
     )
+    return (table, *note)

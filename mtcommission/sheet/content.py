@@ -5,22 +5,34 @@ from __future__ import annotations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
 from mtcommission.record.verified import Verified
+from mtcommission.sheet.basis_part import basis_rows, data_rows, holds_rows
 from mtcommission.sheet.comparison_part import comparisons
 from mtcommission.sheet.difference_part import differences
-from mtcommission.sheet.entry_part import parameters, signatures
+from mtcommission.sheet.entry_part import entries, signature
 from mtcommission.sheet.evidence_part import certificates, versions
 from mtcommission.sheet.identified_part import identified
-from mtcommission.sheet.improvements_part import improvements
-from mtcommission.sheet.limits_part import landscape, limits, rules
-from mtcommission.sheet.loop_part import loop
+from mtcommission.sheet.limits_part import (
+    attainable_table,
+    landscape,
+    machining_modes,
+    rules,
+)
+from mtcommission.sheet.loop_part import loop_blocks, loop_details
 from mtcommission.sheet.machine_part import machine_data, requirements
-from mtcommission.sheet.measure_part import measurements
-from mtcommission.sheet.model import Document
-from mtcommission.sheet.motion_part import first_look, motions
+from mtcommission.sheet.measure_part import measurement_blocks
+from mtcommission.sheet.model import Column, Document, Paragraph, Section, Subheading, Table, Tone
+from mtcommission.sheet.motion_part import motions
+from mtcommission.sheet.responses_part import response_blocks
 from mtcommission.sheet.robustness_part import robustness
 from mtcommission.sheet.rule_part import rule
 from mtcommission.sheet.sizes_part import move_sizes
-from mtcommission.sheet.verdict_part import verdict
+from mtcommission.sheet.verdict_part import (
+    checks_table,
+    could_be_met,
+    headline,
+    judged_during,
+    warnings_told,
+)
 
 HASH_DIGITS = 12
 """Digits of the profile's hash on each page; the whole hash stands once under "Versions"."""
@@ -73,25 +85,85 @@ def compose(
         script_note=text("script-note"),
         page_word=text("page"),
         sections=(
-            verdict(record, words, picture=first_look(record, words)),
+            _values(record, words),
+            _responses(record, words),
+            _loop(record, words),
+            _measurements(record, words, verified),
             *changes,
-            machine_data(record, words),
-            *identified(record, words),
-            requirements(record, words),
-            limits(record, words),
-            rule(record, words),
-            rules(record, words),
-            *improvements(record, words),
-            motions(record, words),
-            comparisons(record, words),
-            landscape(record, words),
-            robustness(record, words),
-            *move_sizes(record, words),
-            loop(record, words),
-            parameters(record, words),
-            measurements(record, words, verified),
-            certificates(record, words),
-            versions(record, words),
-            signatures(record, words),
+            *_appendix(record, words),
         ),
+        appendix_heading=text("appendix"),
+    )
+
+
+def _values(record: Record, words: Catalogue) -> Section:
+    """Page 1: verdict, what to enter, for what it holds, on what it rests."""
+    text = words.text
+
+    def told(caption: str, rows: tuple[tuple[str, str], ...]) -> Table:
+        columns = Column(head=text("basis")), Column(head=text("value"), width=5.0)
+        return Table(caption=text(caption), columns=columns, rows=rows)
+
+    return Section(
+        key="verdict",
+        heading=text("verdict-heading"),
+        blocks=(
+            headline(record, words),
+            *warnings_told(record, words),
+            *could_be_met(record, words),
+            entries(record, words),
+            checks_table(record.assessment.checks, words),
+            Paragraph(text=judged_during(record, words), tone=Tone.NOTE),
+            told("holds-caption", holds_rows(record, words)),
+            told("basis-caption", (*basis_rows(record, words), *data_rows(record, words))),
+        ),
+    )
+
+
+def _responses(record: Record, words: Catalogue) -> Section:
+    """Page 2: what setpoint, tool and force do; over sizes; the optimum; what would bring more."""
+    heading = words.text("responses-heading")
+    return Section(key="responses", heading=heading, blocks=response_blocks(record, words))
+
+
+def _loop(record: Record, words: Catalogue) -> Section:
+    """Page 3: frequency response with margins, filters and measured points; stiffness."""
+    heading = words.text("loop-heading")
+    return Section(key="loop", heading=heading, blocks=loop_blocks(record, words))
+
+
+def _measurements(record: Record, words: Catalogue, verified: Verified | None) -> Section:
+    """Page 4: what to measure at the machine, with fields; signature."""
+    text = words.text
+    blocks = (
+        *measurement_blocks(record, words, verified),
+        Subheading(text=text("signature-heading")),
+        *signature(record, words),
+    )
+    return Section(key="measurements", heading=text("measure-heading"), blocks=blocks)
+
+
+def _appendix(record: Record, words: Catalogue) -> tuple[Section, ...]:
+    """Return the evidence: data, assumptions, studies, certificates, settings, profile."""
+    text = words.text
+    return (
+        Section(
+            key="limits",
+            heading=text("limits-heading"),
+            blocks=(machining_modes(record, words), *attainable_table(record, words)),
+            is_appendix=True,
+        ),
+        machine_data(record, words),
+        *identified(record, words),
+        requirements(record, words),
+        motions(record, words),
+        *move_sizes(record, words),
+        robustness(record, words),
+        loop_details(record, words),
+        rules(record, words),
+        rule(record, words),
+        landscape(record, words),
+        comparisons(record, words),
+        certificates(record, words),
+        versions(record, words),
     )

@@ -1,64 +1,175 @@
-"""What is entered by hand on the control and on paper: parameters, and the signatures."""
+"""What is typed in, by the control's own names, old beside new; and what is signed for."""
 
 from __future__ import annotations
 
+import re
 from math import pi
 
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.quantities import motion_unit, symbol
 from mtcommission.record.schema import Record
-from mtcommission.sheet.loop_part import gain_rows
-from mtcommission.sheet.model import Column, Form, Paragraph, Section, Table, Tone
+from mtcommission.sheet.model import Block, Column, Form, Paragraph, Table
 from mtcommission.sheet.values import filter_rows, say_filter
 from mtcommission.sheet.verdict_part import acceleration, jerk
 
 KV_UNIT = 1000.0 / 60.0
 """Kv of 1 (m/min)/mm in 1/s."""
 
+MOTION_UNIT = re.compile(r" \[[^\]]*/s\^[23][^\]]*\]")
+"""Units of acceleration and jerk in the text about a parameter."""
 
-def parameters(record: Record, words: Catalogue) -> Section:
-    """Return the parameters for the control, with empty columns."""
-    text, f = words.text, words.format
-    limits, kv = record.limits.recommended, record.loop.Kv
-    kv_text = ""
-    if kv is not None:
-        per_minute = (60.0 * kv, "1/min") if words.rotary else (kv / KV_UNIT, "(m/min)/mm")
-        kv_text = f.with_unit(f.number(float(f"{per_minute[0]:.4g}")), per_minute[1])
-    rows = [
-        (
-            text("acceleration"),
-            acceleration(record, words),
-            _other_unit(limits.acceleration, "s²", words),
-        ),
+Row = tuple[str, str, str]
+"""What it is, what of the control holds it (as in ``FEATURES``), its value."""
+
+
+def entries(record: Record, words: Catalogue) -> Table:
+    """Return every value to enter: its name in the control, old beside new."""
+    text, old = words.text, todays_values(record, words)
+    rows = entry_rows(record, words)
+    own = _own_names(record, rows)
+    # One text of a control may hold several values: it stands at the first of them.
+    shown = [
+        text("entry-above") if name and name in own[:k] else name for k, name in enumerate(own)
     ]
-    if record.loop.jerk != "none":
-        rows += [
-            (text("jerk"), jerk(record, words), _other_unit(limits.jerk, "s³", words)),
-            (text("jerk-time"), f.quantity(limits.jerk_time, "s"), ""),
-        ]
-    rows += _filter_rows(record, words)
-    for name, value in gain_rows(record, words):
-        rows.append((name, value, kv_text if name == words.name("Kv") else ""))
-    old = todays_values(record, words)
-    heads = (text("new-value"), text("entered-by"), text("verified"))
-    table = Table(
+    has_names = any(own)
+    return Table(
         caption=text("entry-caption"),
         columns=(
-            Column(head=text("parameter"), width=1.9),
-            Column(head=text("value"), width=1.3, is_number=True),
-            Column(head=text("also"), width=1.4, is_number=True),
-            Column(head=text("old-value"), width=1.2),
-            *(Column(head=head) for head in heads),
+            Column(head=text("parameter"), width=1.6),
+            *([Column(head=text("control-parameters"), width=3.0)] if has_names else []),
+            Column(head=text("old-value"), width=0.85, is_number=True),
+            Column(head=text("new-value"), width=2.1, is_number=True),
         ),
-        rows=tuple((*row, old.get(row[0], ""), *("" for _ in heads)) for row in rows),
-        strong_rows=(0, 1, 2) if record.loop.jerk != "none" else (0,),
-        is_form=True,
+        rows=tuple(
+            (name, *([own_name] if has_names else []), old.get(name, ""), value)
+            for (name, _, value), own_name in zip(rows, shown, strict=True)
+        ),
+        strong_rows=tuple(k for k, (_, feature, _) in enumerate(rows) if feature in LIMITS),
     )
-    return Section(
-        key="parameters",
-        heading=text("entry-heading"),
-        blocks=(Paragraph(text=text("entry-note"), tone=Tone.NOTE), table),
+
+
+LIMITS = ("acceleration", "jerk", "setpoint_filters")
+"""What a commissioning is about; stressed in the table."""
+
+
+def entry_rows(record: Record, words: Catalogue) -> list[Row]:
+    """Return the limits, the filter, and every gain, delay and cycle of the loop."""
+    text, f, part, units = words.text, words.format, record.loop, record.plant.units
+    limits = record.limits.recommended
+    named = {item.name: item.parameters for item in record.loop.features}
+    a = _in_units(
+        acceleration(record, words),
+        limits.acceleration,
+        "s",
+        2,
+        named.get("acceleration", ""),
+        words,
     )
+    rows: list[Row] = [(text("acceleration"), "acceleration", a)]
+    if part.jerk != "none":
+        j = _in_units(jerk(record, words), limits.jerk, "s", 3, named.get("jerk", ""), words)
+        rows += [(text("jerk"), "jerk", j)]
+    if part.jerk == "time":
+        rows.append((text("jerk-time"), "jerk", f.quantity(limits.jerk_time, "s")))
+    if KINDS[part.kind].setpoint_filters:
+        rows += [
+            (name, "setpoint_filters", value)
+            for name, value in filter_rows(limits.setpoint_filter, words)
+        ]
+    if part.Kv is None:  # the motor follows its setpoint: nothing of a loop is typed in
+        spacing = f.quantity(part.position_cycle, "s")
+        return [*rows, (text("setpoint-spacing"), "position_cycle", spacing)]
+    rows += [
+        (words.name("Kv"), "position_gain", _gain(part.Kv, words)),
+        (words.name("Kp"), "velocity_gain", f.axis(part.Kp, "N s/m")),
+        (words.name("Tn"), "velocity_gain", f.quantity(part.Tn, "s")),
+    ]
+    fed = part.feedforward
+    mass = f.quantity(fed.mass, motion_unit("kg", rotary=words.rotary))
+    for name, value in (
+        ("velocity", f.number(fed.velocity)),
+        ("acceleration", f"{f.number(fed.acceleration)} × {mass}"),
+        ("jerk", f.number(fed.jerk)),
+    ):
+        if name != "jerk" or fed.jerk:
+            said = text("feedforward", name=text(f"feedforward-{name}"))
+            rows.append((said, f"{name}_feedforward", value))
+    rows.append((text("reference-delay"), "reference_delay", f.quantity(part.reference_delay, "s")))
+    for state, gain in part.state_feedback.items():
+        unit = f"{units['F']}/({units[state]})" if state in units else ""
+        rows.append(
+            (text("state-feedback", name=symbol(state)), "state_feedback", f.quantity(gain, unit))
+        )
+    if part.reference_model_time:
+        rows.append((text("reference-model"), "", f.quantity(part.reference_model_time, "s")))
+    for number, item in enumerate(part.force_filters, start=1):
+        said = text(
+            f"loop-filter-{item.kind.replace('_', '-')}",
+            frequency=item.natural_frequency / (2.0 * pi),
+            damping=item.damping,
+            width=item.width,
+        )
+        rows.append((text("force-filter", number=number), "force_filters", said))
+    cycles = f"{f.quantity(part.position_cycle, 's')}, {f.quantity(part.velocity_cycle, 's')}"
+    rows.append((text("cycles"), "position_cycle", cycles))
+    return rows
+
+
+def _names(record: Record) -> dict[str, str]:
+    """Return the control's own parameters by what they hold; "(?)" where they were not read.
+
+    The unit of acceleration and jerk stands beside their values.
+    """
+    named = {}
+    for item in record.loop.features:
+        own = MOTION_UNIT.sub(lambda unit: " (?)" if "(?)" in unit[0] else "", item.parameters)
+        named[item.name] = own if item.verified or not own or "(?)" in own else f"{own} (?)"
+    return named
+
+
+def _own_names(record: Record, rows: list[Row]) -> list[str]:
+    """Return what the control calls each row; of its setpoint filter what is typed, if known."""
+    named, typed = _names(record), iter(_typed_filter(record))
+    return [
+        next(typed, "") or named.get(feature, "")
+        if feature == "setpoint_filters"
+        else named.get(feature, "")
+        for _, feature, _ in rows
+    ]
+
+
+def _typed_filter(record: Record) -> tuple[str, ...]:
+    """Return what is typed in for the setpoint filter, for each of its rows; empty if not read."""
+    kind, item = KINDS[record.loop.kind], record.limits.recommended.setpoint_filter
+    choice = kind.find_filter(item.kind) if item else None
+    if not item or not choice:
+        return ()
+    return choice.enter(
+        time=item.time,
+        second_time=item.second_time,
+        frequency_hz=item.frequency_hz,
+        damping_ratio=item.damping_ratio,
+    )
+
+
+def _gain(kv: float, words: Catalogue) -> str:
+    """Return Kv in both of the units that controls ask for."""
+    f = words.format
+    value, unit = (60.0 * kv, "1/min") if words.rotary else (kv / KV_UNIT, "(m/min)/mm")
+    other = f.with_unit(f.number(float(f"{value:.4g}")), unit)
+    return f"{f.quantity(kv, '1/s')} = {other}"
+
+
+def _in_units(shown: str, value: float, time: str, power: int, own: str, words: Catalogue) -> str:
+    """Return acceleration or jerk, also in the unit that the control's parameter names."""
+    f = words.format
+    if words.rotary and f"rev/{time}^{power}" in own:
+        return f"{shown} = {f.quantity(value / (2.0 * pi), f'rev/{time}^{power}')}"
+    if not words.rotary and f"mm/{time}^{power}" in own:
+        sign = {2: "²", 3: "³"}[power]
+        return f"{shown} = {f.with_unit(f.number(1e3 * value), f'mm/{time}{sign}')}"
+    return shown
 
 
 def todays_values(record: Record, words: Catalogue) -> dict[str, str]:
@@ -79,8 +190,8 @@ def todays_values(record: Record, words: Catalogue) -> dict[str, str]:
     return found
 
 
-def signatures(record: Record, words: Catalogue) -> Section:
-    """Return the block to be signed, with the values that are signed for."""
+def signature(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Return the values that are signed for, and the lines to sign on."""
     text = words.text
     values = text(
         "signed-values",
@@ -90,39 +201,7 @@ def signatures(record: Record, words: Catalogue) -> Section:
         jerk=jerk(record, words),
         filter=say_filter(record.limits.recommended.setpoint_filter, words),
     )
-    return Section(
-        key="signature",
-        heading=text("signature-heading"),
-        blocks=(
-            Paragraph(text=values),
-            Paragraph(text=text("disclaimer"), tone=Tone.NOTE),
-            Form(fields=tuple(text(f"signature-field-{i}") for i in range(1, 5))),
-        ),
-        is_together=True,
+    return (
+        Paragraph(text=values),
+        Form(fields=tuple(text(f"signature-field-{i}") for i in range(1, 5))),
     )
-
-
-def _filter_rows(record: Record, words: Catalogue) -> list[tuple[str, str, str]]:
-    """Return the filter as it is entered, by the control's own names where they were read."""
-    kind, item = KINDS[record.loop.kind], record.limits.recommended.setpoint_filter
-    if not kind.setpoint_filters:
-        return []
-    choice = kind.find_filter(item.kind) if item else None
-    typed: tuple[str, ...] = ()
-    if item and choice:
-        typed = choice.enter(
-            time=item.time,
-            second_time=item.second_time,
-            frequency_hz=item.frequency_hz,
-            damping_ratio=item.damping_ratio,
-        )
-    rows = filter_rows(item, words)
-    return [(*row, name) for row, name in zip(rows, [*typed, *[""] * len(rows)], strict=False)]
-
-
-def _other_unit(value: float, per: str, words: Catalogue) -> str:
-    """Return acceleration or jerk in the unit that many controls want: mm, or turns."""
-    f = words.format
-    if words.rotary:
-        return f.quantity(value / (2 * pi), f"rev/{per}")
-    return f.with_unit(f.number(value * 1e3), f"mm/{per}")

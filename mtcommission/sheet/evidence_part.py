@@ -47,6 +47,7 @@ def certificates(record: Record, words: Catalogue) -> Section:
             *tables,
             *settings(record, words),
         ),
+        is_appendix=True,
     )
 
 
@@ -67,6 +68,7 @@ def versions(record: Record, words: Catalogue) -> Section:
             Paragraph(text=profile.sha256, tone=Tone.CODE),
             Preformatted(caption=text("profile-caption", name=profile.name), text=profile.text),
         ),
+        is_appendix=True,
     )
 
 

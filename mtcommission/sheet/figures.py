@@ -9,7 +9,6 @@ from mtcommission.messages.quantities import tick_text
 from mtcommission.sheet.axes import Axis, span
 from mtcommission.sheet.canvas import GRID, INK, SIZE, Canvas, text_width
 from mtcommission.sheet.legend import (
-    BESIDE,
     BORDER_DASHES,
     CHOSEN,
     CURSOR,
@@ -20,19 +19,17 @@ from mtcommission.sheet.legend import (
     STAR,
     WIDTH,
     Entry,
-    draw_entry,
     draw_legend,
     draw_mark,
     legend_rows,
-    legend_table,
 )
-from mtcommission.sheet.placement import place_labels
+from mtcommission.sheet.placement import place_labels, shorten
 from mtcommission.sheet.plot_model import HeatMap, Line, LinePlot, Panel, Plot, PointPlot
 
 Array = NDArray[np.float64]
 
-PANEL, TITLE, SQUARE, FOOT = 50.0, 13.0, 128.0, 26.0
-"""Heights of a panel, its title, a single pair of axes and the x labels [pt]."""
+PANEL, TITLE, SQUARE, SCATTER, FOOT = 50.0, 13.0, 128.0, 200.0, 26.0
+"""Heights of a panel, its title, a map, named points and the x labels [pt]."""
 
 SCALE_ROOM = 66.0
 """Room for the grey scale to the right of a map [pt]."""
@@ -47,7 +44,7 @@ PIXELS = (480, 240)
 """Columns and rows of a map; its cells need not be equally wide."""
 
 
-def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
+def draw_svg(plot: Plot, *, decimal_mark: str = ".", panel_height: float = PANEL) -> bytes:
     """Return a plot as SVG; the same plot always gives the same bytes.
 
     Parameters
@@ -56,6 +53,8 @@ def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
         Any plot of the document.
     decimal_mark
         For the numbers at the axes.
+    panel_height
+        Of each panel of a line plot [pt].
 
     Returns
     -------
@@ -70,17 +69,17 @@ def draw_svg(plot: Plot, *, decimal_mark: str = ".") -> bytes:
     True
     """
     if isinstance(plot, LinePlot):
-        return _line_plot(plot, decimal_mark)
+        return _line_plot(plot, decimal_mark, panel_height)
     if isinstance(plot, PointPlot):
         return _point_plot(plot, decimal_mark)
     return _heat_map(plot, decimal_mark)
 
 
-def _line_plot(plot: LinePlot, decimal_mark: str) -> bytes:
+def _line_plot(plot: LinePlot, decimal_mark: str, panel_height: float) -> bytes:
     named = {line.label: line.style for panel in plot.panels for line in panel.lines}
     rows = legend_rows([Entry(label=label, line=style) for label, style in named.items()])
     top = len(rows) * ROW
-    height = top + len(plot.panels) * (TITLE + PANEL) + FOOT
+    height = top + len(plot.panels) * (TITLE + panel_height) + FOOT
     canvas = Canvas(WIDTH, height)
     draw_legend(canvas, rows, right=WIDTH - RIGHT)
     everything = [line.x for panel in plot.panels for line in panel.lines]
@@ -89,16 +88,18 @@ def _line_plot(plot: LinePlot, decimal_mark: str) -> bytes:
     for panel in plot.panels:
         canvas.text(LEFT, top + TITLE - 4.0, panel.y_label)
         top += TITLE
-        _draw_panel(canvas, panel, x, top, decimal_mark)
-        top += PANEL
+        _draw_panel(canvas, panel, x, top, top + panel_height, decimal_mark)
+        top += panel_height
     _label_x(canvas, x, top, plot.x_label, decimal_mark)
     return canvas.finish()
 
 
-def _draw_panel(canvas: Canvas, panel: Panel, x: Axis, top: float, decimal_mark: str) -> None:
+def _draw_panel(
+    canvas: Canvas, panel: Panel, x: Axis, top: float, bottom: float, decimal_mark: str
+) -> None:
     values = [line.y for line in panel.lines] + [np.array([b.y]) for b in panel.borders]
     low, high = span(values, is_log=False)
-    y = Axis(low=low, high=high, begin=top + PANEL, end=top)
+    y = Axis(low=low, high=high, begin=bottom, end=top)
     _draw_grid(canvas, x, y, decimal_mark)
     box = (x.begin, y.end, x.end, y.begin)
     canvas.clip(*box)
@@ -157,14 +158,10 @@ def drop_straight(points: Array, *, tolerance: float = 0.02) -> Array:
 
 
 def _point_plot(plot: PointPlot, decimal_mark: str) -> bytes:
-    entries = [
-        Entry(label=f"{k} {mark.label}" if k else mark.label, mark=mark.style)
-        for k, mark in enumerate(plot.marks)
-    ]
-    rows = legend_table([*entries, Entry(label=plot.border.label)])
-    bottom = TITLE + SQUARE
-    canvas = Canvas(WIDTH, bottom + FOOT + len(rows) * ROW + 6.0)
+    bottom = TITLE + SCATTER
+    canvas = Canvas(WIDTH, bottom + FOOT)
     canvas.text(LEFT, TITLE - 4.0, plot.y_label)
+    draw_legend(canvas, [[Entry(label=plot.border.label)]], right=WIDTH - RIGHT)
     places = np.array([[mark.x, mark.y] for mark in plot.marks])
     x_low, x_high = span([places[:, 0]], is_log=True)
     y_low, y_high = span([places[:, 1], np.array([plot.border.y])], is_log=True)
@@ -174,33 +171,30 @@ def _point_plot(plot: PointPlot, decimal_mark: str) -> bytes:
     _draw_border(canvas, x, y, plot.border.y)
     canvas.frame(x.begin, y.end, x.end, y.begin)
     points = np.column_stack([x.at(places[:, 0]), y.at(places[:, 1])])
-    _number_points(canvas, points, x, y)
+    _name_points(canvas, [mark.label for mark in plot.marks], points, x, y)
     for mark, point in zip(plot.marks, points, strict=True):
         draw_mark(canvas, mark.style, point)
     _label_x(canvas, x, bottom, plot.x_label, decimal_mark)
-    for k, row in enumerate(rows):
-        for column, entry in enumerate(row):
-            place = BESIDE + column * (WIDTH - BESIDE) / len(rows[0])
-            draw_entry(canvas, entry, place, bottom + FOOT + (k + 1) * ROW)
     return canvas.finish()
 
 
-def _number_points(canvas: Canvas, points: Array, x: Axis, y: Axis) -> None:
-    """Write its number beside every point but the first, joined to it where it stands off."""
+def _name_points(canvas: Canvas, names: list[str], points: Array, x: Axis, y: Axis) -> None:
+    """Write its name beside every point, joined to it where it stands off."""
     corner = np.array([x.begin, y.end])
-    sizes = np.array([[text_width(str(k)) if k else 0.0, SIZE] for k in range(len(points))])
+    names = [shorten(name) for name in names]
+    sizes = np.array([[text_width(name), SIZE] for name in names])
     centres = corner + place_labels(
-        points - corner, sizes, width=x.end - x.begin, height=y.begin - y.end, gap=3.0
+        points - corner, sizes, width=x.end - x.begin, height=y.begin - y.end, gap=5.0
     )
-    for k in range(1, len(points)):
-        if np.hypot(*(centres[k] - points[k])) > 2.0 * SIZE:
-            canvas.line(np.vstack([points[k], centres[k]]), color="#888888", width=0.4)
-    for k in range(1, len(points)):
-        half = np.array([text_width(str(k)), SIZE]) / 2
-        low, high = centres[k] - half, centres[k] + half
-        box = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
+    low, high = centres - sizes / 2, centres + sizes / 2
+    nearest = np.clip(points, low, high)
+    for point, end in zip(points, nearest, strict=True):
+        if np.hypot(*(end - point)) > 1.5 * SIZE:
+            canvas.line(np.vstack([point, end]), color="#888888", width=0.4)
+    for name, least, most, centre in zip(names, low, high, centres, strict=True):
+        box = np.array([least, [most[0], least[1]], most, [least[0], most[1]]])
         canvas.area(box, color="white")
-        canvas.text(centres[k, 0], centres[k, 1] + 0.36 * SIZE, str(k), anchor="middle")
+        canvas.text(centre[0], centre[1] + 0.36 * SIZE, name, anchor="middle")
 
 
 def _heat_map(plot: HeatMap, decimal_mark: str) -> bytes:

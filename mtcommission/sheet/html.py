@@ -19,7 +19,7 @@ from mtcommission.sheet.diagram import draw_diagram
 from mtcommission.sheet.mathml import write_mathml
 from mtcommission.sheet.model import Cell, Document
 from mtcommission.sheet.panel import Panel
-from mtcommission.sheet.placement import place_labels
+from mtcommission.sheet.placement import place_labels, shorten
 from mtcommission.sheet.plot_model import HeatMap, LinePlot, Plot, PointPlot
 
 FOLDER = Path(__file__).parent
@@ -28,6 +28,8 @@ DIGITS = 5
 
 SCRIPTS = ("page.js", "engine.js", "what_if.js")
 """Of a page; the first one draws plots, the others answer back."""
+LETTER = 7.2
+"""Mean width of a letter in the names of points [px]."""
 
 FRAME = (820.0, 340.0)
 """Width and height of the axes of a point plot, as page.js draws it [px]."""
@@ -143,7 +145,7 @@ def _point_plot_data(plot: PointPlot) -> dict[str, Any]:
         "y_label": plot.y_label,
         "border": asdict(plot.border),
         "marks": [
-            {**asdict(mark), "beside": beside}
+            {**asdict(mark), "name": shorten(mark.label), "beside": beside}
             for mark, beside in zip(plot.marks, _label_offsets(plot), strict=True)
         ],
     }
@@ -172,7 +174,7 @@ def _heat_map_data(plot: HeatMap) -> dict[str, Any]:
 
 
 def _label_offsets(plot: PointPlot) -> list[list[float]]:
-    """Return where each number stands beside its point [px], before the reader zooms."""
+    """Return where each name stands beside its point [px], before the reader zooms."""
     x, y = (np.array([getattr(mark, name) for mark in plot.marks]) for name in "xy")
     (left, right), (low, high) = (
         span([values], is_log=True) for values in (x, np.append(y, plot.border.y))
@@ -180,7 +182,7 @@ def _label_offsets(plot: PointPlot) -> list[list[float]]:
     across = Axis(low=left, high=right, begin=0.0, end=FRAME[0], is_log=True)
     down = Axis(low=low, high=high, begin=FRAME[1], end=0.0, is_log=True)
     points = np.column_stack([across.at(x), down.at(y)])
-    sizes = np.array([[8.0 * len(str(k)), 13.0] for k in range(len(points))])
+    sizes = np.array([[LETTER * len(shorten(mark.label)), 13.0] for mark in plot.marks])
     centres = place_labels(points, sizes, width=FRAME[0], height=FRAME[1], gap=7.0)
     return [_rounded(offset) for offset in np.round(centres - points, 1)]  # type: ignore[misc]
 

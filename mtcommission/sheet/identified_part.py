@@ -52,19 +52,20 @@ def identified(record: Record, words: Catalogue) -> tuple[Section, ...]:
     if part is None:
         return ()
     inside = {mode.name: mode for mode in record.plant.modes}
-    changes = _changes(part, record, words)
+    told = changes(part, record, words)
     blocks: tuple[Block, ...] = (
         Paragraph(text=words.text("identified-note", date=part.created[:10]), tone=Tone.NOTE),
         result_table(part, words),
         *mode_tables(part, words, inside=inside),
-        *([Bullets(items=changes, tone=Tone.WARNING)] if changes else []),
+        *([Bullets(items=told, tone=Tone.WARNING)] if told else []),
         *([_tool_sensor(part.tool_sensor, words)] if part.tool_sensor else []),
         *plots(part, words),
         *remarks(part, words),
         *([check_table(part, words)] if part.checks else []),
         file_table(part, words),
     )
-    return (Section(key="identified", heading=words.text("identified-heading"), blocks=blocks),)
+    heading = words.text("identified-heading")
+    return (Section(key="identified", heading=heading, blocks=blocks, is_appendix=True),)
 
 
 def plus_minus(one: Estimate | None, unit: str, words: Catalogue) -> str:
@@ -237,7 +238,7 @@ def file_table(part: IdentifiedPart, words: Catalogue) -> Table:
         ),
         rows=tuple(
             (
-                _short(one.name),
+                short_name(one.name),
                 words.text(f"identify-sensor-{one.sensor}"),
                 words.say(part.formats[one.name]) if one.name in part.formats else "–",
                 one.sha256[:SHOWN_DIGITS],
@@ -290,8 +291,8 @@ def _plot(key: str, one: MeasuredResponseEntry, words: Catalogue) -> LinePlot:
     what = "plot" if about else "spectrum"
     return LinePlot(
         key=key,
-        caption=say(f"identify-{what}-caption", file=_short(one.name)),
-        alt=say(f"identify-{what}-alt", file=_short(one.name), **about),
+        caption=say(f"identify-{what}-caption", file=short_name(one.name)),
+        alt=say(f"identify-{what}-alt", file=short_name(one.name), **about),
         x_label=say("identify-plot-frequency"),
         x_is_log=True,
         link="fits",
@@ -299,13 +300,13 @@ def _plot(key: str, one: MeasuredResponseEntry, words: Catalogue) -> LinePlot:
     )
 
 
-def _short(name: str) -> str:
-    """A file without its folder."""
+def short_name(name: str) -> str:
+    """Return a file without its folder."""
     return name.rpartition("/")[2].rpartition("\\")[2]
 
 
-def _changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str, ...]:
-    """What the profile no longer says as it was measured."""
+def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str, ...]:
+    """Return what the profile no longer says as it was measured."""
     text, stated = words.text, {mode.name: mode for mode in record.plant.modes}
     found = []
     for mode in part.modes:

@@ -11,17 +11,15 @@ from mtcommission.sheet.canvas import INK, SIZE, Canvas, corner_points, text_wid
 
 Array = NDArray[np.float64]
 
-WIDTH, LEFT, RIGHT = 482.0, 42.0, 8.0
-"""Width of a plot on the A4 page, and the room beside its axes [pt]."""
+WIDTH, LEFT, RIGHT = 493.2, 46.0, 8.0
+"""Width of a plot on the A4 page (174 mm, so that letters keep their size), and the room beside its
+axes [pt]."""
 
 ROW = 11.0
 """Height of a row [pt]."""
 
 SAMPLE, SPACE = 24.0, 14.0
 """Length of the line in a legend, and the space behind an entry [pt]."""
-
-MOST_COLUMNS, BESIDE = 3, 4.0
-"""Columns of a legend below a plot, and the room to the left of it [pt]."""
 
 BORDER_DASHES, CURSOR = (2.0, 2.0), 0.7
 """How a limit is drawn: dashes and width [pt]."""
@@ -92,19 +90,6 @@ def legend_rows(entries: list[Entry]) -> list[list[Entry]]:
         rows[-1].append(entry)
         used += width
     return rows
-
-
-def legend_table(entries: list[Entry]) -> list[list[Entry]]:
-    """Return the rows of a legend with as many columns as the longest entry allows.
-
-    Examples
-    --------
-    >>> [len(row) for row in legend_table([Entry(label="band", mark=0)] * 5)]
-    [3, 2]
-    """
-    longest = max(map(_entry_width, entries))
-    count = max(1, min(MOST_COLUMNS, int((WIDTH - BESIDE) / longest)))
-    return [entries[i : i + count] for i in range(0, len(entries), count)]
 
 
 def _entry_width(entry: Entry) -> float:

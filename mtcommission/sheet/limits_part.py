@@ -1,4 +1,4 @@
-"""Recommended limits, their alternatives, the rules of thumb beside them, and the landscape."""
+"""Limits by machining mode, what could be met instead, rules of thumb, and the landscape."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import (
     Alternative,
+    JudgedLimits,
     LimitsEntry,
     ModeLimitsEntry,
     Record,
     RuleResult,
+    TodayEntry,
 )
 from mtcommission.sheet.model import (
     Block,
@@ -30,7 +32,6 @@ from mtcommission.sheet.verdict_part import (
     acceleration,
     band,
     capitalised,
-    keeps_reserve,
     met_at_all,
 )
 
@@ -49,42 +50,7 @@ RECOMMENDED, ALTERNATIVE, RULE = 0, 1, 2
 """Symbols of the point plot."""
 
 
-def limits(record: Record, words: Catalogue) -> Section:
-    """Return the recommendation, what bound it and its alternatives."""
-    text, part = words.text, record.limits
-    recommended = part.recommended
-    head = (
-        text("recommended"),
-        *_numbers(recommended, record, words),
-        met_at_all(record.assessment.met, keeps_reserve(record), words),
-    )
-    rows = [
-        (
-            words.say(item.name),
-            *_numbers(item, record, words),
-            met_at_all(item.meets_requirements, item.keeps_reserve, words),
-        )
-        for item in part.alternatives
-    ]
-    table = Table(
-        caption=text("alternatives-caption"),
-        columns=(Column(head=text("limits-name"), width=2.4), *_number_columns(words)),
-        rows=(head, *rows),
-        strong_rows=(0,),
-    )
-    return Section(
-        key="limits",
-        heading=text("limits-heading"),
-        blocks=(
-            Paragraph(text=text("values-bound-by", bound=words.say(recommended.bound_by))),
-            table,
-            *_attainable(record, words),
-            _machining_modes(record, words),
-        ),
-    )
-
-
-def _attainable(record: Record, words: Catalogue) -> tuple[Table, ...]:
+def attainable_table(record: Record, words: Catalogue) -> tuple[Table, ...]:
     """Return what could be met where a requirement stands in the way; nothing if none does."""
     text, f = words.text, words.format
     heads = (text("permitted"), text("attainable"), text("acceleration"), text("jerk"))
@@ -114,7 +80,7 @@ def _mode_bound(mode: ModeLimitsEntry, words: Catalogue) -> str:
     return text("attainable-band", reason=reason, band=least)
 
 
-def _machining_modes(record: Record, words: Catalogue) -> Table:
+def machining_modes(record: Record, words: Catalogue) -> Table:
     """Return the three columns of limits after the usual machining modes, as rows."""
     text, f = words.text, words.format
     heads = (
@@ -155,19 +121,23 @@ def rules(record: Record, words: Catalogue) -> Section:
     """Return the rules of thumb that meet all requirements as a table, all of them as a plot."""
     text, part = words.text, record.limits
     good = [item for item in part.rules if item.meets_requirements]
-    others = [words.say(item.name) for item in part.rules if not item.meets_requirements]
+    others = [
+        words.say(item.name)
+        for item in [*part.alternatives, *part.rules]
+        if not item.meets_requirements
+    ]
     table = Table(
         caption=text("rules-caption"),
         columns=(
             Column(head=text("rule"), width=2.2),
             Column(head=text("source"), width=2.3),
-            *_number_columns(words),
+            *number_columns(words),
         ),
         rows=tuple(
             (
                 words.say(item.name),
                 words.say(item.source),
-                *_numbers(item, record, words),
+                *limits_numbers(item, record, words),
                 met_at_all(item.meets_requirements, item.keeps_reserve, words),
             )
             for item in good
@@ -192,6 +162,7 @@ def rules(record: Record, words: Catalogue) -> Section:
             *_comparison(record, words),
             *note,
         ),
+        is_appendix=True,
     )
 
 
@@ -239,7 +210,9 @@ def landscape(record: Record, words: Catalogue) -> Section:
         chosen=chosen,
         contours=_borders(record, t_scale.size, a_scale.size, words),
     )
-    return Section(key="landscape", heading=text("landscape-heading"), blocks=(heat_map,))
+    return Section(
+        key="landscape", heading=text("landscape-heading"), blocks=(heat_map,), is_appendix=True
+    )
 
 
 def _borders(record: Record, t_size: float, a_size: float, words: Catalogue) -> tuple[Contour, ...]:
@@ -335,7 +308,8 @@ def _comparison(record: Record, words: Catalogue) -> tuple[PointPlot, ...]:
     )
 
 
-def _number_columns(words: Catalogue) -> tuple[Column, ...]:
+def number_columns(words: Catalogue) -> tuple[Column, ...]:
+    """Return the columns of what limits are and give."""
     text = words.text
     heads = (
         text("acceleration"),
@@ -349,7 +323,7 @@ def _number_columns(words: Catalogue) -> tuple[Column, ...]:
         Column(head=head, width=1.5 if head == text("jerk") else 1.2, is_number=True)
         for head in heads
     )
-    return (*columns, Column(head=text("meets"), width=0.8))
+    return (*columns, Column(head=text("meets"), width=1.15))
 
 
 def shown_jerk(acceleration: float, jerk: float, cycle: float, words: Catalogue) -> str:
@@ -362,14 +336,17 @@ def shown_jerk(acceleration: float, jerk: float, cycle: float, words: Catalogue)
     return words.format.axis(jerk, "m/s^3")
 
 
-def _numbers(
-    item: LimitsEntry | Alternative | RuleResult, record: Record, words: Catalogue
+def limits_numbers(
+    item: LimitsEntry | JudgedLimits | TodayEntry, record: Record, words: Catalogue
 ) -> tuple[str, ...]:
+    """Return acceleration, jerk, settling time, residual and peak deviation of limits."""
     f = words.format
     cycle = record.loop.velocity_cycle
     return (
         f.axis(item.acceleration, "m/s^2"),
-        shown_jerk(item.acceleration, item.jerk, cycle, words),
+        words.text("no-jerk-limit")
+        if item.jerk is None or record.loop.jerk == "none"
+        else shown_jerk(item.acceleration, item.jerk, cycle, words),
         settling(item.settling_time, words),
         residual(item.residual_deviation, words),
         f.axis(item.peak_deviation, "m"),

@@ -1,19 +1,19 @@
-"""The control loop: gains, margins, the loops that were tried, and frequency response."""
+"""The control loop: frequency response with its margins, stiffness, the loops that were tried."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from math import inf, isfinite, pi
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.quantities import motion_unit, symbol
+from mtcommission.messages.quantities import symbol
 from mtcommission.record.schema import CandidateEntry, LoopPart, Margins, Record, VariantEntry
+from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.control_part import control_has
 from mtcommission.sheet.diagram_part import structure
-from mtcommission.sheet.loop_study_part import loop_study
+from mtcommission.sheet.loop_study_part import disturbance, loop_study
 from mtcommission.sheet.model import (
     Block,
     Bullets,
@@ -25,17 +25,31 @@ from mtcommission.sheet.model import (
     Tone,
     name_and_numbers,
 )
-from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.values import decibel, degree, settling
 
 Array = NDArray[np.float64]
 
-OPEN, CLOSED = 4, 1
-"""Line styles: the open loop is the main curve."""
+
+def loop_blocks(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Return how far the loop is from unstable, how stiff it is, and why it is this one."""
+    text = words.text
+    reasons = tuple(map(words.say, record.loop.reasons))
+    why: tuple[Block, ...] = ()
+    if reasons:
+        why = (Paragraph(text=text("loop-why")), Bullets(items=reasons))
+    if record.loop.worst_corner is None:  # the motor follows: the remarks say so
+        return (Bullets(items=tuple(map(words.say, record.loop.remarks))), *why)
+    return (
+        Paragraph(text=_sensors(record, words), tone=Tone.NOTE),
+        bode(record, words),
+        margins(record.loop, record.loop.worst_corner, words),
+        disturbance(record, words),
+        *why,
+    )
 
 
-def loop(record: Record, words: Catalogue) -> Section:
-    """Return gains, margins, the loops that were tried, and frequency response."""
+def loop_details(record: Record, words: Catalogue) -> Section:
+    """Return structure, loops that were tried, corners, delays, and what the control has."""
     text, part = words.text, record.loop
     remarks: tuple[Block, ...] = ()
     if part.remarks:
@@ -43,87 +57,36 @@ def loop(record: Record, words: Catalogue) -> Section:
             Subheading(text=text("remarks")),
             Bullets(items=tuple(map(words.say, part.remarks))),
         )
-    if part.worst_corner is None:
-        return Section(
-            key="loop",
-            heading=text("loop-heading"),
-            blocks=(_gains(record, words), *remarks, *control_has(record, words)),
+    details: tuple[Block, ...] = ()
+    if part.worst_corner is not None:
+        details = (
+            structure(record, words),
+            *_trade_off(record, words),
+            *_variants(record, words),
+            *loop_study(record, words),
         )
+    return Section(
+        key="loop-details",
+        heading=text("loop-details-heading"),
+        blocks=(*details, *remarks, *control_has(record, words)),
+        is_appendix=True,
+    )
+
+
+def _sensors(record: Record, words: Catalogue) -> str:
+    """Return what the loop measures, observes and feeds back."""
+    text, part = words.text, record.loop
     sensors = (words.known(f"sensor-{name}", name) for name in part.sensors)
     sentences = [text("sensors", names=", ".join(sensors))]
     if part.observer.states:
         sentences.append(text("observed", names=", ".join(map(symbol, part.observer.states))))
     if not part.state_feedback:
         sentences.append(text("no-state-feedback"))
-    return Section(
-        key="loop",
-        heading=text("loop-heading"),
-        blocks=(
-            structure(record, words),
-            _gains(record, words),
-            Paragraph(text=" ".join(sentences), tone=Tone.NOTE),
-            _margins(part, part.worst_corner, words),
-            *_trade_off(record, words),
-            *_variants(record, words),
-            _bode(record, words),
-            *loop_study(record, words),
-            *remarks,
-            *control_has(record, words),
-        ),
-    )
+    return " ".join(sentences)
 
 
-def _gains(record: Record, words: Catalogue) -> Table:
-    text = words.text
-    return Table(
-        caption=text("gains-caption"),
-        columns=(
-            Column(head=text("quantity"), width=2.0),
-            Column(head=text("value"), is_number=True),
-        ),
-        rows=gain_rows(record, words),
-    )
-
-
-def gain_rows(record: Record, words: Catalogue) -> tuple[tuple[str, str], ...]:
-    """Return name and value of every gain, delay and cycle."""
-    text, f, part, units = words.text, words.format, record.loop, record.plant.units
-    mass = motion_unit("kg", rotary=words.rotary)
-    if part.Kv is None:
-        return (
-            (text("reference-delay"), f.quantity(part.reference_delay, "s")),
-            (text("setpoint-spacing"), f.quantity(part.position_cycle, "s")),
-        )
-    rows = [
-        (words.name("Kv"), f.quantity(part.Kv, "1/s")),
-        (words.name("Kp"), f.axis(part.Kp, "N s/m")),
-        (words.name("Tn"), f.quantity(part.Tn, "s")),
-        (text("reference-delay"), f.quantity(part.reference_delay, "s")),
-    ]
-    for name, value in asdict(part.feedforward).items():
-        unit = mass if "mass" in name else ""
-        rows.append(
-            (text("feedforward", name=text(f"feedforward-{name}")), f.quantity(value, unit))
-        )
-    for state, gain in part.state_feedback.items():
-        unit = f"{units['F']}/({units[state]})" if state in units else ""
-        rows.append((text("state-feedback", name=symbol(state)), f.quantity(gain, unit)))
-    if part.reference_model_time:
-        rows.append((text("reference-model"), f.quantity(part.reference_model_time, "s")))
-    for number, item in enumerate(part.force_filters, start=1):
-        said = text(
-            f"loop-filter-{item.kind.replace('_', '-')}",
-            frequency=item.natural_frequency / (2.0 * pi),
-            damping=item.damping,
-            width=item.width,
-        )
-        rows.append((text("force-filter", number=number), said))
-    rows.append((text("position-cycle"), f.quantity(part.position_cycle, "s")))
-    rows.append((text("velocity-cycle"), f.quantity(part.velocity_cycle, "s")))
-    return tuple(rows)
-
-
-def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
+def margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
+    """Return margins, bandwidth, stiffness and damping, nominal and in the worst corner."""
     text, f = words.text, words.format
     peak = worst.sensitivity_peak
     rows = (
@@ -175,13 +138,11 @@ def _margins(part: LoopPart, worst: Margins, words: Catalogue) -> Table:
 
 
 def _trade_off(record: Record, words: Catalogue) -> tuple[Block, ...]:
-    """Return the loops that no other one beats in both stiffness and settling, and the reasons."""
+    """Return the loops that no other one beats in both stiffness and settling."""
     text, f, tried = words.text, words.format, record.loop.candidates
-    reasons = tuple(map(words.say, record.loop.reasons))
-    told = (Bullets(items=reasons),) if reasons else ()
     shown = [item for item in tried if item.used or item.classic or not _is_beaten(item, tried)]
     if len(shown) < 2:
-        return told
+        return ()
     heads = (
         "settling-time",
         "stiffness-short",
@@ -212,7 +173,7 @@ def _trade_off(record: Record, words: Catalogue) -> tuple[Block, ...]:
         ),
         strong_rows=tuple(k for k, item in enumerate(shown) if item.used),
     )
-    return (table, *told)
+    return (table,)
 
 
 def _is_beaten(item: CandidateEntry, others: list[CandidateEntry]) -> bool:
@@ -274,44 +235,4 @@ def _stiffness(part: LoopPart | VariantEntry, words: Catalogue) -> str:
         "stiffness-at",
         stiffness=f.axis(part.dynamic_stiffness, "N/m"),
         frequency=f.quantity(part.weakest_frequency_hz, "Hz"),
-    )
-
-
-def _bode(record: Record, words: Catalogue) -> LinePlot:
-    text, f, part = words.text, words.format, record.loop
-    frequency = np.array(part.bode.t)
-    signals = {name: np.array(values) for name, values in part.bode.signals.items()}
-    # Whole turns are added so that the phase begins between -360 and 0 degrees.
-    phase = signals["open_loop_deg"] - 360.0 * np.ceil(signals["open_loop_deg"][0] / 360.0)
-
-    def line(label: str, y: Array, style: int) -> Line:
-        return Line(label=label, x=frequency, y=y, style=style)
-
-    return LinePlot(
-        key="bode",
-        caption=text("bode-caption"),
-        alt=text(
-            "bode-alt",
-            gain=decibel(part.gain_margin_db, words),
-            phase=degree(part.phase_margin_deg, words),
-            bandwidth=f.quantity(part.bandwidth_hz, "Hz"),
-        ),
-        x_label=text("in-unit", name=text("frequency"), unit="Hz"),
-        x_is_log=True,
-        link="bode",
-        panels=(
-            Panel(
-                y_label=text("magnitude"),
-                lines=(
-                    line(text("open-loop"), signals["open_loop_db"], OPEN),
-                    line(text("closed-velocity"), signals["closed_velocity_db"], CLOSED),
-                ),
-                borders=(Border(label="0 dB", y=0.0),),
-            ),
-            Panel(
-                y_label=text("phase"),
-                lines=(line(text("open-loop"), phase, OPEN),),
-                borders=(Border(label="−180°", y=-180.0),),
-            ),
-        ),
     )

@@ -15,11 +15,10 @@ USED, OTHER = 4, 1
 
 
 def loop_study(record: Record, words: Catalogue) -> tuple[Block, ...]:
-    """Return delays, disturbance response, effect of the jerk feed-forward, and corners."""
+    """Return corners, delays, and the effect of the jerk feed-forward."""
     corners = (_corners(record, words),) if len(record.loop.corners) > 1 else ()
     return (
         *corners,
-        _disturbance(record, words),
         _delays(record, words),
         *([_jerk_feedforward(record, words)] if record.loop.jerk_feedforward else []),
     )
@@ -56,7 +55,7 @@ def _corners(record: Record, words: Catalogue) -> Table:
     )
 
 
-def _disturbance(record: Record, words: Catalogue) -> LinePlot:
+def disturbance(record: Record, words: Catalogue) -> LinePlot:
     """Return how the tool gives way to a step of force, for each loop that was compared."""
     text, f, series = words.text, words.format, record.loop.disturbance
     used = {item.name.kind for item in record.loop.variants if item.used}

@@ -41,6 +41,7 @@ def machine_data(record: Record, words: Catalogue) -> Section:
             ),
             _modes(record, words),
         ),
+        is_appendix=True,
     )
 
 
@@ -52,6 +53,7 @@ def requirements(record: Record, words: Catalogue) -> Section:
         key="requirements",
         heading=text("requirements-heading"),
         blocks=(_data_table(text("requirements-caption"), data, record, words),),
+        is_appendix=True,
     )
 
 

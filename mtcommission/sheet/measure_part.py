@@ -6,7 +6,7 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
 from mtcommission.record.schema import MoveEntry, Record
 from mtcommission.record.verified import Verified
-from mtcommission.sheet.model import Bullets, Column, Form, Paragraph, Section, Table, Tone
+from mtcommission.sheet.model import Block, Bullets, Column, Form, Paragraph, Table, Tone
 from mtcommission.sheet.values import decibel, degree, residual, settling
 from mtcommission.sheet.verdict_part import band, move_title
 
@@ -15,7 +15,9 @@ Row = tuple[str, str, str, str, float | None, str]
 calculated value [SI] and its unit, "%" for a ratio."""
 
 
-def measurements(record: Record, words: Catalogue, verified: Verified | None = None) -> Section:
+def measurement_blocks(
+    record: Record, words: Catalogue, verified: Verified | None = None
+) -> tuple[Block, ...]:
     """Return the measurements that confirm the record, with what was measured if it is known."""
     text = words.text
     rows = [*_structure(record, words), *_loop(record, words)]
@@ -32,21 +34,17 @@ def measurements(record: Record, words: Catalogue, verified: Verified | None = N
             *(Column(head=head, width=1.1) for head in heads),
         ),
         rows=tuple((*row[:3], *_measured(row, verified, words)) for row in rows),
-        is_form=verified is None,
+        is_form=True,
     )
     titles = "; ".join(
         move_title(move.move, number, words) for number, move in enumerate(record.moves, start=1)
     )
-    return Section(
-        key="measurements",
-        heading=text("measure-heading"),
-        blocks=(
-            Paragraph(text=text("measure-note", moves=titles), tone=Tone.NOTE),
-            Bullets(items=tuple(text(f"measure-how-{i}") for i in range(1, 6))),
-            table,
-            *([_verdict(verified, words)] if verified else []),
-            Form(fields=(text("measure-field-1"), text("measure-field-2"))),
-        ),
+    return (
+        Paragraph(text=text("measure-note", moves=titles), tone=Tone.NOTE),
+        Bullets(items=tuple(text(f"measure-how-{i}") for i in range(1, 6)), tone=Tone.NOTE),
+        table,
+        *([_verdict(verified, words)] if verified else []),
+        Form(fields=(text("measure-field-1"), text("measure-field-2"))),
     )
 
 

@@ -239,14 +239,15 @@ class Section:
         Its heading.
     blocks
         What it shows, in order.
-    is_together
-        Whether print keeps it on one page.
+    is_appendix
+        Whether it is evidence that print leaves out unless it is asked for; any other section is
+        a page of its own.
     """
 
     key: str
     heading: str
     blocks: tuple[Block, ...]
-    is_together: bool = False
+    is_appendix: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -265,10 +266,10 @@ class Document:
         When the record was made (ISO 8601).
     disclaimer
         What the sheet is not.
-    contents_heading, skip_link, script_note, page_word
+    contents_heading, skip_link, script_note, page_word, appendix_heading
         Words of the printers' own.
     sections
-        In order.
+        In order, those of the appendix last.
     """
 
     language: str
@@ -283,3 +284,9 @@ class Document:
     script_note: str
     page_word: str
     sections: tuple[Section, ...]
+    appendix_heading: str = ""
+
+    @property
+    def pages(self) -> tuple[Section, ...]:
+        """The sections that one hands over, a page each."""
+        return tuple(section for section in self.sections if not section.is_appendix)

@@ -75,31 +75,36 @@ def motions(record: Record, words: Catalogue) -> Section:
         blocks.extend(
             Paragraph(text=words.say(remark), tone=Tone.NOTE) for remark in optima.remarks
         )
-    return Section(key="motions", heading=text("motion-heading"), blocks=tuple(blocks))
+    return Section(
+        key="motions", heading=text("motion-heading"), blocks=tuple(blocks), is_appendix=True
+    )
 
 
-def first_look(record: Record, words: Catalogue) -> LinePlot:
-    """Return acceleration and deviation of the first move, for the first page."""
-    text, f, move = words.text, words.format, record.moves[0]
-    plans = _panels(record, record.optima[0], move, words)
+def response_plot(record: Record, number: int, words: Catalogue) -> LinePlot:
+    """Return acceleration, deviation and force of a move with the optimum, for a page."""
+    text, f, move = words.text, words.format, record.moves[number - 1]
+    optima = record.optima[number - 1]
+    plans = _panels(record, optima, move, words)
     t_scale = f.scale(move.series.t[-1], "s")
-    own = {text("setpoint"), text("response")}
+    rest = text("constrained" if optima.constrained else "time-optimal")
+    own = {text("setpoint"), text("response"), rest}
     panels = tuple(
         _panel([c for c in curves if c.label in own], name, unit, t_scale.size, words, borders)
-        for name, unit, curves, borders in (plans[1], plans[-1])
+        for name, unit, curves, borders in (plans[1], plans[-1], plans[0])
     )
     response = move.response
     return LinePlot(
-        key="first-look",
-        caption=text("first-look-caption", move=move_title(move.move, 1, words)),
+        key="responses",
+        caption=text("responses-caption", move=move_title(move.move, number, words)),
         alt=text(
-            "first-look-alt",
+            "responses-alt",
             peak=f.axis(response.peak_deviation, "m"),
             settling=settling(response.settling_time, words),
+            force=f.quantity(response.max_force, record.plant.units["F"]),
         ),
         x_label=text("in-unit", name=text("time"), unit=t_scale.unit),
         x_is_log=False,
-        link="move-1",
+        link=f"move-{number}",
         panels=panels,
     )
 

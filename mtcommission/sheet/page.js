@@ -212,10 +212,8 @@ function drawMark(parent, mark, px, py) {
 }
 
 function drawPoints(svg, plot, view, key) {
-  const longest = Math.max(...plot.marks.map(mark => mark.label.length));
-  const columns = 34 + 7.2 * longest > (across - LEFT) / 2 ? 1 : 2;
-  const rows = Math.ceil(plot.marks.length / columns), bottom = TITLE + SQUARE;
-  svg.setAttribute("viewBox", `0 0 ${across} ${bottom + FOOT + 18 * rows + 8}`);
+  const bottom = TITLE + SQUARE;
+  svg.setAttribute("viewBox", `0 0 ${across} ${bottom + FOOT}`);
   const x = scale(...view.x, LEFT, across - RIGHT, true), y = scale(...view.y, bottom, TITLE, true);
   frame(svg, x, y, key);
   const title = add(svg, "text", {x: LEFT, y: TITLE - 6}, plot.y_label);
@@ -223,15 +221,13 @@ function drawPoints(svg, plot, view, key) {
   add(svg, "text", {x: x.to, y: TITLE - 6, "text-anchor": "end"}, plot.border.label);
   const inside = add(svg, "g", {"clip-path": `url(#${key})`});
   add(inside, "path", {class: "border", d: `M${x.from} ${y.at(plot.border.y)}H${x.to}`});
-  plot.marks.forEach((mark, i) => {
+  for (const mark of plot.marks) {
     drawMark(inside, mark, x.at(mark.x), y.at(mark.y));
-    const [dx, dy] = mark.beside, px = x.at(mark.x), py = y.at(mark.y);
-    if (i && Math.hypot(dx, dy) > 20) add(inside, "path", {class: "grid", d: `M${px} ${py}L${px + dx} ${py + dy}`});
-    if (i) add(inside, "text", {x: px + dx, y: py + dy + 4, "text-anchor": "middle"}, i);
-    const left = LEFT + (i % columns) * (across - LEFT) / 2, down = bottom + FOOT + 18 * Math.floor(i / columns) + 8;
-    drawMark(svg, mark, left, down - 4);
-    add(svg, "text", {x: left + 14, y: down}, i ? `${i} ${mark.label}` : mark.label);
-  });
+    const [dx, dy] = mark.beside, px = x.at(mark.x), py = y.at(mark.y), half = 3.6 * mark.name.length;
+    const apart = Math.hypot(Math.max(Math.abs(dx) - half, 0), Math.max(Math.abs(dy) - 7, 0));
+    if (apart > 14) add(inside, "path", {class: "grid", d: `M${px} ${py}L${px + Math.sign(dx) * Math.max(Math.abs(dx) - half, 0)} ${py + dy}`});
+    add(inside, "text", {x: px + dx, y: py + dy + 4, "text-anchor": "middle"}, mark.name);
+  }
   labelX(svg, x, bottom, plot.x_label);
   const point = (place, height) => {
     title.textContent = plot.y_label;

@@ -16,12 +16,16 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.formula import Expression, write_formula
 from mtcommission.messages.message import Message
 from mtcommission.sheet.diagram import draw_diagram
-from mtcommission.sheet.figures import draw_svg
-from mtcommission.sheet.model import Block, Cell, Document, Formula, Table
-from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, PointPlot
+from mtcommission.sheet.figures import PANEL, draw_svg
+from mtcommission.sheet.model import Block, Cell, Document, Formula, Section, Table
+from mtcommission.sheet.plot_model import Diagram, HeatMap, LinePlot, Plot, PointPlot
 from mtcommission.sheet.typst_math import write_typst
 
 PLOTS = (LinePlot, PointPlot, HeatMap)
+
+HEIGHTS = (124.0, 106.0, 90.0, 76.0, 64.0, 54.0, 46.0, 39.0)
+"""Heights of a panel [pt], among which a page takes the largest that fits; sheet.typ has as many
+steps."""
 
 TEMPLATE = Path(__file__).with_name("sheet.typ")
 
@@ -49,16 +53,10 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
         PRINTING_FAILED with the compiler's message.
     """
     plots = {
-        block.key: draw_svg(block, decimal_mark=decimal_mark).decode()
+        block.key: _drawn(block, section, decimal_mark)
         for section in document.sections
         for block in section.blocks
-        if isinstance(block, PLOTS)
-    }
-    plots |= {
-        block.key: draw_diagram(block)
-        for section in document.sections
-        for block in section.blocks
-        if isinstance(block, Diagram)
+        if isinstance(block, (*PLOTS, Diagram))
     }
     try:
         pdf = typst.compile(
@@ -75,6 +73,17 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
             Outcome.PRINTING_FAILED, Message("foreign", text=str(error))
         ) from error
     return pdf
+
+
+def _drawn(block: Plot | Diagram, section: Section, decimal_mark: str) -> list[str]:
+    """Return a picture as SVG: on a page in each of the heights among which it chooses."""
+    if isinstance(block, Diagram):
+        return [draw_diagram(block)]
+    heights = (PANEL,) if section.is_appendix else HEIGHTS
+    return [
+        draw_svg(block, decimal_mark=decimal_mark, panel_height=height).decode()
+        for height in (heights if isinstance(block, LinePlot) else heights[:1])
+    ]
 
 
 def _font_folder() -> Path:
@@ -101,15 +110,13 @@ def _as_json(document: Document) -> str:
     sections = [
         {
             "heading": section.heading,
-            "is_together": section.is_together,
+            "is_appendix": section.is_appendix,
             "blocks": [_as_data(block) for block in section.blocks],
         }
         for section in document.sections
     ]
-    data = {
-        name: getattr(document, name)
-        for name in ("language", "title", "machine", "axis", "identity", "disclaimer", "page_word")
-    }
+    names = ("language", "title", "machine", "axis", "identity", "disclaimer", "page_word")
+    data = {name: getattr(document, name) for name in (*names, "appendix_heading")}
     return json.dumps(data | {"sections": sections}, ensure_ascii=False)
 
 

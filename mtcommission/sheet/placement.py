@@ -17,6 +17,21 @@ AIR = 0.5
 """Room kept free around a label."""
 
 
+LONGEST = 36
+"""Letters of a name that stands beside its point."""
+
+
+def shorten(name: str) -> str:
+    """Return a name as it stands beside its point; what is longer ends in an ellipsis.
+
+    Examples
+    --------
+    >>> shorten("j = 10 a"), len(shorten("x" * 80))
+    ('j = 10 a', 36)
+    """
+    return name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
+
+
 def place_labels(points: Array, sizes: Array, *, width: float, height: float, gap: float) -> Array:
     """Return the centres of labels beside their points.
 

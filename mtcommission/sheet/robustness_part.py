@@ -48,6 +48,7 @@ def robustness(record: Record, words: Catalogue) -> Section:
             *found,
             _sensitivities(record, words),
         ),
+        is_appendix=True,
     )
 
 

@@ -27,6 +27,7 @@ def rule(record: Record, words: Catalogue) -> Section:
             Paragraph(text=text("rule-valid", range=words.say(part.valid_for)), tone=Tone.NOTE),
             *(Paragraph(text=words.say(line), tone=Tone.WARNING) for line in part.warnings),
         ),
+        is_appendix=True,
     )
 
 

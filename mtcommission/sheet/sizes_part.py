@@ -19,7 +19,7 @@ from mtcommission.sheet.model import (
     name_and_numbers,
 )
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
-from mtcommission.sheet.verdict_part import band, move_title
+from mtcommission.sheet.verdict_part import band, move_title, slowest_move
 
 STYLES: dict[Words, int] = {
     Message("way-recommended"): 4,
@@ -31,19 +31,31 @@ STYLES: dict[Words, int] = {
 
 def move_sizes(record: Record, words: Catalogue) -> tuple[Section, ...]:
     """Return from which size on limits hold, move by move; nothing where nothing was tried."""
-    text, entries = words.text, record.limits.move_sizes
-    if not entries:
+    text = words.text
+    if not record.limits.move_sizes:
         return ()
+    shown_before = slowest_move(record)
     blocks: list[Block] = [Paragraph(text=text("sizes-note"), tone=Tone.NOTE)]
     for number, move in enumerate(record.moves, start=1):
-        ways = [entry for entry in entries if entry.move == move.move]
-        if ways:
-            title = move_title(move.move, number, words)
-            short = text("move", number=number)
-            blocks.append(Subheading(text=title))
-            blocks.append(_table(record, ways, short, words))
-            blocks.append(_plot(record, ways, number, short, words))
-    return (Section(key="sizes", heading=text("sizes-heading"), blocks=tuple(blocks)),)
+        if ways := _ways(record, number):
+            blocks.append(Subheading(text=move_title(move.move, number, words)))
+            blocks.append(_table(record, ways, text("move", number=number), words))
+            if number != shown_before:
+                blocks += size_plot(record, number, words)
+    heading = text("sizes-heading")
+    return (Section(key="sizes", heading=heading, blocks=tuple(blocks), is_appendix=True),)
+
+
+def size_plot(record: Record, number: int, words: Catalogue) -> tuple[LinePlot, ...]:
+    """Return the residual deviation over the size of a move; nothing where none was tried."""
+    ways = _ways(record, number)
+    title = words.text("move", number=number)
+    return (_plot(record, ways, number, title, words),) if ways else ()
+
+
+def _ways(record: Record, number: int) -> list[MoveSizesEntry]:
+    move = record.moves[number - 1].move
+    return [entry for entry in record.limits.move_sizes if entry.move == move]
 
 
 def _unit(entry: MoveSizesEntry, words: Catalogue) -> str:

@@ -13,10 +13,11 @@ from rich.text import Text
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from mtcommission.record.schema import LimitsEntry, Record, TodayEntry
-from mtcommission.sheet.basis_part import basis_rows
+from mtcommission.sheet.basis_part import basis_rows, holds_rows
 from mtcommission.sheet.robustness_part import drawn_sentence
-from mtcommission.sheet.values import residual, say_filter, say_limiting, say_requirement, settling
+from mtcommission.sheet.values import residual, say_filter, say_requirement, settling
 from mtcommission.sheet.verdict_part import (
+    attainable_sentences,
     move_title,
     reference_sentence,
     share_used,
@@ -101,7 +102,7 @@ class Summary:
         yield table
         yield plain(text("values-bound-by", bound=words.say(record.limits.recommended.bound_by)))
         yield plain(text("used", shares=_shares(record, words)))
-        for name, value in basis_rows(record, words):
+        for name, value in (*basis_rows(record, words), *holds_rows(record, words)):
             yield plain(f"{name}: {value}.")
         for sentence in further_sentences(record, words):
             yield plain(sentence)
@@ -146,20 +147,11 @@ def _shares(record: Record, words: Catalogue) -> str:
 
 def further_sentences(record: Record, words: Catalogue) -> list[str]:
     """Return what could be met instead, the reference, and the robustness, as on the sheet."""
-    text, f, drawn = words.text, words.format, record.robustness.monte_carlo
+    drawn = record.robustness.monte_carlo
     today = record.limits.today
-    could_be_met = [
-        text(
-            "could-be-met",
-            requirement=say_limiting(item, words),
-            value=f.quantity(item.value, item.unit),
-            limit=f.quantity(item.limit, item.unit),
-        )
-        for item in record.limits.attainable
-    ]
     return [
         *([words.say(today.basis)] if today else []),
-        *could_be_met,
+        *attainable_sentences(record, words),
         reference_sentence(record, slowest_move(record), words),
         *([] if drawn is None else [drawn_sentence(drawn, words)]),
     ]

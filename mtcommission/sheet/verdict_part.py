@@ -1,4 +1,4 @@
-"""First page: the verdict and the values to enter."""
+"""The verdict: met or not, the limits large, the requirements one by one."""
 
 from __future__ import annotations
 
@@ -13,10 +13,8 @@ from mtcommission.record.schema import (
     RobustEntry,
     TodayEntry,
 )
-from mtcommission.sheet.basis_part import basis_rows
-from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Section, Table, Tone
-from mtcommission.sheet.plot_model import LinePlot
-from mtcommission.sheet.values import filter_rows, residual, say_requirement, settling
+from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Table, Tone
+from mtcommission.sheet.values import filter_rows, residual, say_limiting, say_requirement, settling
 
 CONTOUR = "requirements.contour_deviation"
 
@@ -24,44 +22,30 @@ ROUNDING = 1e-6
 """Relative difference that search and check may have where the reserve is just kept."""
 
 
-def verdict(record: Record, words: Catalogue, *, picture: LinePlot) -> Section:
-    """Return verdict, values to enter, result and checks, with a picture of the first move."""
+def headline(record: Record, words: Catalogue) -> Headline:
+    """Return the verdict with the limits to enter and what they give."""
     text, limits = words.text, record.limits.recommended
     assessment = record.assessment
-    detail = f"{text('values-bound-by', bound=words.say(limits.bound_by))}."
+    told = now_and_then(record, words) or [
+        text(
+            "what-they-give",
+            settling=settling(limits.settling_time, words),
+            residual=residual(limits.residual_deviation, words),
+        )
+    ]
     if assessment.obstacle:
         obstacle = say_requirement(assessment.obstacle, words)
-        detail = f"{text('obstacle', obstacle=obstacle)}. {detail}"
-    headline = Headline(
+        told.append(f"{text('obstacle', obstacle=obstacle)}.")
+    told.append(f"{text('values-bound-by', bound=words.say(limits.bound_by))}.")
+    return Headline(
         is_met=assessment.met,
         verdict=text("verdict-met") if assessment.met else text("verdict-not-met"),
-        detail=" ".join([*now_and_then(record, words), detail]),
+        detail=" ".join(told),
         values=(
             BigValue(label=text("acceleration"), value=acceleration(record, words), aside="a"),
             BigValue(label=text("jerk"), value=jerk(record, words), aside="j"),
             *_jerk_time(record, words),
             *_setpoint_filter(record, words),
-        ),
-    )
-    return Section(
-        key="verdict",
-        heading=text("verdict-heading"),
-        blocks=(
-            Paragraph(
-                text=text("data-source", source=words.say(record.machine.source)),
-                tone=Tone.NOTE,
-            ),
-            headline,
-            *_warnings(record, words),
-            _result(record, words),
-            _checks(assessment.checks, words),
-            Paragraph(text=_judged_during(record, words), tone=Tone.NOTE),
-            Table(
-                caption=text("basis-caption"),
-                columns=(Column(head=text("basis")), Column(head=text("value"), width=5.0)),
-                rows=basis_rows(record, words),
-            ),
-            picture,
         ),
     )
 
@@ -212,7 +196,7 @@ def capitalised(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
+def warnings_told(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
     """Return the warnings on which the verdict hangs, and how many more there are."""
     text = words.text
     told = (*record.limits.warnings, *record.loop.warnings, *record.robustness.warnings)
@@ -223,52 +207,24 @@ def _warnings(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
     return tuple(Paragraph(text=line, tone=Tone.WARNING) for line in lines)
 
 
-def _result(record: Record, words: Catalogue) -> Table:
-    """Return the recommended values, and today's before them, with what each gives."""
-    text, f, today = words.text, words.format, record.limits.today
-    limits, no_limit = record.limits.recommended, text("no-jerk-limit")
-
-    def row(name: str, item: TodayEntry | LimitsEntry, verdict: str) -> tuple[str, ...]:
-        found = (
-            settling(item.settling_time, words),
-            residual(item.residual_deviation, words),
-            f.axis(item.peak_deviation, "m"),
+def attainable_sentences(record: Record, words: Catalogue) -> list[str]:
+    """Return what could be met where a requirement stands in the way."""
+    f = words.format
+    return [
+        words.text(
+            "could-be-met",
+            requirement=say_limiting(item, words),
+            value=f.quantity(item.value, item.unit),
+            limit=f.quantity(item.limit, item.unit),
         )
-        is_known = item is limits or today is None or not today.failure
-        return (
-            name,
-            f.axis(item.acceleration, "m/s^2"),
-            jerk(record, words) if item is limits else f.axis(item.jerk, "m/s^3", missing=no_limit),
-            *(found if is_known else ("–", "–", "–")),
-            verdict,
-        )
+        for item in record.limits.attainable
+    ]
 
-    is_met = met_at_all(record.assessment.met, keeps_reserve(record), words)
-    best = row(text("recommended"), limits, is_met)
-    rows = []
-    if today:
-        is_met = met_at_all(today.meets_requirements, today.keeps_reserve, words)
-        rows.append(row(text("today"), today, is_met))
-    heads = {
-        "acceleration": 1.55,
-        "jerk": 1.4,
-        "settling-time": 1.4,
-        "residual": 1.6,
-        "peak-deviation": 1.8,
-    }
-    return Table(
-        caption=text("result-caption"),
-        columns=(
-            Column(head=text("limits-name"), width=1.2),
-            *(
-                Column(head=text(head), width=width, is_number=True)
-                for head, width in heads.items()
-            ),
-            Column(head=text("meets"), width=1.2),
-        ),
-        rows=(*rows, best),
-        strong_rows=(len(rows),),
-    )
+
+def could_be_met(record: Record, words: Catalogue) -> tuple[Paragraph, ...]:
+    """Return the same as a paragraph; nothing where nothing stands in the way."""
+    said = attainable_sentences(record, words)
+    return (Paragraph(text=" ".join(said)),) if said else ()
 
 
 def share_used(check: Check, words: Catalogue) -> str:
@@ -302,7 +258,7 @@ def met_at_all(is_met: bool, keeps_reserve: bool, words: Catalogue) -> str:
     return words.text("yes" if keeps_reserve else "yes-without-reserve")
 
 
-def _judged_during(record: Record, words: Catalogue) -> str:
+def judged_during(record: Record, words: Catalogue) -> str:
     """Return whether the tool is judged during the move, and what that means for the user."""
     text, f = words.text, words.format
     needs = {item.key: item.value for item in record.data}
@@ -315,7 +271,8 @@ def _judged_during(record: Record, words: Catalogue) -> str:
     return text("contour-judged")
 
 
-def _checks(checks: list[Check], words: Catalogue) -> Table:
+def checks_table(checks: list[Check], words: Catalogue) -> Table:
+    """Return what was found of each requirement, what is permitted, and where it is worst."""
     text, f = words.text, words.format
     rows = tuple(
         (
@@ -323,20 +280,19 @@ def _checks(checks: list[Check], words: Catalogue) -> Table:
             f.quantity(check.value, check.unit, missing=text("not-settled")),
             f.quantity(check.limit, check.unit),
             share_used(check, words),
-            f.percent(1.0 - check.reserve) if check.reserve < 1.0 else "–",
             verdict_on(check, words),
             words.say(check.where),
         )
         for check in checks
     )
-    heads = ("found", "permitted", "share-used", "share-wanted")
+    heads = ("found", "permitted", "share-used")
     return Table(
         caption=text("checks-caption"),
         columns=(
-            Column(head=text("check"), width=1.6),
-            *(Column(head=text(head), width=0.95, is_number=True) for head in heads),
-            Column(head=text("verdict"), width=1.2),
-            Column(head=text("where"), width=4.2),
+            Column(head=text("check"), width=1.8),
+            *(Column(head=text(head), width=1.15, is_number=True) for head in heads),
+            Column(head=text("verdict"), width=1.25),
+            Column(head=text("where"), width=4.7),
         ),
         rows=rows,
         strong_rows=tuple(i for i, check in enumerate(checks) if not check.met),

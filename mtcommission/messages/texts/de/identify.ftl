@@ -170,7 +170,7 @@ identify-option-band = gegeben "{ $got }", muss UNTEN:OBEN in Hz sein mit 0 < UN
 identify-option-modes = gegeben "{ $got }", muss auto oder 1 bis { $most } sein
 identify-option-columns = gegeben "{ $got }", muss NAME=SPALTE sein
 
-# Der Abschnitt im Protokoll
+# Der Abschnitt im Inbetriebnahmeblatt
 identified-heading = Was gemessen wurde
 identified-note = Identifiziert am { $date }. ± steht für zwei Standardabweichungen dieser Messung; was sich von Tag zu Tag und zwischen Positionen und Zuladungen ändert, steckt in der Streuung, die die Eckfälle enthalten.
 identified-by-profile = wie im Profil angegeben
@@ -192,4 +192,4 @@ identified-tool-decides = Der Anteil von { $modes } am Werkzeug wurde nicht geme
     [yes] wären sie erfüllt: zuerst mit einem Sensor am Werkzeug messen
    *[no] sind sie auch nicht erfüllt
 }.
-identify-document-measured = Was gemessen wurde, für das Protokoll: Wert und Standardabweichung. [plant] ändern, nicht dies.
+identify-document-measured = Was gemessen wurde, für das Inbetriebnahmeblatt: Wert und Standardabweichung. [plant] ändern, nicht dies.

@@ -45,7 +45,7 @@ assumption-cycles = Lageregler und Vorsteuerung wirken einen Lagereglertakt vers
    *[linear] die Kraft
 } wirkt einen Takt des Geschwindigkeitsreglers verspätet.
 assumption-exact-rest = Der zeitoptimale Vergleichswert verlangt exakte Ruhe aller Eigenformen; die Empfehlung wird an einem Toleranzband gemessen. Beide beantworten verschiedene Fragen.
-assumption-calculated = Ein berechnetes Protokoll ist keine Abnahmeprüfung (z. B. ISO 230); an der Maschine bestätigen.
+assumption-calculated = Ein berechnetes Blatt ist keine Abnahmeprüfung (z. B. ISO 230); an der Maschine bestätigen.
 assumption-static-load = Die statische Last mindert { $axis ->
     [rotary] das Drehmoment
    *[linear] die Kraft

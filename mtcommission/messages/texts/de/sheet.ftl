@@ -2,13 +2,14 @@
 
 ## The printers' own words
 
-title = Inbetriebnahmeprotokoll
+title = Inbetriebnahmeblatt
 axis = Achse
 identity = Profil { $name }, SHA-256 { $hash }
-disclaimer = Berechnetes Protokoll, keine Abnahmeprüfung.
+disclaimer = Berechnetes Blatt, keine Abnahmeprüfung.
 contents = Inhalt
 skip = Zum Ergebnis springen
 page = Seite
+appendix = Anhang
 script-note = Diagramme: Ziehen vergrößert, Doppelklick setzt zurück, Zeiger oder Pfeiltasten zeigen Werte. Ohne JavaScript stehen die Diagramme im PDF.
 
 ## Words
@@ -61,14 +62,23 @@ verdict-met = Alle Anforderungen erfüllt
 verdict-not-met = Anforderungen NICHT erfüllt
 values-bound-by = Begrenzt durch: { $bound }
 obstacle = Im Weg steht: { $obstacle }
-result-caption = Was die Werte ergeben, ungünstigste der angegebenen Bewegungen und Eckfälle
+what-they-give = Eingeschwungen nach { $settling }, Restabweichung { $residual } (ungünstigste Bewegung, ungünstigster Eckfall).
 today = Heute
 now-and-then = Einschwingzeit / Restabweichung: jetzt { $now }, dann { $then }.
 now = jetzt { $value }
 used = Genutzt vom Zulässigen: { $shares }.
 now-no-result = kein Ergebnis (siehe Warnung)
+holds-caption = Wofür sie gelten
 basis-caption = Worauf das beruht (angenommen: weder angegeben noch gemessen)
-basis = Annahme
+basis-data = Maschinendaten
+basis-measured = Gemessen
+basis-assumed = Angenommen
+measured-modes = { $modes }; am { $date }, Intervalle im Anhang
+measured-nothing = { $source }; an dieser Maschine wurde nichts gemessen
+assumed-more = { $names } und { $count } weitere
+assumed-defaults = Vorgaben: { $count }, siehe Anhang
+payload-from-to = { $low } bis { $high }
+basis = Was
 basis-control = Steuerung
 basis-frequencies = Frequenzen
 basis-damping = Dämpfungsgrade
@@ -94,7 +104,6 @@ encoder-steps = { $axis ->
    *[linear] Stufen von { $resolution } bewegen das Werkzeug bis ± { $tool }, die Sollkraft bis ± { $force }
 }
 share-used = Genutzt
-share-wanted = Reserve
 yes-without-reserve = ja, Reserve verbraucht
 met-without-reserve = erfüllt, Reserve verbraucht
 reference = { $move }: zeitoptimaler Vergleichswert, exakte Ruhe: { $optimum }; empfohlen: { $settling } ({ $more } mehr).
@@ -107,12 +116,9 @@ robust-force = { $axis ->
 }
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
 reference-composed = { $optimum } (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter { $bound })
-first-look-caption = { $move }: Sollwert, Antwort, Abweichung am TCP, Nennmaschine
-first-look-alt = Beschleunigung von Sollwert und Antwort sowie TCP-Abweichung über der Zeit: höchstens { $peak }, eingeschwungen nach { $settling }.
 checks-caption = Anforderungen
-data-source = Quelle der Maschinendaten: { $source }
-warning-count = Warnungen: { $count }, siehe Abschnitt Nachweise und Annahmen.
-further-warnings = Weitere Warnungen: { $count }, siehe Abschnitt Nachweise und Annahmen.
+warning-count = Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
+further-warnings = Weitere Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
 check = Anforderung
 found = Ist
 permitted = Zulässig
@@ -149,7 +155,7 @@ requirements-caption = Was gefordert ist
 
 ## Limits
 
-limits-heading = Empfohlene Grenzwerte
+limits-heading = Grenzwerte je Bearbeitungsart
 machining-caption = Grenzwerte je Bearbeitungsart, jede mit eigenem Band
 machining-mode = Bearbeitungsart
 machining-surface = Oberfläche (Schlichten)
@@ -160,7 +166,9 @@ bound-by-column = Begrenzt durch
 attainable = Erreichbar
 attainable-caption = Was stattdessen erreichbar wäre, allein oder mit den genannten, alle anderen eingehalten
 attainable-band = { $reason }; erreichbar wäre ein Band von { $band }
-alternatives-caption = Empfehlung und Alternativen, in derselben Simulation
+alternatives-caption = Grenzwerte nebeneinander, in derselben Simulation (ungünstigste Bewegung, ungünstigster Eckfall)
+listed-short = Nur für die angegebenen Größen
+limits-missed = Nicht alle Anforderungen erfüllen { $count } weitere Grenzwerte, Optima und Faustregeln: siehe Anhang.
 limits-name = Grenzwerte
 recommended = Empfohlen
 rule-heading = Inbetriebnahmeregel, von Hand angewandt
@@ -230,10 +238,10 @@ hatched = { $caption } (schraffiert: nicht eingeschwungen)
 
 ## Compared with another record
 
-differences-heading = Änderungen seit dem früheren Protokoll
+differences-heading = Änderungen seit dem früheren Blatt
 compared-with = Verglichen mit: { $machine }, Achse { $axis_name }, berechnet am { $created }, Profil { $name }, SHA-256 { $hash }.
 changed-inputs = Maschine, Bewegungen und Anforderungen: was sich geändert hat
-no-changed-inputs = Maschine, Bewegungen und Anforderungen sind in beiden Protokollen dieselben.
+no-changed-inputs = Maschine, Bewegungen und Anforderungen sind auf beiden Blättern dieselben.
 changed-limits = Grenzwerte, vorher und nachher
 changed-result = Ergebnis, vorher und nachher
 changed-loop = Regelkreis, vorher und nachher
@@ -247,6 +255,23 @@ state-feedback-used = Zustandsrückführung
 
 ## Motion
 
+responses-heading = Antworten
+responses-caption = { $axis ->
+    [rotary] { $move }: Sollwert, Werkzeugabweichung, Moment; Nennmaschine
+   *[linear] { $move }: Sollwert, Werkzeugabweichung, Kraft; Nennmaschine
+}
+responses-alt = { $axis ->
+    [rotary] Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Sollmoment über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Sollmoment höchstens { $force }.
+   *[linear] Beschleunigung von Sollwert und Antwort, Abweichung am Werkzeug und Sollkraft über der Zeit. Das Werkzeug weicht höchstens { $peak } ab und ist nach { $settling } eingeschwungen; Sollkraft höchstens { $force }.
+}
+yardstick-caption = { $axis ->
+    [rotary] Bewegungen der Nennmaschine; kürzeste Zeiten, die das Moment erlaubt (so viel länger dauert sie)
+   *[linear] Bewegungen der Nennmaschine; kürzeste Zeiten, die die Kraft erlaubt (so viel länger dauert sie)
+}
+move-head = Bewegung
+exact-rest = Kürzeste Zeit, exakte Ruhe
+within-band = Kürzeste Zeit, im Band
+robust-short = Im Band über die Streuung
 motion-heading = Optimum, Empfehlung und Antwort
 drive-caption = { $axis ->
     [rotary] { $move }: Drehmoment, Beschleunigung und Geschwindigkeit
@@ -285,6 +310,7 @@ peak-of = Höchstwert { $name }
 heat = Wärme
 work = Arbeit
 fed-forward-caption = { $move }: die optimale Steuerung selbst als Vorsteuerung, an der Nennmaschine und an einer etwas anderen
+fed-forward-lost = Maschinen (Ecken von Zuladung und Streuung), auf denen sie nicht einschwingt: { $told }.
 saturated-share = { $axis ->
     [rotary] Zeitanteil ohne Momentenreserve
    *[linear] Zeitanteil ohne Kraftreserve
@@ -296,7 +322,13 @@ why-not = Warum das Optimum nicht einfach eingegeben wird:
 
 ## Loop
 
-loop-heading = Regelkreis
+loop-heading = Regelkreis: Reserven und Steifigkeit
+loop-details-heading = Regelkreis, Einzelheiten
+loop-why = Warum dieser Regelkreis:
+gain-margin-at = Amplitudenreserve { $margin }
+phase-margin-at = Phasenreserve { $margin }
+filter-at = Filter bei { $frequency }
+open-loop-measured = offener Kreis mit der gemessenen Achse ({ $file })
 diagram-caption = Struktur des Regelkreises
 diagram-alt = { $axis ->
     [rotary] Blockschaltbild: Lageregler { $kv }, Geschwindigkeitsregler { $kp } mit Nachstellzeit { $tn }, Vorsteuerung von Geschwindigkeit, Beschleunigung und Ruck, Momentengrenze und Momentenregelkreis, Mechanik, Rückführung des Lagegebers. Zustandsrückführung: { $feedback }.
@@ -309,7 +341,6 @@ diagram-mechanics = Mechanik
 diagram-modes = Eigenformen: { $count }
 diagram-observer = Beobachter
 diagram-gains = { $count } Werte, s. Tabelle
-gains-caption = Reglerparameter
 margins-caption = { $axis ->
     [rotary] Stabilität, Kreis am Sollmoment aufgetrennt
    *[linear] Stabilität, Kreis an der Sollkraft aufgetrennt
@@ -356,10 +387,6 @@ feedforward = Vorsteuerung: { $name }
 feedforward-velocity = Geschwindigkeit
 feedforward-acceleration = Beschleunigung
 feedforward-jerk = Ruck
-feedforward-mass = { $axis ->
-    [rotary] Trägheitsmoment
-   *[linear] Masse
-}
 state-feedback = Zustandsrückführung von { $name }
 no-state-feedback = Keine Zustandsrückführung.
 sensors = Geber: { $names }.
@@ -371,6 +398,7 @@ force-filter = { $axis ->
     [rotary] Filter { $number } im Momentensollwert
    *[linear] Filter { $number } im Kraftsollwert
 }
+cycles = Takte: Lage, Geschwindigkeit
 position-cycle = Lagereglertakt
 velocity-cycle = Geschwindigkeitsreglertakt
 trade-off-caption = Steifigkeit gegen Einschwingzeit: { $shown } von { $tried } versuchten Regelkreisen, jeder mit seinen besten Grenzwerten aus einer groben Suche, ungünstigster Fall
@@ -520,8 +548,8 @@ measure-how-3 = { $axis ->
    *[linear] Reserven und Bandbreite: Frequenzgang mit der Messfunktion der Steuerung, Kreis an der Sollkraft aufgetrennt.
 }
 measure-how-4 = { $axis ->
-    [rotary] Abweichungen und Einschwingzeit: Winkelmessgerät oder Beschleunigungsaufnehmer auf bekanntem Radius, mit den Grenzwerten dieses Protokolls, gegen den verzögerten Sollwert.
-   *[linear] Abweichungen und Einschwingzeit: Laserinterferometer oder Beschleunigungsaufnehmer am Werkzeug, mit den Grenzwerten dieses Protokolls, gegen den verzögerten Sollwert.
+    [rotary] Abweichungen und Einschwingzeit: Winkelmessgerät oder Beschleunigungsaufnehmer auf bekanntem Radius, mit den Grenzwerten dieses Blattes, gegen den verzögerten Sollwert.
+   *[linear] Abweichungen und Einschwingzeit: Laserinterferometer oder Beschleunigungsaufnehmer am Werkzeug, mit den Grenzwerten dieses Blattes, gegen den verzögerten Sollwert.
 }
 measure-how-5 = { $axis ->
     [rotary] Drehmomente: Aufzeichnung des Antriebs (Momenten- oder Stromsollwert).
@@ -538,15 +566,11 @@ measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, T
 
 ## Entry and signature
 
-entry-heading = Parameter für die Steuerung
-entry-caption = Werte für die Steuerung
+entry-caption = Einzugebende Werte (vor Gebrauch prüfen; den Ruck nie auf-, die Ruckzeit nie abrunden)
 parameter = Parameter
-also = In anderer Einheit oder mit Namen
-old-value = Alter Wert
-new-value = Neuer Wert
-entered-by = Eingegeben von
-verified = Geprüft
-entry-note = Vor Gebrauch prüfen. Den Ruck nie auf-, die Ruckzeit nie abrunden.
+entry-above = wie oben
+old-value = Alt
+new-value = Neu
 signature-heading = Unterschrift
 signed-values = { $machine }, Achse { $axis_name }: Beschleunigung { $acceleration }, Ruck { $jerk }, Sollwertfilter { $filter }.
 signature-field-1 = Maschinennummer, Aufstellort
@@ -563,14 +587,13 @@ compared-with-other-motion = die Achse ist { $got ->
 }, muss { $wanted ->
     [rotary] rotatorisch
    *[linear] linear
-} sein wie die des Protokolls, das gedruckt wird
+} sein wie die des Blattes, das gedruckt wird
 
 ## What would bring more
 
-improvements-heading = Was mehr brächte
-improvements-caption = Einschwingzeit der langsamsten Bewegung, ungünstigste Ecke, mit einer Änderung
-improvements-note = Jede Zeile ist gerechnet: Regelkreis mit denselben Verhältnissen von Kv und Tn zu Kp neu eingestellt, Grenzwerte dafür mit der gröberen Suche gewählt und wie die empfohlenen beurteilt. Änderungen addieren sich nicht.
-improvements-none = Kein Gewinn gefunden durch: { $changes }.
+improvements-caption = Was mehr brächte: langsamste Bewegung, ungünstigste Ecke, mit einer Änderung
+improvements-note = Alles gerechnet: Regelkreis neu eingestellt (Verhältnisse von Kv und Tn zu Kp wie zuvor), Grenzwerte mit der gröberen Suche. Änderungen addieren sich nicht.
+improvements-none = Weniger oder nichts bringen: { $changes }.
 improvement = Änderung
 improvement-saved = Gespart
 improvement-share = Zeitänderung

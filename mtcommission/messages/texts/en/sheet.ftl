@@ -9,6 +9,7 @@ disclaimer = Calculated record, not an acceptance test.
 contents = Contents
 skip = Skip to the verdict
 page = page
+appendix = Appendix
 script-note = Plots: drag to zoom, double-click to reset, move the pointer (or the arrow keys) to read values. Without JavaScript the plots are in the PDF.
 
 ## Words
@@ -61,14 +62,23 @@ verdict-met = All requirements met
 verdict-not-met = Requirements NOT met
 values-bound-by = Bound by: { $bound }
 obstacle = What stands in the way: { $obstacle }
-result-caption = What the values give, worst of the listed moves and corners
+what-they-give = Settles after { $settling }, residual deviation { $residual } (worst move, worst corner).
 today = Today
 now-and-then = Settling time / residual deviation: now { $now }, then { $then }.
 now = now { $value }
 used = Used of what is allowed: { $shares }.
 now-no-result = no result (see the warning)
+holds-caption = For what they hold
 basis-caption = What this rests on (assumed: neither stated nor measured)
-basis = Assumption
+basis-data = Machine data
+basis-measured = Measured
+basis-assumed = Assumed
+measured-modes = { $modes }; on { $date }, intervals in the appendix
+measured-nothing = { $source }; nothing was measured on this machine
+assumed-more = { $names } and { $count } more
+assumed-defaults = defaults: { $count }, see the appendix
+payload-from-to = { $low } to { $high }
+basis = What
 basis-control = Control
 basis-frequencies = Frequencies
 basis-damping = Damping ratios
@@ -94,7 +104,6 @@ encoder-steps = { $axis ->
    *[linear] steps of { $resolution } move the tool by up to ± { $tool } and the set force by ± { $force }
 }
 share-used = Used
-share-wanted = Reserve
 yes-without-reserve = yes, reserve used
 met-without-reserve = met, reserve used up
 reference = { $move }: time-optimal reference, exact rest: { $optimum }; recommended: { $settling } ({ $more } more).
@@ -107,12 +116,9 @@ robust-force = { $axis ->
 }
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
 reference-composed = { $optimum } (composed with a cruise; proved: not below { $bound })
-first-look-caption = { $move }: setpoint, response and TCP deviation, nominal machine
-first-look-alt = Acceleration of setpoint and response, and TCP deviation over time: at most { $peak }, settled after { $settling }.
 checks-caption = Requirements
-data-source = Source of the machine data: { $source }
-warning-count = Warnings: { $count }, see the section on certificates and assumptions.
-further-warnings = Further warnings: { $count }, see the section on certificates and assumptions.
+warning-count = Warnings: { $count }, see the appendix, certificates and assumptions.
+further-warnings = Further warnings: { $count }, see the appendix, certificates and assumptions.
 check = Requirement
 found = Found
 permitted = Permitted
@@ -149,7 +155,7 @@ requirements-caption = What is required
 
 ## Limits
 
-limits-heading = Recommended limits
+limits-heading = Limits by machining mode
 machining-caption = Limits by machining mode, each from a band of its own
 machining-mode = Machining mode
 machining-surface = Surface (finishing)
@@ -160,7 +166,9 @@ bound-by-column = Bound by
 attainable = Could be met
 attainable-caption = What could be met instead, each by itself or with those it names, all others kept
 attainable-band = { $reason }; a band of { $band } could be met
-alternatives-caption = Recommendation and alternatives, in the same simulation
+alternatives-caption = Limits beside each other, in the same simulation (worst move, worst corner)
+listed-short = For the listed sizes only
+limits-missed = Not all requirements are met by { $count } other limits, optima and rules of thumb: see the appendix.
 limits-name = Limits
 recommended = Recommended
 rule-heading = Commissioning rule, applied by hand
@@ -244,6 +252,23 @@ state-feedback-used = State feedback
 
 ## Motion
 
+responses-heading = Responses
+responses-caption = { $axis ->
+    [rotary] { $move }: setpoint, tool deviation, torque; nominal machine
+   *[linear] { $move }: setpoint, tool deviation, force; nominal machine
+}
+responses-alt = { $axis ->
+    [rotary] Acceleration of setpoint and response, deviation of the tool, and set torque over time. The tool is at most { $peak } off, settled after { $settling }; set torque at most { $force }.
+   *[linear] Acceleration of setpoint and response, deviation of the tool, and set force over time. The tool is at most { $peak } off, settled after { $settling }; set force at most { $force }.
+}
+yardstick-caption = { $axis ->
+    [rotary] Each move on the nominal machine; least times that the torque allows (move takes longer by)
+   *[linear] Each move on the nominal machine; least times that the force allows (move takes longer by)
+}
+move-head = Move
+exact-rest = Least time, exact rest
+within-band = Least time, in the band
+robust-short = In the band over the spread
 motion-heading = Optimum, recommendation and response
 drive-caption = { $axis ->
     [rotary] { $move }: torque, acceleration and velocity
@@ -282,6 +307,7 @@ peak-of = Peak of { $name }
 heat = Heat
 work = Work
 fed-forward-caption = { $move }: the optimal control itself fed forward, on the machine and on one that is a little different
+fed-forward-lost = Machines (corners of payload and spread) on which it does not settle: { $told }.
 saturated-share = { $axis ->
     [rotary] Time without torque left
    *[linear] Time without force left
@@ -293,7 +319,13 @@ why-not = Why the optimum is not simply entered:
 
 ## Loop
 
-loop-heading = Control loop
+loop-heading = Control loop: margins and stiffness
+loop-details-heading = Control loop, details
+loop-why = Why this loop:
+gain-margin-at = gain margin { $margin }
+phase-margin-at = phase margin { $margin }
+filter-at = filter at { $frequency }
+open-loop-measured = open loop with the measured axis ({ $file })
 diagram-caption = Structure of the loop
 diagram-alt = { $axis ->
     [rotary] Block diagram: position controller { $kv }, velocity controller { $kp } with integral time { $tn }, feed-forward of velocity, acceleration and jerk, torque limit and torque loop, mechanics, feedback of the encoder. State feedback: { $feedback }.
@@ -306,7 +338,6 @@ diagram-mechanics = Mechanics
 diagram-modes = modes: { $count }
 diagram-observer = Observer
 diagram-gains = gains: { $count }, see table
-gains-caption = Gains
 margins-caption = { $axis ->
     [rotary] Stability, loop cut at the set torque
    *[linear] Stability, loop cut at the set force
@@ -353,10 +384,6 @@ feedforward = Feed-forward: { $name }
 feedforward-velocity = velocity
 feedforward-acceleration = acceleration
 feedforward-jerk = jerk
-feedforward-mass = { $axis ->
-    [rotary] moment of inertia
-   *[linear] mass
-}
 state-feedback = State feedback from { $name }
 no-state-feedback = No state feedback.
 sensors = Sensors: { $names }.
@@ -368,6 +395,7 @@ force-filter = { $axis ->
     [rotary] Filter { $number } in the torque setpoint
    *[linear] Filter { $number } in the force setpoint
 }
+cycles = Cycles: position, velocity
 position-cycle = Position cycle
 velocity-cycle = Velocity cycle
 trade-off-caption = Stiffness against settling time: { $shown } of { $tried } loops tried, each with its best limits by a coarse search, worst case
@@ -535,15 +563,11 @@ measure-field-2 = State of the machine (position of the other axes, payload, tem
 
 ## Entry and signature
 
-entry-heading = Parameters for the control
-entry-caption = Values for the control
+entry-caption = Values to enter (verify before use; never round the jerk up or the jerk time down)
 parameter = Parameter
-also = In other units or names
-old-value = Old value
-new-value = New value
-entered-by = Entered by
-verified = Verified
-entry-note = Verify before use. Never round the jerk up or the jerk time down.
+entry-above = as above
+old-value = Old
+new-value = New
 signature-heading = Signature
 signed-values = { $machine }, axis { $axis_name }: acceleration { $acceleration }, jerk { $jerk }, setpoint filter { $filter }.
 signature-field-1 = Machine number, place
@@ -558,10 +582,9 @@ compared-with-other-motion = got a { $got } axis, must be { $wanted } like the r
 
 ## What would bring more
 
-improvements-heading = What would bring more
-improvements-caption = Settling time of the slowest move, worst corner, with one thing changed
-improvements-note = Each row is computed: the loop tuned again with the same ratios of Kv and Tn to Kp, limits chosen for it by the coarser search, judged as the recommended ones. Changes do not add up.
-improvements-none = No gain was found by: { $changes }.
+improvements-caption = What would bring more: slowest move, worst corner, with one thing changed
+improvements-note = Each computed: loop tuned again (same ratios of Kv and Tn to Kp), limits by the coarser search. Changes do not add up.
+improvements-none = Less or nothing is gained by: { $changes }.
 improvement = Change
 improvement-saved = Saved
 improvement-share = Change of time

@@ -1,0 +1,142 @@
+"""The document that one hands over: four pages, each full, nothing torn.
+
+If one of these fails, somebody hands over a page with three lines on it, or letters that nobody
+can read.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pypdfium2
+import pytest
+
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.profile.shipped import shipped_names
+from mtcommission.record.schema import Record
+from mtcommission.record.shape import to_entry, to_plain
+from mtcommission.sheet import print_html, print_pdf
+from mtcommission.sheet.bode_part import bode
+from mtcommission.sheet.content import compose
+from mtcommission.sheet.plot_model import LinePlot
+
+from .sheet_record import example_record, not_met, on_json, shipped_record, with_today
+
+compose, print_html, print_pdf = map(on_json, (compose, print_html, print_pdf))
+
+LANGUAGES = ("en", "de")
+FULL = 2 / 3
+"""Share of the height between header and footer that a page must use."""
+TOP, BOTTOM = 62.0, 842.0 - 57.0
+"""What header and footer leave of A4 [pt]."""
+SMALLEST = 7.95
+"""Letters [pt]; 8 but for rounding."""
+
+
+def read(pdf):
+    return list(pypdfium2.PdfDocument(pdf))
+
+
+def fill(page) -> float:
+    """How far down a page is used."""
+    image = np.asarray(page.render(scale=1).to_pil().convert("L"))
+    rows = np.flatnonzero((image[int(TOP) : int(BOTTOM)] < 200).any(axis=1))
+    return float(rows.max() / (BOTTOM - TOP))
+
+
+def sizes(page) -> list[float]:
+    """Size of the letters of every piece of text, in pictures, too [pt]."""
+    return [
+        item.get_font_size() * max(abs(item.get_matrix().d), abs(item.get_matrix().b))
+        for item in page.get_objects(filter=[pypdfium2.raw.FPDF_PAGEOBJ_TEXT], max_depth=8)
+    ]
+
+
+def expect_four_full_pages(pdf: bytes) -> None:
+    pages = read(pdf)
+    assert len(pages) == 4
+    used = [fill(page) for page in pages]
+    assert min(used) >= FULL, used
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("name", shipped_names())
+def test_every_example_machine_has_four_full_pages(name, language):
+    record = shipped_record(name)
+    assert to_plain(to_entry(record, Record)) == record
+    expect_four_full_pages(print_pdf(record, language=language))
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("change", [with_today, not_met], ids=lambda change: change.__name__)
+@pytest.mark.parametrize("name", ["ball-screw", "milling-manipulator", "honing-z"])
+def test_so_has_one_with_old_values_or_a_requirement_missed(name, change, language):
+    expect_four_full_pages(print_pdf(change(shipped_record(name)), language=language))
+
+
+def test_letters_are_large_enough_on_every_page():
+    for page in read(print_pdf(shipped_record("ball-screw"), language="de")):
+        found = sizes(page)
+        assert len(found) > 50
+        assert min(found) >= SMALLEST, sorted(found)[:3]
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_no_heading_stands_at_the_foot_of_a_page(language):
+    """In the appendix, too, where sections follow one another."""
+    record = shipped_record("honing-z")
+    document = compose(record, language)
+    headings = {section.heading for section in document.sections}
+    pdf = pypdfium2.PdfDocument(print_pdf(record, language=language, appendix=True))
+    last = [page.get_textpage().get_text_bounded().splitlines() for page in pdf]
+    assert len(last) > 8
+    for lines in last:
+        # the footer has two lines
+        assert not headings & set(lines[-4:-2]), lines[-6:]
+
+
+def test_the_page_has_four_parts_then_everything_else_and_paper_only_on_demand():
+    record = shipped_record("ball-screw")
+    document = compose(record)
+    kinds = [section.is_appendix for section in document.sections]
+    assert kinds[:4] == [False] * 4
+    assert all(kinds[4:])
+    assert len(kinds) > 12
+    html = print_html(record)
+    places = [html.index(f'id="{section.key}"') for section in document.sections]
+    appendix = html.index('id="appendix"')
+    assert all(a < b for a, b in pairwise([*places[:4], appendix, *places[4:]]))
+    short, long = (read(print_pdf(record, appendix=wanted)) for wanted in (False, True))
+    assert len(long) > len(short) == 4
+    shown = "".join(page.get_textpage().get_text_bounded() for page in short)
+    assert Catalogue("en").text("evidence-heading") not in shown
+
+
+def test_the_margins_in_the_bode_plot_end_on_the_curves():
+    """A second-order lag behind an integrator and a dead time: margins known in closed form."""
+    record = to_entry(example_record(), Record)
+    f = np.geomspace(0.5, 500.0, 2000)
+    crossover, delay = 20.0, 0.003
+    loop = crossover / (1j * f) * np.exp(-2j * np.pi * f * delay)
+    # |L| = 1 at the crossover, phase -90 degrees - 360 f delay
+    phase_margin = 90.0 - 360.0 * crossover * delay
+    turn = 90.0 / (360.0 * delay)
+    gain_margin = 20.0 * np.log10(turn / crossover)
+    record.loop.bode.t[:] = f.tolist()
+    record.loop.bode.signals.update(
+        open_loop_db=(20.0 * np.log10(np.abs(loop))).tolist(),
+        open_loop_deg=np.degrees(np.angle(loop)).tolist(),
+        closed_velocity_db=np.zeros(f.size).tolist(),
+    )
+    object.__setattr__(record.loop, "gain_margin_db", gain_margin)
+    object.__setattr__(record.loop, "phase_margin_deg", phase_margin)
+    plot = bode(record, Catalogue("en"))
+    assert isinstance(plot, LinePlot)
+    gain, phase = (
+        next(line for line in panel.lines if "margin" in line.label) for panel in plot.panels
+    )
+    np.testing.assert_allclose(gain.x, turn, rtol=1e-3)
+    np.testing.assert_allclose(sorted(gain.y), [-gain_margin, 0.0], atol=0.02)
+    np.testing.assert_allclose(phase.x, crossover, rtol=1e-3)
+    np.testing.assert_allclose(sorted(phase.y), [-180.0, -180.0 + phase_margin], atol=0.1)
