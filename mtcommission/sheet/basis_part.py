@@ -126,8 +126,8 @@ def _sizes(record: Record, words: Catalogue) -> str:
             found, bound = f.axis(worst.value, "m"), f.axis(worst.bound, "m")
             said.append(text("sizes-worst", residual=found, size=at, bound=bound))
     alone, together = limits.listed_only, limits.recommended.settling_time
-    if alone and alone.settling_time and together:
-        cost = f.quantity(max(together - alone.settling_time, 0.0), "s")
+    if alone and alone.settling_time and together and together > alone.settling_time:
+        cost = f.quantity(together - alone.settling_time, "s")
         said.append(text("sizes-cost", cost=cost))
     return "; ".join(said)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
 from mtcommission.record.verified import Verified
@@ -127,7 +129,14 @@ def _responses(record: Record, words: Catalogue) -> Section:
 
 
 def _loop(record: Record, words: Catalogue) -> Section:
-    """Page 3: frequency response with margins, filters and measured points; stiffness."""
+    """Page 3: frequency response with margins, filters and measured points; stiffness.
+
+    Where the motor follows there is no loop: what counts is how far the frequency may be off.
+    """
+    if record.machine.follows:
+        found = robustness(record, words)
+        blocks = (*loop_blocks(record, words), *found.blocks)
+        return replace(found, blocks=blocks, is_appendix=False)
     heading = words.text("loop-heading")
     return Section(key="loop", heading=heading, blocks=loop_blocks(record, words))
 
@@ -158,7 +167,7 @@ def _appendix(record: Record, words: Catalogue) -> tuple[Section, ...]:
         requirements(record, words),
         motions(record, words),
         *move_sizes(record, words),
-        robustness(record, words),
+        *([] if record.machine.follows else [robustness(record, words)]),
         loop_details(record, words),
         rules(record, words),
         rule(record, words),

@@ -14,13 +14,18 @@ Row = tuple[str, str, str, str, float | None, str]
 """What to measure, calculated and permitted value as texts; name in the JSON of ``verify``,
 calculated value [SI] and its unit, "%" for a ratio."""
 
+HOW = tuple(f"measure-how-{i}" for i in range(1, 6))
+HOW_FOLLOWED = ("measure-how-held", "measure-how-4")
+"""How each thing is measured; where the motor follows there is no loop, and no force known."""
+
 
 def measurement_blocks(
     record: Record, words: Catalogue, verified: Verified | None = None
 ) -> tuple[Block, ...]:
     """Return the measurements that confirm the record, with what was measured if it is known."""
     text = words.text
-    rows = [*_structure(record, words), *_loop(record, words)]
+    follows = record.machine.follows
+    rows = [*_structure(record, words), *([] if follows else _loop(record, words))]
     for number, move in enumerate(record.moves, start=1):
         rows += _motion(record, move, number, words)
     last = "measured-by" if verified is None else "verdict-column"
@@ -41,7 +46,9 @@ def measurement_blocks(
     )
     return (
         Paragraph(text=text("measure-note", moves=titles), tone=Tone.NOTE),
-        Bullets(items=tuple(text(f"measure-how-{i}") for i in range(1, 6)), tone=Tone.NOTE),
+        Bullets(
+            items=tuple(text(name) for name in (HOW_FOLLOWED if follows else HOW)), tone=Tone.NOTE
+        ),
         table,
         *([_verdict(verified, words)] if verified else []),
         Form(fields=(text("measure-field-1"), text("measure-field-2"))),
@@ -82,7 +89,8 @@ def _structure(record: Record, words: Catalogue) -> list[Row]:
     text, f, plant = words.text, words.format, record.plant
     mass = f.axis(plant.moving_mass, "kg")
     unit = motion_unit("kg", rotary=words.rotary)
-    rows: list[Row] = [(text("moving-mass"), mass, "–", "mass", plant.moving_mass, unit)]
+    weighed: Row = (text("moving-mass"), mass, "–", "mass", plant.moving_mass, unit)
+    rows = [] if record.machine.follows else [weighed]
     spreads = {
         item.key: item.value
         for item in record.data
