@@ -154,11 +154,13 @@ def test_worst_case_and_share_agree_with_the_samples() -> None:
     assert np.all(found.residual_deviation[late] > band)
 
 
-def test_sensitivities_against_trials() -> None:
-    """If it failed, "10 % more jerk costs ..." would be wrong."""
+@pytest.mark.parametrize("length", [0.0, 0.03])
+def test_sensitivities_against_trials(length: float) -> None:
+    """If it failed, "10 % more jerk costs ..." would be wrong, with a setpoint filter above all."""
     machine = spread_paper_machine()
     plant, tuned = build_plant(machine), tune_loop(machine)
-    limits = MotionLimits(acceleration=1.3, jerk=30.0)
+    average = SetpointFilter(kind=MOVING_AVERAGE, time=length) if length else None
+    limits = MotionLimits(acceleration=1.3, jerk=30.0, setpoint_filter=average)
     found = {
         unspaced(Catalogue().say(item.change)): item
         for item in find_sensitivities(machine, plant, tuned, limits)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema import Record
 from mtcommission.record.verified import Verified
@@ -25,7 +23,7 @@ from mtcommission.sheet.measure_part import measurement_blocks
 from mtcommission.sheet.model import Column, Document, Paragraph, Section, Subheading, Table, Tone
 from mtcommission.sheet.motion_part import motions
 from mtcommission.sheet.responses_part import response_blocks
-from mtcommission.sheet.robustness_part import robustness
+from mtcommission.sheet.robustness_part import held_range, robustness
 from mtcommission.sheet.rule_part import rule
 from mtcommission.sheet.sizes_part import move_sizes
 from mtcommission.sheet.verdict_part import (
@@ -134,9 +132,9 @@ def _loop(record: Record, words: Catalogue) -> Section:
     Where the motor follows there is no loop: what counts is how far the frequency may be off.
     """
     if record.machine.follows:
-        found = robustness(record, words)
-        blocks = (*loop_blocks(record, words), *found.blocks)
-        return replace(found, blocks=blocks, is_appendix=False)
+        heading = words.text("robustness-heading")
+        blocks = (*loop_blocks(record, words), *held_range(record, words))
+        return Section(key="robustness", heading=heading, blocks=blocks)
     heading = words.text("loop-heading")
     return Section(key="loop", heading=heading, blocks=loop_blocks(record, words))
 
@@ -167,7 +165,7 @@ def _appendix(record: Record, words: Catalogue) -> tuple[Section, ...]:
         requirements(record, words),
         motions(record, words),
         *move_sizes(record, words),
-        *([] if record.machine.follows else [robustness(record, words)]),
+        robustness(record, words),
         loop_details(record, words),
         rules(record, words),
         rule(record, words),

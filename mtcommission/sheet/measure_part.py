@@ -24,8 +24,9 @@ def measurement_blocks(
 ) -> tuple[Block, ...]:
     """Return the measurements that confirm the record, with what was measured if it is known."""
     text = words.text
-    follows = record.machine.follows
-    rows = [*_structure(record, words), *([] if follows else _loop(record, words))]
+    rows, how = [*_structure(record, words), *_loop(record, words)], HOW
+    if record.machine.follows:
+        rows, how = _structure(record, words), HOW_FOLLOWED
     for number, move in enumerate(record.moves, start=1):
         rows += _motion(record, move, number, words)
     last = "measured-by" if verified is None else "verdict-column"
@@ -46,9 +47,7 @@ def measurement_blocks(
     )
     return (
         Paragraph(text=text("measure-note", moves=titles), tone=Tone.NOTE),
-        Bullets(
-            items=tuple(text(name) for name in (HOW_FOLLOWED if follows else HOW)), tone=Tone.NOTE
-        ),
+        Bullets(items=tuple(text(name) for name in how), tone=Tone.NOTE),
         table,
         *([_verdict(verified, words)] if verified else []),
         Form(fields=(text("measure-field-1"), text("measure-field-2"))),

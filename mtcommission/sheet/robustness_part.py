@@ -31,24 +31,31 @@ CURVE = 4
 def robustness(record: Record, words: Catalogue) -> Section:
     """Return corners, frequency error, drawn machines, and what small changes cost."""
     text, drawn = words.text, record.robustness.monte_carlo
-    corners = (
-        _corners(move, move_title(move.move, number, words), record.plant.units["F"], words)
-        for number, move in enumerate(record.moves, start=1)
-    )
     found: tuple[Block, ...] = (Paragraph(text=text("nothing-drawn"), tone=Tone.NOTE),)
     if drawn is not None:
         found = _drawn(record, drawn, words)
     return Section(
-        key="robustness",
+        key="robustness-details" if record.machine.follows else "robustness",
         heading=text("robustness-heading"),
         blocks=(
-            *corners,
-            Paragraph(text=kept_sentence(record, words)),
-            *_frequency_error(record, words),
+            *([] if record.machine.follows else held_range(record, words)),
             *found,
             _sensitivities(record, words),
         ),
         is_appendix=True,
+    )
+
+
+def held_range(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Return what comes about in every corner, and over the error of all frequencies."""
+    corners = (
+        _corners(move, move_title(move.move, number, words), record.plant.units["F"], words)
+        for number, move in enumerate(record.moves, start=1)
+    )
+    return (
+        *corners,
+        Paragraph(text=kept_sentence(record, words)),
+        *_frequency_error(record, words),
     )
 
 

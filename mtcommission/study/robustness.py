@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.control_kinds.kind import Jerk
 from mtcommission.loop.batch.response import BatchedResponse, simulate_limits_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -440,25 +441,28 @@ def find_sensitivities(
     tuned
         Its loop.
     limits
-        Acceleration and jerk.
+        Acceleration, jerk and the setpoint filter.
 
     Returns
     -------
     tuple of Sensitivity
-        10 % more and less jerk and acceleration; all frequencies, in every corner, 1 % higher
-        and lower; 10 % less damping.
+        10 % more and less jerk (where it can be set) and acceleration, behind the same filter; all
+        frequencies, in every corner, 1 % higher and lower; 10 % less damping.
     """
     places = as_variations(corners(machine))
     a, j = limits.acceleration, limits.jerk
     cases = [
-        ("change-jerk", 0.1, MotionLimits(acceleration=a, jerk=1.1 * j), places),
-        ("change-jerk", -0.1, MotionLimits(acceleration=a, jerk=0.9 * j), places),
-        ("change-acceleration", 0.1, MotionLimits(acceleration=1.1 * a, jerk=j), places),
-        ("change-acceleration", -0.1, MotionLimits(acceleration=0.9 * a, jerk=j), places),
+        ("change-acceleration", 0.1, replace(limits, acceleration=1.1 * a), places),
+        ("change-acceleration", -0.1, replace(limits, acceleration=0.9 * a), places),
         ("change-frequencies", 0.01, limits, scale_variations(places, frequency=1.01)),
         ("change-frequencies", -0.01, limits, scale_variations(places, frequency=0.99)),
         ("change-damping", -0.1, limits, scale_variations(places, damping=0.9)),
     ]
+    if machine.control.kind.jerk is not Jerk.NONE:
+        for change in (-0.1, 0.1):
+            cases.insert(
+                0, ("change-jerk", change, replace(limits, jerk=(1.0 + change) * j), places)
+            )
     base = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
     return tuple(
         _compare(
