@@ -9,6 +9,7 @@ from math import isinf
 
 from mtcommission import __version__
 from mtcommission.commission import Commissioning
+from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, kalman_rank
 from mtcommission.record.comparisons import comparison_entry
@@ -71,9 +72,7 @@ def build_record(
         tool=Tool(name="mtcommission", version=__version__, libraries=_library_versions()),
         created=created,
         profile=profile,
-        machine=entry_of(
-            MachineEntry, machine, motion=machine.motion.value, kind=machine.mechanics.kind
-        ),
+        machine=machine_entry(machine),
         data=list_data(machine, plant, profile.text),
         settings=_settings_entry(commissioning),
         assumptions=[*list_assumptions(machine), *_friction(commissioning, is_kept=True)],
@@ -114,6 +113,12 @@ def build_record(
         ),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
+
+
+def machine_entry(machine: Machine) -> MachineEntry:
+    """Return what a machine is called, and where its data come from."""
+    kind = machine.mechanics.kind
+    return entry_of(MachineEntry, machine, motion=machine.motion.value, kind=kind)
 
 
 def _friction(commissioning: Commissioning, *, is_kept: bool) -> list[Message]:
