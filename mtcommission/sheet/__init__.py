@@ -4,6 +4,7 @@ content.py      record -> document, section by section (``*_part.py``)
 model.py        what a document consists of
 values.py       values that have a word where there is no number
 html.py         document -> one offline page (page.html, page.css, page.js)
+what_if_part.py what a page lets one try (what_if.html, .css, .js); engine.js runs the loop
 figures.py      plots -> SVG for print (legend.py, axes.py, canvas.py, placement.py)
 pdf.py          document -> PDF (sheet.typ)
 terminal.py     record -> summary in 80 columns
