@@ -167,6 +167,66 @@ class Commissioning:
         return show_html(self.machine, named, self.plot())
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recommendation:
+    """Loop and limits alone, for whoever goes on trying from there.
+
+    Parameters
+    ----------
+    machine, plant
+        Nominal.
+    tuned
+        The loop that is used, in every corner.
+    choice
+        Recommended limits, judged.
+    today
+        What the values now in the control do; None where the profile states none.
+    """
+
+    machine: Machine
+    plant: Plant
+    tuned: TunedLoop
+    choice: Choice
+    today: TodaysValues | None
+
+
+def recommend(
+    machine: Machine, *, settings: Settings | None = None, progress: Progress = lambda _: None
+) -> Recommendation:
+    """Return loop and limits without optima, comparisons and robustness.
+
+    Parameters
+    ----------
+    machine, settings, progress
+        As for ``commission``.
+
+    Returns
+    -------
+    Recommendation
+        The search knows nothing of the optima, so the limits may be others than in a record, never
+        ones that are judged otherwise.
+
+    Raises
+    ------
+    ComputationError
+        As ``commission``.
+    """
+    settings = settings or Settings()
+    require_force(machine)
+    require_affordable(machine)
+    plant = build_plant(machine)
+    progress(Message("stage-feedback-loop"))
+    tuned = settle_on_loop(machine, plant, settings).tuned
+    progress(Message("stage-limits"))
+    return Recommendation(
+        machine=machine,
+        plant=plant,
+        tuned=tuned,
+        choice=choose_limits(machine, plant, tuned, settings=settings.search),
+        today=judge_today(machine, plant, tuned, settings.robustness),
+    )
+
+
 def commission(
     machine: Machine,
     *,

@@ -159,7 +159,7 @@ def test_sensitivities_against_trials(length: float) -> None:
     """If it failed, "10 % more jerk costs ..." would be wrong, with a setpoint filter above all."""
     machine = spread_paper_machine()
     plant, tuned = build_plant(machine), tune_loop(machine)
-    average = SetpointFilter(kind=MOVING_AVERAGE, time=length) if length else None
+    average = moving_average(length)
     limits = MotionLimits(acceleration=1.3, jerk=30.0, setpoint_filter=average)
     found = {
         unspaced(Catalogue().say(item.change)): item

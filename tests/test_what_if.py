@@ -6,6 +6,7 @@ If one of these fails, somebody types values into a control that the page called
 from __future__ import annotations
 
 import json
+import shlex
 from dataclasses import dataclass, replace
 from math import inf, isfinite
 from pathlib import Path
@@ -38,6 +39,7 @@ from mtcommission.sheet.what_if_part import what_if
 from mtcommission.verdict.assess import assess
 from mtcommission.verdict.evaluate import simulate_moves
 
+from .test_cli import Run, run  # noqa: F401
 from .test_sheet_browser import AXE_RUN, CHROMIUM, TELL, axe_file, browse
 
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser chromium")
@@ -280,6 +282,61 @@ def test_axe_finds_nothing_in_the_part_that_answers(tmp_path: Path) -> None:
         found, _ = browse(html, tmp_path, script, option)
         assert found["faults"] == []
         assert found["passes"] > 20
+
+
+TAKE = """
+addEventListener("load", () => {
+  document.getElementById("wi-load-0").click();
+  for (const [key, value] of Object.entries(FIELDS)) {
+    const box = document.getElementById(`wi-${key}`);
+    box.value = value;
+    box.dispatchEvent(new Event("input", {bubbles: true}));
+  }
+  whatIf.compute(false);
+  document.getElementById("wi-take").click();
+  const {tried} = whatIf.state;
+  tell({
+    command: document.getElementById("wi-command").value.split("\\n"),
+    corners: tried.responses.slice(1).map(one => [one.residual, one.settling]),
+    own: [tried.responses[0].residual, tried.responses[0].settling],
+    shown: document.getElementById("wi-cell-residual-1").textContent,
+  });
+});
+"""
+
+
+@needs_browser
+def test_limits_opens_the_page_and_its_command_line_gives_its_numbers(
+    run: Run,  # noqa: F811
+    tmp_path: Path,
+) -> None:
+    """What an engineer copies from the page is simulated with exactly these values."""
+    controller = tune_loop(read_shipped("modal-two-modes").machine).controller
+    gains = (
+        f"position_gain = {controller.position_gain!r}\n"
+        f"velocity_gain = {controller.velocity_gain!r}\n"
+        f"integral_time = {controller.integral_time!r}\n"
+    )
+    profile, page = tmp_path / "axis with space.toml", tmp_path / "page.html"
+    text = read_shipped("modal-two-modes").text
+    profile.write_text(text.replace("[control]\n", f"[control]\n{gains}"), "utf-8")
+    code, out, _ = run("limits", profile, "--page", page)
+    assert code in (0, 1)
+    assert str(page) in out
+    typed = {"acceleration": "3.21", "jerk": "123", "payload": "12", "error": "-4"}
+    script = TELL + TAKE.replace("FIELDS", json.dumps(typed))
+    found, console = browse(page.read_text("utf-8"), tmp_path, script)
+    assert console == ""
+    words = shlex.split(found["command"][0])
+    assert words[:3] == ["mtcommission", "simulate", profile.name]
+    code, out, _ = run("simulate", profile, *words[3:], "--json", "-")
+    simulated = json.loads(out)["corners"]
+    band = read_shipped("modal-two-modes").machine.requirements.tcp_deviation
+    pages = [*found["corners"], found["own"]]  # the machine besides comes last in simulate
+    assert len(simulated) == len(pages)
+    for one, (residual, settling) in zip(simulated, pages, strict=True):
+        assert abs(one["residual_deviation"] - residual) <= 0.01 * band
+        assert abs(one["settling_time"] - settling) <= 1e-4
 
 
 def test_what_is_tried_can_be_simulated() -> None:

@@ -30,7 +30,9 @@ from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
 if TYPE_CHECKING:
-    from mtcommission.record.schema import Words
+    from mtcommission.commission import Commissioning, Recommendation
+    from mtcommission.machine.machine import Machine
+    from mtcommission.record.schema import Profile, Words
 
 
 def run(
@@ -183,12 +185,21 @@ def limits(
     sizes: SizesOption = "",
     language: LanguageOption = ENGLISH,
     json_file: JsonOption = "",
+    page: Annotated[
+        str,
+        typer.Option(
+            "--page", metavar="FILE", help="Only a page to try values on, without the rest."
+        ),
+    ] = "",
 ) -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
     from mtcommission.files import require_writable, write_text
 
-    require_writable(json_file, inputs=[profile])
-    machine = read_machine(profile, f_max, sizes=sizes)
+    require_writable(json_file, page, inputs=[profile])
+    source = describe_profile(profile)
+    machine = parse_machine(source, f_max, where=profile, sizes=sizes)
+    if page and not json_file:
+        raise typer.Exit(_write_page(machine, source, page, language=language))
 
     from mtcommission.cli.results_view import describe_limits
     from mtcommission.cli.terminal import show
@@ -201,10 +212,35 @@ def limits(
     part, met = limits_part(found), found.assessment.is_met
     if json_file:
         write_text(json_file, dump_json(part))
-    if json_file != "-":
+    if page:
+        write_text(page, _page_of(found, source, language=language))
+    if "-" not in (json_file, page):
         warnings = [*part.warnings, *found.tuned.warnings, *found.robustness.warnings]
         show(describe_limits(machine, part, met=met, warnings=warnings))
     raise typer.Exit(0 if met else 1)
+
+
+def _write_page(machine: Machine, source: Profile, page: str, *, language: str) -> int:
+    """Write a page to try values on; its limits are recommended without the rest of the job."""
+    from mtcommission.commission import recommend
+    from mtcommission.files import write_text
+
+    with show_stage() as progress:
+        found = recommend(machine, progress=progress)
+    write_text(page, _page_of(found, source, language=language))
+    if page != "-":
+        sys.stdout.write(f"{say('cli-page-written', file=page)}\n")
+    return 0 if found.choice.meets_requirements else 1
+
+
+def _page_of(found: Commissioning | Recommendation, source: Profile, *, language: str) -> str:
+    from mtcommission.record.build import machine_entry
+    from mtcommission.record.what_if import what_if_part
+    from mtcommission.sheet import print_answers
+
+    machine, limits = found.machine, found.choice.limits
+    part = what_if_part(machine, found.plant, found.tuned, limits, found.today)
+    return print_answers(part, machine_entry(machine), source, created=now(), language=language)
 
 
 def simulate(

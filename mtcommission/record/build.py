@@ -10,6 +10,7 @@ from math import isinf
 from mtcommission import __version__
 from mtcommission.commission import Commissioning
 from mtcommission.errors import Fault, InputError
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.message import Message, printable
 from mtcommission.plant.plant import Plant, kalman_rank
@@ -106,13 +107,7 @@ def build_record(
         tool=Tool(name="mtcommission", version=__version__, libraries=_library_versions()),
         created=created,
         profile=profile,
-        machine=entry_of(
-            MachineEntry,
-            machine,
-            motion=machine.motion.value,
-            kind=machine.mechanics.kind,
-            drive=machine.drive.kind.value,
-        ),
+        machine=machine_entry(machine),
         data=list_data(machine, plant, profile.text),
         settings=_settings_entry(commissioning),
         assumptions=[*list_assumptions(machine), *_friction(commissioning, is_kept=True)],
@@ -153,6 +148,17 @@ def build_record(
         ),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
+
+
+def machine_entry(machine: Machine) -> MachineEntry:
+    """Return what a machine is called, and where its data come from."""
+    return entry_of(
+        MachineEntry,
+        machine,
+        motion=machine.motion.value,
+        kind=machine.mechanics.kind,
+        drive=machine.drive.kind.value,
+    )
 
 
 def _friction(commissioning: Commissioning, *, is_kept: bool) -> list[Message]:

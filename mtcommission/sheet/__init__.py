@@ -4,6 +4,7 @@ content.py      record -> document, section by section (``*_part.py``)
 model.py        what a document consists of
 values.py       values that have a word where there is no number
 html.py         document -> one offline page (page.html, page.css, page.js)
+what_if_part.py what a page lets one try (what_if.html, .css, .js); engine.js runs the loop
 figures.py      plots -> SVG for print (legend.py, axes.py, canvas.py, placement.py)
 pdf.py          document -> PDF (sheet.typ)
 terminal.py     record -> summary in 80 columns
@@ -17,14 +18,14 @@ from typing import TYPE_CHECKING
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import Record
+from mtcommission.record.schema import MachineEntry, Profile, Record, WhatIfPart
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.content import compose
 
 if TYPE_CHECKING:
     from mtcommission.sheet.terminal import Summary
 
-__all__ = ["print_html", "print_pdf", "summarise"]
+__all__ = ["print_answers", "print_html", "print_pdf", "summarise"]
 
 
 def print_html(
@@ -66,6 +67,63 @@ def print_html(
     if part is not None:
         words = Catalogue(language, rotary=record.machine.motion == "rotary")
         panel = what_if(part, words, profile=record.profile.name)
+    return set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
+
+
+def print_answers(
+    part: WhatIfPart,
+    machine: MachineEntry,
+    profile: Profile,
+    *,
+    created: str,
+    language: str = "en",
+) -> str:
+    """Return a page that answers for other limits, moves and machines, and shows nothing else.
+
+    Parameters
+    ----------
+    part
+        Loop, machine and requirements.
+    machine, profile
+        What the axis is called, and the profile it comes from.
+    created
+        Date and time, ISO 8601.
+    language
+        Code of a language, e.g. "en".
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        If there is no such language.
+    """
+    from mtcommission.messages.catalogue import Catalogue
+    from mtcommission.sheet.content import HASH_DIGITS
+    from mtcommission.sheet.html import set_html
+    from mtcommission.sheet.model import Document
+    from mtcommission.sheet.what_if_part import what_if
+
+    _require(language)
+    words = Catalogue(language, rotary=machine.motion == "rotary")
+    text = words.text
+    document = Document(
+        language=language,
+        title=text("what-if-title"),
+        machine=machine.name,
+        axis=f"{text('axis')} {machine.axis}",
+        identity=text("identity", name=profile.name, hash=profile.sha256[:HASH_DIGITS]),
+        created=created,
+        disclaimer=text("disclaimer"),
+        contents_heading=text("contents"),
+        skip_link=text("what-if-skip"),
+        script_note="",
+        page_word=text("page"),
+        sections=(),
+    )
+    panel = what_if(part, words, profile=profile.name)
     return set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
 
 

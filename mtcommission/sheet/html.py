@@ -20,7 +20,7 @@ from mtcommission.sheet.mathml import write_mathml
 from mtcommission.sheet.model import Cell, Document
 from mtcommission.sheet.panel import Panel
 from mtcommission.sheet.placement import place_labels, shorten
-from mtcommission.sheet.plot_model import HeatMap, LinePlot, Plot, PointPlot
+from mtcommission.sheet.plot_model import LinePlot, PointPlot
 
 FOLDER = Path(__file__).parent
 DIGITS = 5
@@ -59,7 +59,7 @@ def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = Non
         block.key: _plot_data(block)
         for section in document.sections
         for block in section.blocks
-        if isinstance(block, LinePlot | PointPlot | HeatMap)
+        if isinstance(block, LinePlot | PointPlot)
     }
     environment = Environment(
         loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined
@@ -103,13 +103,11 @@ def _json_for_script(data: dict[str, Any]) -> Markup:
     return Markup(text.replace("<", "\\u003c"))
 
 
-def _plot_data(plot: Plot) -> dict[str, Any]:
+def _plot_data(plot: LinePlot | PointPlot) -> dict[str, Any]:
     """Return a plot as page.js draws it."""
     if isinstance(plot, LinePlot):
         return _line_plot_data(plot)
-    if isinstance(plot, PointPlot):
-        return _point_plot_data(plot)
-    return _heat_map_data(plot)
+    return _point_plot_data(plot)
 
 
 def _line_plot_data(plot: LinePlot) -> dict[str, Any]:
@@ -148,28 +146,6 @@ def _point_plot_data(plot: PointPlot) -> dict[str, Any]:
             {**asdict(mark), "name": shorten(mark.label), "beside": beside}
             for mark, beside in zip(plot.marks, _label_offsets(plot), strict=True)
         ],
-    }
-
-
-def _heat_map_data(plot: HeatMap) -> dict[str, Any]:
-    return {
-        "kind": "HeatMap",
-        "x_label": plot.x_label,
-        "y_label": plot.y_label,
-        "value_label": plot.value_label,
-        "missing_label": plot.missing_label,
-        "x": _rounded(plot.x),
-        "y": _rounded(plot.y),
-        "values": [_rounded(row) for row in plot.values],
-        "contours": [
-            {
-                "label": contour.label,
-                "style": contour.style,
-                "paths": [[_rounded(point) for point in path] for path in contour.paths],
-            }
-            for contour in plot.contours
-        ],
-        "chosen": asdict(plot.chosen),
     }
 
 

@@ -101,8 +101,8 @@ function path(line, x, y) {
 }
 
 function namesIn(plot) {
-  const curves = plot.contours ?? plot.panels?.flatMap(panel => panel.lines) ?? plot.marks;
-  return [...curves.map(curve => curve.label), plot.chosen?.label ?? ""];
+  const curves = plot.panels?.flatMap(panel => panel.lines) ?? plot.marks;
+  return curves.map(curve => curve.label);
 }
 
 function fit(host, plot) {
@@ -116,10 +116,10 @@ function namesOf(lines) {
   return [...new Map(lines.map(line => [line.label, line.style]))];
 }
 
-function legendRows(named, extra) {
+function legendRows(named) {
   const rows = [];
   let used = Infinity;
-  for (const entry of [...named, ...extra]) {
+  for (const entry of named) {
     const width = 62 + 7.2 * entry[0].length;
     if (used + width > across - LEFT) { rows.push([]); used = 0; }
     rows.at(-1).push([...entry, LEFT + used]);
@@ -131,8 +131,7 @@ function legendRows(named, extra) {
 function drawLegend(svg, rows) {
   rows.forEach((row, k) => row.forEach(([label, style, left]) => {
     const down = 12 + LEGEND * k;
-    if (style !== null) add(svg, "path", {class: `curve s${style}`, d: `M${left} ${down}h34`});
-    else drawMark(svg, {style: 0}, left + 17, down).setAttribute("class", "chosen");
+    add(svg, "path", {class: `curve s${style}`, d: `M${left} ${down}h34`});
     add(svg, "text", {x: left + 40, y: down + 4}, label);
   }));
   return LEGEND * rows.length;
@@ -148,7 +147,7 @@ function wholeLines(plot) {
 }
 
 function drawLines(svg, plot, view, key) {
-  const head = drawLegend(svg, legendRows(namesOf(plot.panels.flatMap(panel => panel.lines)), []));
+  const head = drawLegend(svg, legendRows(namesOf(plot.panels.flatMap(panel => panel.lines))));
   svg.setAttribute("viewBox", `0 0 ${across} ${head + plot.panels.length * (TITLE + PANEL) + FOOT}`);
   const x = scale(...view.x, LEFT, across - RIGHT, plot.x_is_log), titles = [];
   let top = head;
@@ -239,67 +238,9 @@ function drawPoints(svg, plot, view, key) {
   return {x, y, point, stops: plot.marks.map(mark => [mark.x, mark.y]).sort((a, b) => a[0] - b[0])};
 }
 
-function edges(values) {
-  const found = [];
-  for (let i = 1; i < values.length; i++) found.push((values[i - 1] + values[i]) / 2);
-  const first = values.length > 1 ? 2 * values[0] - found[0] : values[0] - 0.5;
-  const last = values.length > 1 ? 2 * values.at(-1) - found.at(-1) : values[0] + 0.5;
-  return [first, ...found, last];
-}
-
-function wholeMap(plot) {
-  const x = edges(plot.x), y = edges(plot.y);
-  return {x: [x[0], x.at(-1)], y: [y[0], y.at(-1)]};
-}
-
-function drawMap(svg, plot, view, key) {
-  const head = drawLegend(svg, legendRows(namesOf(plot.contours), [[plot.chosen.label, null]]));
-  const top = TITLE + head, bottom = top + SQUARE, right = across - 110;
-  svg.setAttribute("viewBox", `0 0 ${across} ${bottom + FOOT}`);
-  const hatch = add(svg, "pattern", {id: "hatch", width: 6, height: 6, patternUnits: "userSpaceOnUse"});
-  add(hatch, "path", {class: "hatch", d: "M0 6L6 0"});
-  const x = scale(...view.x, LEFT, right, false), y = scale(...view.y, bottom, top, false);
-  const xs = edges(plot.x), ys = edges(plot.y), known = plot.values.flat().filter(value => value !== null);
-  const low = Math.log(Math.min(...known)), high = Math.log(Math.max(...known)) + 1e-9;
-  const shade = value => 0.04 + 0.9 * (Math.log(value) - low) / (high - low);
-  frame(svg, x, y, key);
-  const inside = add(svg, "g", {"clip-path": `url(#${key})`, "shape-rendering": "crispEdges"});
-  plot.values.forEach((row, i) => row.forEach((value, k) => {
-    const box = {x: x.at(xs[k]), y: y.at(ys[i + 1]), width: x.at(xs[k + 1]) - x.at(xs[k]), height: y.at(ys[i]) - y.at(ys[i + 1])};
-    if (value === null) add(inside, "rect", {class: "missing", ...box});
-    else add(inside, "rect", {class: "cell", "fill-opacity": shade(value).toFixed(3), ...box});
-  }));
-  for (const contour of plot.contours) for (const points of contour.paths) {
-    const d = "M" + points.map(([a, b]) => `${x.at(a).toFixed(1)} ${y.at(b).toFixed(1)}`).join("L");
-    add(inside, "path", {class: "halo", d});
-    add(inside, "path", {class: `curve s${contour.style}`, d});
-  }
-  const star = drawMark(inside, plot.chosen, x.at(plot.chosen.x), y.at(plot.chosen.y));
-  star.setAttribute("class", "chosen");
-  if (known.length) for (let i = 0; i <= 5; i++) {
-    const value = Math.exp(low + (high - low) * i / 5), down = bottom - 30 - i * 28;
-    add(svg, "rect", {class: "cell", "fill-opacity": shade(value).toFixed(3), x: right + 16, y: down, width: 26, height: 28});
-    add(svg, "text", {x: right + 48, y: down + 18}, show(Number(value.toPrecision(3))));
-  }
-  const title = add(svg, "text", {x: LEFT, y: top - 6}, plot.y_label);
-  add(svg, "text", {x: across - RIGHT, y: top - 6, "text-anchor": "end"}, plot.value_label);
-  labelX(svg, x, bottom, plot.x_label);
-  const point = (place, height) => {
-    title.textContent = plot.y_label;
-    if (place === null) return;
-    const k = xs.findIndex(edge => edge > place) - 1, i = ys.findIndex(edge => edge > height) - 1;
-    if (i < 0 || k < 0) return;
-    const value = plot.values[i][k];
-    const words = value === null ? plot.missing_label : show(value);
-    add(title, "tspan", {dx: 16}, `${show(plot.x[k])}; ${show(plot.y[i])}: ${words}`);
-  };
-  return {x, y, point};
-}
-
 const KINDS = {
   LinePlot: [drawLines, wholeLines],
   PointPlot: [drawPoints, wholePoints],
-  HeatMap: [drawMap, wholeMap],
 };
 
 function start(host) {

@@ -18,7 +18,7 @@ from mtcommission.record.shape import to_plain
 from mtcommission.sheet.panel import Field, Panel
 from mtcommission.sheet.values import say_filter
 
-SMALLEST_SHARE = 200.0
+SMALLEST_SHARE = 50.0
 """Of the largest acceleration, at which its slider begins."""
 
 LONGEST_RAMP = 500.0

@@ -1,5 +1,8 @@
 # Der Teil der Seite, der antwortet. Was in Klammern steht, setzt das Skript ein.
 
+what-if-title = Werte zum Probieren
+what-if-skip = Zu den Werten springen
+cli-page-written = geschrieben: { $file }; im Browser öffnen und andere Werte probieren
 what-if-heading = Was wäre, wenn: andere Werte probieren
 what-if-intro = Schieben oder eintippen: Die Seite rechnet den abgetasteten Regelkreis dieses Protokolls neu, in jeder Ecke, wie der Befehl simulate. Die heutigen Werte und die Empfehlung stehen für dieselbe Bewegung daneben.
 what-if-no-script = Werte zu probieren braucht JavaScript. Ohne beantwortet der Befehl simulate dieselben Fragen.
@@ -22,7 +25,7 @@ what-if-response = Probiert: blau, die Ecken dünn; empfohlen: grün; heute: ora
 what-if-sizes-caption = Restabweichung über der Größe der Bewegung
 what-if-sizes = Schlechteste aller Maschinen, mit den probierten Werten. Tippen oder ziehen, um eine Größe zu probieren.
 what-if-landscape-caption = Einschwingzeit über Beschleunigung und Ruckzeit
-what-if-landscape = Dunkel ist langsam; schraffiert: eine Anforderung ist nicht erfüllt. Tippen oder ziehen, um Werte zu probieren. Ringe: empfohlen (grün), heute (orange).
+what-if-landscape = Kräftig getönt: langsam; schraffiert: eine Anforderung ist nicht erfüllt. Tippen oder ziehen, um Werte zu probieren. Ringe: empfohlen (grün), heute (orange).
 what-if-bode-caption = Offener Kreis mit Bandsperre
 what-if-bode = An der Sollkraft geschnitten; jetzt: grün, mit der Bandsperre: blau. Punkt ziehen für Frequenz und Tiefe.
 what-if-phase = Phase des offenen Kreises: jetzt (grün), mit der Bandsperre (blau)

@@ -1,5 +1,8 @@
 # The part of the page that answers back. The script fills in what stands in braces.
 
+what-if-title = Values to try
+what-if-skip = Skip to the values
+cli-page-written = written: { $file }; open it in a browser and try other values
 what-if-heading = What if: try other values
 what-if-intro = Slide or type: the page runs the sampled loop of this record again, in every corner, as the command simulate does. Today's values and the recommendation stay beside what you try, for the same move.
 what-if-no-script = Trying values needs JavaScript. Without it, the command simulate answers the same questions.
@@ -22,7 +25,7 @@ what-if-response = Tried: blue, its corners thin; recommended: green; today: ora
 what-if-sizes-caption = Residual deviation over the size of the move
 what-if-sizes = Worst of all machines, with the tried values. Tap or drag to try a size.
 what-if-landscape-caption = Settling time over acceleration and jerk time
-what-if-landscape = Dark is slow; hatched: a requirement is not met. Tap or drag to try values. Rings: recommended (green), today (orange).
+what-if-landscape = Strong tint: slow; hatched: a requirement is not met. Tap or drag to try values. Rings: recommended (green), today (orange).
 what-if-bode-caption = Open loop with a notch
 what-if-bode = Cut at the set force; now: green, with the notch: blue. Drag the point for frequency and depth.
 what-if-phase = Phase of the open loop: now (green), with the notch (blue)
