@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import asdict
 from datetime import UTC, datetime
 from enum import Enum
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import typst
+from fontTools.ttLib import TTFont
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.formula import Expression, write_formula
@@ -24,6 +26,12 @@ from mtcommission.sheet.typst_math import write_typst
 PLOTS = (LinePlot, PointPlot, HeatMap)
 
 TEMPLATE = Path(__file__).with_name("sheet.typ")
+
+FONT = "DejaVuSans.ttf"
+"""Of matplotlib; the template names it."""
+
+LATIN = "\u024f"
+"""Last character that every font of ours has, with all letters of Europe's Latin scripts."""
 
 MISSING_DATE = datetime(2000, 1, 1, tzinfo=UTC)
 """Date of a PDF whose record states none that can be read."""
@@ -75,6 +83,32 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
             Outcome.PRINTING_FAILED, Message("foreign", text=str(error))
         ) from error
     return pdf
+
+
+def find_boxes(texts: Iterable[str]) -> str:
+    """Return the characters of some texts that the sheet's font lacks and prints as boxes.
+
+    Parameters
+    ----------
+    texts
+        Of the user; our own texts are covered.
+
+    Returns
+    -------
+    str
+        Each once, in their order.
+
+    Examples
+    --------
+    >>> find_boxes(["Fräse ζ", "机床 机"])
+    '机床'
+    """
+    foreign = dict.fromkeys(sign for text in texts for sign in text if sign > LATIN)
+    if not foreign:
+        return ""  # most sheets; the font takes a while to read
+    with TTFont(_font_folder() / FONT, lazy=True) as font:
+        known = font.getBestCmap()
+    return "".join(sign for sign in foreign if ord(sign) not in known)
 
 
 def _font_folder() -> Path:
