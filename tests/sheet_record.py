@@ -112,8 +112,8 @@ def _unsealed_record() -> Json:
         "plant": {
             "states": STATES,
             "units": UNITS,
-            "A": [[0.0]],
-            "B": [0.0],
+            "A": [[0.0] * len(STATES) for _ in STATES],
+            "B": [0.0] * len(STATES),
             "outputs": {},
             "modes": [
                 {
@@ -294,6 +294,8 @@ def rotary_record() -> Json:
     states = ["x", "v", "q_disc", "v_disc", "F"]
     units = {"x": "rad", "v": "rad/s", "q_disc": "N m s^2", "v_disc": "N m s", "F": "N m"}
     record["plant"]["states"] = states
+    record["plant"]["A"] = [[0.0] * len(states) for _ in states]
+    record["plant"]["B"] = [0.0] * len(states)
     record["plant"]["units"] = units | dict.fromkeys(OUTPUTS, "rad")
     names = dict(zip(STATES, ["q_disc", "x", "", "v_disc", "v", "", "F"], strict=True))
     for series in (record["moves"][0]["series"], record["optima"][0]["time"]["series"]):

@@ -25,7 +25,7 @@ from mtcommission.cli.arguments import (
 )
 from mtcommission.cli.inputs import parse_machine, read_machine
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
-from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.cli.progress import print_note, print_written, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
@@ -61,11 +61,12 @@ def run(
     from mtcommission.commission import commission
     from mtcommission.record.build import record_run
     from mtcommission.record.files import dump_json
-    from mtcommission.sheet import print_html, print_pdf, summarise
+    from mtcommission.sheet import print_html, print_pdf, remark_on_print, summarise
 
     with show_stage() as progress:
         found = commission(machine, profile=source, progress=progress)
     record = record_run(found, created=now())
+    notes: tuple[Message, ...] = ()
     with show_stage() as progress:
         progress(Message("stage-sheet"))
         files = {
@@ -74,12 +75,15 @@ def run(
         }
         if not no_pdf:
             files["sheet.pdf"] = print_pdf(record, language=language, appendix=appendix)
+            notes = remark_on_print(record)
         for number, move in enumerate(found.moves, start=1):
             name = "setpoint.csv" if number == 1 else f"setpoint-{number}.csv"
             cycle = found.tuned.controller.position_cycle
             files[name] = setpoint_csv(move.setpoint, step=cycle).encode()
     write_files(output, files)
     show(summarise(record, language=language))
+    for note in notes:
+        print_note(note)
     print_written(output, files)
     file = shlex.quote(str(output / "record.json"))
     following = say("cli-next-export", record=file)

@@ -10,7 +10,7 @@ import typer
 
 from mtcommission.cli.arguments import AppendixOption, FolderOption, NoPdfOption, RecordArgument
 from mtcommission.cli.language import ENGLISH, LanguageOption, words
-from mtcommission.cli.progress import print_written, show_stage
+from mtcommission.cli.progress import print_note, print_written, show_stage
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
 
@@ -37,7 +37,7 @@ def sheet(
     from mtcommission.record.agreement import trusting
     from mtcommission.record.files import load_record
     from mtcommission.record.verified import load_verdict
-    from mtcommission.sheet import print_html, print_pdf
+    from mtcommission.sheet import print_html, print_pdf, remark_on_print
 
     inputs = [record, *(one for one in (compare, verified) if one)]
     require_folder(output, "sheet.html", "sheet.pdf", inputs=inputs)
@@ -53,6 +53,8 @@ def sheet(
                 loaded, language=language, before=before, verified=found, appendix=appendix
             )
     write_files(output, files)
+    for note in () if no_pdf else remark_on_print(loaded):
+        print_note(note)
     print_written(output, files)
     raise typer.Exit(0 if loaded.assessment.met else 1)
 

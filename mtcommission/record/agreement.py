@@ -90,8 +90,6 @@ def _alike(record: Record) -> Iterator[tuple[str, Sequence[int]]]:
     yield "loop.observer.C", [len(observer.states), *map(len, observer.C)]
     yield "loop.observer.L", [len(observer.states), len(observer.B), len(observer.L)]
     yield "moves", [len(record.moves), len(record.optima), len(record.comparisons)]
-    margins = [] if record.machine.follows else [len(loop.corners)]
-    yield "moves.corners", [*margins, *(len(move.corners) for move in record.moves)]
     seen = limits.landscape
     rows, columns = len(seen.acceleration), len(seen.jerk_time)
     for name in ("settling_time", "residual_deviation", "usage"):

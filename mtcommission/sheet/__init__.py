@@ -25,7 +25,7 @@ from mtcommission.sheet.content import compose
 if TYPE_CHECKING:
     from mtcommission.sheet.terminal import Summary
 
-__all__ = ["print_answers", "print_html", "print_pdf", "summarise"]
+__all__ = ["print_answers", "print_html", "print_pdf", "remark_on_print", "summarise"]
 
 
 def print_html(
@@ -171,6 +171,15 @@ def print_pdf(
     if not appendix:
         document = replace(document, sections=document.pages)
     return set_pdf(document, decimal_mark=LANGUAGES[language])
+
+
+def remark_on_print(record: Record) -> tuple[Message, ...]:
+    """Return what a PDF of a record cannot show: characters of names that its font lacks."""
+    from mtcommission.sheet.pdf import find_boxes
+
+    machine, modes = record.machine, [mode.name for mode in record.plant.modes]
+    boxes = find_boxes([machine.name, machine.axis, machine.source, record.profile.name, *modes])
+    return (Message("print-boxes", characters=boxes),) if boxes else ()
 
 
 def summarise(record: Record, *, language: str = "en") -> Summary:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import asdict
 from datetime import UTC, datetime
 from enum import Enum
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import typst
+from fontTools.ttLib import TTFont
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.formula import Expression, write_formula
@@ -28,6 +30,12 @@ HEIGHTS = (124.0, 106.0, 90.0, 76.0, 64.0, 54.0, 46.0, 39.0)
 steps."""
 
 TEMPLATE = Path(__file__).with_name("sheet.typ")
+
+FONT = "DejaVuSans.ttf"
+"""Of matplotlib; the template names it."""
+
+LATIN = "\u024f"
+"""Last character that every font of ours has, with all letters of Europe's Latin scripts."""
 
 MISSING_DATE = datetime(2000, 1, 1, tzinfo=UTC)
 """Date of a PDF whose record states none that can be read."""
@@ -84,6 +92,32 @@ def _drawn(block: Plot | Diagram, section: Section, decimal_mark: str) -> list[s
         draw_svg(block, decimal_mark=decimal_mark, panel_height=height).decode()
         for height in (heights if isinstance(block, LinePlot) else heights[:1])
     ]
+
+
+def find_boxes(texts: Iterable[str]) -> str:
+    """Return the characters of some texts that the sheet's font lacks and prints as boxes.
+
+    Parameters
+    ----------
+    texts
+        Of the user; our own texts are covered.
+
+    Returns
+    -------
+    str
+        Each once, in their order.
+
+    Examples
+    --------
+    >>> find_boxes(["Fräse ζ", "机床 机"])
+    '机床'
+    """
+    foreign = dict.fromkeys(sign for text in texts for sign in text if sign > LATIN)
+    if not foreign:
+        return ""  # most sheets; the font takes a while to read
+    with TTFont(_font_folder() / FONT, lazy=True) as font:
+        known = font.getBestCmap()
+    return "".join(sign for sign in foreign if ord(sign) not in known)
 
 
 def _font_folder() -> Path:

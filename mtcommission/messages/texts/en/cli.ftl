@@ -35,6 +35,7 @@ file-write-protected = is write-protected; give another name, or allow writing
 cli-no-profile = got no profile; give a TOML file
 cli-no-record = got no record; give the record.json of a run, or --control ? for the list
 cli-file-exists = exists already; give another name
+print-boxes = sheet.pdf has no letters for { $characters } and prints boxes in their place; sheet.html shows them, or write the name in Latin, Greek or Cyrillic letters
 cli-interrupted = interrupted; every file is whole: as it was before, or, if it was just being written, new
 cli-no-epoch = got "{ $got }", must be seconds since 1970, or unset it
 cli-file-system = file system

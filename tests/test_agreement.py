@@ -1,0 +1,85 @@
+"""Records that were changed and sealed again: wrong input with its place, never a traceback."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from benchmarks.fuzz import call, fault_of, in_place
+from benchmarks.mutations import dice_of, resealed
+from mtcommission.errors import InputError
+from mtcommission.messages.message import Message
+from mtcommission.record.agreement import trusting
+from mtcommission.record.files import find_checksum, load_record
+from mtcommission.sheet import remark_on_print
+from tests.sheet_record import example_record, on_json
+
+
+def sealed(record, path: Path) -> Path:
+    path.write_text(json.dumps(record | {"checksum": find_checksum(record)}), "utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("break_it", "place"),
+    [
+        (lambda r: r["plant"]["A"][0].pop(), "plant.A: lengths"),
+        (lambda r: r["moves"][0]["series"]["t"].pop(), "moves[1].series: lengths"),
+        (lambda r: r["moves"][0]["series"]["t"].reverse(), "moves[1].series.t: must rise"),
+        (lambda r: r["limits"]["landscape"]["usage"].pop(), "limits.landscape.usage: lengths"),
+        (lambda r: r["moves"].clear(), "moves: lengths"),
+        (lambda r: r["plant"].update(moving_mass=1e200), "plant.moving_mass: got 1e+200"),
+        (lambda r: r["limits"]["rule"]["steps"][0].update(formula=[1]), "expected a formula"),
+    ],
+)
+def test_entries_that_do_not_belong_together_are_named(break_it, place, tmp_path: Path) -> None:
+    record = example_record()
+    load_record(sealed(record, tmp_path / "good.json"))
+    break_it(record)
+    with pytest.raises(InputError) as refused:
+        load_record(sealed(record, tmp_path / "record.json"))
+    assert place in str(refused.value)
+    assert "record.json" in str(refused.value)
+
+
+def test_a_number_beyond_all_floats_is_no_number(tmp_path: Path) -> None:
+    """The checksum of such a record could not even be computed."""
+    path = sealed(example_record(), tmp_path / "record.json")
+    path.write_text(path.read_text("utf-8").replace('"schema": 3', '"x": 1e999, "schema": 3'))
+    with pytest.raises(InputError, match="1e999 is no number of JSON"):
+        load_record(path)
+
+
+def test_what_nobody_looks_for_is_wrong_input_all_the_same() -> None:
+    with pytest.raises(InputError, match=r"contradicts itself.*IndexError: list index") as refused:
+        _index_nothing()
+    assert "r.json" in str(refused.value)
+
+
+def _index_nothing() -> None:
+    with trusting(Path("r.json")):
+        [][0]
+
+
+def test_resealed_records_end_in_a_message(tmp_path: Path) -> None:
+    """Thousands of them: python -m benchmarks.fuzz --command sheet --record record.json."""
+    path, codes, good = tmp_path / "record.json", Counter[int](), example_record()
+    for seed in range(16):
+        path.write_text(resealed(good, dice_of(31, seed)), "utf-8")
+        ending = in_place(lambda: call("sheet", str(path), "-o", str(tmp_path), "--no-pdf"))
+        assert not fault_of("sheet", ending, longest=60.0), (seed, ending)
+        codes[ending.code] += 1
+    assert codes[2] > 3  # else nothing was broken
+    assert codes[0] + codes[1] > 3  # else nothing beyond the reader was tried
+
+
+def test_letters_that_the_font_lacks_are_named() -> None:
+    """A Chinese name came out as boxes without a word."""
+    record = example_record()
+    record["machine"] |= {"name": "Fräse Φ 机床 机", "source": "≤ µ ± Ж"}
+    assert on_json(remark_on_print)(record) == (Message("print-boxes", characters="机床"),)
+    record["machine"]["name"] = "Fräse Φ"
+    assert on_json(remark_on_print)(record) == ()
