@@ -114,8 +114,9 @@ def behind_filter(answers: Array, item: SetpointFilter | None, *, dt: float) -> 
         copies = np.zeros_like(answers)
         for time, share in zip(times, shares, strict=True):
             # A shaper cancels: half a sample of rounding would leave more than the limits do.
-            lag, part = divmod(time / dt, 1.0)
-            for whole, weight in ((int(lag), 1.0 - part), (int(lag) + 1, part)):
+            before = int(time / dt)
+            part = time / dt - before
+            for whole, weight in ((before, 1.0 - part), (before + 1, part)):
                 copies[:, whole:] += share * weight * answers[:, : answers.shape[1] - whole]
         answers = copies
     return answers
