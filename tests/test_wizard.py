@@ -60,6 +60,7 @@ Milling machine workpiece manipulator
 X
 
 Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1
+
 2 kN
 2,5 ms
 
@@ -226,7 +227,7 @@ def test_measured_frequencies_give_stiffness_and_damping(tmp_path: Path) -> None
     """k = m (2 pi f)^2 and d = 2 zeta m 2 pi f: else the profile has another machine's modes."""
     talk(
         tmp_path / "tower.toml",
-        "\nTower\nX\n\n\n2 kN\n\n\n\n2\n450\n750\n40\n0.25\n0.21\n"
+        "\nTower\nX\n\n\n\n2 kN\n\n\n\n2\n450\n750\n40\n0.25\n0.21\n"
         "50 Hz\n3 %\n60 N/um\n72\n0,05\n\n1\n20 mm\n30 m/min\n\n\n5 um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "tower.toml")
@@ -281,7 +282,7 @@ def test_pair_of_masses_from_a_file_of_answers(tmp_path: Path) -> None:
 def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "table.toml",
-        "\nTable\nC\nrotary\n\n800 N m\n\n420 N m\n\n1\n1.9\n6.4 kg m^2\n0.971e6\n\n"
+        "\nTable\nC\nrotary\n\n\n800 N m\n\n420 N m\n\n1\n1.9\n6.4 kg m^2\n0.971e6\n\n"
         "1\n90°\n60 rpm\n0.5\n\n10 arcsec\n\n\n\n0.2\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "table.toml")
@@ -296,7 +297,7 @@ def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
 def test_control_contour_and_todays_values_are_asked_in_turn(tmp_path: Path) -> None:
     """Each opens what belongs to it: a feed, a gear, a jerk where the control limits one."""
     path = tmp_path / "table.toml"
-    begin = "\nTable\nX\n\n\n2 kN\n\n\n\n3\n20\n300\n20 N/um\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
+    begin = "\nTable\nX\n\n\n\n2 kN\n\n\n\n3\n20\n300\n20 N/um\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
     talk(
         path,
         begin
@@ -423,7 +424,7 @@ def test_another_kind_of_mechanics_replaces_the_old_one() -> None:
 def test_back_help_and_slips(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "m.toml",
-        "\nA\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n2 km\n-5 N\n2 kN\n" + "\n" * 3 + "5\n"
+        "\nA\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n\n2 km\n-5 N\n2 kN\n" + "\n" * 3 + "5\n"
         "800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n" + "\n" * 20,
     )
     assert read_profile(tmp_path / "m.toml").name == "B"
@@ -435,7 +436,7 @@ def test_back_help_and_slips(tmp_path: Path) -> None:
 
 def test_fault_of_the_whole_leads_back_to_its_question(tmp_path: Path) -> None:
     """A static load above the force is seen only when both are known."""
-    begin = "\nA\nX\n\n\n2 kN\n\n\n3 kN\n5\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
+    begin = "\nA\nX\n\n\n\n2 kN\n\n\n3 kN\n5\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
     _, said = talk(
         tmp_path / "m.toml", begin + "\n" * 15 + "1 kN\n" + "\n" * 40, is_interactive=True
     )
@@ -529,7 +530,7 @@ def test_a_fault_in_the_answers_is_located_in_their_file(
 def test_going_back_and_leaving_goes_on_from_there(tmp_path: Path) -> None:
     """Whoever went back to mend an answer must not be put behind it the next day."""
     path = tmp_path / "p.toml"
-    session, _ = talk(path, "\nA\nX\n\nsheet 12\n2 kN\n<\n<\nq\n")
+    session, _ = talk(path, "\nA\nX\n\nsheet 12\n\n2 kN\n<\n<\nq\n")
     assert session.ending is Ending.QUIT
     rest = PAPER.split("\n", 5)[5]
     _, said = talk(path, f"sheet 13\n{rest}")
@@ -543,7 +544,7 @@ def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
     path = tmp_path / "p.toml"
     text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
     path.write_text(text.replace('"450 kg"', '"450 m"').replace('"2 kN"', '"much"'), "utf-8")
-    _, said = talk(path, "\n" * 5 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
+    _, said = talk(path, "\n" * 6 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
     assert replace(read_profile(path), assumed=()) == SHIPPED
     assert "mode base at 50 Hz" in said
 
@@ -834,7 +835,7 @@ def test_a_load_that_takes_all_of_the_force_is_said_at_once() -> None:
 def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
     talk(
         tmp_path / "m.toml",
-        "\nA\nX\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n-2.4e-3\n\n\n"
+        "\nA\nX\n\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n-2.4e-3\n\n\n"
         "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "m.toml")
@@ -881,7 +882,7 @@ def _response(path: Path) -> str:
 def test_a_measured_response_answers_for_the_mechanics(tmp_path: Path) -> None:
     """Only the rest is asked, the share at the tool with its worst case; intervals stay."""
     file, path = _response(tmp_path / "e.csv"), tmp_path / "p.toml"
-    typed = f"nothing.csv\n{file}@encoder\nMill\nX\n2 kN\n\n\n\n0.002\n\n\n20 mm\n\n\n\n5 um\n"
+    typed = f"nothing.csv\n{file}@encoder\nMill\nX\n\n2 kN\n\n\n\n0.002\n\n\n20 mm\n\n\n\n5 um\n"
     session, said = talk(path, typed + "\n" * 30, is_interactive=True)
     assert session.ending is Ending.WRITTEN
     assert "nothing.csv" in said

@@ -451,18 +451,18 @@ def find_sensitivities(
     """
     places = as_variations(corners(machine))
     a, j = limits.acceleration, limits.jerk
+    jerks = [
+        ("change-jerk", 0.1, replace(limits, jerk=1.1 * j), places),
+        ("change-jerk", -0.1, replace(limits, jerk=0.9 * j), places),
+    ]
     cases = [
+        *([] if machine.control.kind.jerk is Jerk.NONE else jerks),
         ("change-acceleration", 0.1, replace(limits, acceleration=1.1 * a), places),
         ("change-acceleration", -0.1, replace(limits, acceleration=0.9 * a), places),
         ("change-frequencies", 0.01, limits, scale_variations(places, frequency=1.01)),
         ("change-frequencies", -0.01, limits, scale_variations(places, frequency=0.99)),
         ("change-damping", -0.1, limits, scale_variations(places, damping=0.9)),
     ]
-    if machine.control.kind.jerk is not Jerk.NONE:
-        for change in (-0.1, 0.1):
-            cases.insert(
-                0, ("change-jerk", change, replace(limits, jerk=(1.0 + change) * j), places)
-            )
     base = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
     return tuple(
         _compare(
