@@ -10,13 +10,22 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.printers import Axis, residual, steps_of
 from mtcommission import cli
 from mtcommission.identify.axes import by_axis
 from mtcommission.identify.calibrate_shaper import CORNER_VELOCITY, propose_shapers
+from mtcommission.identify.document import Writing, write_profile
+from mtcommission.identify.entry import identified_part
 from mtcommission.identify.gather import gather
 from mtcommission.identify.given import Given
 from mtcommission.identify.measurement import AllDirections, Spectrum
+from mtcommission.identify.states import identify
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.shapers import shape
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.plant.plant import build_plant
+from mtcommission.profile.read import parse_profile
+from mtcommission.study.shapers import compare_shapers
 
 Result = tuple[int, str, str]
 Modes = tuple[tuple[float, float, float], ...]
@@ -182,3 +191,49 @@ def test_two_axes_become_two_profiles(
     code, _, said = _run(monkeypatch, capsys, belt)
     assert code == 2
     assert "AXIS=X" in " ".join(said.split())
+
+
+def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:
+    """If it failed, a user could not see what the script's choice does on the measured axis.
+
+    Judged beside it by closed form: the residual of the listed move with calibrate_shaper's choice.
+    """
+    file = tmp_path / "resonances_x_1.csv"
+    write(tmp_path, file.name, ONE)
+    found = identify(gather([str(file)], Given()))
+    part = identified_part(found, checks=(), created="2026-11-23")
+    how = Writing(
+        date="2026-11-23",
+        file="x.toml",
+        tool_ratio=None,
+        words=Catalogue(),
+        part=part,
+        axis="X",
+    )
+    machine = parse_profile(write_profile(found, how), where="x.toml")
+    tuned, plant = tune_loop(machine), build_plant(machine)
+    first, *others = compare_shapers(machine, plant, tuned)
+    assert first.name is not None
+    assert first.name.kind == "shaper-of-calibration"
+    assert "shaper-of-calibration" not in {one.name.kind for one in others if one.name}
+    item = first.limits.setpoint_filter
+    assert item is not None
+    (best,) = [one for one in part.proposals if one.is_recommended]
+    assert (item.kind, item.damping_ratio) == ("mzv", 0.1)
+    assert item.frequency_hz == pytest.approx(best.frequency_hz, abs=1e-6)
+    assert first.limits.acceleration == pytest.approx(best.max_acceleration, rel=1e-5)
+    axis = Axis(
+        modes=[(mode.frequency_hz.value, mode.damping_ratio.value, 1.0) for mode in found.modes],
+        largest=10.0,
+        distance=0.02,
+        velocity=0.2,
+        band=20e-6,
+        spread=machine.requirements.frequency_spread,
+        damping_spread=machine.requirements.damping_spread,
+    )
+    a = first.limits.acceleration
+    times, sizes = steps_of(axis, a, np.array([axis.velocity / a]))
+    alone = residual(axis, list(zip(*item.impulses, strict=True)), times, sizes)
+    # Ramps of one cycle take a per cent off a step.
+    assert first.residual_deviation == pytest.approx(alone, rel=0.02)
+    assert first.settling_time >= float(times[0, -1]) + item.duration

@@ -15,6 +15,8 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.schema import (
     IdentifiedPart,
+    JudgedLimits,
+    LimitsEntry,
     MeasuredResponseEntry,
     ModeEntry,
     Record,
@@ -31,6 +33,7 @@ from mtcommission.sheet.model import (
     name_and_numbers,
 )
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
+from mtcommission.sheet.values import say_filter
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 Array = NDArray[np.float64]
@@ -59,6 +62,7 @@ def identified(record: Record, words: Catalogue) -> tuple[Section, ...]:
         *mode_tables(part, words, inside=inside),
         *([Bullets(items=told, tone=Tone.WARNING)] if told else []),
         *([_tool_sensor(part.tool_sensor, words)] if part.tool_sensor else []),
+        *_beside_klipper(part, record, words),
         *plots(part, words),
         *remarks(part, words),
         *([check_table(part, words)] if part.checks else []),
@@ -85,14 +89,14 @@ def plus_minus(one: Estimate | None, unit: str, words: Catalogue) -> str:
 def facts(part: IdentifiedPart, words: Catalogue) -> tuple[tuple[str, str, str], ...]:
     """Return what was found over all modes: name, value, and where it comes from."""
     say, unit, because = words.text, _units(words), part.spread.because
-    rows = [
-        (
-            say("identify-mass"),
-            plus_minus(part.moving_mass, unit.mass.si, words),
-            say("identify-mass-meaning"),
-        ),
-        (say("identify-delay"), plus_minus(part.delay, "s", words), say("identify-delay-meaning")),
-    ]
+    rows: list[tuple[str, str, str]] = []
+    if not part.base_excited:  # a held motor shows neither
+        mass = plus_minus(part.moving_mass, unit.mass.si, words)
+        delay = plus_minus(part.delay, "s", words)
+        rows = [
+            (say("identify-mass"), mass, say("identify-mass-meaning")),
+            (say("identify-delay"), delay, say("identify-delay-meaning")),
+        ]
     if part.lag:
         value = plus_minus(part.lag, "s", words)
         rows.append((say("identify-lag"), value, say("identify-lag-meaning")))
@@ -347,6 +351,75 @@ def changes(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[str
             limits = words.format.percent(held), words.format.percent(spread)
             found.append(text("identified-spread-less", what=what, now=limits[0], was=limits[1]))
     return tuple(found)
+
+
+def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """What calibrate_shaper would choose, by its own measures; then simulated, beside ours."""
+    if not part.proposals:
+        return ()
+    text, f = words.text, words.format
+    proposals = Table(
+        caption=text("identified-klipper-caption"),
+        columns=tuple(
+            Column(head=text(f"identified-klipper-{head}"), is_number=head != "shaper")
+            for head in ("shaper", "frequency", "vibration", "smoothing", "max-accel")
+        ),
+        rows=tuple(
+            (
+                text("identified-klipper-chosen", shaper=one.shaper.upper())
+                if one.is_recommended
+                else one.shaper.upper(),
+                f.quantity(one.frequency_hz, "Hz"),
+                f.percent(one.vibration),
+                f.quantity(one.smoothing, "m"),
+                f.with_unit(f.number(1e3 * one.max_acceleration, digits=4), "mm/s²"),
+            )
+            for one in part.proposals
+        ),
+    )
+    ours = record.limits.recommended
+    simulated = [
+        (words.say(one.name), one)
+        for one in record.limits.rules
+        if isinstance(one.name, Message) and one.name.kind == "shaper-of-calibration"
+    ]
+    own = text("identified-klipper-ours", filter=say_filter(ours.setpoint_filter, words))
+    verdict = "yes" if record.assessment.met else "no"
+    rows: list[tuple[str, str, LimitsEntry | JudgedLimits]] = [
+        (own, verdict, ours),
+        *((name, _met(one), one) for name, one in simulated),
+    ]
+    beside = Table(
+        caption=text("identified-klipper-simulated"),
+        columns=(
+            Column(head="", width=2.6),
+            Column(head=text("acceleration"), is_number=True),
+            Column(head=text("settling-time"), is_number=True),
+            Column(head=text("residual"), is_number=True),
+            Column(head=text("meets")),
+        ),
+        rows=tuple(
+            (
+                name,
+                f.axis(one.acceleration, "m/s^2"),
+                text("not-settled")
+                if one.settling_time is None
+                else f.quantity(one.settling_time, "s"),
+                text("not-settled")
+                if one.residual_deviation is None
+                else f.axis(one.residual_deviation, "m"),
+                text(met),
+            )
+            for name, met, one in rows
+        ),
+    )
+    return (proposals, *([beside] if simulated else []))
+
+
+def _met(one: JudgedLimits) -> str:
+    if not one.meets_requirements:
+        return "no"
+    return "yes" if one.keeps_reserve else "yes-without-reserve"
 
 
 def _tool_sensor(one: ToolSensorEntry, words: Catalogue) -> Paragraph:

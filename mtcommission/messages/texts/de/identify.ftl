@@ -36,13 +36,7 @@ identify-no-rigid-body = Im Bereich ist kein starrer Körper zu sehen: Die Masse
     [rotary] Drehmoment
    *[linear] Kraft
 } zu Geschwindigkeit messen.
-identify-no-force = { $axis ->
-    [rotary] Es wurde kein Drehmoment
-   *[linear] Es wurde keine Kraft
-} aufgezeichnet: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, wie drive.kind = "position_source" sie meint (ein Motor, der seinem Sollwert folgt, etwa ein Schrittmotor). Eine Servoachse hat ihre Eigenformen bei freiem Motor, die höher liegen: Für sie mit dem Antrieb { $axis ->
-    [rotary] Drehmoment
-   *[linear] Kraft
-} zu Geschwindigkeit messen.
+identify-no-force = Nur die Bewegung wurde aufgezeichnet, nicht was sie antreibt: Frequenzen und Dämpfung sind die eines Werkzeugs an einem gehaltenen Motor, wie drive.kind = "position_source" sie meint (ein Motor, der seinem Sollwert folgt, etwa ein Schrittmotor). Eine Servoachse hat ihre Eigenformen bei freiem Motor, die höher liegen: Für sie den Frequenzgang des Antriebs aufzeichnen (Drehmoment zu Drehzahl).
 identify-of-belt = entlang eines Riemens aufgezeichnet (AXIS=1,1 oder 1,-1), was die Riemen einer CoreXY vergleicht, aber keine Achse ist; die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY: TEST_RESONANCES AXIS=X und AXIS=Y aufzeichnen
 identify-several-axes = die Dateinamen nennen mehrere Achsen ({ $axes }): Jede bekommt eigene Dateien (-o NEU.toml schreibt NEU-x.toml und so fort), darum weder --profile noch - angeben; oder nur die Dateien einer Achse nennen
 identify-core-xy = Die Shaper von Klipper wirken auf X und Y des Werkzeugkopfs, auch bei CoreXY. Dort teilen sich beide Motoren die Beschleunigung von X oder Y, aber auf einer Diagonale trägt ein Motor sie allein: drive.max_acceleration gilt für eine Achse und ist höchstens 1/√2 dessen, was ein Motor allein mitmacht.
@@ -193,3 +187,12 @@ identified-tool-decides = Der Anteil von { $modes } am Werkzeug wurde nicht geme
    *[no] sind sie auch nicht erfüllt
 }.
 identify-document-measured = Was gemessen wurde, für das Inbetriebnahmeblatt: Wert und Standardabweichung. [plant] ändern, nicht dies.
+identified-klipper-caption = Was calibrate_shaper aus denselben Dateien wählen würde (Klipper, Stand 84104bbb, shaper_calibrate.py; sein Kriterium hier berechnet)
+identified-klipper-shaper = Shaper
+identified-klipper-frequency = Frequenz
+identified-klipper-vibration = Restschwingung
+identified-klipper-smoothing = Verrundung bei 5 m/s²
+identified-klipper-max-accel = max_accel
+identified-klipper-chosen = { $shaper } (empfohlen)
+identified-klipper-ours = unsere: { $filter }
+identified-klipper-simulated = Seine Empfehlung und unsere, an dieser Achse simuliert: ungünstigster Fall über Bewegungen, alle kleineren und Ecken

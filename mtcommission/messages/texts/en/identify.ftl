@@ -36,13 +36,7 @@ identify-no-rigid-body = No rigid body shows in the band: the mass is not known,
     [rotary] torque
    *[linear] force
 } to speed with the drive.
-identify-no-force = No { $axis ->
-    [rotary] torque
-   *[linear] force
-} was recorded: frequencies and damping are those of a tool on a motor that is held, as drive.kind = "position_source" means them (a motor that follows its setpoint, such as a stepper). A servo axis has its modes with the motor free, which lie higher: for it measure { $axis ->
-    [rotary] torque
-   *[linear] force
-} to speed with the drive.
+identify-no-force = Only the motion was recorded, not what drives it: frequencies and damping are those of a tool on a motor that is held, as drive.kind = "position_source" means them (a motor that follows its setpoint, such as a stepper). A servo axis has its modes with the motor free, which lie higher: for it record the response of the drive (torque to speed).
 identify-of-belt = recorded along a belt (AXIS=1,1 or 1,-1), which compares the belts of a CoreXY but is no axis; Klipper's shapers act on X and Y of the tool head, on a CoreXY, too: record TEST_RESONANCES AXIS=X and AXIS=Y
 identify-several-axes = the names of the files tell several axes ({ $axes }): each gets files of its own (-o NEW.toml writes NEW-x.toml and so on), so neither --profile nor - can be given; or name the files of one axis only
 identify-core-xy = Klipper's shapers act on X and Y of the tool head, on a CoreXY, too. There both motors share the acceleration of X or Y, but on a diagonal one motor carries all of it: drive.max_acceleration is that of one axis, at most 1/√2 of what a motor alone follows.
@@ -193,3 +187,12 @@ identified-tool-decides = The share of { $modes } at the tool was not measured b
    *[no] are not met either
 }.
 identify-document-measured = What was measured, for the sheet: value and standard error. Change [plant], not this.
+identified-klipper-caption = What calibrate_shaper would choose from the same files (Klipper at 84104bbb, shaper_calibrate.py; its criterion computed here)
+identified-klipper-shaper = Shaper
+identified-klipper-frequency = Frequency
+identified-klipper-vibration = Vibration left
+identified-klipper-smoothing = Smoothing at 5 m/s²
+identified-klipper-max-accel = max_accel
+identified-klipper-chosen = { $shaper } (recommended)
+identified-klipper-ours = ours: { $filter }
+identified-klipper-simulated = Its recommendation and ours, simulated on this axis: worst over moves, all smaller moves and corners
