@@ -835,8 +835,8 @@ def test_a_load_that_takes_all_of_the_force_is_said_at_once() -> None:
 def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
     talk(
         tmp_path / "m.toml",
-        "\nA\nX\n\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n-2.4e-3\n\n\n"
-        "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
+        "\nA\nX\n\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n"
+        "-2.4e-3\n\n\n1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "m.toml")
     assert [mode.name for mode in machine.mechanics.modes] == ["beam", "ram"]

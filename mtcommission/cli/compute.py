@@ -32,7 +32,8 @@ from mtcommission.messages.message import Message
 if TYPE_CHECKING:
     from mtcommission.commission import Commissioning, Recommendation
     from mtcommission.machine.machine import Machine
-    from mtcommission.record.schema import Profile, Words
+    from mtcommission.profile.read import ProfileSource
+    from mtcommission.record.schema import Words
 
 
 def run(
@@ -198,9 +199,10 @@ def limits(
 ) -> None:
     """Recommend acceleration and jerk; rules of thumb beside them."""
     from mtcommission.files import require_writable, write_text
+    from mtcommission.profile.read import read_source
 
     require_writable(json_file, page, inputs=[profile])
-    source = describe_profile(profile)
+    source = read_source(profile)
     machine = parse_machine(source, f_max, where=profile, sizes=sizes)
     if page and not json_file:
         raise typer.Exit(_write_page(machine, source, page, language=language))
@@ -224,7 +226,7 @@ def limits(
     raise typer.Exit(0 if met else 1)
 
 
-def _write_page(machine: Machine, source: Profile, page: str, *, language: str) -> int:
+def _write_page(machine: Machine, source: ProfileSource, page: str, *, language: str) -> int:
     """Write a page to try values on; its limits are recommended without the rest of the job."""
     from mtcommission.commission import recommend
     from mtcommission.files import write_text
@@ -237,14 +239,15 @@ def _write_page(machine: Machine, source: Profile, page: str, *, language: str) 
     return 0 if found.choice.meets_requirements else 1
 
 
-def _page_of(found: Commissioning | Recommendation, source: Profile, *, language: str) -> str:
-    from mtcommission.record.build import machine_entry
+def _page_of(found: Commissioning | Recommendation, source: ProfileSource, *, language: str) -> str:
+    from mtcommission.record.build import machine_entry, profile_entry
     from mtcommission.record.what_if import what_if_part
     from mtcommission.sheet import print_answers
 
     machine, limits = found.machine, found.choice.limits
     part = what_if_part(machine, found.plant, found.tuned, limits, found.today)
-    return print_answers(part, machine_entry(machine), source, created=now(), language=language)
+    about, text = machine_entry(machine), profile_entry(source)
+    return print_answers(part, about, text, created=now(), language=language)
 
 
 def simulate(

@@ -14,6 +14,7 @@ from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.messages.message import Message, printable
 from mtcommission.plant.plant import Plant, kalman_rank
+from mtcommission.profile.read import ProfileSource
 from mtcommission.record.comparisons import comparison_entry
 from mtcommission.record.data import list_assumptions, list_data
 from mtcommission.record.files import find_checksum
@@ -61,10 +62,9 @@ def record_run(found: Commissioning, *, created: str) -> Record:
     source, machine = found.profile, found.machine
     if source is None:
         raise InputError([Fault(where=machine.name, message=Message("record-without-profile"))])
-    name = printable(source.path.name)
     return build_record(
         found,
-        profile=Profile(name=name, sha256=source.sha256, text=source.text),
+        profile=profile_entry(source),
         created=created,
         warnings=[remark.with_key() for remark in check_plausibility(machine)],
         identified=read_evidence(machine, source.path.parent),
@@ -148,6 +148,11 @@ def build_record(
         ),
     )
     return replace(record, checksum=find_checksum(to_plain(record)))
+
+
+def profile_entry(source: ProfileSource) -> Profile:
+    """Return name, hash and text of a profile."""
+    return Profile(name=printable(source.path.name), sha256=source.sha256, text=source.text)
 
 
 def machine_entry(machine: Machine) -> MachineEntry:
