@@ -156,6 +156,7 @@ def test_a_text_of_the_user_is_never_taken_for_one_of_ours() -> None:
 
 NO_PROSE = {
     "export/layout.py": "rows of a file, read back as they were written",
+    "sheet/entry_part.py": "the unit in a control's own text, not to be said twice",
     "sweep/case_table.py": "columns of a table of cases",
     "sweep/cases.py": "ranges as one types them",
     "validate/page.py": "rows of the comparison with the paper, which are written in place",

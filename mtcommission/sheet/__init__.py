@@ -1,6 +1,6 @@
 """The commissioning sheet: record -> neutral document -> HTML, PDF, terminal.
 
-content.py      record -> document, section by section (``*_part.py``)
+content.py      record -> document: four pages and an appendix (``*_part.py``)
 model.py        what a document consists of
 values.py       values that have a word where there is no number
 html.py         document -> one offline page (page.html, page.css, page.js)

@@ -285,12 +285,15 @@ def checks_table(checks: list[Check], words: Catalogue) -> Table:
         )
         for check in checks
     )
-    heads = ("found", "permitted", "share-used")
+    heads = {"found": 1.1, "permitted": 1.3, "share-used": 1.05}
     return Table(
         caption=text("checks-caption"),
         columns=(
             Column(head=text("check"), width=1.8),
-            *(Column(head=text(head), width=1.15, is_number=True) for head in heads),
+            *(
+                Column(head=text(head), width=width, is_number=True)
+                for head, width in heads.items()
+            ),
             Column(head=text("verdict"), width=1.25),
             Column(head=text("where"), width=4.7),
         ),
