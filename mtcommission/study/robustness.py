@@ -446,7 +446,8 @@ def find_sensitivities(
     Returns
     -------
     tuple of Sensitivity
-        10 % more and less jerk, where it is limited, and acceleration, behind the same filter; all frequencies, in every corner, 1 % higher
+        10 % more and less jerk, where it is limited, and acceleration, behind the same filter;
+        all frequencies, in every corner, 1 % higher
         and lower; 10 % less damping.
     """
     places = as_variations(corners(machine))
