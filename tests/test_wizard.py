@@ -342,7 +342,7 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     assert sources["drive.force_lag"] == sources["plant.base_mass"] == machine.source
     assert sources["requirements.tcp_deviation"] == Message("source-stated")
     # Whoever types the default has stated it; whoever only goes past it has not.
-    answers = "\n" * 8 + "0 N\n" + "\n" * 80
+    answers = "\n" * 9 + "0 N\n" + "\n" * 80
     talk(path, answers)
     changed = path.read_text("utf-8")
     (line,) = (line for line in changed.split("\n") if line not in text.split("\n"))
@@ -378,7 +378,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
     before = path.read_bytes()
     talk(path, "\n" * 80)
     assert path.read_bytes() == before
-    talk(path, "\n" * 6 + "3 ms\n" + "\n" * 80)
+    talk(path, "\n" * 7 + "3 ms\n" + "\n" * 80)
     after = path.read_bytes()
     assert b'force_lag = "3 ms"' in after
     assert b'assumed = ["drive.max_force", "drive.continuous_force"] # mine\r\n' in after
@@ -396,7 +396,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
 def test_changed_values_keep_the_users_comments(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text((PROFILES / "milling-manipulator.toml").read_text("utf-8"), "utf-8")
-    talk(path, "\n\n\n\n\n4 kN\n" + "\n" * 80)
+    talk(path, "\n\n\n\n\n\n4 kN\n" + "\n" * 80)
     text = path.read_text("utf-8")
     assert 'max_force = "4 kN"               # sec. 5.1; the mechanics allow up to 4 kN' in text
     assert "# h. The paper lists it, but uses it in no equation and gives no sign." in text
@@ -530,7 +530,7 @@ def test_a_fault_in_the_answers_is_located_in_their_file(
 def test_going_back_and_leaving_goes_on_from_there(tmp_path: Path) -> None:
     """Whoever went back to mend an answer must not be put behind it the next day."""
     path = tmp_path / "p.toml"
-    session, _ = talk(path, "\nA\nX\n\nsheet 12\n\n2 kN\n<\n<\nq\n")
+    session, _ = talk(path, "\nA\nX\n\nsheet 12\n\n2 kN\n<\n<\n<\nq\n")
     assert session.ending is Ending.QUIT
     rest = PAPER.split("\n", 5)[5]
     _, said = talk(path, f"sheet 13\n{rest}")
@@ -835,8 +835,9 @@ def test_a_load_that_takes_all_of_the_force_is_said_at_once() -> None:
 def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
     talk(
         tmp_path / "m.toml",
-        "\nA\nX\n\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n"
-        "-2.4e-3\n\n\n1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
+        "\nA\nX\n\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n"
+        "\n-2.4e-3\n\n\n"
+        "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "m.toml")
     assert [mode.name for mode in machine.mechanics.modes] == ["beam", "ram"]
@@ -921,3 +922,29 @@ def test_a_missing_measurement_in_the_answers_writes_nothing(tmp_path: Path) -> 
     with pytest.raises(InputError, match=r"none\.csv"):
         from_answers(tmp_path / "p.toml", 'wizard.measured = ["none.csv"]')
     assert not (tmp_path / "p.toml").exists()
+
+
+FOLLOWS_TOML = """
+machine.name = "Printer"
+drive.kind = "position_source"
+drive.max_acceleration = "20 m/s^2"
+plant.modes = [{ name = "belt", frequency = "45 Hz", damping_ratio = "0.05" }]
+moves = [{ distance = "20 mm", max_velocity = "300 mm/s" }]
+requirements.tcp_deviation = "20 um"
+"""
+
+
+def test_a_motor_that_simply_follows_is_asked_for_no_mass_and_no_loop(tmp_path: Path) -> None:
+    """Else a printer gets a free-free frequency and a loop that it does not have."""
+    from_answers(tmp_path / "p.toml", FOLLOWS_TOML)
+    machine = read_profile(tmp_path / "p.toml")
+    assert machine.drive.follows
+    assert machine.mechanics.modes[0].frequency_hz == pytest.approx(45.0)
+    assert machine.control.kind.key == "klipper"
+    asked = [question.key for question in list_questions({"drive.kind": "position_source"})]
+    for key in ("drive.max_force", "drive.force_lag", "plant.moving_mass", "wizard.way",
+                "control.position_gain", "requirements.payload.1"):  # fmt: skip
+        assert key not in asked
+    told = [item.text.kind for item in find_insights(to_answers(tomllib.loads(FOLLOWS_TOML)))]
+    assert "insight-deflection" not in told  # its share is a default nobody accepted yet
+    assert "insight-mode-damped" in told

@@ -128,6 +128,8 @@ def to_profile(answers: Answers) -> Data:
 def _tables(answers: Answers) -> Data:
     flat = {key: text for key, text in answers.items() if text and _is_profile_key(key)}
     flat = {key: text for key, text in flat.items() if not key.startswith("plant.")}
+    if not follows(answers):
+        flat.pop("drive.kind", None)  # a servo is what a profile means without it
     plant = {key: text for key, text in _plant(answers).items() if text}
     payload = flat.pop("requirements.payload.1", "")
     least = flat.pop("requirements.payload.0", "")
