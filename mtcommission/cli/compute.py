@@ -24,7 +24,7 @@ from mtcommission.cli.arguments import (
 )
 from mtcommission.cli.inputs import parse_machine, read_machine
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
-from mtcommission.cli.progress import print_note, print_written, show_stage
+from mtcommission.cli.progress import print_costs, print_note, print_written, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
@@ -51,6 +51,7 @@ def run(
     require_folder(output, *names, inputs=[profile])
     source = read_source(profile)
     machine = parse_machine(source, f_max, where=profile, sizes=sizes)
+    print_costs(machine)
 
     from mtcommission.cli.csv_texts import setpoint_csv
     from mtcommission.cli.terminal import show
@@ -191,6 +192,7 @@ def limits(
 
     require_writable(json_file, inputs=[profile])
     machine = read_machine(profile, f_max, sizes=sizes)
+    print_costs(machine)
 
     from mtcommission.cli.results_view import describe_limits
     from mtcommission.cli.terminal import show
@@ -229,6 +231,7 @@ def simulate(
     chosen = read_limits(machine, acceleration=acceleration, jerk=jerk)
     require_force(machine)
     require_short_moves(machine, chosen)
+    print_costs(machine)
 
     from mtcommission.cli.csv_texts import response_csv
     from mtcommission.cli.results_view import describe_simulation
