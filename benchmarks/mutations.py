@@ -154,12 +154,12 @@ def mutated_table(text: str, dice: np.random.Generator) -> str:
 
 
 def resealed(record: Mapping[str, Any], dice: np.random.Generator) -> str:
-    """Change a record in one to three places as other programs and people do, and seal it again.
+    """Change a record in a place or two as other programs and people do, and seal it again.
 
     Places are drawn by their keys, so that series of a thousand numbers are not all that is hit.
     """
     changed = deepcopy(dict(record))
-    for _ in range(int(dice.integers(1, 4))):
+    for _ in range(int(dice.integers(1, 3))):
         kinds: dict[tuple[str, ...], list[tuple[Any, Any]]] = {}
         for keys, holder, place in _places(changed):
             kinds.setdefault(keys, []).append((holder, place))
@@ -182,21 +182,26 @@ def _places(value: Any, keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str,
 
 
 def _change(holder: Any, place: Any, dice: np.random.Generator) -> None:
-    """Change one value of JSON to another, mostly of its own form."""
+    """Change one value of JSON to another, mostly of its own form: others are refused at once."""
     value = holder[place]
-    others = RECORD_VALUES if dice.random() < 0.3 else RECORD_FORMS.get(type(value), RECORD_VALUES)
-    match int(dice.integers(5)):
-        case 0 if isinstance(value, dict | list) and value:
-            where = list(value) if isinstance(value, dict) else range(len(value))
-            del value[where[int(dice.integers(len(where)))]]
+    others = RECORD_VALUES if dice.random() < 0.1 else RECORD_FORMS[type(value)]
+    is_number = type(value) in (int, float)
+    match int(dice.integers(4)):
+        case 0 if isinstance(value, list) and value:
+            del value[int(dice.integers(len(value)))]
         case 1 if isinstance(value, list) and value:
             value.append(deepcopy(value[0]))
-        case 2 if type(value) in (int, float):
-            holder[place] = value * 10.0 ** float(dice.integers(-12, 13))
-        case 3 if isinstance(value, str) and value:
+        case 0 if isinstance(value, dict) and value and dice.random() < 0.3:
+            del value[list(value)[int(dice.integers(len(value)))]]
+        case 0 | 1 if is_number:
+            holder[place] = value * type(value)(10.0 ** float(dice.integers(-3, 7)))
+        case 2 if is_number:
+            holder[place] = -value
+        case 0 if isinstance(value, str) and value:
             holder[place] = value[: int(dice.integers(len(value)))]
-        case 4 if isinstance(holder, dict):
-            other = list(holder)[int(dice.integers(len(holder)))]
+        case 1 if isinstance(holder, dict):
+            alike = [other for other in holder if type(holder[other]) is type(value)]
+            other = alike[int(dice.integers(len(alike)))]
             holder[place], holder[other] = holder[other], value
         case _:
             holder[place] = deepcopy(others[int(dice.integers(len(others)))])

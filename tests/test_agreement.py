@@ -72,8 +72,8 @@ def test_resealed_records_end_in_a_message(tmp_path: Path) -> None:
         ending = in_place(lambda: call("sheet", str(path), "-o", str(tmp_path), "--no-pdf"))
         assert not fault_of("sheet", ending, longest=60.0), (seed, ending)
         codes[ending.code] += 1
-    assert codes[2] > 3  # else nothing was broken
-    assert codes[0] + codes[1] > 3  # else nothing beyond the reader was tried
+    assert codes[2] > 1  # else nothing was broken
+    assert codes[0] + codes[1] > 1  # else nothing beyond the reader was tried
 
 
 def test_letters_that_the_font_lacks_are_named() -> None:

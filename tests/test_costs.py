@@ -10,6 +10,11 @@ import pytest
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_time_optimum
+from mtcommission.loop.simulation_budget import (
+    count_cycles,
+    remark_on_cost,
+    require_affordable,
+)
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.optimal.bounded.proof.motion import follow_control
@@ -19,7 +24,7 @@ from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import joint_system
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.shipped import read_shipped
+from mtcommission.profile.shipped import read_shipped, shipped_names
 
 STEP = VelocityStep(velocity_step=0.1)
 
@@ -76,3 +81,18 @@ def test_a_motion_followed_in_blocks_is_the_one_followed_at_once() -> None:
         state = (balanced_expm(joint_system(plant, arc) * length) @ joint)[: plant.order]
     assert np.all(np.abs(motion.final - state) <= 1e-10 * motion.peaks[: plant.order])
     assert motion.peaks == pytest.approx(found.peaks, rel=1e-7)
+
+
+def test_a_dear_machine_says_so_beforehand_and_no_other_does() -> None:
+    """Minutes of silence look like a hang; a line for every machine would not be read."""
+    shipped = [read_shipped(name).machine for name in shipped_names()]
+    assert [remark_on_cost(machine) for machine in shipped] == [()] * len(shipped)
+    many = replace(gantry(), moves=gantry().moves * 12)
+    (remark,) = remark_on_cost(many)
+    assert remark.values["moves"] == len(many.moves)
+    assert remark.values["cycles"] == pytest.approx(12 * count_cycles(gantry()))
+    require_affordable(many)
+    beyond = replace(gantry(), moves=gantry().moves * 1000)
+    assert remark_on_cost(beyond) == ()  # it ends at once
+    with pytest.raises(ComputationError, match="velocity cycles"):
+        require_affordable(beyond)

@@ -66,10 +66,10 @@ app.add_typer(profiles, name="profiles", no_args_is_help=True)
 
 def main() -> NoReturn:
     """Run the command line; every error becomes a message and an exit code."""
-    # Matrices here have some ten rows: threads cost more than they give, and the order of
-    # summation would change from run to run.
+    # Matrices here have some ten rows: threads cost more than they give, and with their number the
+    # order of summation would change, so the last digits of a record.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
+        os.environ[name] = "1"
     _open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):

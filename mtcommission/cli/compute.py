@@ -25,7 +25,7 @@ from mtcommission.cli.arguments import (
 )
 from mtcommission.cli.inputs import parse_machine, read_machine
 from mtcommission.cli.language import ENGLISH, LanguageOption, say
-from mtcommission.cli.progress import print_note, print_written, show_stage
+from mtcommission.cli.progress import print_costs, print_note, print_written, show_stage
 from mtcommission.clock import now
 from mtcommission.messages.message import Message
 
@@ -56,6 +56,7 @@ def run(
     require_folder(output, *names, inputs=[profile])
     source = read_source(profile)
     machine = parse_machine(source, f_max, where=profile, sizes=sizes)
+    print_costs(machine)
 
     from mtcommission.cli.csv_texts import setpoint_csv
     from mtcommission.cli.terminal import show
@@ -204,6 +205,7 @@ def limits(
     require_writable(json_file, page, inputs=[profile])
     source = read_source(profile)
     machine = parse_machine(source, f_max, where=profile, sizes=sizes)
+    print_costs(machine)
     if page and not json_file:
         raise typer.Exit(_write_page(machine, source, page, language=language))
 
@@ -299,6 +301,7 @@ def simulate(
     )
     require_force(machine)
     require_short_moves(tried.machine, chosen)
+    print_costs(machine)
 
     from mtcommission.cli.csv_texts import response_csv
     from mtcommission.cli.results_view import describe_simulation

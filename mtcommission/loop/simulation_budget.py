@@ -18,7 +18,13 @@ from mtcommission.setpoint.motion_limits import MotionLimits
 
 MOST_CYCLES = 200_000
 """Velocity cycles followed at most, all moves and corners together (empirical: a minute for a
-whole run; the shipped profiles take up to 26 000)."""
+whole run)."""
+
+SHIPPED_CYCLES = 26_000
+"""What the shipped profiles take at most."""
+
+DEAR_CYCLES = 2 * SHIPPED_CYCLES
+"""From here on a run says beforehand that it will take long."""
 
 MOST_SLOW_CYCLES = 600_000
 """The same with the slowest limits that are judged, those of the commissioning rule."""
@@ -38,6 +44,28 @@ def count_cycles(machine: Machine) -> float:
     """
     a = machine.drive.motion_force / moving_mass(machine)
     return _cycles(machine, [least_motion_time(move, a) for move in machine.moves])
+
+
+def remark_on_cost(machine: Machine) -> tuple[Message, ...]:
+    """Return what makes a run dear, before anything is computed; empty for most machines.
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+    """
+    cycles = count_cycles(machine) if machine.drive.motion_force > 0.0 else 0.0
+    if not DEAR_CYCLES < cycles <= MOST_CYCLES:
+        return ()  # cheap, or refused at once
+    remark = Message(
+        "budget-dear",
+        moves=len(machine.moves),
+        corners=len(corners(machine)),
+        cycles=cycles,
+        cycle=machine.control.velocity_cycle,
+        ratio=cycles / SHIPPED_CYCLES,
+    )
+    return (remark,)
 
 
 def _cycles(machine: Machine, times: Sequence[float]) -> float:

@@ -1108,9 +1108,11 @@ class SampledEntry:
     X over ``states``: the plant's first, F_set at ``pending``, what the position cycle hands down
     from ``held`` on. X⁺ = ``cycle`` X in a velocity cycle; after ``cycles`` of these the states
     from ``held`` on become ``by_state`` X, X from before them, plus ``by_setpoint`` times (x_ref,
-    v_ref, a_ref, j_ref) at that time, then one position cycle earlier, and so on.
+    v_ref, a_ref, j_ref) at that time, then one position cycle earlier, and so on. Where the motor
+    follows, what is handed down are its position, velocity, acceleration and jerk.
     """
 
+    follows: bool
     velocity_cycle: float
     cycles: int
     reference_delay: float
@@ -1145,14 +1147,16 @@ class SignalEntry:
 class VariedPlantEntry:
     """The nominal plant, and what payload, frequency and damping change in it.
 
-    The force moves the state ``velocity`` by 1/(``moving_mass`` + payload). ``signals``: the
-    motor's force, then what ``requirements.peaks`` bounds.
+    The force moves the state ``velocity`` by 1/(``moving_mass`` + payload); where the motor
+    follows, the last state is its acceleration and B the jerk's. ``signals``: the motor's force,
+    then what ``requirements.peaks`` bounds.
     """
 
     A: list[list[float]]
     B: list[float]
     tcp: list[float]
     signals: list[SignalEntry]
+    position: int
     velocity: int
     moving_mass: float
     modes: list[VariedModeEntry]

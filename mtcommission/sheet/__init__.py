@@ -65,7 +65,8 @@ def print_html(
     document = compose(record, language, before=before, verified=verified)
     part, panel = record.what_if, None
     if part is not None:
-        words = Catalogue(language, rotary=record.machine.motion == "rotary")
+        axis = record.machine
+        words = Catalogue(language, rotary=axis.motion == "rotary", follows=axis.follows)
         panel = what_if(part, words, profile=record.profile.name)
     return set_html(document, decimal_mark=LANGUAGES[language], panel=panel)
 
@@ -107,7 +108,7 @@ def print_answers(
     from mtcommission.sheet.what_if_part import what_if
 
     _require(language)
-    words = Catalogue(language, rotary=machine.motion == "rotary")
+    words = Catalogue(language, rotary=machine.motion == "rotary", follows=machine.follows)
     text = words.text
     document = Document(
         language=language,

@@ -133,9 +133,16 @@ const engine = (() => {
   // The loop's state one velocity cycle later, with the machine as it is at a place.
   function cycleAt(plant, loop, place) {
     const n = plant.A.length, transition = discretise(vary(plant, place), plant.B, loop.velocity_cycle);
+    // A motor that follows: position, velocity and acceleration in the modes are handed down.
+    const modal = plant.modes.flatMap(({deflection, rate}) => [deflection, rate]), slaves = [plant.position, plant.velocity, n - 1];
     return loop.cycle.map((row, i) => {
       const own = Float64Array.from(row);
-      if (i < n) {
+      if (loop.follows) {
+        if (!modal.includes(i)) return own;
+        for (let k = 0; k < n; k++) own[k] = slaves.includes(k) ? 0 : transition[i][k];
+        slaves.forEach((slave, k) => { own[loop.held + k] = transition[i][slave]; });
+        own[loop.held + 3] = transition[i][n];
+      } else if (i < n) {
         for (let k = 0; k < n; k++) own[k] = transition[i][k];
         own[loop.pending] = transition[i][n];
       }

@@ -56,6 +56,8 @@ class Panel:
         Keys and names.
     fields
         What can be moved.
+    follows
+        Whether the motor follows its setpoint, so that there is no loop to show.
     data
         For the script, as JSON.
     """
@@ -68,4 +70,5 @@ class Panel:
     rows: tuple[Pair, ...]
     margin_rows: tuple[Pair, ...]
     fields: tuple[Field, ...]
+    follows: bool
     data: Mapping[str, Any]

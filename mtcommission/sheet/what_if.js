@@ -15,7 +15,7 @@ const whatIf = (() => {
 
   // ---- what is tried ----
 
-  const state = {move: 0, tried: null};
+  const state = {move: 0, tried: null, payload: 0};
   const field = Object.fromEntries(fields.map(item => [item.key, item]));
   const recommended = known.length - 1;
   let filter = known[recommended].filter;
@@ -381,6 +381,7 @@ const whatIf = (() => {
   });
 
   function drawBode() {
+    if (model.loop.follows) return;  // no loop, nothing to cut
     const {scan, before} = scanOf(model.corners[0]), now = engine.marginsOf(scan, withNotch(), before.turns);
     before.stable = true;
     sayMargins(before, 0);
@@ -425,6 +426,7 @@ const whatIf = (() => {
   }
 
   function* scanCorners() {
+    if (model.loop.follows) return;
     const found = [], item = withNotch();
     for (const corner of model.corners) {
       const {scan, before} = scanOf(corner);
@@ -486,7 +488,7 @@ const whatIf = (() => {
     id("filter").addEventListener("change", event => { setFilter(event.target.value); changed(); });
     id("move")?.addEventListener("change", event => { setMove(Number(event.target.value)); changed(); });
     known.forEach((one, number) => id(`load-${number}`).addEventListener("click", () => load(number)));
-    ["sizes", "landscape", "bode"].forEach(listenToPlot);
+    ["sizes", "landscape", ...(model.loop.follows ? [] : ["bode"])].forEach(listenToPlot);
     id("take").addEventListener("click", async () => {
       const box = id("command");
       writeCommand();

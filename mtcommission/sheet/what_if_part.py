@@ -97,6 +97,7 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
             (key, words.text(f"what-if-margin-{key}")) for key in ("gain", "phase", "peak")
         ),
         fields=_fields(part, words, units),
+        follows=part.loop.follows,
         data={
             "model": to_plain(part),
             "words": {key.replace("-", "_"): _template(key, words) for key in WORDS},
@@ -231,11 +232,14 @@ def _fields(
         found.append(field("time", "time", max(part.averages[0], 0.5 * cycle), longest, time))
     # Ends and unit of the size follow the move that is chosen.
     found.append(field("size", "distance", 1e-3, 1.0, 1.0, log=True))
-    found.append(field("payload", "payload", 0.0, payload, 0.0))
+    if not part.loop.follows:
+        found.append(field("payload", "payload", 0.0, payload, 0.0))
     percent = {"size": 0.01, "unit": "%"}
     units = {**units, "percent": percent, "Hz": {"size": 1.0, "unit": "Hz"}}
     units |= {"dB": {"size": 1.0, "unit": "dB"}, "number": {"size": 1.0, "unit": ""}}
     found.append(field("error", "percent", -LARGEST_ERROR, LARGEST_ERROR, 0.0))
+    if part.loop.follows:
+        return tuple(found)
     lowest = min((-plant.A[m.rate][m.deflection]) ** 0.5 for m in plant.modes) / (2.0 * pi)
     highest = 0.4 / part.loop.velocity_cycle
     found += [
