@@ -144,8 +144,8 @@ const whatIf = (() => {
 
   const ROWS = [
     ["acceleration", (found, limits) => withUnit(limits.acceleration, "acceleration")],
-    ["jerk", found => withUnit(found.setpoint.jerk, "jerk")],
-    ["jerk-time", found => withUnit(found.setpoint.acceleration / found.setpoint.jerk, "time")],
+    ["jerk", (found, limits) => withUnit(limits.jerk, "jerk")],
+    ["jerk-time", (found, limits) => withUnit(limits.acceleration / limits.jerk, "time")],
     ["filter", (found, limits) => sayFilter(limits.filter)],
     ["duration", found => withUnit(found.setpoint.duration, "time")],
     ["settling", found => withUnit(found.settling, "time")],
@@ -188,6 +188,8 @@ const whatIf = (() => {
     const text = tried.saturated ? words.saturated : tried.met ? say("all_met", {count: tried.of}) : missed.map(sayCheck).join("; ");
     line.textContent = `${tried.met ? "✓" : "✗"} ${text}`;
     line.className = `verdict ${tried.met ? "good" : "bad"}`;
+    const isShorter = has_jerk && state.jerk > 1.000001 * tried.setpoint.jerk;
+    id("ramp").textContent = isShorter ? say("ramp", {value: withUnit(state.acceleration / tried.setpoint.jerk, "time")}) : "";
     id("tried-machine").textContent = state.payload || state.error ? say("tried_machine", {place: say_place(machines()[0].place), value: withUnit(tried.saturated ? null : tried.responses[0].residual, "deviation")}) : "";
   }
 
@@ -338,7 +340,7 @@ const whatIf = (() => {
       if (value === null) add(inside, "rect", {fill: "url(#wi-hatch)", ...box});
       else add(inside, "rect", {class: "cell", "fill-opacity": (0.05 + 0.8 * (Math.log(value) - fastest) / (slowest - fastest)).toFixed(2), ...box});
     });
-    const mark = (limits, className, r) => add(inside, "circle", {class: className, r, cx: x.at(limits.acceleration / limits.jerk / t), cy: y.at(limits.acceleration / a)});
+    const mark = (limits, className, r) => add(inside, "circle", {class: className, r, cx: x.at(Math.max(limits.acceleration / limits.jerk, low) / t), cy: y.at(limits.acceleration / a)});
     known.forEach((one, k) => mark(one.limits, `known k${k === recommended ? 2 : 1}`, 7));
     mark({acceleration: state.acceleration, jerk: state.tried.setpoint.jerk}, "chosen", 5);
     id("landscape-range").textContent = met.length ? say("landscape_range", {least: withUnit(Math.exp(fastest), "time"), most: withUnit(Math.exp(slowest), "time")}) : words.landscape_none;

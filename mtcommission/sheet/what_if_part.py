@@ -38,7 +38,7 @@ WORDS = (
     "check-rms", "check-settling", "damping", "deviation", "frequencies", "frequency-hz", "in-unit",
     "jerk-time", "landscape-none", "landscape-range", "met", "missed", "missed-check",
     "move-number", "moving-average", "no-filter", "no-notch", "nominal", "none", "open-loop-db",
-    "open-loop-deg", "out-of-range", "residual", "saturated", "saturated-short", "size",
+    "open-loop-deg", "out-of-range", "ramp", "residual", "saturated", "saturated-short", "size",
     "sizes-met", "sizes-missed", "taken", "time", "tried-machine", "unlimited", "unsettled",
     "unstable", "worst-so-far",
 )  # fmt: skip

@@ -66,6 +66,7 @@ what-if-row-verdict = Urteil
 what-if-time = Zeit
 what-if-size = Größe der Bewegung
 what-if-deviation = Abweichung
+what-if-ramp = Die Ruckzeit ist kürzer als der Lagetakt, in dem eine Steuerung ihren Sollwert sendet: gerechnet mit einer Rampe von { $value }, wie beim Befehl simulate.
 what-if-residual = Restabweichung
 what-if-acceleration = Beschleunigung
 what-if-jerk-time = Ruckzeit

@@ -66,6 +66,7 @@ what-if-row-verdict = Verdict
 what-if-time = Time
 what-if-size = Size of the move
 what-if-deviation = Deviation
+what-if-ramp = The jerk time is shorter than the position cycle, in which a control sends its setpoint: computed with a ramp of { $value }, as the command simulate does.
 what-if-residual = Residual deviation
 what-if-acceleration = Acceleration
 what-if-jerk-time = Jerk time
