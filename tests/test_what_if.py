@@ -46,6 +46,7 @@ needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs the browser c
 
 MACHINES = ("milling-manipulator", "modal-two-modes", "ball-screw", "rotary-table")
 CASES = 12
+FOLLOWED = "printer-belt"
 SHAPER = SetpointFilter(kind="zvd", frequency_hz=31.0, damping_ratio=0.04)
 
 
@@ -66,7 +67,8 @@ def build_bench(name: str, language: str = "en") -> Bench:
     plant, tuned = build_plant(machine), tune_loop(machine)
     a = 0.5 * machine.drive.motion_force / plant.moving_mass
     recommended = MotionLimits(acceleration=a, jerk=a / 0.015, setpoint_filter=SHAPER)
-    words = Catalogue(language, rotary=machine.motion.value == "rotary")
+    follows = machine.drive.follows
+    words = Catalogue(language, rotary=machine.motion.value == "rotary", follows=follows)
     part = what_if_part(machine, plant, tuned, recommended, None)
     panel = what_if(part, words, profile=f"{name}.toml")
     document = Document(
@@ -99,17 +101,25 @@ class Case:
 def draw_cases(bench: Bench, seed: int) -> list[Case]:
     rng, machine = np.random.default_rng(seed), bench.machine
     reached = machine.drive.motion_force / bench.plant.moving_mass
-    lengths = next((item.low, item.high) for item in bench.panel.fields if item.key == "time")
+    fields = {item.key: (item.low, item.high) for item in bench.panel.fields}
     found = []
     for number in range(CASES):
         a = reached * rng.uniform(0.15, 1.05)
         ramp = 10 ** rng.uniform(np.log10(machine.control.position_cycle), -1.0)
-        average = SetpointFilter(kind="moving_average", time=float(rng.uniform(*lengths)))
+        if "jerk" not in fields:
+            ramp = machine.control.position_cycle
+        average = SHAPER
+        if "time" in fields:
+            average = SetpointFilter(
+                kind="moving_average", time=float(rng.uniform(*fields["time"]))
+            )
         given = (None, average, SHAPER)[number % 3]
         listed = machine.moves[0]
         move = resize(listed, size_of(listed) * float(10 ** rng.uniform(-1.5, 0.0)))
         place = Corner(
-            payload=float(rng.uniform(0.0, 0.4)) * bench.plant.moving_mass * (number % 2),
+            payload=float(rng.uniform(0.0, 0.4)) * bench.plant.moving_mass * (number % 2)
+            if "payload" in fields
+            else 0.0,
             frequency_factor=1.0 + float(rng.uniform(-0.15, 0.15)) * (number % 4 > 1),
         )
         found.append(
@@ -171,7 +181,7 @@ def as_typed(bench: Bench, case: Case) -> dict[str, Any]:
         values["time"] = item.time
     return {
         "filter": chosen,
-        "fields": {key: repr(value / sizes[key]) for key, value in values.items()},
+        "fields": {key: repr(value / sizes[key]) for key, value in values.items() if key in sizes},
     }
 
 
@@ -183,7 +193,7 @@ def run_in_page(bench: Bench, cases: list[Case], folder: Path) -> Any:
 
 
 @needs_browser
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("name", [*MACHINES, FOLLOWED])
 def test_random_settings_give_what_simulate_gives(name: str, tmp_path: Path) -> None:
     """Residual to 1 % of the band, settling to 0.1 ms, force and verdict, in all corners."""
     bench = build_bench(name)
