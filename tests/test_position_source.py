@@ -262,11 +262,34 @@ def test_step_rate_bounds_the_velocity() -> None:
     faults = faults_of(text)
     assert faults == [
         "17: moves[1].max_velocity: got 0.3 m/s, but the motor follows only 0.125 m/s, by "
-        "drive.max_velocity or step_rate times step_length"
+        "drive.max_velocity, step_rate times step_length, or the end of acceleration_curve"
     ] or faults[0].split(": ", 1)[1].startswith("moves[1].max_velocity")
     open_ended = text.replace('max_velocity = "300 mm/s"\n', "")
     machine = parse_profile(open_ended, where="printer.toml")
     assert machine.moves[0] == Positioning(distance=0.02, max_velocity=0.125)
+
+
+def test_torque_that_falls_with_speed_bounds_acceleration_and_velocity() -> None:
+    """Else the motor would lose steps where it is fastest."""
+
+    def curve(*points: tuple[float, float]) -> str:
+        rows = ", ".join(f"{{ velocity = {v}, acceleration = {a} }}" for v, a in points)
+        stated = 'max_acceleration = "20 m/s^2"\n'
+        assert stated in PRINTER
+        return PRINTER.replace(stated, f"{stated}acceleration_curve = [{rows}]\n")
+
+    drive = parse_profile(curve((0.1, 30.0), (0.5, 10.0)), where="p").drive
+    assert drive.max_force == pytest.approx(20.0)  # 20 at 0.3 m/s, between 30 and 10
+    # A curve that sags before the largest velocity counts at its lowest.
+    drive = parse_profile(curve((0.1, 30.0), (0.2, 8.0), (0.5, 19.0)), where="p").drive
+    assert (drive.max_force, drive.force_velocity) == (8.0, 0.3)
+    assert drive.max_velocity == 0.5
+    (short,) = faults_of(curve((0.1, 30.0), (0.2, 8.0)))
+    assert "got 0.3 m/s, but the motor follows only 0.2 m/s" in short
+    (fallen,) = faults_of(curve((0.5, 30.0), (0.5, 8.0)))
+    assert fallen.endswith(
+        "acceleration_curve: each velocity must be larger than the one before it"
+    )
 
 
 def faults_of(text: str) -> list[str]:

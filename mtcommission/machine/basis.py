@@ -77,6 +77,15 @@ def list_assumed(machine: Machine) -> Iterator[Message]:
     if is_assumed("control.kind"):
         yield Message("assumed-kind")
     yield from machine.mechanics.assumptions()
+    if machine.drive.force_velocity is not None:
+        unit, length = machine.axis_units, machine.axis_units.length.si
+        yield Message(
+            "assumed-acceleration-at",
+            acceleration=machine.drive.max_force,
+            acceleration_unit=f"{length}/s^2",
+            velocity=machine.drive.force_velocity,
+            velocity_unit=unit.velocity.si,
+        )
     others = [key for key in machine.assumed if key not in SAID]
     if others and not machine.illustrative:
         yield Message("assumed-keys", keys=", ".join(others))
@@ -86,7 +95,8 @@ def list_neglected(machine: Machine) -> Iterator[Message]:
     """Yield what the model leaves out, with what to do where it matters."""
     if machine.drive.follows:
         yield Message("neglected-lost-steps")
-        yield Message("neglected-acceleration-over-speed")
+        if machine.drive.force_velocity is None:
+            yield Message("neglected-acceleration-over-speed")
     else:
         if machine.control.kind.follows_steps:
             yield Message("neglected-steps")

@@ -55,6 +55,8 @@ class Drive:
         F_max [N].
     max_velocity
         Of a position source, by its step rate or its torque [m/s]; inf: none was given.
+    force_velocity
+        Velocity at which ``max_force`` was read off the motor's curve [m/s]; None: it was stated.
     continuous_force
         Thermal (RMS) limit over move and dwell [N]; inf if none was given.
     static_load
@@ -74,6 +76,7 @@ class Drive:
     force_lag: float
     max_force: float
     max_velocity: float = inf
+    force_velocity: float | None = None
     continuous_force: float = inf
     static_load: float = 0.0
     coulomb_friction: float = 0.0

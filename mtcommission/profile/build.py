@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 
 from mtcommission.control_kinds.kind import PositionLoop
@@ -64,7 +65,7 @@ def build_machine(table: ProfileTable) -> Machine:
         SI.
     """
     mechanics = table.plant.build()
-    drive = _build_drive(table.drive, mechanics)
+    drive = _build_drive(table.drive, mechanics, table.moves)
     return Machine(
         name=table.machine.name,
         axis=table.machine.axis,
@@ -108,13 +109,21 @@ by the time scale 1/ω of its fastest mode [-]: takes some 0.1 % longer than wit
 shorter ones were seen to defeat the search under a velocity limit."""
 
 
-def _build_drive(drive: DriveTable | PositionSourceTable, mechanics: Mechanics) -> Drive:
+def _build_drive(
+    drive: DriveTable | PositionSourceTable, mechanics: Mechanics, moves: Sequence[MoveTable]
+) -> Drive:
     if isinstance(drive, PositionSourceTable):
+        limit = drive.velocity_limit
+        # One acceleration is typed in for all velocities: what is left at the largest counts.
+        fastest = max(
+            min(move.velocity_step or _or_infinite(move.max_velocity), limit) for move in moves
+        )
         return Drive(
             kind=DriveKind.POSITION_SOURCE,
             force_lag=RISE / max(mode.natural_frequency for mode in mechanics.modes),
-            max_force=drive.max_acceleration,
-            max_velocity=drive.velocity_limit,
+            max_force=drive.acceleration_up_to(fastest),
+            max_velocity=limit,
+            force_velocity=fastest if drive.acceleration_curve else None,
         )
     return Drive(
         force_lag=drive.force_lag,

@@ -6,9 +6,11 @@ that means is decided where the Machine is built.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import ceil, inf
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import (
     BeforeValidator,
     Discriminator,
@@ -173,6 +175,15 @@ class DriveTable(Table):
         return self
 
 
+class CurvePoint(Table):
+    """What the torque of a motor leaves at one velocity."""
+
+    velocity: Annotated[float, Read(VELOCITIES)] = required("Of the axis.", '"0.2 m/s"')
+    acceleration: Annotated[float, Read(ACCELERATIONS)] = required(
+        "That the motor follows at this velocity.", '"8 m/s^2"'
+    )
+
+
 class PositionSourceTable(Table):
     """[drive] with a motor that follows its setpoint."""
 
@@ -184,6 +195,12 @@ class PositionSourceTable(Table):
     )
     max_velocity: Annotated[float | None, Read(VELOCITIES)] = optional(
         "Largest velocity that the motor follows.", '"0.5 m/s"'
+    )
+    acceleration_curve: list[CurvePoint] | None = Field(
+        None,
+        description="Acceleration that the torque leaves at rising velocities, straight between "
+        "them; none beyond the last.",
+        min_length=2,
     )
     step_rate: Annotated[float | None, Read(STEP_RATES)] = optional(
         "Steps per second that the control sends at most.", '"100 kHz"'
@@ -198,13 +215,27 @@ class PositionSourceTable(Table):
         for key, other in (("step_rate", "step_length"), ("step_length", "step_rate")):
             if getattr(self, key) is not None and getattr(self, other) is None:
                 faults.append((key, Message("key-without-other", other=other)))
+        velocities = [point.velocity for point in self.acceleration_curve or ()]
+        if any(after <= before for before, after in pairwise(velocities)):
+            faults.append(("acceleration_curve", Message("curve-does-not-rise")))
         raise_all(faults)
         return self
+
+    def acceleration_up_to(self, velocity: float) -> float:
+        """Return the least acceleration that the motor follows up to a velocity [m/s²]."""
+        if not self.acceleration_curve:
+            return self.max_acceleration
+        known = [point.velocity for point in self.acceleration_curve]
+        left = [point.acceleration for point in self.acceleration_curve]
+        reached = [a for v, a in zip(known, left, strict=True) if v <= velocity]
+        return min(self.max_acceleration, float(np.interp(velocity, known, left)), *reached)
 
     @property
     def velocity_limit(self) -> float:
         """Largest velocity of the motor, of all that is stated [m/s]; inf: none is."""
         stated = inf if self.max_velocity is None else self.max_velocity
+        if self.acceleration_curve:
+            stated = min(stated, self.acceleration_curve[-1].velocity)
         if self.step_rate is None or self.step_length is None:
             return stated
         return min(stated, self.step_rate * self.step_length)

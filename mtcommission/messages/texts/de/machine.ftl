@@ -69,6 +69,7 @@ assumed-reserve = Grenzwerte nutzen { SHARE($band) } des Bandes, { SHARE($force)
     [rotary] des Moments
    *[linear] der Kraft
 }
+assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } bei jeder Geschwindigkeit: so viel lässt drive.acceleration_curve bis { QUANTITY($velocity, $velocity_unit) }
 assumed-kind = die Art der Steuerung; die eigene nennen (control.kind)
 assumed-keys = nicht gemessen: { $keys }
 neglected-steps = ungeregelte Schritte (statt des Motors eine steife Lageregelung)
@@ -84,4 +85,4 @@ neglected-travel = Eigenformen über den Verfahrweg (frequency_spread weiten)
 motor-follows-assumed = der Motor folgt dem Sollwert genau: kein Schritt geht verloren, und die Struktur zieht ihn nicht zurück
 drive-kind-steps = diese Steuerung gibt ungeregelte Schritte aus; folgt der Motor ihnen einfach, drive.kind = "position_source" angeben, mit den Frequenzen der Eigenformen bei festgehaltenem Motor: sie sind andere als die der freien Achse
 neglected-lost-steps = verlorene Schritte, und dass der Motor der Last nachgibt
-neglected-acceleration-over-speed = mit der Drehzahl fallendes Moment (drive.max_acceleration gilt bei der größten)
+neglected-acceleration-over-speed = mit der Drehzahl fallendes Moment (drive.acceleration_curve angeben)

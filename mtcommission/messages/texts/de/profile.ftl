@@ -106,8 +106,9 @@ delay-below-drive = { PLAIN($got, digits: 6) } s angegeben; ein Antrieb, der den
 
 # Motor folgt dem Sollwert. $drive: Art des Antriebs, zu der der Schlüssel gehört
 key-of-other-drive = gehört zu drive.kind = "{ $drive }"; entfernen, oder diese Art von Antrieb angeben
+curve-does-not-rise = jede Geschwindigkeit muss größer als die vorige sein
 key-without-other = sagt allein nichts: { $other } daneben angeben oder den Schlüssel entfernen
 motor-held-needs-modes = zu drive.kind = "position_source" gehört kind = "modal", mit den Frequenzen der Eigenformen bei festgehaltenem Motor
 no-loop-to-set = drive.kind = "position_source" hat keinen Regelkreis: der Motor folgt dem Sollwert; den Schlüssel entfernen
 payload-of-position-source = ein Motor, der dem Sollwert folgt, bewegt jede Zuladung gleich, aber jede hat eigene Frequenzen: den Schlüssel entfernen und requirements.frequency_spread weiten
-move-beyond-motor = { PLAIN($got, digits: 6) } { $unit } angegeben, der Motor folgt aber nur { PLAIN($limit, digits: 6) } { $unit }, nach drive.max_velocity oder step_rate mal step_length
+move-beyond-motor = { PLAIN($got, digits: 6) } { $unit } angegeben, der Motor folgt aber nur { PLAIN($limit, digits: 6) } { $unit }, nach drive.max_velocity, step_rate mal step_length oder dem Ende von acceleration_curve

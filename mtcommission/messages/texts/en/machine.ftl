@@ -76,6 +76,7 @@ assumed-reserve = limits may use { SHARE($band) } of the band, { SHARE($force) }
     [rotary] torque
    *[linear] force
 }
+assumed-acceleration-at = { QUANTITY($acceleration, $acceleration_unit) } at every velocity, which is what drive.acceleration_curve leaves up to { QUANTITY($velocity, $velocity_unit) }
 assumed-kind = the kind of control; name yours by control.kind
 assumed-keys = not measured: { $keys }
 neglected-steps = open-loop steps (a stiff position loop stands in for the motor)
@@ -91,4 +92,4 @@ neglected-travel = modes changing over the travel (widen frequency_spread)
 motor-follows-assumed = the motor follows its setpoint exactly: no step is lost, and the structure does not pull it back
 drive-kind-steps = this control sends steps open loop; if the motor simply follows them, state drive.kind = "position_source", with the frequencies that the modes have while the motor is held: they differ from those of a free axis
 neglected-lost-steps = steps lost, and the motor yielding to the load
-neglected-acceleration-over-speed = torque falling with speed (drive.max_acceleration holds at the fastest)
+neglected-acceleration-over-speed = torque falling with speed (state drive.acceleration_curve)
