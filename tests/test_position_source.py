@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import inf, pi, sqrt
 
@@ -24,6 +25,7 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import as_variations
+from mtcommission.messages.catalogue import Catalogue, entries_of
 from mtcommission.optimal.solution import sample_trajectory
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
@@ -364,3 +366,27 @@ def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     assert drive["drive.kind"] == "position_source"
     assert drive["drive.max_acceleration"] == 20.0
     assert "drive.force_lag" not in drive
+
+
+@pytest.mark.parametrize(
+    ("language", "kind", "said"),
+    [
+        ("en", "requirement-set-force", "set acceleration"),
+        ("de", "requirement-set-force", "Sollbeschleunigung"),
+        ("en", "terminal-head-tool-per-force", "Tool per acceleration, static"),
+        ("de", "terminal-head-tool-per-force", "Werkzeug je Beschleunigung, statisch"),
+    ],
+)
+def test_no_force_is_spoken_of(language: str, kind: str, said: str) -> None:
+    """A stepper's user has no force to enter, and the number beside it is an acceleration."""
+    assert Catalogue(language, follows=True).text(kind) == said
+    assert Catalogue(language).text(kind) != said
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_words_for_acceleration_leave_every_text_valid(language: str) -> None:
+    """Keys, placeholders and functions inside a text must survive the change of the word."""
+    plain, changed = Catalogue(language), Catalogue(language, follows=True)
+    places = re.compile(r"\$[\w-]+|\[[\w-]+\]|[A-Z]{3,}\(|\{ [a-z][\w-]*|[a-z_]+\.[a-z_]+")
+    for kind in entries_of(language):
+        assert places.findall(changed._worded(kind)) == places.findall(plain._worded(kind)), kind
