@@ -93,6 +93,7 @@ def _unsealed_record() -> Json:
             "motion": "linear",
             "source": "Table 1",
             "kind": "manipulator",
+            "drive": "servo",
         },
         "data": [
             _datum("control.kind", "state-space", "") | {"source": said("source-default")},

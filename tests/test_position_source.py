@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import inf, pi, sqrt
 
@@ -11,22 +12,28 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import linprog
 
+from mtcommission.commission import commission
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
 from mtcommission.limits.every.typed import find_for_every_size
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.limits.reserve import keep_reserve
+from mtcommission.limits.search.settings import SearchSettings
 from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import as_variations
+from mtcommission.messages.catalogue import Catalogue, entries_of
 from mtcommission.optimal.solution import sample_trajectory
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
+from mtcommission.record.data import list_data
+from mtcommission.record.loop import loop_part
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-from mtcommission.setpoint.setpoint import plan_setpoint, plan_within
+from mtcommission.setpoint.setpoint import plan_setpoint, plan_within, sample_setpoint
+from mtcommission.study.settings import Settings
 
 PRINTER = """
 schema = 1
@@ -354,3 +361,55 @@ def test_kinds_that_send_steps() -> None:
         "klipper", "grblhal", "fluidnc", "marlin",
     ]  # fmt: skip
     assert printer().drive.max_velocity == inf
+
+
+def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
+    """Gains and margins that nobody tuned must not be read off a record; the motion must."""
+    machine = printer()
+    quick = SearchSettings(grid=16, coarse_grid=6, seeds=6, refinements=2)
+    listed = replace(machine, requirements=replace(machine.requirements, every_size=False))
+    found = commission(listed, settings=Settings(search=quick, comparison=quick))
+    part = loop_part(found)
+    assert (part.Kv, part.Kp, part.Tn, part.worst_corner) == (None, None, None, None)
+    assert (part.poles, part.corners, part.candidates, part.bode.t) == ([], [], [], [])
+    assert part.closed_loop.states[0] == "plant.x"
+    (result,) = found.moves
+    A, B, C, D = (np.array(getattr(part.closed_loop, name)) for name in "ABCD")
+    setpoint, X, tool = result.setpoint, np.zeros(len(A)), list[float]()
+    column = part.closed_loop.outputs.index("tcp[0]")
+    times = part.closed_loop.dt * np.arange(600, dtype=np.float64)
+    for r in sample_setpoint(setpoint, times):
+        tool.append(float(C[column] @ X + D[column] @ r))
+        X = A @ X + B @ r
+    response = result.responses[0]
+    late = sample_setpoint(setpoint, response.t - part.reference_delay)[:, 0]
+    ours = (late + response.deviation)[:: found.tuned.controller.cycles][:600]
+    assert np.allclose(tool[: len(ours)], ours, atol=1e-12)
+    drive = {row.key: row.value for row in list_data(listed, found.plant, PRINTER)}
+    assert drive["drive.kind"] == "position_source"
+    assert drive["drive.max_acceleration"] == 20.0
+    assert "drive.force_lag" not in drive
+
+
+@pytest.mark.parametrize(
+    ("language", "kind", "said"),
+    [
+        ("en", "requirement-set-force", "set acceleration"),
+        ("de", "requirement-set-force", "Sollbeschleunigung"),
+        ("en", "terminal-head-tool-per-force", "Tool per acceleration, static"),
+        ("de", "terminal-head-tool-per-force", "Werkzeug je Beschleunigung, statisch"),
+    ],
+)
+def test_no_force_is_spoken_of(language: str, kind: str, said: str) -> None:
+    """A stepper's user has no force to enter, and the number beside it is an acceleration."""
+    assert Catalogue(language, follows=True).text(kind) == said
+    assert Catalogue(language).text(kind) != said
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_words_for_acceleration_leave_every_text_valid(language: str) -> None:
+    """Keys, placeholders and functions inside a text must survive the change of the word."""
+    plain, changed = Catalogue(language), Catalogue(language, follows=True)
+    places = re.compile(r"\$[\w-]+|\[[\w-]+\]|[A-Z]{3,}\(|\{ [a-z][\w-]*|[a-z_]+\.[a-z_]+")
+    for kind in entries_of(language):
+        assert places.findall(changed._worded(kind)) == places.findall(plain._worded(kind)), kind

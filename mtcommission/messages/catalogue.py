@@ -34,7 +34,7 @@ _REFERENCE = re.compile(r"\{\s*(-?[a-z][\w-]*)")
 
 ACCELERATION_FOR_FORCE: Mapping[str, tuple[tuple[re.Pattern[str], str], ...]] = {
     "en": (
-        (re.compile(r"\bA force(?![\w-])"), "An acceleration"),
+        (re.compile(r"(?<![\w$.-])([Aa]) force(?![\w-])"), r"\1n acceleration"),
         (re.compile(r"(?<![\w$.-])force(?![\w-])"), "acceleration"),
         (re.compile(r"(?<![\w$.-])Force(?![\w-])"), "Acceleration"),
         (re.compile(r"F_max/m|F_max"), "a_max"),

@@ -199,7 +199,7 @@ def _loop(before: Record, after: Record, words: Catalogue) -> list[Change]:
         (text("gain-margin"), "gain_margin_db", decibel),
         (text("phase-margin"), "phase_margin_deg", degree),
     ):
-        margins = [getattr(part.worst_corner, key) for part in both]
+        margins = [getattr(part.worst_corner, key, None) for part in both]
         shown = [show(value, words) for value in margins]
         rows.append(_words(f"{name}, {text('worst-corner')}", shown[0], shown[1], words))
     bandwidths = (old.bandwidth_hz, new.bandwidth_hz)
