@@ -8,15 +8,21 @@ from math import inf, pi, sqrt
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import linprog
 
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
+from mtcommission.limits.every.typed import find_for_every_size
+from mtcommission.limits.optima import find_time_optimum
+from mtcommission.limits.reserve import keep_reserve
 from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Positioning
+from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import as_variations
+from mtcommission.optimal.solution import sample_trajectory
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
@@ -106,6 +112,97 @@ def test_residual_by_a_second_program(item: SetpointFilter | None, acceleration:
     resolution = 0.01 * acceleration / (2.0 * pi * 45.0) ** 2
     assert response.residual_deviation == pytest.approx(residual, abs=resolution)
     assert response.t_end == pytest.approx(end + 0.5e-3, abs=1e-6)
+
+
+def follower(zeta: float, frequency_hz: float, acceleration: float) -> Machine:
+    text = PRINTER.replace("45 Hz", f"{frequency_hz} Hz").replace("0.05", f"{zeta}")
+    return parse_profile(text.replace("20 m/s^2", f"{acceleration} m/s^2"), where="p")
+
+
+@pytest.mark.parametrize("periods", [1, 2, 3])
+def test_velocity_step_of_whole_periods_takes_one_arc(periods: int) -> None:
+    """Closed form: full acceleration for whole periods leaves an undamped mode at rest."""
+    machine = follower(0.0, 40.0, 8.0)
+    step = VelocityStep(velocity_step=8.0 * periods / 40.0)
+    plant = build_plant(machine)
+    found = find_time_optimum(plant, step, force_limit=8.0, bounds=())
+    exact = periods / 40.0
+    assert found.certificate.t_f_lower_bound <= exact <= found.t_f
+    assert found.t_f - exact <= 3.0 * plant.force_lag
+
+
+def can_be_done(t_f: float, move: Positioning, *, a: float, f: float, zeta: float) -> bool:
+    """Whether piecewise constant accelerations, without any lag, end at rest: a linear program."""
+    cells, omega = 800, 2.0 * pi * f
+    h = t_f / cells
+    A = np.array([[0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1], [0, 0, -(omega**2), -2 * zeta * omega]])
+    joint = np.zeros((5, 5))
+    joint[:4, :4], joint[:4, 4] = A, [0, 1, 0, -1]
+    whole = expm(joint * h)
+    Phi, gamma = whole[:4, :4], whole[:4, 4]
+    columns = np.empty((4, cells))
+    columns[:, -1] = gamma
+    for i in range(cells - 2, -1, -1):
+        columns[:, i] = Phi @ columns[:, i + 1]
+    scale = np.array([move.distance, 0.1, 1e-4, 1e-2])
+    velocities = h * np.tril(np.ones((cells, cells)))
+    found = linprog(
+        np.zeros(cells),
+        A_eq=columns / scale[:, None] * a,
+        b_eq=np.array([1.0, 0.0, 0.0, 0.0]),
+        A_ub=np.vstack([velocities, -velocities]) * a,
+        b_ub=np.full(2 * cells, move.max_velocity),
+        bounds=(-1.0, 1.0),
+        method="highs",
+    )
+    return bool(found.status == 0)
+
+
+@pytest.mark.parametrize("max_velocity", [0.3, 0.6])
+def test_time_optimum_by_a_linear_program_without_lag(max_velocity: float) -> None:
+    """Else the time that nothing undercuts belongs to a motor with a lag that it has not."""
+    machine = follower(0.05, 45.0, 20.0)
+    move = Positioning(distance=0.02, max_velocity=max_velocity)
+    found = find_time_optimum(build_plant(machine), move, force_limit=20.0, bounds=())
+    given = {"a": 20.0, "f": 45.0, "zeta": 0.05}
+    assert can_be_done(1.002 * found.t_f, move, **given)
+    assert not can_be_done(0.998 * found.certificate.t_f_lower_bound, move, **given)
+    assert found.certificate.relative_gap < 0.015
+
+
+def test_optimum_ends_at_rest_on_the_structure_itself() -> None:
+    """Its acceleration, integrated by a second program, brings the head to rest at the target."""
+    machine = follower(0.05, 45.0, 20.0)
+    plant = build_plant(machine)
+    found = find_time_optimum(plant, machine.moves[0], force_limit=20.0, bounds=())
+    motion = sample_trajectory(plant, found.arcs, step=found.t_f / 20000)
+    a, omega = motion.states[:, plant.force], 2.0 * pi * 45.0
+    assert np.abs(a).max() <= 20.0 * (1.0 + 1e-9)
+    q = solve_ivp(
+        lambda t, y: [y[1], -np.interp(t, motion.t, a) - 0.1 * omega * y[1] - omega**2 * y[0]],
+        (0.0, found.t_f), [0.0, 0.0], max_step=1e-5, rtol=1e-9, atol=1e-13,
+    ).y[:, -1]  # fmt: skip
+    assert abs(q[0]) < 1e-8
+    assert abs(q[1]) / omega < 1e-8
+
+
+def test_choice_beats_the_printer_firmware_of_the_issue() -> None:
+    """45 Hz, 20 mm: Klipper's own choice, MZV at 45 Hz and 11.7 m/s^2, is not sooner than ours.
+
+    Both judged by the same second program on the nominal structure.
+    """
+    machine = printer()
+    plant, tuned = build_plant(machine), tune_loop(machine)
+    found = find_for_every_size(keep_reserve(machine), plant, tuned, largest_jerk=inf)
+    assert found is not None
+    move = machine.moves[0]
+    assert isinstance(move, Positioning)
+    theirs = replace(without_jerk_limit(machine, 11.7), setpoint_filter=MZV)
+    residual, end = base_excited_residual(theirs, move, frequency_hz=45.0, zeta=0.05)
+    own_residual, own_end = base_excited_residual(found.limits, move, frequency_hz=45.0, zeta=0.05)
+    assert end == pytest.approx(0.109, abs=2e-3)
+    assert own_end <= end
+    assert own_residual <= max(residual, 20e-6)
 
 
 def test_corners_in_a_batch_are_those_one_by_one() -> None:

@@ -23,7 +23,7 @@ from tests.machines import paper_machine, random_modal_machine
 MACHINES = {
     "paper": paper_machine(),
     "two encoders": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
-    "belt": read_profile(Path("profiles/printer-belt.toml")),
+    "belt": read_profile(Path("tests/data/belt-servo.toml")),
     "one mode": random_modal_machine(3, n_modes=1),
     "population": random_machine(3),
 }

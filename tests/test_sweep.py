@@ -838,7 +838,7 @@ def test_lines_of_the_document_do_what_they_say(
 
 def test_the_library_takes_what_the_command_takes(tmp_path: Path) -> None:
     """Limits, a table of cases and a later move are there from Python, too, with the same rows."""
-    profile = PAPER.parent / "printer-belt.toml"
+    profile = Path(__file__).parent / "data" / "belt-servo.toml"
     table = tmp_path / "cases.csv"
     table.write_text("drive.force_lag\n1 ms\n2 ms\n", encoding="utf-8")
     options = ["--cases", str(table), "--limit", "F=25", "--move", "2", "--vary"]

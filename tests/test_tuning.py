@@ -435,7 +435,7 @@ def test_corner_loops_are_those_of_the_varied_machine() -> None:
 
 def swift_belt() -> Machine:
     """The printer's belt axis with a force that answers a thousand times faster."""
-    machine = read_profile(Path("profiles/printer-belt.toml"))
+    machine = read_profile(Path("tests/data/belt-servo.toml"))
     return replace(machine, drive=replace(machine.drive, force_lag=2e-6))
 
 

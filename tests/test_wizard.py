@@ -60,6 +60,7 @@ Milling machine workpiece manipulator
 X
 
 Christiansen, Maurer, Zirn, Table 1; max_force: sec. 5.1
+
 2 kN
 2,5 ms
 
@@ -226,7 +227,7 @@ def test_measured_frequencies_give_stiffness_and_damping(tmp_path: Path) -> None
     """k = m (2 pi f)^2 and d = 2 zeta m 2 pi f: else the profile has another machine's modes."""
     talk(
         tmp_path / "tower.toml",
-        "\nTower\nX\n\n\n2 kN\n\n\n\n2\n450\n750\n40\n0.25\n0.21\n"
+        "\nTower\nX\n\n\n\n2 kN\n\n\n\n2\n450\n750\n40\n0.25\n0.21\n"
         "50 Hz\n3 %\n60 N/um\n72\n0,05\n\n1\n20 mm\n30 m/min\n\n\n5 um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "tower.toml")
@@ -281,7 +282,7 @@ def test_pair_of_masses_from_a_file_of_answers(tmp_path: Path) -> None:
 def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "table.toml",
-        "\nTable\nC\nrotary\n\n800 N m\n\n420 N m\n\n1\n1.9\n6.4 kg m^2\n0.971e6\n\n"
+        "\nTable\nC\nrotary\n\n\n800 N m\n\n420 N m\n\n1\n1.9\n6.4 kg m^2\n0.971e6\n\n"
         "1\n90°\n60 rpm\n0.5\n\n10 arcsec\n\n\n\n0.2\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "table.toml")
@@ -296,7 +297,7 @@ def test_rotary_axis_is_asked_in_rotary_units(tmp_path: Path) -> None:
 def test_control_contour_and_todays_values_are_asked_in_turn(tmp_path: Path) -> None:
     """Each opens what belongs to it: a feed, a gear, a jerk where the control limits one."""
     path = tmp_path / "table.toml"
-    begin = "\nTable\nX\n\n\n2 kN\n\n\n\n3\n20\n300\n20 N/um\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
+    begin = "\nTable\nX\n\n\n\n2 kN\n\n\n\n3\n20\n300\n20 N/um\n\n1\n20 mm\n\n\n\n5um\n\n\n\n\n"
     talk(
         path,
         begin
@@ -341,7 +342,7 @@ def test_an_accepted_default_is_nobodys_measurement(tmp_path: Path) -> None:
     assert sources["drive.force_lag"] == sources["plant.base_mass"] == machine.source
     assert sources["requirements.tcp_deviation"] == Message("source-stated")
     # Whoever types the default has stated it; whoever only goes past it has not.
-    answers = "\n" * 8 + "0 N\n" + "\n" * 80
+    answers = "\n" * 9 + "0 N\n" + "\n" * 80
     talk(path, answers)
     changed = path.read_text("utf-8")
     (line,) = (line for line in changed.split("\n") if line not in text.split("\n"))
@@ -377,7 +378,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
     before = path.read_bytes()
     talk(path, "\n" * 80)
     assert path.read_bytes() == before
-    talk(path, "\n" * 6 + "3 ms\n" + "\n" * 80)
+    talk(path, "\n" * 7 + "3 ms\n" + "\n" * 80)
     after = path.read_bytes()
     assert b'force_lag = "3 ms"' in after
     assert b'assumed = ["drive.max_force", "drive.continuous_force"] # mine\r\n' in after
@@ -395,7 +396,7 @@ def test_an_assumed_key_goes_when_its_value_is_stated(tmp_path: Path) -> None:
 def test_changed_values_keep_the_users_comments(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text((PROFILES / "milling-manipulator.toml").read_text("utf-8"), "utf-8")
-    talk(path, "\n\n\n\n\n4 kN\n" + "\n" * 80)
+    talk(path, "\n\n\n\n\n\n4 kN\n" + "\n" * 80)
     text = path.read_text("utf-8")
     assert 'max_force = "4 kN"               # sec. 5.1; the mechanics allow up to 4 kN' in text
     assert "# h. The paper lists it, but uses it in no equation and gives no sign." in text
@@ -423,7 +424,7 @@ def test_another_kind_of_mechanics_replaces_the_old_one() -> None:
 def test_back_help_and_slips(tmp_path: Path) -> None:
     _, said = talk(
         tmp_path / "m.toml",
-        "\nA\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n2 km\n-5 N\n2 kN\n" + "\n" * 3 + "5\n"
+        "\nA\nback\nB\nX\n?\nturning\nlinear\n<\nlinear\n\n\n2 km\n-5 N\n2 kN\n" + "\n" * 3 + "5\n"
         "800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n" + "\n" * 20,
     )
     assert read_profile(tmp_path / "m.toml").name == "B"
@@ -435,7 +436,7 @@ def test_back_help_and_slips(tmp_path: Path) -> None:
 
 def test_fault_of_the_whole_leads_back_to_its_question(tmp_path: Path) -> None:
     """A static load above the force is seen only when both are known."""
-    begin = "\nA\nX\n\n\n2 kN\n\n\n3 kN\n5\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
+    begin = "\nA\nX\n\n\n\n2 kN\n\n\n3 kN\n5\n800\ncolumn\n40\n\n0.002\n\n\n1\n20 mm\n\n\n\n5um\n"
     _, said = talk(
         tmp_path / "m.toml", begin + "\n" * 15 + "1 kN\n" + "\n" * 40, is_interactive=True
     )
@@ -529,7 +530,7 @@ def test_a_fault_in_the_answers_is_located_in_their_file(
 def test_going_back_and_leaving_goes_on_from_there(tmp_path: Path) -> None:
     """Whoever went back to mend an answer must not be put behind it the next day."""
     path = tmp_path / "p.toml"
-    session, _ = talk(path, "\nA\nX\n\nsheet 12\n2 kN\n<\n<\nq\n")
+    session, _ = talk(path, "\nA\nX\n\nsheet 12\n\n2 kN\n<\n<\n<\nq\n")
     assert session.ending is Ending.QUIT
     rest = PAPER.split("\n", 5)[5]
     _, said = talk(path, f"sheet 13\n{rest}")
@@ -543,7 +544,7 @@ def test_a_broken_profile_is_mended_by_the_wizard(tmp_path: Path) -> None:
     path = tmp_path / "p.toml"
     text = (PROFILES / "milling-manipulator.toml").read_text("utf-8")
     path.write_text(text.replace('"450 kg"', '"450 m"').replace('"2 kN"', '"much"'), "utf-8")
-    _, said = talk(path, "\n" * 5 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
+    _, said = talk(path, "\n" * 6 + "2 kN\n" + "\n" * 4 + "450 kg\n" + "\n" * 60)
     assert replace(read_profile(path), assumed=()) == SHIPPED
     assert "mode base at 50 Hz" in said
 
@@ -834,7 +835,8 @@ def test_a_load_that_takes_all_of_the_force_is_said_at_once() -> None:
 def test_modal_kind_takes_several_modes(tmp_path: Path) -> None:
     talk(
         tmp_path / "m.toml",
-        "\nA\nX\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n\n-2.4e-3\n\n\n"
+        "\nA\nX\n\n\n\n2 kN\n\n\n\n5\n320\nbeam\n38\n\n1.9e-3\n0.7e-3\nyes\nram\n81\n"
+        "\n-2.4e-3\n\n\n"
         "1\n20 mm\n\n\n2\n2\n0.1\n\n\n5um\n" + "\n" * 20,
     )
     machine = read_profile(tmp_path / "m.toml")
@@ -881,7 +883,7 @@ def _response(path: Path) -> str:
 def test_a_measured_response_answers_for_the_mechanics(tmp_path: Path) -> None:
     """Only the rest is asked, the share at the tool with its worst case; intervals stay."""
     file, path = _response(tmp_path / "e.csv"), tmp_path / "p.toml"
-    typed = f"nothing.csv\n{file}@encoder\nMill\nX\n2 kN\n\n\n\n0.002\n\n\n20 mm\n\n\n\n5 um\n"
+    typed = f"nothing.csv\n{file}@encoder\nMill\nX\n\n2 kN\n\n\n\n0.002\n\n\n20 mm\n\n\n\n5 um\n"
     session, said = talk(path, typed + "\n" * 30, is_interactive=True)
     assert session.ending is Ending.WRITTEN
     assert "nothing.csv" in said
@@ -920,3 +922,29 @@ def test_a_missing_measurement_in_the_answers_writes_nothing(tmp_path: Path) -> 
     with pytest.raises(InputError, match=r"none\.csv"):
         from_answers(tmp_path / "p.toml", 'wizard.measured = ["none.csv"]')
     assert not (tmp_path / "p.toml").exists()
+
+
+FOLLOWS_TOML = """
+machine.name = "Printer"
+drive.kind = "position_source"
+drive.max_acceleration = "20 m/s^2"
+plant.modes = [{ name = "belt", frequency = "45 Hz", damping_ratio = "0.05" }]
+moves = [{ distance = "20 mm", max_velocity = "300 mm/s" }]
+requirements.tcp_deviation = "20 um"
+"""
+
+
+def test_a_motor_that_simply_follows_is_asked_for_no_mass_and_no_loop(tmp_path: Path) -> None:
+    """Else a printer gets a free-free frequency and a loop that it does not have."""
+    from_answers(tmp_path / "p.toml", FOLLOWS_TOML)
+    machine = read_profile(tmp_path / "p.toml")
+    assert machine.drive.follows
+    assert machine.mechanics.modes[0].frequency_hz == pytest.approx(45.0)
+    assert machine.control.kind.key == "klipper"
+    asked = [question.key for question in list_questions({"drive.kind": "position_source"})]
+    for key in ("drive.max_force", "drive.force_lag", "plant.moving_mass", "wizard.way",
+                "control.position_gain", "requirements.payload.1"):  # fmt: skip
+        assert key not in asked
+    told = [item.text.kind for item in find_insights(to_answers(tomllib.loads(FOLLOWS_TOML)))]
+    assert "insight-deflection" not in told  # its share is a default nobody accepted yet
+    assert "insight-mode-damped" in told

@@ -83,8 +83,8 @@ def _steps(source: str, **read_there: Feature) -> Mapping[str, Feature]:
     pulses = "The pulses themselves carry the velocity; no parameter."
     common["velocity_feedforward"] = read(source, note=pulses)
     stand_in = (
-        "None: the motor follows its steps. Until drive.kind = position_source exists, a stiff "
-        "loop in the drive stands in for it."
+        "None: the motor follows its steps: drive.kind = position_source. With a servo profile a "
+        "stiff loop in the drive stands in for it."
     )
     common["position_loops"] = read(source, note=stand_in)
     return common | read_there

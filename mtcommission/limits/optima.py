@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, floor, isfinite, log10
 
 from mtcommission.errors import ComputationError, Outcome
@@ -88,6 +88,8 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     time = find_time_optimum(plant, move, force_limit=force, bounds=())
     constrained = None
     remarks: list[Message] = []
+    if plant.follows:
+        remarks.append(Message("optimum-with-rise", rise=plant.force_lag, slack=plant.proof_slack))
     if time.method == "composed":
         proof = time.certificate
         remarks.append(
@@ -99,7 +101,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
             constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
         except ComputationError as error:
             remarks.append(Message("optimum-under-bounds-failed", error=error.message))
-    if constrained and constrained.certificate.relative_gap > TIGHT_GAP:
+    if constrained and constrained.certificate.relative_gap > TIGHT_GAP and not plant.follows:
         gap = constrained.certificate.relative_gap
         remarks.append(Message("optimum-not-exact", slower=gap))
     wanted = machine.damping_optimal
@@ -149,6 +151,19 @@ def find_time_optimum(
     ComputationError
         The solve ended with a named outcome.
     """
+    found = _search(plant, move, force_limit=force_limit, bounds=bounds)
+    proof, slack = found.certificate, plant.proof_slack
+    if not slack:
+        return found
+    least = max(proof.t_f_lower_bound - slack, 0.0)
+    gap = (found.t_f - least) / found.t_f
+    return replace(found, certificate=replace(proof, t_f_lower_bound=least, relative_gap=gap))
+
+
+def _search(
+    plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
+) -> TimeOptimum:
+    """The optimum of the plant as it stands, a stand-in lag included."""
     cruise = move if isinstance(move, Positioning) and isfinite(move.max_velocity) else None
     if not bounds and cruise is None:
         return solve_time_optimal(plant, move, force_limit=force_limit)

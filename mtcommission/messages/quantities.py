@@ -136,7 +136,8 @@ class Formatter:
         missing
             Text for None.
         """
-        unit = {"N": "m/s^2", "kg": ""}.get(unit, unit) if self.follows else unit
+        if self.follows:
+            unit = {"N": "m/s^2", "kg": "", "1/kg": ""}.get(unit, unit)
         return self.quantity(value, motion_unit(unit, rotary=self.rotary), missing=missing)
 
     def with_unit(self, number: str, unit: str) -> str:

@@ -22,6 +22,9 @@ from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 
+FORGOTTEN_LAGS = 12.0
+"""After so many of its time constants a lag has forgotten all but e^-12."""
+
 OUTPUTS = ("tcp", "encoder", "tcp_vibration")
 """Rows of C: tool, encoder, and the elastic part of the tool."""
 
@@ -94,6 +97,9 @@ class Plant:
         Indices of the rigid position and velocity.
     signal_units
         SI units of ``signals``, for messages and sheets.
+    follows
+        Whether the motor follows its setpoint: the force is its acceleration, and the lag only
+        stands for an acceleration that changes at once, in optimal controls.
     """
 
     states: tuple[str, ...]
@@ -107,6 +113,7 @@ class Plant:
     position: int
     velocity: int
     signal_units: tuple[str, ...]
+    follows: bool = False
 
     @property
     def order(self) -> int:
@@ -132,6 +139,17 @@ class Plant:
     def force_unit(self) -> str:
         """N, or N·m on a rotary axis."""
         return self.unit(self.states[self.force])
+
+    @property
+    def proof_slack(self) -> float:
+        """By how much a control without the stand-in lag may undercut what is proved with it [s].
+
+        Let u0 reach the target at rest at t0 with |u0| <= a. Sent as u = (1 + η) u0(t) -
+        η u0(t - δ), η = 1/(e^(δ/T) - 1), it passes the lag as u0 averaged over δ, by weights that
+        are positive and end: so at t0 + δ all is at rest again, and every bound on a state holds.
+        Only |u| <= (1 + 2 η) a is asked for, which at δ = 12 T is a share of 1e-5.
+        """
+        return FORGOTTEN_LAGS * self.force_lag if self.follows else 0.0
 
     def unit(self, signal: str) -> str:
         """Return the SI unit of a signal.
@@ -262,6 +280,7 @@ def build_plant(machine: Machine) -> Plant:
         position=position,
         velocity=velocity,
         signal_units=(*(unit.si for unit in dimensions.values()), length, length, length),
+        follows=machine.drive.follows,
     )
 
 

@@ -155,7 +155,8 @@ def _modes(record: Record, words: Catalogue) -> Table:
                 mode.name,
                 f.quantity(mode.frequency_hz, "Hz"),
                 f.percent(mode.damping_ratio),
-                f.axis(mode.tcp_gain, "1/kg"),
+                # Below a motor that follows, q hangs back: the plant has -q for its F.
+                f.axis(-mode.tcp_gain if words.follows else mode.tcp_gain, "1/kg"),
                 f.axis(mode.measured_gain, "1/kg"),
             )
             for mode in record.plant.modes

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.control_kinds.kind import Jerk
 from mtcommission.loop.batch.response import BatchedResponse, simulate_limits_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -445,16 +446,20 @@ def find_sensitivities(
     Returns
     -------
     tuple of Sensitivity
-        10 % more and less jerk and acceleration; all frequencies, in every corner, 1 % higher
+        10 % more and less jerk, where it is limited, and acceleration, behind the same filter;
+        all frequencies, in every corner, 1 % higher
         and lower; 10 % less damping.
     """
     places = as_variations(corners(machine))
     a, j = limits.acceleration, limits.jerk
+    jerks = [
+        ("change-jerk", 0.1, replace(limits, jerk=1.1 * j), places),
+        ("change-jerk", -0.1, replace(limits, jerk=0.9 * j), places),
+    ]
     cases = [
-        ("change-jerk", 0.1, MotionLimits(acceleration=a, jerk=1.1 * j), places),
-        ("change-jerk", -0.1, MotionLimits(acceleration=a, jerk=0.9 * j), places),
-        ("change-acceleration", 0.1, MotionLimits(acceleration=1.1 * a, jerk=j), places),
-        ("change-acceleration", -0.1, MotionLimits(acceleration=0.9 * a, jerk=j), places),
+        *([] if machine.control.kind.jerk is Jerk.NONE else jerks),
+        ("change-acceleration", 0.1, replace(limits, acceleration=1.1 * a), places),
+        ("change-acceleration", -0.1, replace(limits, acceleration=0.9 * a), places),
         ("change-frequencies", 0.01, limits, scale_variations(places, frequency=1.01)),
         ("change-frequencies", -0.01, limits, scale_variations(places, frequency=0.99)),
         ("change-damping", -0.1, limits, scale_variations(places, damping=0.9)),

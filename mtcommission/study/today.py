@@ -106,7 +106,7 @@ def judge_today(
             remedy=Message("budget-check-today"),
         )
         loop = close_loop(corner_plants(machine), controller) if gains else tuned
-        failure = _find_instability(loop)
+        failure = _find_instability(loop) if loop.analyses else None
         if failure is None:
             candidate = evaluate(filtered, plant, loop, limits)
             error = find_frequency_error(filtered, plant, loop, limits, settings=settings)

@@ -7,7 +7,7 @@ robust force is what of it remains if frequencies and damping are known to their
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TypeVar
 
@@ -79,6 +79,8 @@ def find_within_band(
         )
 
     found = _tried(optimum, "band-optimum-failed", remarks)
+    if found is not None:
+        found = replace(found, lower_bound=max(found.lower_bound - plant.proof_slack, 0.0))
     if found is None or not (needs.frequency_spread or needs.damping_spread):
         return WithinBand(optimum=found, robust=None, remarks=tuple(remarks))
     places = spread_places(machine, settings)

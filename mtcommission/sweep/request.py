@@ -73,7 +73,8 @@ def read_plan(
     plant = build_plant(machine)
     fixed, varied = split_limits(limits)
     bounds = tuple(read_bound(plant, limit, faults) for limit in fixed)
-    found = _read_axes(f_max=f_max, vary=vary, limits=varied, cases=cases, faults=faults)
+    bound = ACCELERATION_KEY if machine.drive.follows else FORCE_KEY
+    found = _read_axes(bound, f_max=f_max, vary=vary, limits=varied, cases=cases, faults=faults)
     require_one_of("--quantity", quantity, [item.value for item in Quantity], faults)
     if quantity in (Quantity.LIMITS.value, Quantity.RUN.value):
         message = Message("sweep-taken-from-profile", quantity=quantity)
@@ -97,7 +98,12 @@ def read_plan(
     return plan
 
 
+ACCELERATION_KEY = "drive.max_acceleration"
+"""What --f-max varies where the motor follows its setpoint."""
+
+
 def _read_axes(
+    bound: str,
     *,
     f_max: str,
     vary: Sequence[str],
@@ -114,9 +120,7 @@ def _read_axes(
     readers += [(partial(read_axis, text, where=where), where) for text, where in keyed]
     if f_max:
         where = "--f-max"
-        readers.append(
-            (lambda: Axis(keys=(FORCE_KEY,), rows=read_range(f_max, where=where)), where)
-        )
+        readers.append((lambda: Axis(keys=(bound,), rows=read_range(f_max, where=where)), where))
     found = []
     for read, place in readers:
         try:

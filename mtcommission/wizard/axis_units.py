@@ -79,6 +79,15 @@ def is_rotary(answers: Answers) -> bool:
     return answers.get("machine.motion") == "rotary"
 
 
+SERVO, SOURCE = "servo", "position_source"
+"""Kinds of drive."""
+
+
+def follows(answers: Answers) -> bool:
+    """Return whether the motor simply follows its setpoint: a stepper, or a stiff servo."""
+    return answers.get("drive.kind") == SOURCE
+
+
 def axis_units(answers: Answers) -> AxisUnits:
     """Return what is measured on the axis that the answers describe."""
     return ROTARY if is_rotary(answers) else LINEAR

@@ -21,6 +21,7 @@ from mtcommission.wizard.axis_units import (
     TOWER_BY_STIFFNESS,
     YES,
     axis_units,
+    follows,
 )
 from mtcommission.wizard.question import Answers, list_accepted, note_accepted, si_value
 from mtcommission.wizard.script import POSITIONING, STEP, list_questions
@@ -127,6 +128,8 @@ def to_profile(answers: Answers) -> Data:
 def _tables(answers: Answers) -> Data:
     flat = {key: text for key, text in answers.items() if text and _is_profile_key(key)}
     flat = {key: text for key, text in flat.items() if not key.startswith("plant.")}
+    if not follows(answers):
+        flat.pop("drive.kind", None)  # a servo is what a profile means without it
     plant = {key: text for key, text in _plant(answers).items() if text}
     payload = flat.pop("requirements.payload.1", "")
     least = flat.pop("requirements.payload.0", "")
@@ -201,14 +204,14 @@ def to_answers(data: Mapping[str, object]) -> dict[str, str]:
     if accepted:
         answers = note_accepted(answers, *accepted)
     kind = answers.pop("plant.kind", "")
-    if kind and "wizard.way" not in answers:
+    if kind and "wizard.way" not in answers and not follows(answers):
         answers["wizard.way"] = MODAL if kind == "modal" else TOWER_BY_STIFFNESS
     for table, most in (("plant.modes", MOST_MODES), ("moves", MOST_MOVES)):
         for i in range(most):
             here, there = f"{table}.{i}.", f"{table}.{i + 1}."
             if any(key.startswith(here) for key in answers):
-                follows = any(key.startswith(there) for key in answers)
-                answers.setdefault(f"{here}more", YES if follows else NO)
+                goes_on = any(key.startswith(there) for key in answers)
+                answers.setdefault(f"{here}more", YES if goes_on else NO)
                 if table == "moves":
                     step = f"{here}velocity_step" in answers
                     answers.setdefault(f"{here}kind", STEP if step else POSITIONING)
@@ -293,6 +296,9 @@ def _plant(answers: Answers) -> dict[str, str]:
     }
     tower = {key: text for key, text in given.items() if not key.startswith("plant.mo")}
     modal = {key: text for key, text in given.items() if key.startswith("plant.mo")}
+    if follows(answers):
+        held = {key: text for key, text in modal.items() if key.startswith("plant.modes.")}
+        return {"plant.kind": "modal", **held}
     match answers.get("wizard.way", ""):
         case chosen if chosen == TOWER_BY_STIFFNESS:
             return {"plant.kind": "manipulator", **tower}

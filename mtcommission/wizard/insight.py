@@ -25,6 +25,7 @@ from mtcommission.wizard.axis_units import (
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     axis_units,
+    follows,
 )
 from mtcommission.wizard.convert import pair_of
 from mtcommission.wizard.question import Answers, si_value
@@ -112,6 +113,8 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
 
 def _motion_force(answers: Answers) -> float | None:
     unit = axis_units(answers).force
+    if follows(answers):
+        return si_value(answers, "drive.max_acceleration", axis_units(answers).acceleration)
     force = si_value(answers, "drive.max_force", unit)
     if force is None:
         return None
@@ -138,7 +141,7 @@ def _modes(answers: Answers) -> list[_Mode]:
     way = answers.get("wizard.way")
     if way in (TOWER_BY_STIFFNESS, TOWER_BY_FREQUENCY):
         return _tower_modes(answers, measured=way == TOWER_BY_FREQUENCY)
-    if way == MODAL:
+    if way == MODAL or follows(answers):
         return _bode_modes(answers)
     pair = pair_of(answers)
     if pair is None:
@@ -191,6 +194,7 @@ def _sprung(
 
 def _bode_modes(answers: Answers) -> list[_Mode]:
     found = []
+    gain = RATIO if follows(answers) else axis_units(answers).gain
     for i in range(MOST_MODES):
         place = f"plant.modes.{i}"
         f = si_value(answers, f"{place}.frequency", FREQUENCY)
@@ -200,7 +204,7 @@ def _bode_modes(answers: Answers) -> list[_Mode]:
                     name=answers.get(f"{place}.name", str(i + 1)),
                     omega=2.0 * pi * f,
                     damping_ratio=si_value(answers, f"{place}.damping_ratio", RATIO),
-                    tcp_gain=si_value(answers, f"{place}.tcp_gain", axis_units(answers).gain),
+                    tcp_gain=si_value(answers, f"{place}.tcp_gain", gain),
                 )
             )
     return found

@@ -9,6 +9,7 @@ from mtcommission.units.quantities import (
     INERTIA,
     LENGTH,
     MASS,
+    RATIO,
     ROTARY_DAMPING,
     ROTARY_STIFFNESS,
     STIFFNESS,
@@ -26,6 +27,7 @@ from mtcommission.wizard.axis_units import (
     axis_units,
     common,
     damping_ratio,
+    follows,
     is_rotary,
 )
 from mtcommission.wizard.question import Answers, Question
@@ -33,6 +35,8 @@ from mtcommission.wizard.question import Answers, Question
 
 def ask_mechanics(answers: Answers) -> tuple[Question, ...]:
     """Return the questions for the way that was chosen; first the choice itself."""
+    if follows(answers):
+        return _held(answers)
     ways = WAYS[2:] if is_rotary(answers) else WAYS
     way = Question(key="wizard.way", choices=ways, default=ways[0])
     match answers.get("wizard.way", ""):
@@ -136,6 +140,23 @@ def _modal(answers: Answers) -> tuple[Question, ...]:
         more = f"plant.modes.{i}.more"
         found.append(Question(key=more, choices=(NO, YES), default=NO))
         if answers.get(more) != YES:
+            break
+    return tuple(found)
+
+
+def _held(answers: Answers) -> tuple[Question, ...]:
+    """Modes with the motor held: no mass, and the encoder, if any, sees none of them."""
+    found: list[Question] = []
+    for i in range(MOST_MODES):
+        place = f"plant.modes.{i}"
+        found += [
+            Question(key=f"{place}.name", default=f"mode{i + 1}"),
+            ask(f"{place}.frequency", FREQUENCY, "48 Hz", 1.0, 2e3),
+            damping_ratio(f"{place}.damping_ratio"),
+            Question(key=f"{place}.tcp_gain", dimension=RATIO, default="1"),
+            Question(key=f"{place}.more", choices=(NO, YES), default=NO),
+        ]
+        if answers.get(f"{place}.more") != YES:
             break
     return tuple(found)
 

@@ -12,12 +12,15 @@ from mtcommission.units.quantities import GAIN, RATIO, TIME
 from mtcommission.wizard.axis_units import (
     MEASURED,
     NO,
+    SERVO,
+    SOURCE,
     TOWER_BY_FREQUENCY,
     TOWER_BY_STIFFNESS,
     YES,
     ask,
     axis_units,
     common,
+    follows,
     is_rotary,
 )
 from mtcommission.wizard.mechanics import ask_mechanics
@@ -56,6 +59,10 @@ def list_questions(answers: Answers) -> tuple[Question, ...]:
     )
 
 
+FOR_STEPS = "klipper"
+"""Kind of control that is proposed where the motor follows: its shapers are made for that."""
+
+
 def _machine() -> tuple[Question, ...]:
     return (
         Question(key="machine.name", default="Machine"),
@@ -67,7 +74,16 @@ def _machine() -> tuple[Question, ...]:
 
 def _drive(answers: Answers) -> tuple[Question, ...]:
     unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
+    kind = Question(key="drive.kind", choices=(SERVO, SOURCE), default=SERVO)
+    if follows(answers):
+        acceleration, velocity = ("100 rad/s^2", "10 rad/s") if turns else ("10 m/s^2", "0.5 m/s")
+        return (
+            kind,
+            ask("drive.max_acceleration", unit.acceleration, acceleration, *usual.acceleration),
+            ask("drive.max_velocity", unit.velocity, velocity, *usual.velocity, is_optional=True),
+        )
     return (
+        kind,
         Question(
             key="drive.max_force",
             dimension=unit.force,
@@ -143,6 +159,13 @@ def _example_velocity(answers: Answers) -> str:
 
 def _requirements(answers: Answers) -> tuple[Question, ...]:
     unit, usual, turns = axis_units(answers), common(answers), is_rotary(answers)
+    payload = Question(
+        key="requirements.payload.1",
+        dimension=unit.mass,
+        default=f"0 {unit.mass.si}",
+        low=0.0,
+        high=usual.mass[1],
+    )
     return (
         ask(
             "requirements.tcp_deviation",
@@ -157,13 +180,7 @@ def _requirements(answers: Answers) -> tuple[Question, ...]:
         Question(
             key="requirements.damping_spread", dimension=RATIO, default="30 %", low=0.0, high=0.8
         ),
-        Question(
-            key="requirements.payload.1",
-            dimension=unit.mass,
-            default=f"0 {unit.mass.si}",
-            low=0.0,
-            high=usual.mass[1],
-        ),
+        *(() if follows(answers) else (payload,)),
         *_contour(answers),
     )
 
@@ -193,6 +210,8 @@ def _control(answers: Answers) -> tuple[Question, ...]:
         Question(key="control.state_feedback", choices=("auto", "off"), default="auto"),
         Question(key="control.tcp_sensor", choices=("none", "position"), default="none"),
     )
+    if follows(answers):
+        return (Question(key="control.kind", choices=tuple(KINDS), default=FOR_STEPS),)
     gains_of_states = any(key.startswith("control.state_feedback.") for key in answers)
     return (
         Question(key="control.kind", choices=tuple(KINDS), default=GENERIC.key),
@@ -255,7 +274,8 @@ def _today(answers: Answers) -> tuple[Question, ...]:
     example = "400 rad/s^3" if turns else "40 m/s^3"
     jerk = ask("today.jerk", unit.jerk, example, *usual.jerk, is_optional=True)
     has_jerk = KINDS.get(answers.get("control.kind", ""), GENERIC).has_jerk_limit
-    return (acceleration, *((jerk,) if has_jerk else ()), *_gains(answers, "today"))
+    gains = () if follows(answers) else _gains(answers, "today")
+    return (acceleration, *((jerk,) if has_jerk else ()), *gains)
 
 
 def _optimal(answers: Answers) -> tuple[Question, ...]:

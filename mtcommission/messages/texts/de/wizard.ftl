@@ -9,6 +9,15 @@ ask-machine-motion = Linear- oder Drehachse
 ask-machine-motion-where = Eine Drehachse nimmt Trägheitsmoment für Masse, Drehmoment für Kraft und Winkel für Längen.
 ask-machine-source = Woher die Zahlen stammen
 ask-machine-source-where = Z. B. Datenblatt und Datum, oder an der Maschine gemessen; steht auf dem Blatt.
+ask-drive-kind = Servo, oder folgt der Motor einfach (Schrittmotor)
+ask-drive-kind-where = position_source: ungeregelter Schrittmotor, oder ein so steifer Servo, dass nur die Struktur schwingt; seine Frequenzen sind die bei festgehaltenem Motor, wie ein Beschleunigungssensor sie zeigt.
+ask-drive-max-acceleration = Größte Beschleunigung, der der Motor folgt
+ask-drive-max-acceleration-where = Was er bei größter Geschwindigkeit ohne Schrittverlust schafft; nach Datenblatt: Moment dort / (r x bewegte Masse).
+ask-drive-max-velocity = Größte Geschwindigkeit, der der Motor folgt
+ask-drive-max-velocity-where = Schritte je Sekunde der Steuerung x Weg je Schritt, oder wo das Moment endet.
+ask-drive-max-velocity-empty = die jeder Bewegung
+choice-servo = Servo
+choice-position-source = Lagequelle
 ask-drive-max-force = { $axis ->
     [rotary] Größtes Drehmoment des Antriebs an der Achse
    *[linear] Größte Kraft des Antriebs an der Achse

@@ -12,6 +12,15 @@ ask-machine-motion = Linear or rotary axis
 ask-machine-motion-where = A rotary axis takes inertia for mass, torque for force and angles for lengths.
 ask-machine-source = Where the numbers come from
 ask-machine-source-where = E.g. data sheet and date, or measured on the machine; printed on the sheet.
+ask-drive-kind = Servo, or does the motor simply follow (stepper)
+ask-drive-kind-where = position_source: an open-loop stepper, or a servo so stiff that only the structure rings; its frequencies are those with the motor held, as an accelerometer shows them.
+ask-drive-max-acceleration = Largest acceleration that the motor follows
+ask-drive-max-acceleration-where = What it does without losing steps at the top speed; by data sheet: torque there / (r x moved mass).
+ask-drive-max-velocity = Largest velocity that the motor follows
+ask-drive-max-velocity-where = The steps per second of the control x the travel per step, or where the torque ends.
+ask-drive-max-velocity-empty = that of each move
+choice-servo = servo
+choice-position-source = position source
 ask-drive-max-force = { $axis ->
     [rotary] Largest torque of the drive at the axis
    *[linear] Largest force of the drive at the axis
