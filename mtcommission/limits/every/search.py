@@ -243,6 +243,9 @@ def search_every_size(
     places.sort(key=lambda place: explorer.shortest(*place))
     for place in places:
         explorer.at(*place)
+    if machine.control.kind.jerk is Jerk.NONE:
+        for item in items:
+            explorer.leap(item, jerk_times[0])
     by_filter: dict[SetpointFilter | None, Found] = {}
     for found in explorer.ranked()[1:]:
         by_filter.setdefault(found.setpoint_filter, found)
@@ -354,6 +357,16 @@ class Explorer:
         steps = np.geomspace(largest, least, CLIMB_STEPS)
         return self._first_allowed(begin.setpoint_filter, begin.jerk_time, steps) or begin
 
+    def leap(self, item: SetpointFilter | None, jerk_time: float) -> None:
+        """Look for an acceleration that is sooner than all so far, from the largest downwards.
+
+        The shorter the time to ``max_velocity``, the fewer steps of a mode it can add up.
+        """
+        best = min((f.duration for f in self.known.values() if f is not None), default=inf)
+        least = self._least(item, jerk_time, best)
+        if least < self.largest:
+            self._first_allowed(item, jerk_time, np.geomspace(self.largest, least, LEAPS))
+
     def beside(self, item: SetpointFilter | None, jerk_time: float, island: Found) -> Found | None:
         """The largest acceleration there, or one near that of an island if it is larger."""
         found = self.at(item, jerk_time)
@@ -421,6 +434,10 @@ class Explorer:
                     return found
         return max(found, _rms_share(self.machine, item, a, jerk_time))
 
+
+LEAPS = 24
+"""Accelerations from the largest down, logarithmic, that the steps from above may have passed;
+only where no jerk limit multiplies them."""
 
 CLIMBING = 1.02
 """Least factor by which a larger acceleration is worth looking for [-]."""
