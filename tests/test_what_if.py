@@ -294,6 +294,64 @@ def test_axe_finds_nothing_in_the_part_that_answers(tmp_path: Path) -> None:
         assert found["passes"] > 20
 
 
+POINT = """
+addEventListener("load", () => {
+  const {state} = whatIf, margin = () => document.getElementById("wi-margin-phase-1").textContent;
+  const touch = (key, across, down, type = "pointerdown") => {
+    const svg = document.getElementById(`wi-${key}`), box = svg.getBoundingClientRect();
+    const at = {clientX: box.left + across * box.width, clientY: box.top + down * box.height};
+    svg.dispatchEvent(new PointerEvent(type, {...at, bubbles: true, cancelable: true}));
+  };
+  const seen = {}, values = () => [state.acceleration, state.jerk, state.size];
+  seen.before = values();
+  touch("landscape", 0.5, 0.5);
+  touch("landscape", 0.5, 0.5, "pointerup");
+  seen.landscape = values();
+  touch("sizes", 0.5, 0.5);
+  touch("sizes", 0.4, 0.5, "pointerup");
+  touch("sizes", 0.2, 0.5, "pointermove");
+  seen.sizes = values();
+  seen.margins = [margin()];
+  touch("bode", 0.5, 0.5);
+  touch("bode", 0.6, 0.7, "pointermove");
+  seen.notch = [state.notch_frequency, state.notch_depth];
+  const box = document.getElementById("wi-jerk");
+  box.value = "many";
+  box.dispatchEvent(new Event("input", {bubbles: true}));
+  const complaint = document.getElementById("wi-complaint");
+  seen.wrong = [box.getAttribute("aria-invalid"), complaint.textContent];
+  seen.kept = values();
+  const slider = document.getElementById("wi-acceleration-slider");
+  slider.value = 900;
+  slider.dispatchEvent(new Event("input", {bubbles: true}));
+  seen.slid = [state.acceleration, document.getElementById("wi-acceleration").value];
+  requestAnimationFrame(() => requestAnimationFrame(() => {
+    seen.margins.push(margin());
+    tell(seen);
+  }));
+});
+"""
+
+
+@needs_browser
+def test_map_sizes_and_notch_answer_to_a_finger_and_wrong_entries_are_said(tmp_path: Path) -> None:
+    """Only the sliders would be left to try values with."""
+    found, console = browse(build_bench("ball-screw").html, tmp_path, TELL + POINT)
+    assert console == ""
+    before, landscape, sizes = (found[key] for key in ("before", "landscape", "sizes"))
+    assert landscape[0] != before[0]
+    assert landscape[1] != before[1]
+    assert landscape[2] == before[2]
+    assert sizes[:2] == landscape[:2]
+    assert 0.0 < sizes[2] < before[2]
+    assert found["notch"][1] > 0.0
+    assert found["margins"][0] != found["margins"][1]
+    assert found["wrong"][0] == "true"
+    assert found["wrong"][1].startswith("Jerk: a number from ")
+    assert found["kept"] == sizes
+    assert found["slid"][0] == pytest.approx(float(found["slid"][1]), rel=1e-9)
+
+
 TAKE = """
 addEventListener("load", () => {
   document.getElementById("wi-load-0").click();
