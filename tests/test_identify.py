@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mtcommission.cli.measured import PER_AMPERE, read_number
 from mtcommission.identify.check import check_records
 from mtcommission.identify.document import Writing, merge_profile, write_profile
 from mtcommission.identify.entry import identified_part
@@ -170,6 +171,8 @@ def test_the_command_writes_profile_page_and_json(run: Run, tmp_path) -> None:
         ("--band", "300:8", '--band: got "300:8", must be LOW:HIGH'),
         ("--modes", "9", '--modes: got "9", must be auto or 1 to 8'),
         ("--constant", "x", '--constant: got "x"'),
+        ("--constant", "3 kg", '--constant: got "3 kg", must be a number other than 0 in N/A'),
+        ("--tool-ratio", "3 N/A", '--tool-ratio: got "3 N/A"'),
         ("--sensor", "motor", "--sensor: got motor, must be encoder, tcp"),
         ("--columns", "force", '--columns: got "force", must be NAME=COLUMN'),
     ],
@@ -178,6 +181,20 @@ def test_a_wrong_option_is_named(run: Run, tmp_path, option: str, value: str, sa
     code, _, errors = run("identify", table_file(tmp_path / "e.csv"), option, value)
     assert code == 2
     assert said in errors
+
+
+@pytest.mark.parametrize("text", ["0.46", "0,46 N/A", "0.46N/A", "0.46 N m/A"])
+def test_a_constant_may_state_its_unit(text: str) -> None:
+    assert read_number("--constant", text, units=PER_AMPERE) == 0.46
+
+
+def test_a_measurement_given_twice_is_a_fault(run: Run, tmp_path) -> None:
+    """As two measurements it halved every interval."""
+    first = table_file(tmp_path / "e.csv")
+    (tmp_path / "copy.csv").write_bytes(Path(first).read_bytes())
+    code, _, errors = run("identify", first, f"{tmp_path / 'copy.csv'}@tcp")
+    assert code == 2
+    assert f"copy.csv: holds the same measurement as {first}" in errors
 
 
 def test_the_wizard_goes_on_where_identify_ended(run: Run, tmp_path) -> None:
