@@ -26,11 +26,11 @@ def sealed(record, path: Path) -> Path:
 @pytest.mark.parametrize(
     ("break_it", "place"),
     [
-        (lambda r: r["plant"]["A"][0].pop(), "plant.A: lengths"),
-        (lambda r: r["moves"][0]["series"]["t"].pop(), "moves[1].series: lengths"),
+        (lambda r: r["plant"]["A"][0].pop(), "plant.A: has lengths"),
+        (lambda r: r["moves"][0]["series"]["t"].pop(), "moves[1].series: has lengths"),
         (lambda r: r["moves"][0]["series"]["t"].reverse(), "moves[1].series.t: must rise"),
-        (lambda r: r["limits"]["landscape"]["usage"].pop(), "limits.landscape.usage: lengths"),
-        (lambda r: r["moves"].clear(), "moves: lengths"),
+        (lambda r: r["limits"]["landscape"]["usage"].pop(), "limits.landscape.usage: has lengths"),
+        (lambda r: r["moves"].clear(), "moves: has lengths"),
         (lambda r: r["plant"].update(moving_mass=1e200), "plant.moving_mass: got 1e+200"),
         (lambda r: r["limits"]["rule"]["steps"][0].update(formula=[1]), "expected a formula"),
     ],

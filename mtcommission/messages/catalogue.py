@@ -131,6 +131,9 @@ class Catalogue:
         >>> words.name("plant.base_mass"), words.name("v_phi"), words.name("q_column")
         ('Base mass', 'Tower rotation rate v_φ', 'Deflection of mode column')
         """
+        whole = f"name-{_NO_WORD.sub('-', key).strip('-')}"
+        if "." in key and self.has(whole):
+            return self.text(whole)
         last = key.rpartition(".")[2]
         kind = f"name-{_NO_WORD.sub('-', last).strip('-')}"
         coordinate, _, mode = last.partition("_")

@@ -63,7 +63,7 @@ def find_contradictions(record: Record) -> Iterator[Message]:
     """
     for key, lengths in _alike(record):
         if len(set(lengths)) > 1:
-            counts = ", ".join(map(str, lengths))
+            counts = ", ".join(map(str, sorted(set(lengths))))
             yield Message("record-lengths-differ", key=key, counts=counts)
     for key, entry in _walk("", record):
         # A motor that follows has no disturbance and no Bode plot: these series are empty.

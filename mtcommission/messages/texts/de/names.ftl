@@ -64,6 +64,8 @@ name-moving-mass = { $axis ->
 }
 name-frequency = Eigenfrequenz
 name-damping-ratio = Dämpfungsgrad
+name-max-acceleration = Größte Beschleunigung des Motors
+name-drive-kind = Art des Antriebs
 name-max-force = { $axis ->
     [rotary] Größtes Drehmoment
    *[linear] Größte Kraft

@@ -70,6 +70,8 @@ name-moving-mass = { $axis ->
 }
 name-frequency = Frequency
 name-damping-ratio = Damping ratio
+name-max-acceleration = Max acceleration of the motor
+name-drive-kind = Kind of drive
 name-max-force = { $axis ->
     [rotary] Max torque
    *[linear] Max force
