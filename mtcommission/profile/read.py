@@ -22,7 +22,7 @@ from mtcommission.plant.plant import OUTPUTS
 from mtcommission.profile.build import build_machine
 from mtcommission.profile.faults import list_faults
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
-from mtcommission.profile.model import POSITION_SOURCE, ProfileTable
+from mtcommission.profile.model import MOST_ASSUMED, POSITION_SOURCE, ProfileTable
 from mtcommission.profile.plant_tables import MOTOR_HELD, PLANT_TABLES
 from mtcommission.profile.syntax import load_toml
 from mtcommission.profile.values import Context, describe, find_close, one_of
@@ -276,7 +276,7 @@ def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, Message]]:
     machine = data.get("machine")
     named = machine.get("assumed") if isinstance(machine, dict) else None
     stated = [show_key(path) for path in _paths(data)]
-    for place, key in enumerate(named if isinstance(named, list) else ()):
+    for place, key in enumerate(named[:MOST_ASSUMED] if isinstance(named, list) else ()):
         if isinstance(key, str) and key not in stated:
             close = find_close(key, stated)
             hint = Message("hint-did-you-mean", name=close) if close else Message("hint-key")

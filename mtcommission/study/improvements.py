@@ -124,10 +124,11 @@ def find_improvements(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Change:
-    """A change, and the machine with it."""
+    """A change, the machine with it, and whether another control makes it another job."""
 
     change: Message
     machine: Machine
+    is_of_control: bool = False
 
 
 def _changes(machine: Machine) -> Iterator[_Change]:
@@ -136,7 +137,8 @@ def _changes(machine: Machine) -> Iterator[_Change]:
     kind = control.kind
 
     def controlled(name: str, changed: Control) -> _Change:
-        return _Change(change=Message(name), machine=replace(machine, control=changed))
+        changed_machine = replace(machine, control=changed)
+        return _Change(change=Message(name), machine=changed_machine, is_of_control=True)
 
     if control.position_loop is not PositionLoop.DRIVE:
         if PositionLoop.DRIVE in kind.position_loops:
@@ -210,10 +212,13 @@ def _judged(change: _Change, tuned: TunedLoop, choice: Choice, settings: Setting
     search = partial(
         choose_limits, changed, plant, tuned, starts=(choice.limits,), settings=settings.comparison
     )
-    # One change leaves the best limits nearby; where it does not, all are looked at.
-    candidate = search(near=choice.limits).candidate
-    if changed.requirements.every_size and not candidate.assessment.is_met:
-        candidate = search().candidate
+    # A machine that is a little better has its best limits nearby; another loop may not.
+    found = [search(near=choice.limits).candidate]
+    if changed.requirements.every_size:
+        if change.is_of_control or not found[0].assessment.is_met:
+            found.append(search().candidate)
+    met = [candidate for candidate in found if candidate.assessment.is_met] or found
+    candidate = min(met, key=lambda candidate: candidate.settling_time)
     return Improvement(
         change=change.change,
         settling_time=candidate.settling_time,
