@@ -182,7 +182,7 @@ def fault_of(command: str, ending: Ending, *, longest: float) -> str:
         return f"exit code {ending.code}"
     for words in ("Traceback", "internal error", "RuntimeWarning", "\x1b"):
         if words in ending.said:
-            return repr(words)
+            return words if words.isprintable() else repr(words)
     if ending.memory > LARGEST:
         return f"{ending.memory:.0f} MB"
     if ending.code and not ending.said.strip():

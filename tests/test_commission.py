@@ -58,7 +58,9 @@ def test_optima_are_certified_and_faster_than_the_recommendation(found: Commissi
     """Exact rest in the least time: no setpoint through a loop can be ahead of it by much."""
     for optima, result in zip(found.optima, found.moves, strict=True):
         # A composed reference is no optimum: its proof leaves a gap, which the sheet states.
-        limit = 1e-6 if optima.time.method == "exact" else 0.1
+        # The stand-in for a lag that a following motor lacks costs the bound about a per cent.
+        exact = 0.02 if found.machine.drive.follows else 1e-6
+        limit = exact if optima.time.method == "exact" else 0.1
         assert optima.time.certificate.relative_gap < limit
         assert optima.time.t_f < result.responses[0].settling_time
 
@@ -70,6 +72,8 @@ def test_record_simulated_again_by_an_outsider(record: Record) -> None:
 
 def test_record_alone_gives_a_second_program_the_loop(record: Record) -> None:
     """What a loop does must follow from its record: gains, cycles, delays, filters, observer."""
+    if record.machine.follows:
+        pytest.skip("no loop: tests/test_position_source.py integrates the equation itself")
     machine = parse_profile(record.profile.text, where="record.json")
     data = json.loads(dump_json(record))
     gains = _controller_of(data["loop"], states=data["plant"]["states"])

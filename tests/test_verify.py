@@ -77,7 +77,10 @@ def find(found: Verification, name: str) -> Check:
     return next(check for check in found.checks if check.name == name)
 
 
-MILLING, GANTRY = "milling-manipulator", "modal-two-modes"
+MILLING, TELLS_JERK = 5e-3
+"""Jerk time above which a trace tells the jerk [s]."""
+
+GANTRY = "milling-manipulator", "modal-two-modes"
 
 
 def test_the_loop_of_a_record_is_rebuilt_to_the_last_digit() -> None:
@@ -103,7 +106,9 @@ def test_what_the_record_promises_holds_where_the_machine_is_the_record_s(
     name: str, how: Spoilt, tmp_path: Path
 ) -> None:
     found = verified(name, tmp_path, how)
-    assert found.obeyed is True
+    best = found.record.limits.recommended
+    # A ramp of one cycle is too short for a trace to tell its jerk.
+    assert found.obeyed is (True if best.jerk_time > TELLS_JERK else None)
     assert found.verdict is Verdict.HOLDS, [c.name for c in found.checks]
     residual = find(found, "move 1: residual deviation")
     assert residual.measured == pytest.approx(

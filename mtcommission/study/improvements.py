@@ -214,9 +214,9 @@ def _judged(change: _Change, tuned: TunedLoop, choice: Choice, settings: Setting
     )
     # A machine that is a little better has its best limits nearby; another loop may not.
     found = [search(near=choice.limits).candidate]
-    if changed.requirements.every_size:
-        if change.is_of_control or not found[0].assessment.is_met:
-            found.append(search().candidate)
+    is_likely = found[0].assessment.is_met and not change.is_of_control
+    if changed.requirements.every_size and not is_likely:
+        found.append(search().candidate)
     met = [candidate for candidate in found if candidate.assessment.is_met] or found
     candidate = min(met, key=lambda candidate: candidate.settling_time)
     return Improvement(
