@@ -77,10 +77,9 @@ def find(found: Verification, name: str) -> Check:
     return next(check for check in found.checks if check.name == name)
 
 
-MILLING, TELLS_JERK = 5e-3
+MILLING, GANTRY = "milling-manipulator", "modal-two-modes"
+TELLS_JERK = 2e-3
 """Jerk time above which a trace tells the jerk [s]."""
-
-GANTRY = "milling-manipulator", "modal-two-modes"
 
 
 def test_the_loop_of_a_record_is_rebuilt_to_the_last_digit() -> None:
