@@ -19,6 +19,7 @@ from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf
 from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose
+from mtcommission.sheet.entry_part import entry_rows
 from mtcommission.sheet.plot_model import LinePlot
 
 from .sheet_record import example_record, not_met, on_json, shipped_record, with_today
@@ -140,3 +141,19 @@ def test_the_margins_in_the_bode_plot_end_on_the_curves():
     np.testing.assert_allclose(sorted(gain.y), [-gain_margin, 0.0], atol=0.02)
     np.testing.assert_allclose(phase.x, crossover, rtol=1e-3)
     np.testing.assert_allclose(sorted(phase.y), [-180.0, -180.0 + phase_margin], atol=0.1)
+
+
+def test_gain_and_inertia_stand_at_the_shaft_too_where_the_lead_is_known() -> None:
+    """A drive behind a screw takes N m s/rad: the axis's number would be thousands of times it."""
+    entry = shipped_record("ball-screw")
+    record = to_entry(entry, Record)
+    rows = {feature: value for _, feature, value in entry_rows(record, Catalogue())}
+    square = (0.03 / (2.0 * np.pi)) ** 2  # lead of 30 mm, gear 1
+    assert record.loop.Kp is not None
+    gain = Catalogue().format.quantity(record.loop.Kp * square, "N m s/rad")
+    shown = [value for _, feature, value in entry_rows(record, Catalogue()) if "shaft" in value]
+    assert any(gain in value for value in shown)
+    inertia = Catalogue().format.quantity(record.loop.feedforward.mass * square, "kg m^2")
+    assert inertia in rows["acceleration_feedforward"]
+    without = to_entry(shipped_record("milling-manipulator"), Record)
+    assert not any("shaft" in value for *_, value in entry_rows(without, Catalogue()))

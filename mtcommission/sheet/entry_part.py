@@ -82,14 +82,19 @@ def entry_rows(record: Record, words: Catalogue) -> list[Row]:
         return [*rows, (text("setpoint-spacing"), "position_cycle", spacing)]
     rows += [
         (words.name("Kv"), "position_gain", _gain(part.Kv, words)),
-        (words.name("Kp"), "velocity_gain", f.axis(part.Kp, "N s/m")),
+        (
+            words.name("Kp"),
+            "velocity_gain",
+            _at_shaft(record, f.axis(part.Kp, "N s/m"), part.Kp, "N m s/rad", words),
+        ),
         (words.name("Tn"), "velocity_gain", f.quantity(part.Tn, "s")),
     ]
     fed = part.feedforward
     mass = f.quantity(fed.mass, motion_unit("kg", rotary=words.rotary))
+    inertia = _at_shaft(record, mass, fed.mass, "kg m^2", words)
     for name, value in (
         ("velocity", f.number(fed.velocity)),
-        ("acceleration", f"{f.number(fed.acceleration)} × {mass}"),
+        ("acceleration", f"{f.number(fed.acceleration)} × {inertia}"),
         ("jerk", f.number(fed.jerk)),
     ):
         if name != "jerk" or fed.jerk:
@@ -159,6 +164,25 @@ def _gain(kv: float, words: Catalogue) -> str:
     value, unit = (60.0 * kv, "1/min") if words.rotary else (kv / KV_UNIT, "(m/min)/mm")
     other = f.with_unit(f.number(float(f"{value:.4g}")), unit)
     return f"{f.quantity(kv, '1/s')} = {other}"
+
+
+def _at_shaft(record: Record, shown: str, value: float | None, unit: str, words: Catalogue) -> str:
+    """Return gain or mass at the axis, and what it is at the motor's shaft, where drives want it.
+
+    The axis moves r = lead / (2 pi gear) per radian of the motor (rotary: 1 / gear): times r².
+    """
+    stated = {item.key: item.value for item in record.data}
+    lead, gear = stated.get("drive.lead"), stated.get("drive.gear")
+    ratio = float(gear) if isinstance(gear, float | int) else 1.0
+    if words.rotary:
+        r = 1.0 / ratio
+    elif isinstance(lead, float | int):
+        r = float(lead) / (2.0 * pi * ratio)
+    else:
+        r = 1.0
+    if r == 1.0 or value is None:
+        return shown
+    return words.text("at-shaft", own=shown, shaft=words.format.quantity(value * r**2, unit))
 
 
 def _in_units(shown: str, value: float, time: str, power: int, own: str, words: Catalogue) -> str:

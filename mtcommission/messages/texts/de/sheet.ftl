@@ -539,6 +539,7 @@ profile-caption = Profil { $name }, wie gelesen
 measure-heading = Messungen an der Maschine
 measure-note = Die Werte gelten für die Nennmaschine ohne Zuladung. Liegt eine Frequenz außerhalb des zulässigen Bereichs: Profil berichtigen und neu rechnen, bevor die Grenzwerte gelten. Bewegungen: { $moves }.
 measure-how-1 = Eigenfrequenzen und Dämpfungsgrade: Impulshammer und Beschleunigungsaufnehmer am Werkzeug oder Frequenzgang des Antriebs; Regelung aus, Bremse gelöst, Mitte des Verfahrwegs.
+at-shaft = { $own } an der Achse, { $shaft } an der Motorwelle
 measure-how-held = Eigenfrequenzen und Dämpfungsgrade: Beschleunigungsaufnehmer am Werkzeug, Motor bestromt und in Ruhe (gehalten), Impuls oder Anregung durch den Motor mit wandernder Frequenz; Mitte des Verfahrwegs.
 measure-how-2 = { $axis ->
     [rotary] Bewegtes Trägheitsmoment: Motormoment durch Beschleunigung bei gleichbleibender Beschleunigung, ohne die Reibung (Mittel aus beiden Richtungen).

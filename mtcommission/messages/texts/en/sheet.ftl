@@ -536,6 +536,7 @@ profile-caption = Profile { $name } as read
 measure-heading = Measurements to make on the machine
 measure-note = The values are those of the nominal machine without payload. If a frequency lies outside its permitted range, correct the profile and calculate again before using the limits. Moves: { $moves }.
 measure-how-1 = Frequencies and damping ratios: impact hammer and accelerometer at the tool, or frequency response of the drive; control off, brake released, at the middle of the travel.
+at-shaft = { $own } at the axis, { $shaft } at the motor's shaft
 measure-how-held = Frequencies and damping ratios: accelerometer at the tool, motor energised and at rest (held), impact or a swept excitation by the motor; at the middle of the travel.
 measure-how-2 = { $axis ->
     [rotary] Moving moment of inertia: motor torque over acceleration while the acceleration is constant, friction taken off by the mean of both directions.
