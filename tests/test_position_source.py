@@ -413,3 +413,17 @@ def test_words_for_acceleration_leave_every_text_valid(language: str) -> None:
     places = re.compile(r"\$[\w-]+|\[[\w-]+\]|[A-Z]{3,}\(|\{ [a-z][\w-]*|[a-z_]+\.[a-z_]+")
     for kind in entries_of(language):
         assert places.findall(changed._worded(kind)) == places.findall(plain._worded(kind)), kind
+
+
+def test_the_model_for_python_control_moves_as_the_setpoint_says() -> None:
+    """A servo's loop in its place would be what somebody at a prompt simulates."""
+    machine = parse_profile(PRINTER, where="printer.toml")
+    tuned = tune_loop(machine)
+    model = tuned.model
+    assert model.dt == machine.control.position_cycle
+    assert abs(model["encoder", "x_ref"].dcgain()) == pytest.approx(1.0)
+    assert abs(model["tcp", "x_ref"].dcgain()) == pytest.approx(1.0)
+    poles = model.poles().astype(complex)
+    rates = np.log(poles[np.abs(poles) > 1e-9]) / model.dt
+    for mode in tuned.loops[0].plant.modes:  # held by the motor: there is no other frequency
+        assert np.abs(np.abs(rates) - mode.natural_frequency).min() < 1e-6 * mode.natural_frequency

@@ -885,7 +885,7 @@ def opened(page: str, script: str, folder: Path, *more: str) -> str:
     path = folder / "page.html"
     path.write_text(unguarded.replace("</body>", script), encoding="utf-8")
     browser = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1300,4000"]
-    browser += ["--virtual-time-budget=5000", "--dump-dom", f"--user-data-dir={folder}/browser"]
+    browser += ["--virtual-time-budget=20000", "--dump-dom", f"--user-data-dir={folder}/browser"]
     return subprocess.run(
         [*browser, *more, path.as_uri()], capture_output=True, text=True, check=True
     ).stdout

@@ -64,6 +64,27 @@ def build_model(plant: Plant, controller: Controller, *, model: Plant) -> contro
     return control.ss(part, states=whole.state_labels, outputs=seen, name="loop")
 
 
+def as_followed_model(
+    A: ArrayLike, B: ArrayLike, C: ArrayLike, D: ArrayLike, *, dt: float
+) -> control.StateSpace:
+    """Return a motor that follows, with the outputs of ``build_model``: there is no loop to draw.
+
+    Parameters
+    ----------
+    A, B, C, D
+        Of the lifted motion; tool, encoder and acceleration come first among the outputs.
+    dt
+        Position cycle [s].
+
+    Returns
+    -------
+    control.StateSpace
+    """
+    inputs, outputs = ["x_ref", "v_ref", "a_ref", "j_ref"], ["tcp", "encoder", "force"]
+    C, D = np.asarray(C)[:3], np.asarray(D)[:3]
+    return control.ss(A, B, C, D, dt, inputs=inputs, outputs=outputs, name="loop")
+
+
 def build_lifted_model(plant: Plant, controller: Controller, *, model: Plant) -> control.StateSpace:
     """Return the loop at the position cycle, with its outputs at every velocity cycle.
 

@@ -117,10 +117,12 @@ class TunedLoop:
     @property
     def model(self) -> Any:
         """The nominal loop as a ``control.StateSpace``, see ``build_model``."""
-        from mtcommission.loop.model.diagram import build_model  # python-control takes a second
+        from mtcommission.loop.model import diagram  # python-control takes a second
 
-        plant = self.loops[0].plant
-        return build_model(plant, self.controller, model=plant)
+        plant, lifted = self.loops[0].plant, self.loops[0].lifted
+        if self.controller.follows:
+            return diagram.as_followed_model(lifted.A, lifted.B, lifted.C, lifted.D, dt=lifted.dt)
+        return diagram.build_model(plant, self.controller, model=plant)
 
     @property
     def nominal(self) -> LoopAnalysis:
