@@ -6,9 +6,9 @@ The kinds themselves stand in ``plant``, one file each.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
-from typing import ClassVar, Protocol, Self
+from typing import ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +71,50 @@ class FlexibleMode:
         if 0.0 <= self.damping_ratio < 1.0:
             return []
         return [("damping_ratio", Message("damping-ratio-beyond-one", got=self.damping_ratio))]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeldMode:
+    """One mode q'' + 2 ζ ω q' + ω² q = -x_ref''.
+
+    Parameters
+    ----------
+    name
+        Identifier, used in state names.
+    natural_frequency
+        ω of the undamped mode, motor held [rad/s].
+    damping_ratio
+        ζ [-], 0 <= ζ < 1.
+    tcp_gain
+        Share of q in the tool position, signed [-].
+    """
+
+    name: str = keyed(None, "Name of the mode.", "belt")
+    natural_frequency: float = keyed(
+        FREQUENCIES,
+        "Eigenfrequency with the motor held, undamped.",
+        "48 Hz",
+        key="frequency",
+        factor=2.0 * pi,
+    )
+    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.05")
+    tcp_gain: float = keyed(
+        RATIOS, "Share in the tool position; 1 where one mode is all of it.", "1", default=1.0
+    )
+
+    def find_faults(self) -> list[Misfit]:
+        """Return key and message of what cannot be."""
+        return self.driven.find_faults()
+
+    @property
+    def driven(self) -> FlexibleMode:
+        """The same mode driven by the acceleration, as every plant has its modes: -q for q."""
+        return FlexibleMode(
+            name=self.name,
+            natural_frequency=self.natural_frequency,
+            damping_ratio=self.damping_ratio,
+            tcp_gain=-self.tcp_gain,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,3 +193,32 @@ def find_equal_poles(modes: Sequence[FlexibleMode]) -> Iterator[tuple[int, Messa
                         frequency=mode.frequency_hz,
                     ),
                 )
+
+
+_Mode = TypeVar("_Mode", FlexibleMode, HeldMode)
+
+
+def scale_modes(modes: Sequence[_Mode], *, frequency: float, damping: float) -> tuple[_Mode, ...]:
+    """Return modes with frequencies and damping ratios scaled by a factor each [-]."""
+    return tuple(
+        replace(
+            mode,
+            natural_frequency=mode.natural_frequency * frequency,
+            damping_ratio=mode.damping_ratio * damping,
+        )
+        for mode in modes
+    )
+
+
+def find_mode_faults(modes: Sequence[FlexibleMode]) -> list[Misfit]:
+    """Return key below [plant] and message of names used twice and of equal poles."""
+    names = [mode.name for mode in modes]
+    faults = [
+        (f"modes.{place}.name", Message("mode-named-twice", name=name))
+        for place, name in enumerate(names)
+        if name in names[:place]
+    ]
+    return faults + [
+        (f"modes.{place}.frequency", Message("equal-poles", modes=what))
+        for place, what in find_equal_poles(modes)
+    ]

@@ -10,70 +10,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import pi
 from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.machine.keys import keyed, keyed_array
+from mtcommission.machine.keys import keyed_array
 from mtcommission.machine.mechanics import (
     FlexibleMode,
+    HeldMode,
     Misfit,
     ModeStates,
-    find_equal_poles,
+    find_mode_faults,
+    scale_modes,
 )
-from mtcommission.machine.ranges import FREQUENCIES, RATIOS
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import MOST_MODES, Modal
 from mtcommission.units.axis_units import AxisUnits
 from mtcommission.units.quantities import Dimension
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class HeldMode:
-    """One mode q'' + 2 ζ ω q' + ω² q = -x_ref''.
-
-    Parameters
-    ----------
-    name
-        Identifier, used in state names.
-    natural_frequency
-        ω of the undamped mode, motor held [rad/s].
-    damping_ratio
-        ζ [-], 0 <= ζ < 1.
-    tcp_gain
-        Share of q in the tool position, signed [-].
-    """
-
-    name: str = keyed(None, "Name of the mode.", "belt")
-    natural_frequency: float = keyed(
-        FREQUENCIES,
-        "Eigenfrequency with the motor held, undamped.",
-        "48 Hz",
-        key="frequency",
-        factor=2.0 * pi,
-    )
-    damping_ratio: float = keyed(RATIOS, "Damping ratio, 0 to below 1.", "0.05")
-    tcp_gain: float = keyed(
-        RATIOS, "Share in the tool position; 1 where one mode is all of it.", "1", default=1.0
-    )
-
-    def find_faults(self) -> list[Misfit]:
-        """Return key and message of what cannot be."""
-        return self.driven.find_faults()
-
-    @property
-    def driven(self) -> FlexibleMode:
-        """The same mode driven by the acceleration, as every plant has its modes: -q for q."""
-        return FlexibleMode(
-            name=self.name,
-            natural_frequency=self.natural_frequency,
-            damping_ratio=self.damping_ratio,
-            tcp_gain=-self.tcp_gain,
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,8 +43,7 @@ class BaseExcited:
 
     Examples
     --------
-    >>> from math import pi
-    >>> head = HeldMode(name="belt", natural_frequency=2 * pi * 45, damping_ratio=0.05)
+    >>>     >>> head = HeldMode(name="belt", natural_frequency=2 * pi * 45, damping_ratio=0.05)
     >>> driven = BaseExcited(held_modes=(head,)).modes
     >>> [(mode.tcp_gain, round(mode.frequency_hz)) for mode in driven]
     [(-1.0, 45)]
@@ -125,14 +80,7 @@ class BaseExcited:
         self, *, payload: float, payload_radius: float, frequency: float, damping: float
     ) -> Self:
         """Return the modes in a corner; the motor follows whatever it carries."""
-        modes = tuple(
-            replace(
-                mode,
-                natural_frequency=mode.natural_frequency * frequency,
-                damping_ratio=mode.damping_ratio * damping,
-            )
-            for mode in self.held_modes
-        )
+        modes = scale_modes(self.held_modes, frequency=frequency, damping=damping)
         return replace(self, held_modes=modes)
 
     def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
@@ -141,16 +89,7 @@ class BaseExcited:
 
     def find_faults(self) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
-        names = [mode.name for mode in self.held_modes]
-        faults = [
-            (f"modes.{place}.name", Message("mode-named-twice", name=name))
-            for place, name in enumerate(names)
-            if name in names[:place]
-        ]
-        return faults + [
-            (f"modes.{place}.frequency", Message("equal-poles", modes=what))
-            for place, what in find_equal_poles(self.modes)
-        ]
+        return find_mode_faults(self.modes)
 
     def assumptions(self) -> tuple[Message, ...]:
         """Return what is assumed of the motor."""

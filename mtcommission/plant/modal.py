@@ -14,7 +14,8 @@ from mtcommission.machine.mechanics import (
     FlexibleMode,
     Misfit,
     ModeStates,
-    find_equal_poles,
+    find_mode_faults,
+    scale_modes,
 )
 from mtcommission.machine.ranges import MASSES
 from mtcommission.messages.message import Message
@@ -67,14 +68,7 @@ class Modal:
         self, *, payload: float, payload_radius: float, frequency: float, damping: float
     ) -> Self:
         """Return the plant in a corner; a payload turns nothing here."""
-        modes = tuple(
-            replace(
-                mode,
-                natural_frequency=mode.natural_frequency * frequency,
-                damping_ratio=mode.damping_ratio * damping,
-            )
-            for mode in self.modes
-        )
+        modes = scale_modes(self.modes, frequency=frequency, damping=damping)
         return replace(self, moving_mass=self.moving_mass + payload, modes=modes)
 
     def inertia_ratio(self, mode: str, payload: Array, payload_radius: float) -> Array:
@@ -83,16 +77,7 @@ class Modal:
 
     def find_faults(self) -> list[Misfit]:
         """Return key below [plant] and message of what does not fit together."""
-        names = [mode.name for mode in self.modes]
-        faults = [
-            (f"modes.{place}.name", Message("mode-named-twice", name=name))
-            for place, name in enumerate(names)
-            if name in names[:place]
-        ]
-        return faults + [
-            (f"modes.{place}.frequency", Message("equal-poles", modes=what))
-            for place, what in find_equal_poles(self.modes)
-        ]
+        return find_mode_faults(self.modes)
 
     def assumptions(self) -> tuple[Message, ...]:
         """Return nothing: all that is used was stated."""
