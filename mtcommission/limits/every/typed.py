@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import floor, isfinite, log10
+from dataclasses import dataclass, replace
+from math import isfinite
 
-from mtcommission.control_kinds.kind import Jerk
+from mtcommission.limits.digits import round_limits
 from mtcommission.limits.every.search import Found, search_every_size
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import Kind, Requirement
 from mtcommission.plant.plant import Plant
-from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.verdict.every_size import SizeCheck, judge_every_size
 
@@ -96,7 +96,8 @@ def _type(
     """The nearest limits that can be typed in and hold; None where that does not end."""
     a, jerk_time = found.acceleration, found.jerk_time
     for tried in range(MOST_SCALED):
-        limits = round_limits(machine, a, jerk_time, found)
+        rounded = round_limits(machine, a, jerk_time, digits=DIGITS)
+        limits = replace(rounded, setpoint_filter=found.setpoint_filter)
         sizes = judge_every_size(machine, plant, tuned, limits, only_if_kept=True)
         used = max(_proved(check) / bound_of(machine, check.requirement) for check in sizes)
         if used <= 1.0:
@@ -116,33 +117,6 @@ def _proved(check: SizeCheck) -> float:
 
 JUST_LESS = 0.9995
 """What the next limits use of what is allowed, if all is in proportion."""
-
-
-def round_limits(
-    machine: Machine, acceleration: float, jerk_time: float, found: Found
-) -> MotionLimits:
-    """Return limits as the control takes them, not faster, with the filter that was found."""
-    a = round_down(acceleration)
-    match machine.control.kind.jerk:
-        case Jerk.LIMIT:
-            jerk = round_down(acceleration / jerk_time)
-        case Jerk.TIME:
-            jerk = a / -round_down(-jerk_time)
-        case Jerk.NONE:
-            jerk = without_jerk_limit(machine, a).jerk
-    return MotionLimits(acceleration=a, jerk=jerk, setpoint_filter=found.setpoint_filter)
-
-
-def round_down(value: float) -> float:
-    """Return the next lower number with few digits (away from zero for negative ones).
-
-    Examples
-    --------
-    >>> round_down(1234.0), round_down(-0.01231)
-    (1230.0, -0.0124)
-    """
-    exponent = floor(log10(abs(value))) - DIGITS + 1
-    return float(f"{floor(value / 10.0**exponent + 1e-9)}e{exponent}")
 
 
 def bound_of(machine: Machine, requirement: Requirement) -> float:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.limits.search.bench import Bench, settle_gradually
-from mtcommission.limits.search.explore import Guess
-from mtcommission.limits.search.region import Region
+from mtcommission.limits.search.bench import build_bench, settle_gradually
+from mtcommission.limits.search.explore import guess_usage
+from mtcommission.limits.search.region import Region, longest_motion, widest_region
+from mtcommission.limits.search.settings import SearchSettings
+from mtcommission.loop.tuning.tuning import TunedLoop
+from mtcommission.machine.machine import Machine
+from mtcommission.plant.plant import Plant, longest_period
+from mtcommission.setpoint.motion_limits import MotionLimits
 
 Array = NDArray[np.float64]
 
@@ -36,22 +41,44 @@ class Landscape:
     usage: Array
 
 
-def chart_landscape(bench: Bench, guess: Guess, region: Region, *, points: int) -> Landscape:
-    """Return the landscape over a whole region.
+def chart_landscape(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    chosen: MotionLimits,
+    settings: SearchSettings,
+    *,
+    widest: Region | None = None,
+) -> Landscape:
+    """Return the landscape about the limits that were chosen, behind their setpoint filter.
 
     Parameters
     ----------
-    bench, guess
-        For the region.
-    region
-        Its ends are the ends of the axes.
-    points
-        In each direction, logarithmic.
+    machine, plant, tuned
+        Nominal machine, its plant and its loop.
+    chosen
+        Limits that lie inside.
+    settings
+        Points in each direction, logarithmic.
+    widest
+        Region that was searched; None: the widest about the chosen limits.
 
     Returns
     -------
     Landscape
     """
+    if chosen.setpoint_filter is not None:
+        own = replace(machine.control, setpoint_filter=chosen.setpoint_filter)
+        machine = replace(machine, control=own)
+    region = widest or widest_region(machine, plant, settings, [chosen])
+    longest = max(region.longest_jerk_time, CHOSEN_INSIDE * chosen.jerk_time)
+    if region.has_one_jerk_time:
+        # The picture shows what a jerk limit would do, too.
+        longest = max(longest_period(plant), MAPPED * region.shortest_jerk_time)
+    region = replace(region, longest_jerk_time=longest)
+    bench = build_bench(machine, plant, tuned, longest=longest_motion(machine, region))
+    guess = guess_usage(bench, region, widest=region, points=settings.coarse_grid)
+    points = settings.landscape
     a = np.geomspace(region.least_acceleration, region.largest_acceleration, points)
     t = np.geomspace(region.shortest_jerk_time, region.longest_jerk_time, points)
     a_grid, t_grid = (axis.ravel() for axis in np.meshgrid(a, t, indexing="ij"))
@@ -63,3 +90,10 @@ def chart_landscape(bench: Bench, guess: Guess, region: Region, *, points: int) 
         residual_deviation=found.residual_deviation.reshape(points, points),
         usage=guess.at(a_grid, t_grid).reshape(points, points),
     )
+
+
+CHOSEN_INSIDE = 1.3
+"""Longest jerk time of the map over that of the chosen limits, at least."""
+
+MAPPED = 10.0
+"""Longest jerk time of the map over the position cycle, where the control has no jerk limit."""

@@ -179,6 +179,12 @@ def narrow_region(region: Region, machine: Machine, *, longest_motion: float) ->
     )
 
 
+def longest_motion(machine: Machine, region: Region) -> float:
+    """Return t_e of the slowest move with the gentlest limits of a region [s]."""
+    a, t = np.array([region.least_acceleration]), np.array([region.longest_jerk_time])
+    return float(motion_time(machine, a, t)[0])
+
+
 LEAST_SHARE = 1e-3
 """Of F_max/m: below it no search goes."""
 

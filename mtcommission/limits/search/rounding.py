@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import ceil, floor, log10
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.control_kinds.kind import Jerk
+from mtcommission.limits.digits import limits_about, round_limits
 from mtcommission.limits.search.bench import (
     Bench,
     motion_time,
@@ -20,7 +19,7 @@ from mtcommission.limits.search.bench import (
 from mtcommission.limits.search.explore import USAGE_DOUBT, Pool
 from mtcommission.limits.search.region import Region
 from mtcommission.limits.search.settings import SearchSettings
-from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+from mtcommission.setpoint.motion_limits import MotionLimits
 
 Array = NDArray[np.float64]
 
@@ -95,24 +94,8 @@ def rank_limits(
 def least_used(bench: Bench, pool: Pool, settings: SearchSettings) -> MotionLimits:
     """Return the limits, rounded down, that use least of force and peaks by the first look."""
     least = int(np.argmin(pool.usage))
-    return round_down(
-        bench, float(pool.acceleration[least]), float(pool.jerk_time[least]), settings
-    )
-
-
-def round_down(
-    bench: Bench, acceleration: float, jerk_time: float, settings: SearchSettings
-) -> MotionLimits:
-    """Return the nearest limits to type in that are not faster."""
-    a = _neighbours(acceleration, settings.digits, 0)[0]
-    match bench.machine.control.kind.jerk:
-        case Jerk.LIMIT:
-            jerk = _neighbours(acceleration / jerk_time, settings.digits, 0)[0]
-        case Jerk.TIME:
-            jerk = a / _neighbours(jerk_time, settings.digits, 0)[-1]
-        case Jerk.NONE:
-            jerk = without_jerk_limit(bench.machine, a).jerk
-    return MotionLimits(acceleration=a, jerk=jerk)
+    a, t = float(pool.acceleration[least]), float(pool.jerk_time[least])
+    return round_limits(bench.machine, a, t, digits=settings.digits)
 
 
 def _gentler(
@@ -137,11 +120,11 @@ def _gentler(
         t = np.full_like(a, region.shortest_jerk_time)
     reached = a if jerkless else reached_accelerations(bench.machine, a, t)
     pairs = {
-        pair
+        (typed.acceleration, typed.jerk)
         for one, ramp in zip(reached, t * reached / a, strict=True)
         if one < soonest.jerk * ramp
-        for pair in _typed(bench, one, ramp, settings.digits, 0)
-        if pair[1] < soonest.jerk
+        for typed in limits_about(bench.machine, one, ramp, digits=settings.digits)
+        if typed.jerk < soonest.jerk
     }
     if not pairs:
         return
@@ -196,10 +179,12 @@ def _round(
     peaks = a if jerkless else reached_accelerations(bench.machine, a, t_j)
     for reached, one, ramp, share in zip(peaks, a, t_j, used, strict=True):
         for digits, reach in ((settings.digits, 1), (settings.digits + 1, 0)):
-            for pair in _typed(bench, reached, ramp * reached / one, digits, reach):
-                growth = max(pair[0] / reached, pair[1] * ramp / one)
-                if share * growth <= 1.0 + ROUNDING_DOUBT and pair[1] <= region.largest_jerk:
-                    pairs.setdefault(pair, digits)
+            for typed in limits_about(
+                bench.machine, reached, ramp * reached / one, digits=digits, reach=reach
+            ):
+                growth = max(typed.acceleration / reached, typed.jerk * ramp / one)
+                if share * growth <= 1.0 + ROUNDING_DOUBT and typed.jerk <= region.largest_jerk:
+                    pairs.setdefault((typed.acceleration, typed.jerk), digits)
     if not pairs:
         return
     acceleration, jerk = np.array(list(pairs)).T
@@ -212,22 +197,6 @@ def _round(
         yield from _within_bounds(bench, acceleration, jerk, part)
 
 
-def _typed(
-    bench: Bench, acceleration: float, jerk_time: float, digits: int, reach: int
-) -> Iterator[tuple[float, float]]:
-    """Acceleration and jerk as the control holds them, about some that need not be round."""
-    for a in _neighbours(acceleration, digits, reach):
-        match bench.machine.control.kind.jerk:
-            case Jerk.LIMIT:
-                jerks = _neighbours(acceleration / jerk_time, digits, reach)
-            case Jerk.TIME:
-                jerks = [a / time for time in _neighbours(jerk_time, digits, reach)]
-            case Jerk.NONE:
-                jerks = [without_jerk_limit(bench.machine, a).jerk]
-        for jerk in jerks:
-            yield a, jerk
-
-
 def _judge(bench: Bench, acceleration: Array, jerk: Array, *, must_meet: bool) -> Array:
     """Settling time seen exactly; inf where band or time must be met and are missed."""
     longest = bench.machine.requirements.max_settling_time
@@ -238,11 +207,3 @@ def _judge(bench: Bench, acceleration: Array, jerk: Array, *, must_meet: bool) -
             alive &= found.settling_time <= longest
         settling = np.where(alive, found.settling_time, np.inf)
     return settling
-
-
-def _neighbours(value: float, digits: int, reach: int) -> list[float]:
-    """The numbers with few significant digits around a value, ``reach`` more on either side."""
-    exponent = floor(log10(value)) - digits + 1
-    scaled = value / 10.0**exponent
-    around = range(floor(scaled) - reach, ceil(scaled) + reach + 1)
-    return [float(f"{number}e{exponent}") for number in around if number > 0]
