@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from mtcommission.commission import Commissioning
     from mtcommission.machine.machine import Machine
-    from mtcommission.record.schema import Record
+    from mtcommission.record.schema.record import Record
     from mtcommission.study.settings import Settings
 
 __all__ = ["make_record", "run"]

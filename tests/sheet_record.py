@@ -24,7 +24,7 @@ from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.data import describe_move, list_data
 from mtcommission.record.files import find_checksum
 from mtcommission.record.loop import feature_entries
-from mtcommission.record.schema import SCHEMA, Record
+from mtcommission.record.schema.record import SCHEMA, Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.study.machining_modes import NO_LIMITS
 

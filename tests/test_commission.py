@@ -22,7 +22,7 @@ from mtcommission.record.build import build_record
 from mtcommission.record.data import read_filter
 from mtcommission.record.files import dump_json, load_record
 from mtcommission.record.limits import limits_part
-from mtcommission.record.schema import Profile, Record
+from mtcommission.record.schema.record import Profile, Record
 from tests.independent_loop import behind, judge, profile_of, run
 from tests.recorded_loop import setpoint_of
 

@@ -40,7 +40,7 @@ from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.build import build_record
 from mtcommission.record.data import ACCEPTED_DEFAULT
 from mtcommission.record.files import dump_json, find_checksum, load_record
-from mtcommission.record.schema import Profile, Record
+from mtcommission.record.schema.record import Profile, Record
 from mtcommission.record.shape import to_entry
 from mtcommission.study.settings import Settings
 

@@ -23,7 +23,8 @@ from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.record.identified import read_evidence
-from mtcommission.record.schema import IdentifiedPart, Record, ToolSensorEntry
+from mtcommission.record.schema.identified import IdentifiedPart, ToolSensorEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose

@@ -16,7 +16,7 @@ from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.profile.read import read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json
-from mtcommission.record.schema import Profile
+from mtcommission.record.schema.record import Profile
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 from tests.recorded_loop import judge_record, simulate_record

@@ -45,7 +45,8 @@ from mtcommission.profile.read import read_profile
 from mtcommission.profile.shipped import read_shipped, shipped_names
 from mtcommission.record.comparisons import continuous_entry
 from mtcommission.record.data import list_assumptions, list_data
-from mtcommission.record.schema import AssessmentPart, Check, Record
+from mtcommission.record.schema.moves import AssessmentPart, Check
+from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry, to_plain
 from mtcommission.sheet import print_html, print_pdf, summarise
 from mtcommission.sheet.basis_part import basis_rows, holds_rows

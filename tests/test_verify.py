@@ -20,7 +20,7 @@ from mtcommission.profile.read import parse_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.data import read_filter
 from mtcommission.record.files import dump_json
-from mtcommission.record.schema import Profile, Record
+from mtcommission.record.schema.record import Profile, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict
 from mtcommission.verify.columns import Axis

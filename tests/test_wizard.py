@@ -31,7 +31,7 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, profile_text_hash, read_profile
 from mtcommission.record.build import build_record
 from mtcommission.record.data import ACCEPTED_DEFAULT, list_data
-from mtcommission.record.schema import Profile
+from mtcommission.record.schema.record import Profile
 from mtcommission.record.shape import to_plain
 from mtcommission.study.settings import Settings
 from mtcommission.wizard.axis_units import (

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from mtcommission.commission import Commissioning, Recommendation
     from mtcommission.machine.machine import Machine
     from mtcommission.profile.read import ProfileSource
-    from mtcommission.record.schema import Words
+    from mtcommission.record.schema.values import Words
 
 
 def run(

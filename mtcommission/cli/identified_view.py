@@ -8,7 +8,7 @@ from rich.text import Text
 
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import heading, warn
-from mtcommission.record.schema import IdentifiedPart
+from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.sheet.identified_part import doubts_and_notes, facts, mode_heads, mode_row
 
 

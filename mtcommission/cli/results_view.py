@@ -13,17 +13,16 @@ from mtcommission.machine.basis import list_assumed
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import (
+from mtcommission.record.schema.limits import (
     Alternative,
-    AssessmentPart,
     LimitsEntry,
     LimitsPart,
     ModeLimitsEntry,
     MoveSizesEntry,
     RuleResult,
-    SimulationPart,
     TodayEntry,
 )
+from mtcommission.record.schema.moves import AssessmentPart, SimulationPart
 from mtcommission.sheet.values import say_limiting, say_requirement
 from mtcommission.sheet.verdict_part import share_used, verdict_on
 

@@ -16,7 +16,7 @@ from mtcommission.export.held import Held, read_limits, write_limits
 from mtcommission.export.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.subject import Subject, for_mode
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import ModeLimitsEntry
+from mtcommission.record.schema.limits import ModeLimitsEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verdict.evaluate import Candidate
 

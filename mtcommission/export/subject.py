@@ -30,7 +30,8 @@ from mtcommission.messages.message import Message
 from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.data import read_filter
-from mtcommission.record.schema import ModeLimitsEntry, Record
+from mtcommission.record.schema.limits import ModeLimitsEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 REBUILT, ROUNDING = 1e-6, 1e-12

@@ -34,7 +34,8 @@ from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.record.data import ACCEPTED_DEFAULT
-from mtcommission.record.schema import ModeLimitsEntry, Record
+from mtcommission.record.schema.limits import ModeLimitsEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.units.quantities import wrap_whole
 from mtcommission.verdict.evaluate import Candidate

@@ -17,7 +17,7 @@ from mtcommission.identify.statement import statement
 from mtcommission.machine.identified import Estimate
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import MOST_MODES
-from mtcommission.record.schema import IdentifiedPart
+from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
 
 COLUMN = 34

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import IdentifiedPart
+from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified_part import (
     check_table,

@@ -12,7 +12,7 @@ from mtcommission.machine.identified import Estimate, MeasuredMode, ShaperPropos
 from mtcommission.plant.modal import MOST_MODES
 from mtcommission.profile.identified_tables import LONGEST_FILE, MOST_FILES
 from mtcommission.record.identified import evidence_checksum
-from mtcommission.record.schema import IdentifiedPart
+from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.record.shape import to_plain
 from mtcommission.units.axis_units import LINEAR, ROTARY
 

@@ -15,7 +15,8 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError, MtcommissionError
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import Record, Series
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Series
 
 FOREIGN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RuntimeError)
 """What the libraries and our own code raise on numbers that cannot be."""

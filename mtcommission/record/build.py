@@ -24,18 +24,10 @@ from mtcommission.record.loop import loop_part
 from mtcommission.record.moves import assessment_part, move_entry
 from mtcommission.record.optima import optima_entry
 from mtcommission.record.robustness import robustness_part
-from mtcommission.record.schema import (
-    SCHEMA,
-    IdentifiedPart,
-    MachineEntry,
-    ModeEntry,
-    PlantEntry,
-    Profile,
-    Record,
-    Tool,
-    ToolSensorEntry,
-    Words,
-)
+from mtcommission.record.schema.identified import IdentifiedPart, ToolSensorEntry
+from mtcommission.record.schema.machine import MachineEntry, ModeEntry, PlantEntry
+from mtcommission.record.schema.record import SCHEMA, Profile, Record, Tool
+from mtcommission.record.schema.values import Words
 from mtcommission.record.shape import entry_of, to_plain
 from mtcommission.record.what_if import what_if_part
 

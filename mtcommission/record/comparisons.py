@@ -8,7 +8,7 @@ from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
-from mtcommission.record.schema import (
+from mtcommission.record.schema.comparisons import (
     ComparedEntry,
     ComparisonEntry,
     ContinuousEntry,

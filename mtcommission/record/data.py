@@ -11,7 +11,8 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
-from mtcommission.record.schema import Datum, SetpointFilterEntry
+from mtcommission.record.schema.machine import Datum
+from mtcommission.record.schema.values import SetpointFilterEntry
 from mtcommission.record.shape import entry_of
 
 Row = tuple[str, float | str, str]

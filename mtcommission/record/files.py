@@ -17,7 +17,7 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
 from mtcommission.messages.message import STEERING, Message
 from mtcommission.record.agreement import find_contradictions, trusting
-from mtcommission.record.schema import SCHEMA, Record
+from mtcommission.record.schema.record import SCHEMA, Record
 from mtcommission.record.shape import WrongFormError, find_faults, to_entry, to_plain
 
 LARGEST_FILE = 50_000_000

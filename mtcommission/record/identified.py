@@ -16,7 +16,7 @@ from mtcommission.machine.identified import Identification, MeasuredMode
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.messages.message import Message
 from mtcommission.record.files import find_checksum
-from mtcommission.record.schema import IdentifiedPart, SpreadEntry
+from mtcommission.record.schema.identified import IdentifiedPart, SpreadEntry
 from mtcommission.record.shape import WrongFormError, to_entry
 
 APART = ("files", "sensor", "profile")

@@ -13,7 +13,7 @@ from mtcommission.commission import Commissioning
 from mtcommission.limits.commissioning_rule.rule import ADVICE, DESCRIPTION, VALIDITY
 from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.record.data import describe_move, filter_entry
-from mtcommission.record.schema import (
+from mtcommission.record.schema.limits import (
     Alternative,
     AttainableEntry,
     ImprovementEntry,

@@ -18,22 +18,21 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.requirement import SET_FORCE
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
-from mtcommission.record.schema import (
+from mtcommission.record.schema.loop import (
     CandidateEntry,
     ClosedLoop,
     DelayEntry,
     EncoderNoiseEntry,
     FeatureEntry,
     FeedforwardEntry,
-    ForceFilterEntry,
     JerkFeedforwardEntry,
     LoopCornerEntry,
     LoopPart,
     Margins,
     ObserverEntry,
-    Series,
     VariantEntry,
 )
+from mtcommission.record.schema.values import ForceFilterEntry, Series
 from mtcommission.record.shape import entry_of, finite_or_none
 from mtcommission.study.loop_choice import LoopTrial, LoopVariant
 from mtcommission.study.loop_study import LoopStudy

@@ -13,7 +13,7 @@ from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move, filter_entry
 from mtcommission.record.optima import series_entry
-from mtcommission.record.schema import (
+from mtcommission.record.schema.moves import (
     AssessmentPart,
     Check,
     MoveEntry,

@@ -19,7 +19,7 @@ from mtcommission.optimal.solution import (
 )
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move
-from mtcommission.record.schema import (
+from mtcommission.record.schema.optima import (
     ArcEntry,
     BandEntry,
     ForceSegment,
@@ -28,9 +28,9 @@ from mtcommission.record.schema import (
     OptimumEntry,
     ProofEntry,
     RobustEntry,
-    Series,
     TouchPointEntry,
 )
+from mtcommission.record.schema.values import Series
 from mtcommission.record.shape import entry_of
 from mtcommission.study.within_band import WithinBand
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Machine
-from mtcommission.record.schema import (
+from mtcommission.record.schema.robustness import (
     DampingErrorEntry,
     DistributionEntry,
     FrequencyErrorEntry,

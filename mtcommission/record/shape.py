@@ -135,7 +135,7 @@ def entry_of(form: type[Entry], /, *sources: object, **given: object) -> Entry:
 
     Examples
     --------
-    >>> from mtcommission.record.schema import Segment
+    >>> from mtcommission.record.schema.moves import Segment
     >>> entry_of(Segment, Segment(duration=0.1, jerk=2.0), jerk=float("inf"))
     Segment(duration=0.1, jerk=None)
     """

@@ -11,7 +11,7 @@ from typing import Any
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import Record
+from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import WrongFormError, to_entry
 
 LARGEST = 50_000_000

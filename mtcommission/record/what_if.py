@@ -12,13 +12,12 @@ from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
 from mtcommission.record.data import describe_move, filter_entry
-from mtcommission.record.schema import (
-    ForceFilterEntry,
+from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
+from mtcommission.record.schema.what_if import (
     KnownLimitsEntry,
     NeedsEntry,
     NoisyCornerEntry,
     SampledEntry,
-    SetpointFilterEntry,
     SignalEntry,
     VariedModeEntry,
     VariedPlantEntry,

@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.languages import LANGUAGES
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import MachineEntry, Profile, Record, WhatIfPart
+from mtcommission.record.schema.machine import MachineEntry
+from mtcommission.record.schema.record import Profile, Record
+from mtcommission.record.schema.what_if import WhatIfPart
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.content import compose
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import DampingErrorEntry, FrequencyErrorEntry, Record
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.robustness import DampingErrorEntry, FrequencyErrorEntry
 from mtcommission.sheet.machine_part import datum_name
 
 DEFAULT = "source-default"

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Record
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.identified_part import changes, short_name
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.values import decibel, degree

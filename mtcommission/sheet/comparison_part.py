@@ -6,13 +6,9 @@ from collections import Counter
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import symbol
-from mtcommission.record.schema import (
-    ComparedEntry,
-    ContinuousEntry,
-    FedForwardEntry,
-    Record,
-    Words,
-)
+from mtcommission.record.schema.comparisons import ComparedEntry, ContinuousEntry, FedForwardEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Words
 from mtcommission.sheet.model import (
     Block,
     Bullets,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Record
+from mtcommission.record.schema.record import Record
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.basis_part import basis_rows, data_rows, holds_rows
 from mtcommission.sheet.comparison_part import comparisons

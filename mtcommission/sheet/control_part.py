@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import FeatureEntry, Record
+from mtcommission.record.schema.loop import FeatureEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.basis_part import control_name
 from mtcommission.sheet.model import Block, Column, Paragraph, Subheading, Table, Tone
 

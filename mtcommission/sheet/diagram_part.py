@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Record
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.diagram import SUM_RADIUS
 from mtcommission.sheet.plot_model import Box, Diagram, Wire, Word
 

@@ -9,7 +9,8 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import Datum, Record
+from mtcommission.record.schema.machine import Datum
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.machine_part import datum, datum_name
 from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import decibel, degree, settling

@@ -8,7 +8,7 @@ from math import pi
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit, symbol
-from mtcommission.record.schema import Record
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.model import Block, Column, Form, Paragraph, Table
 from mtcommission.sheet.values import filter_rows, say_filter
 from mtcommission.sheet.verdict_part import acceleration, jerk

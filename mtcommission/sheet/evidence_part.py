@@ -8,7 +8,9 @@ from itertools import pairwise
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import symbol
-from mtcommission.record.schema import ArcEntry, OptimumEntry, Record, Words
+from mtcommission.record.schema.optima import ArcEntry, OptimumEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Words
 from mtcommission.sheet.model import (
     Block,
     Bullets,

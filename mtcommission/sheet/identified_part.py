@@ -13,15 +13,14 @@ from numpy.typing import NDArray
 from mtcommission.machine.identified import Estimate, MeasuredMode
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import (
+from mtcommission.record.schema.identified import (
     IdentifiedPart,
-    JudgedLimits,
-    LimitsEntry,
     MeasuredResponseEntry,
-    ModeEntry,
-    Record,
     ToolSensorEntry,
 )
+from mtcommission.record.schema.limits import JudgedLimits, LimitsEntry
+from mtcommission.record.schema.machine import ModeEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.model import (
     Block,
     Bullets,

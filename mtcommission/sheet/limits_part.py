@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import (
+from mtcommission.record.schema.limits import (
     Alternative,
     JudgedLimits,
     LimitsEntry,
     ModeLimitsEntry,
-    Record,
     RuleResult,
     TodayEntry,
 )
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.model import (
     Block,
     Column,

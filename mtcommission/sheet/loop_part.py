@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import symbol
-from mtcommission.record.schema import CandidateEntry, LoopPart, Margins, Record, VariantEntry
+from mtcommission.record.schema.loop import CandidateEntry, LoopPart, Margins, VariantEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.control_part import control_has
 from mtcommission.sheet.diagram_part import structure

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Record
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.model import Block, Column, Table, name_and_numbers
 from mtcommission.sheet.plot_model import Line, LinePlot, Panel
 from mtcommission.sheet.values import decibel, degree, residual, settling

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Datum, Record, Words
+from mtcommission.record.schema.machine import Datum
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Words
 from mtcommission.sheet.model import Column, Paragraph, Section, Table, Tone
 
 REQUIRED = ("requirements.", "moves")

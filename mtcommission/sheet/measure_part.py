@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import MoveEntry, Record
+from mtcommission.record.schema.moves import MoveEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.record.verified import Verified
 from mtcommission.sheet.model import Block, Bullets, Column, Form, Paragraph, Table, Tone
 from mtcommission.sheet.values import decibel, degree, residual, settling

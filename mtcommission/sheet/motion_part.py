@@ -9,7 +9,10 @@ from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import MoveEntry, OptimaEntry, OptimumEntry, Record, Series
+from mtcommission.record.schema.moves import MoveEntry
+from mtcommission.record.schema.optima import OptimaEntry, OptimumEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Series
 from mtcommission.sheet.model import (
     Block,
     Column,

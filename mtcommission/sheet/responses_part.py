@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import ImprovementEntry, MoveEntry, OptimaEntry, Record
+from mtcommission.record.schema.limits import ImprovementEntry
+from mtcommission.record.schema.moves import MoveEntry
+from mtcommission.record.schema.optima import OptimaEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.limits_part import limits_numbers, number_columns
 from mtcommission.sheet.model import Block, Column, Paragraph, Table, Tone, name_and_numbers
 from mtcommission.sheet.motion_part import response_plot

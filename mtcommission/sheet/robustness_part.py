@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import DistributionEntry, MonteCarloEntry, MoveEntry, Record
+from mtcommission.record.schema.moves import MoveEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.robustness import DistributionEntry, MonteCarloEntry
 from mtcommission.sheet.basis_part import kept_sentence
 from mtcommission.sheet.model import (
     Block,

@@ -5,7 +5,9 @@ from __future__ import annotations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.formula import Expression, symbol, with_decimal_mark
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import ModeEntry, Record, RuleText
+from mtcommission.record.schema.limits import RuleText
+from mtcommission.record.schema.machine import ModeEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.model import Cell, Column, Formula, Paragraph, Section, Table, Tone
 from mtcommission.sheet.values import residual
 from mtcommission.sheet.verdict_part import band

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import Record
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.model import Table, name_and_numbers
 
 UNITS: Mapping[str, str] = MappingProxyType(

@@ -7,7 +7,9 @@ import numpy as np
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import MoveSizesEntry, Record, Words
+from mtcommission.record.schema.limits import MoveSizesEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import Words
 from mtcommission.sheet.limits_part import shown_jerk
 from mtcommission.sheet.model import (
     Block,

@@ -12,7 +12,8 @@ from rich.text import Text
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
-from mtcommission.record.schema import LimitsEntry, Record, TodayEntry
+from mtcommission.record.schema.limits import LimitsEntry, TodayEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.basis_part import basis_rows, holds_rows
 from mtcommission.sheet.robustness_part import drawn_sentence
 from mtcommission.sheet.values import residual, say_filter, say_requirement, settling

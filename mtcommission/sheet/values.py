@@ -5,7 +5,8 @@ from __future__ import annotations
 from mtcommission.machine.requirement import read_requirement
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import join_by_and
-from mtcommission.record.schema import AttainableEntry, SetpointFilterEntry
+from mtcommission.record.schema.limits import AttainableEntry
+from mtcommission.record.schema.values import SetpointFilterEntry
 
 
 def settling(value: float | None, words: Catalogue) -> str:

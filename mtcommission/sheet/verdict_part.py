@@ -5,14 +5,10 @@ from __future__ import annotations
 from math import inf
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.record.schema import (
-    BandEntry,
-    Check,
-    LimitsEntry,
-    Record,
-    RobustEntry,
-    TodayEntry,
-)
+from mtcommission.record.schema.limits import LimitsEntry, TodayEntry
+from mtcommission.record.schema.moves import Check
+from mtcommission.record.schema.optima import BandEntry, RobustEntry
+from mtcommission.record.schema.record import Record
 from mtcommission.sheet.model import BigValue, Column, Headline, Paragraph, Table, Tone
 from mtcommission.sheet.values import filter_rows, residual, say_limiting, say_requirement, settling
 

@@ -13,7 +13,8 @@ from typing import Any
 from mtcommission.control_kinds.kind import FIR, MOVING_AVERAGE
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import motion_unit
-from mtcommission.record.schema import KnownLimitsEntry, SetpointFilterEntry, WhatIfPart
+from mtcommission.record.schema.values import SetpointFilterEntry
+from mtcommission.record.schema.what_if import KnownLimitsEntry, WhatIfPart
 from mtcommission.record.shape import to_plain
 from mtcommission.sheet.panel import Field, Panel
 from mtcommission.sheet.values import say_filter

@@ -11,7 +11,7 @@ from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.record.build import build_record
 from mtcommission.record.files import dump_json
 from mtcommission.record.identified import read_evidence
-from mtcommission.record.schema import Profile
+from mtcommission.record.schema.record import Profile
 from mtcommission.sweep.chain import chain_cells
 from mtcommission.sweep.store import Cell
 

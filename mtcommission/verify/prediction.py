@@ -20,7 +20,8 @@ from mtcommission.machine.machine import FilterKind, ForceFilter, Machine
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import parse_profile
-from mtcommission.record.schema import LoopPart, Record
+from mtcommission.record.schema.loop import LoopPart
+from mtcommission.record.schema.record import Record
 from mtcommission.verify.setpoint import Motion
 from mtcommission.verify.trace import Array
 

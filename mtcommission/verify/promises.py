@@ -8,7 +8,7 @@ from math import hypot, inf, isfinite, pi, sqrt
 import numpy as np
 
 from mtcommission.messages.message import Message
-from mtcommission.record.schema import Record
+from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.beside import Beside
 from mtcommission.verify.checks import Check, Verdict, at_most, within

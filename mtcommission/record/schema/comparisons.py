@@ -1,0 +1,64 @@
+"""The moves of a record beside their optima."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mtcommission.record.schema.values import Words
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparedEntry:
+    """One way of doing a move, in the loop or by an optimal control on the plant."""
+
+    name: Words
+    transfer_time: float | None
+    overshoot: float
+    peaks: dict[str, float]
+    max_force: float
+    heat: float
+    work: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FedForwardEntry:
+    """An optimal control fed forward while the loop corrects, or the limits, on one machine."""
+
+    control: Words
+    payload: float
+    frequency_factor: float
+    damping_factor: float
+    settling_time: float | None
+    residual_deviation: float | None
+    peak_deviation: float
+    saturated_share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContinuousEntry:
+    """The recommended setpoint through the continuous approximation of the loop.
+
+    The differences are relative to the sampled loop on the nominal machine, by which all is
+    judged [-]; null where a loop does not settle.
+    """
+
+    settling_time: float | None
+    residual_deviation: float
+    settling_difference: float | None
+    residual_difference: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparisonEntry:
+    """One move in the loop and by its optima.
+
+    ``claims`` measure the two claims of the paper, terminal overshoot and a transfer time much
+    larger than the least one, a sentence each for the rectangular and the trapezoidal setpoint;
+    ``why_not_the_optimum`` says what each optimum does when it is fed forward.
+    """
+
+    controls: list[ComparedEntry]
+    fed_forward: list[FedForwardEntry]
+    claims: list[Words]
+    why_not_the_optimum: list[Words]
+    continuous: ContinuousEntry
