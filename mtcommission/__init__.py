@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mtcommission.version import __version__
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -16,9 +18,7 @@ if TYPE_CHECKING:
     from mtcommission.record.schema.record import Record
     from mtcommission.study.settings import Settings
 
-__all__ = ["make_record", "run"]
-
-__version__ = "0.1.0"
+__all__ = ["__version__", "make_record", "run"]
 
 
 def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> Commissioning:

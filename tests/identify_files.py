@@ -14,7 +14,7 @@ import pyuff
 from numpy.typing import NDArray
 from scipy.signal import cont2discrete, dlsim
 
-from mtcommission.identify.formats.base85 import encode_doubles
+from mtcommission.identify.formats.base85 import ALPHABET
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -104,6 +104,15 @@ def table(
         for row in zip(*columns, strict=True)
     ]
     return (comments + end.join(rows) + end).encode()
+
+
+def encode_doubles(values: Array) -> str:
+    """Base 85, two words of five signs a number, ``.`` for a word of zeros."""
+    words = np.frombuffer(values.astype(">f8").tobytes(), dtype=">u4").astype(np.int64)
+    return "".join(
+        "".join(ALPHABET[word // 85**power % 85] for power in range(4, -1, -1)) if word else "."
+        for word in words
+    )
 
 
 def numeric_array(name: str, kind: str, values: Array) -> str:

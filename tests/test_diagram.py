@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.loop.analysis.frequency import respond_at
+from mtcommission.loop.analysis.block_responses import build_blocks, scan_blocks
+from mtcommission.loop.analysis.frequency import scan
 from mtcommission.loop.model.assembly import lift_on_plants
 from mtcommission.loop.model.diagram import build_lifted_model, build_open_loop
 from mtcommission.loop.model.discrete import discretise
@@ -140,7 +141,9 @@ def test_open_loop_is_that_of_the_diagram(seed: int) -> None:
     tuned = tuned_member(seed)
     loop, T_v = tuned.loops[0], tuned.controller.velocity_cycle
     omega = np.geomspace(2 * pi * 0.3, 0.99 * pi / T_v, 60)
-    ours = respond_at(loop.plant, tuned.controller, omega=omega).open_loop
+    ours = scan(
+        tuned.controller, scan_blocks(build_blocks(loop.plant, tuned.controller), omega)
+    ).open_loop
     theirs = build_open_loop(loop.plant, tuned.controller)(np.exp(1j * omega * T_v))
     assert np.max(np.abs(ours / theirs - 1.0)) < 1e-9
 

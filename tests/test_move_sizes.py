@@ -17,11 +17,11 @@ from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
+from mtcommission.setpoint.smaller_moves import resize
 from mtcommission.study.move_sizes import (
     MoveSizes,
     SetpointWay,
     full_size,
-    resize,
     vary_move_sizes,
 )
 from mtcommission.verdict.evaluate import evaluate
@@ -39,8 +39,7 @@ def two_moves() -> Machine:
 
 def judged(machine: Machine, tuned: TunedLoop, item: MoveSizes, index: int) -> tuple[float, float]:
     """Settling time and residual of one size, by the full simulation in every corner."""
-    own = item.move.velocity_step if isinstance(item.move, VelocityStep) else item.move.distance
-    move = resize(item.move, float(item.size[index]) / own)
+    move = resize(item.move, float(item.size[index]))
     one = replace(machine, moves=(move,))
     candidate = evaluate(one, build_plant(one), tuned, item.way.limits)
     return candidate.settling_time, candidate.residual_deviation

@@ -57,7 +57,7 @@ from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import plan_setpoint, reached_acceleration, sample_setpoint
+from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
 from mtcommission.setpoint.smaller_moves import resize, size_of
 from mtcommission.verdict.evaluate import evaluate
 from mtcommission.verdict.every_size import judge_every_size
@@ -321,10 +321,11 @@ def test_the_acceleration_is_reached_and_the_band_predicted(seed: int) -> None:
     machine = random_machine(seed)
     found, _ = apply(machine)
     for move in machine.moves:
-        reached = reached_acceleration(
-            move, acceleration=found.limits.acceleration, jerk=found.limits.jerk
+        setpoint = plan_setpoint(move, replace(found.limits, setpoint_filter=None))
+        ends = np.cumsum(setpoint.segment_durations)
+        assert np.max(sample_setpoint(setpoint, ends)[:, 2]) == pytest.approx(
+            found.limits.acceleration, rel=1e-6
         )
-        assert reached == pytest.approx(found.limits.acceleration, rel=1e-6)
     assert found.best.residual_deviation <= machine.requirements.tcp_deviation * (1 + 1e-9)
     shortest = min(candidate.duration for candidate in found.tried)
     assert found.predicted_settling_time >= shortest

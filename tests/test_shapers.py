@@ -15,7 +15,7 @@ from mtcommission.loop.batch.echoes import behind_filter, linear
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Control, Positioning, StateFeedback, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.shapers import KINDS_OF_SHAPER
+from mtcommission.machine.shapers import EVEN, HUMPS
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.filter_tables import KEYS
@@ -140,19 +140,9 @@ def test_filtered_setpoint_is_that_of_the_second_program(
     assert found[:, :3] == pytest.approx(expected[:, :3], abs=1e-9 * scale.max())
 
 
-@pytest.mark.parametrize("item", FILTERS, ids=lambda item: item.kind)
-def test_mean_delay_is_that_of_a_slow_setpoint(item: SetpointFilter) -> None:
-    """If it failed, the path of two axes with different filters would be thought to agree."""
-    limits = MotionLimits(acceleration=1.0, jerk=1e3)
-    move, t = VelocityStep(velocity_step=1.0), np.array([0.5])
-    plain = sample_setpoint(plan_setpoint(move, limits), t)[0]
-    late = sample_setpoint(plan_setpoint(move, replace(limits, setpoint_filter=item)), t)[0]
-    assert (plain[1] - late[1]) / plain[2] == pytest.approx(item.mean_delay, rel=1e-6)
-
-
 def test_every_kind_of_filter_is_known_wherever_it_is_named() -> None:
     """If it failed, a control would offer what cannot be computed, or a profile not be read."""
-    assert set(KINDS_OF_SHAPER) == set(SHAPERS)
+    assert {*EVEN, "ei", *HUMPS} == set(SHAPERS)
     offered = {choice.kind for kind in KINDS.values() for choice in kind.setpoint_filters}
     assert offered == {*KEYS} - {"none"}
     for kind in KINDS.values():

@@ -13,7 +13,8 @@ import pytest
 from scipy.optimize import brentq
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.analysis.frequency import frequency_response, respond_at
+from mtcommission.loop.analysis.block_responses import build_blocks, scan_blocks
+from mtcommission.loop.analysis.frequency import frequency_response, scan
 from mtcommission.loop.model.controller import filter_polynomials
 from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.cascade import CLASSIC, build_cascade
@@ -205,7 +206,7 @@ def test_what_is_read_off_the_grid_is_right_to_six_digits() -> None:
 
     def closed(frequency_hz: float) -> float:
         omega = np.array([2 * pi * frequency_hz])
-        found = respond_at(plant, tuned.controller, omega=omega)
+        found = scan(tuned.controller, scan_blocks(build_blocks(plant, tuned.controller), omega))
         return float(abs(found.closed_velocity_loop[0])) - np.sqrt(0.5)
 
     grid, response = tuned.responses[0].frequency_hz, tuned.responses[0].open_loop

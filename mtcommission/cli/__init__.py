@@ -14,7 +14,6 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from mtcommission import __version__
 from mtcommission.cli.batch import sweep, validate
 from mtcommission.cli.compute import limits, optimal, run, simulate
 from mtcommission.cli.language import ENGLISH, choose, say, words
@@ -24,6 +23,7 @@ from mtcommission.cli.records import export, sheet
 from mtcommission.cli.verify import verify
 from mtcommission.clock import now
 from mtcommission.errors import INTERRUPTED, MtcommissionError
+from mtcommission.version import __version__
 
 EXIT_CODES = (
     "Exit codes: 0 done and all requirements met, 1 a requirement is not met, 2 wrong input, "

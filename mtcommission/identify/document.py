@@ -10,7 +10,6 @@ from typing import Any
 import tomlkit
 from tomlkit.items import AoT, Table
 
-from mtcommission import __version__
 from mtcommission.identify.identified import Identified, IdentifiedMode
 from mtcommission.identify.matching import FARTHEST
 from mtcommission.identify.statement import statement
@@ -19,6 +18,7 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import MOST_MODES
 from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.units.axis_units import LINEAR, ROTARY, AxisUnits
+from mtcommission.version import __version__
 
 COLUMN = 34
 """Where comments begin, if the line leaves room."""

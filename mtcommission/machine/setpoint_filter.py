@@ -58,12 +58,6 @@ class SetpointFilter:
         """By how much it lengthens every setpoint [s]."""
         return sum(self.averages) + self.impulses.delays[-1]
 
-    @property
-    def mean_delay(self) -> float:
-        """By how much it delays a slow setpoint [s]: the centre of its kernel."""
-        pairs = zip(self.impulses.delays, self.impulses.shares, strict=True)
-        return 0.5 * sum(self.averages) + sum(delay * share for delay, share in pairs)
-
 
 def moving_average(time: float) -> SetpointFilter | None:
     """Return a moving average, or None for no time at all.

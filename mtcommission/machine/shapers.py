@@ -43,7 +43,7 @@ def shape(kind: str, *, frequency_hz: float, damping_ratio: float) -> Impulses:
     Parameters
     ----------
     kind
-        One of ``KINDS_OF_SHAPER``.
+        One of ``SHAPERS``.
     frequency_hz, damping_ratio
         Natural frequency [Hz] and damping ratio [-] of the mode that shall stay at rest.
 
@@ -168,5 +168,3 @@ HUMPS: Mapping[str, tuple[tuple[tuple[float, ...], ...], tuple[tuple[float, ...]
     ),
 }
 """Times in periods of the undamped vibration and shares, by rising power of the damping ratio."""
-
-KINDS_OF_SHAPER = (*EVEN, "ei", *HUMPS)

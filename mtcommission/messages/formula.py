@@ -79,10 +79,6 @@ class Expression:
         """Return ``self ≤ other``."""
         return Relation((self, _number(other)), ("≤",))
 
-    def at_least(self, other: Expression | float) -> Relation:
-        """Return ``self ≥ other``."""
-        return Relation((self, _number(other)), ("≥",))
-
 
 @dataclass(frozen=True, slots=True)
 class Number(Expression):
@@ -162,7 +158,7 @@ class Sum(Expression):
 
 @dataclass(frozen=True, slots=True)
 class Relation(Expression):
-    """Sides with the signs between them: ``=``, ``≤`` or ``≥``."""
+    """Sides with the signs between them: ``=`` or ``≤``."""
 
     sides: tuple[Expression, ...]
     signs: tuple[str, ...]
@@ -269,8 +265,8 @@ def write_formula(tree: Expression) -> str:
     raise TypeError(type(tree).__name__)
 
 
-_PLAIN = {"=": "=", "≤": "<=", "≥": ">="}
-_HEADS = {"=": "Equal", "≤": "LessEqual", "≥": "GreaterEqual"}
+_PLAIN = {"=": "=", "≤": "<="}
+_HEADS = {"=": "Equal", "≤": "LessEqual"}
 
 DEEPEST = 40
 """Nesting of a formula that is read; a record from elsewhere may be deeper than Python follows."""

@@ -7,7 +7,6 @@ from dataclasses import asdict, replace
 from importlib.metadata import version
 from math import isinf
 
-from mtcommission import __version__
 from mtcommission.commission import Commissioning
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import Machine
@@ -30,6 +29,7 @@ from mtcommission.record.schema.record import SCHEMA, Profile, Record, Tool
 from mtcommission.record.schema.values import Words
 from mtcommission.record.shape import entry_of, to_plain
 from mtcommission.record.what_if import what_if_part
+from mtcommission.version import __version__
 
 
 def record_run(found: Commissioning, *, created: str) -> Record:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from math import isfinite, sqrt
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -325,32 +325,3 @@ def _peak_velocity(distance: Array, max_velocity: float, acceleration: Array, je
     triangular = (0.5 * L * np.sqrt(j)) ** (2.0 / 3.0)
     velocity = np.where(reached >= a**2 / j, reached, triangular)
     return np.minimum(velocity, max_velocity) if isfinite(max_velocity) else velocity
-
-
-def reached_acceleration(move: Move, *, acceleration: float, jerk: float) -> float:
-    """Return the largest acceleration that a move really reaches [m/s²].
-
-    A change of velocity v below a²/j ends before a is reached: the peak is sqrt(j v).
-
-    Parameters
-    ----------
-    move
-        Velocity step or positioning.
-    acceleration, jerk
-        Limits [m/s², m/s³].
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> reached_acceleration(VelocityStep(velocity_step=0.01), acceleration=2.0, jerk=100.0)
-    1.0
-    """
-    if isinstance(move, VelocityStep):
-        velocity = move.velocity_step
-    else:
-        one = np.array([move.distance]), np.array([acceleration]), np.array([jerk])
-        velocity = float(_peak_velocity(one[0], move.max_velocity, *one[1:])[0])
-    return min(acceleration, sqrt(jerk * velocity))

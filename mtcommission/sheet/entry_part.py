@@ -61,14 +61,13 @@ def entry_rows(record: Record, words: Catalogue) -> list[Row]:
     a = _in_units(
         acceleration(record, words),
         limits.acceleration,
-        "s",
         2,
         named.get("acceleration", ""),
         words,
     )
     rows: list[Row] = [(text("acceleration"), "acceleration", a)]
     if part.jerk != "none":
-        j = _in_units(jerk(record, words), limits.jerk, "s", 3, named.get("jerk", ""), words)
+        j = _in_units(jerk(record, words), limits.jerk, 3, named.get("jerk", ""), words)
         rows += [(text("jerk"), "jerk", j)]
     if part.jerk == "time":
         rows.append((text("jerk-time"), "jerk", f.quantity(limits.jerk_time, "s")))
@@ -185,14 +184,14 @@ def _at_shaft(record: Record, shown: str, value: float | None, unit: str, words:
     return words.text("at-shaft", own=shown, shaft=words.format.quantity(value * r**2, unit))
 
 
-def _in_units(shown: str, value: float, time: str, power: int, own: str, words: Catalogue) -> str:
+def _in_units(shown: str, value: float, power: int, own: str, words: Catalogue) -> str:
     """Return acceleration or jerk, also in the unit that the control's parameter names."""
     f = words.format
-    if words.rotary and f"rev/{time}^{power}" in own:
-        return f"{shown} = {f.quantity(value / (2.0 * pi), f'rev/{time}^{power}')}"
-    if not words.rotary and f"mm/{time}^{power}" in own:
+    if words.rotary and f"rev/s^{power}" in own:
+        return f"{shown} = {f.quantity(value / (2.0 * pi), f'rev/s^{power}')}"
+    if not words.rotary and f"mm/s^{power}" in own:
         sign = {2: "²", 3: "³"}[power]
-        return f"{shown} = {f.with_unit(f.number(1e3 * value), f'mm/{time}{sign}')}"
+        return f"{shown} = {f.with_unit(f.number(1e3 * value), f'mm/s{sign}')}"
     return shown
 
 

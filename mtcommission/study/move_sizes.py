@@ -154,13 +154,6 @@ def compare_move_sizes(
     return vary_move_sizes(machine, tuned, ways)
 
 
-def resize(move: Move, share: float) -> Move:
-    """Return the same move with its velocity step or distance times a share [-]."""
-    if isinstance(move, VelocityStep):
-        return replace(move, velocity_step=share * move.velocity_step)
-    return replace(move, distance=share * move.distance)
-
-
 def full_size(way: SetpointWay, move: Move) -> float:
     """Return the size from which a move reaches the acceleration [m/s or m].
 

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 import tomlkit
 
-from mtcommission import __version__
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message, Value
 from mtcommission.optimal.solution import Bound
 from mtcommission.units.quantities import NUMBER
 from mtcommission.units.symbols import read_unit
+from mtcommission.version import __version__
 
 FORCE_KEY = "drive.max_force"
 PEAKS_KEY = "requirements.peaks."

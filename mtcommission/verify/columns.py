@@ -9,7 +9,7 @@ from math import pi
 from mtcommission.errors import Fault, InputError
 from mtcommission.identify.formats.contents import Column
 from mtcommission.identify.formats.heads import words_of
-from mtcommission.identify.formats.plain import CLOCK, SAMPLE_TIME, find_column
+from mtcommission.identify.formats.plain import find_columns
 from mtcommission.identify.meaning.columns import place_in, says_setpoint, signals_in
 from mtcommission.identify.meaning.units import SignalUnit, read_signal_unit
 from mtcommission.identify.measurement import Sensor, Signal
@@ -107,16 +107,12 @@ def read_meanings(
     InputError
         A name that is none of ours, a unit that does not fit, or two columns for one role.
     """
-    names = [column.name for column in columns]
-    given: dict[int, tuple[Role, str]] = {}
-    for name, wanted in said.items():
-        if name in (CLOCK, SAMPLE_TIME):
-            continue
-        if name not in NAMES:
-            message = Message("identify-no-such-name", got=name, names=tuple(NAMES))
-            raise InputError([Fault(where="--columns", message=message)])
-        place, unit = find_column(names, wanted)
-        given[place] = (NAMES[name], unit or columns[place].unit)
+    given = {
+        place: (NAMES[name], unit or columns[place].unit)
+        for place, (name, unit) in find_columns(
+            [column.name for column in columns], said, NAMES
+        ).items()
+    }
     taken = {role for role, _ in given.values()}
     found: list[Meaning | None] = []
     for place, column in enumerate(columns):

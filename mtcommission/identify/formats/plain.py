@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -58,9 +58,7 @@ class _Head:
     words: tuple[str, ...]
 
 
-def read_plain(
-    lines: Sequence[str], columns: Mapping[str, str], *, where: str, format_kind: str
-) -> FileContents:
+def read_plain(lines: Sequence[str], columns: Mapping[str, str], *, where: str) -> FileContents:
     """Return what a table holds.
 
     Parameters
@@ -71,8 +69,6 @@ def read_plain(
         ``--columns``: our names to those of the file.
     where
         Its name, for errors.
-    format_kind
-        Message that names the format where the columns have no names.
 
     Raises
     ------
@@ -96,7 +92,9 @@ def read_plain(
             remarks=tuple(remarks),
         )  # fmt: skip
     record, more = _record(table, heads, columns, where=where)
-    kind = Message("identify-format-time-table" if any(table.heads) else format_kind)
+    kind = Message(
+        "identify-format-time-table" if any(table.heads) else "identify-format-halsampler"
+    )
     return FileContents(
         format=kind, items=(record,), measured_on=on, state=state, said=said,
         remarks=(*remarks, *more),
@@ -121,9 +119,7 @@ def _positive(text: str) -> float | None:
     return value if 0.0 < value < np.inf else None
 
 
-def find_column(
-    names: Sequence[str], wanted: str, *, where: str = "--columns"
-) -> tuple[int, str | None]:
+def find_column(names: Sequence[str], wanted: str) -> tuple[int, str | None]:
     """Return the place of a column that ``--columns`` names, and the unit that it gives it.
 
     Parameters
@@ -132,8 +128,6 @@ def find_column(
         Of the file's columns.
     wanted
         Name or number from 1, possibly with a unit in brackets.
-    where
-        For errors.
 
     Raises
     ------
@@ -153,7 +147,37 @@ def find_column(
     if name.isdigit() and 1 <= int(name) <= len(names):
         return int(name) - 1, unit or None
     found = tuple(f"{place}: {one or '?'}" for place, one in enumerate(names, start=1))
-    raise refuse(where, "identify-no-column", got=wanted, found=found)
+    raise refuse("--columns", "identify-no-column", got=wanted, found=found)
+
+
+def find_columns(
+    names: Sequence[str], said: Mapping[str, str], known: Collection[str]
+) -> dict[int, tuple[str, str | None]]:
+    """Return our name and the unit given for each column that ``--columns`` names, by its place.
+
+    Parameters
+    ----------
+    names
+        Of the file's columns.
+    said
+        ``--columns``: our names to those of the file; those of the clock are left out.
+    known
+        Our names for signals.
+
+    Raises
+    ------
+    InputError
+        A name that is none of ours, or no such column.
+    """
+    found = {}
+    for own, wanted in said.items():
+        if own in (CLOCK, SAMPLE_TIME):
+            continue
+        if own not in known:
+            raise refuse("--columns", "identify-no-such-name", got=own, names=tuple(known))
+        place, unit = find_column(names, wanted)
+        found[place] = (own, unit)
+    return found
 
 
 def _find(

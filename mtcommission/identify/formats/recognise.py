@@ -53,4 +53,4 @@ def read_contents(data: bytes, columns: Mapping[str, str], *, where: str) -> Fil
         return read_twincat(lines, where=where)
     if header_of(lines):
         return read_klipper(lines, where=where)
-    return read_plain(lines, columns, where=where, format_kind="identify-format-halsampler")
+    return read_plain(lines, columns, where=where)

@@ -13,7 +13,7 @@ from itertools import pairwise
 from mtcommission.errors import Fault, InputError, Refused
 from mtcommission.identify.formats.contents import Column, TimeContents
 from mtcommission.identify.formats.heads import words_of
-from mtcommission.identify.formats.plain import CLOCK, SAMPLE_TIME, find_column
+from mtcommission.identify.formats.plain import SAMPLE_TIME, find_columns
 from mtcommission.identify.given import Given
 from mtcommission.identify.meaning.checks import find_clipping, find_unit_slip
 from mtcommission.identify.meaning.clock import EvenClock, even_clock
@@ -121,16 +121,7 @@ def _sample_time(given: Given) -> float:
 
 def _meanings(columns: Sequence[Column], given: Given, *, where: str) -> list[_Meaning | None]:
     """What each column is; None for one that nobody knows."""
-    names = [column.name for column in columns]
-    said: dict[int, tuple[str, str | None]] = {}
-    for own, wanted in given.columns.items():
-        if own in (CLOCK, SAMPLE_TIME):
-            continue
-        if own not in _OWN:
-            message = Message("identify-no-such-name", got=own, names=tuple(_OWN))
-            raise InputError([Fault(where="--columns", message=message)])
-        place, unit = find_column(names, wanted)
-        said[place] = (own, unit)
+    said = find_columns([column.name for column in columns], given.columns, _OWN)
     found: list[_Meaning | None] = []
     for place, column in enumerate(columns):
         own, unit = said.get(place, (column.name.casefold().replace(" ", "_"), None))

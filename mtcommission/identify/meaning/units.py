@@ -89,18 +89,6 @@ def read_signal_unit(text: str) -> SignalUnit | None:
     return None
 
 
-def read_time_unit(text: str) -> float | None:
-    """Return the seconds in a unit of time; None if it is none.
-
-    Examples
-    --------
-    >>> read_time_unit("ms")
-    0.001
-    """
-    units = _meanings(text.strip())
-    return next((unit.si_value for unit in units if unit.exponents == (0, 0, 1, 0)), None)
-
-
 def read_response_unit(text: str) -> ResponseUnit | None:
     """Return what the unit of a response measures; None if it does not tell.
 

@@ -22,9 +22,6 @@ MOST_BUSY = 0.05
 BEFORE = 0.005
 """Time before a blow at which its part of the record begins [s]."""
 
-DIED_AWAY = 0.1
-"""Share of its largest value that a response may have where its part of the record ends."""
-
 USEFUL = 1e-2
 """Power of the blow over that at low frequency, down to which lines are kept: 20 dB."""
 

@@ -22,7 +22,6 @@ from mtcommission.loop.analysis.block_responses import (
     BlockResponses,
     Blocks,
     PlantResponse,
-    build_blocks,
     resolvent,
     scan_blocks,
     scan_blocks_on_grid,
@@ -239,23 +238,6 @@ def frequency_response(plant: Plant, controller: Controller) -> FrequencyRespons
     """
     scanned = scan_blocks_on_grid(plant, controller)
     return refine(controller, scanned.blocks, scan(controller, scanned))
-
-
-def respond_at(plant: Plant, controller: Controller, *, omega: Array) -> FrequencyResponse:
-    """Return open and closed loop at given frequencies.
-
-    Parameters
-    ----------
-    plant, controller
-        The loop.
-    omega
-        Shape (n,), below the Nyquist frequency of the velocity cycle [rad/s].
-
-    Returns
-    -------
-    FrequencyResponse
-    """
-    return scan(controller, scan_blocks(build_blocks(plant, controller), omega))
 
 
 def _reference_model(controller: Controller, z: ComplexArray) -> ComplexArray:

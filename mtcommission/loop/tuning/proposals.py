@@ -115,17 +115,13 @@ class Proposals:
     remark: Message | None = None
 
 
-def cascade_family(
-    machine: Machine, settings: TuningSettings, *, bench: CornerPlants | None = None
-) -> LoopFamily:
+def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
     """Return the cascades of a machine, with its state gains where these are given.
 
     Parameters
     ----------
     machine, settings
         As for ``tune_loop``.
-    bench
-        The machine in every corner, where it is known already.
 
     Returns
     -------
@@ -136,7 +132,7 @@ def cascade_family(
     ComputationError
         NOT_OBSERVABLE or FEEDBACK_DESIGN_FAILED, for given state gains.
     """
-    bench = bench or corner_plants(machine)
+    bench = corner_plants(machine)
     controller = build_cascade(machine, bench.model, fraction=1.0)
     if machine.control.state_feedback is StateFeedback.GIVEN:
         controller = given_state_feedback(machine, bench.model, controller, settings=settings)

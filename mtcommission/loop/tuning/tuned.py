@@ -163,13 +163,7 @@ def corner_plants(machine: Machine) -> CornerPlants:
     )
 
 
-def close_loop(
-    bench: CornerPlants,
-    controller: Controller,
-    *,
-    remarks: tuple[Message, ...] = (),
-    warnings: tuple[Message, ...] = (),
-) -> TunedLoop:
+def close_loop(bench: CornerPlants, controller: Controller) -> TunedLoop:
     """Return the controller on the machine in every corner, analysed.
 
     Parameters
@@ -178,8 +172,6 @@ def close_loop(
         From ``corner_plants``.
     controller
         With every gain resolved.
-    remarks, warnings
-        Of the result.
 
     Returns
     -------
@@ -189,8 +181,7 @@ def close_loop(
         _close_on(plant, controller, frequency_response(plant, controller), model=bench.model)
         for plant in bench.plants
     ]
-    found = _gather(bench, controller, closed)
-    return replace(found, remarks=remarks, warnings=warnings)
+    return _gather(bench, controller, closed)
 
 
 def close_beside(tuned: TunedLoop, machine: Machine, place: Corner) -> TunedLoop:
