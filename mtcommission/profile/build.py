@@ -28,17 +28,13 @@ from mtcommission.machine.machine import (
     Weight,
 )
 from mtcommission.machine.mechanics import Mechanics
+from mtcommission.profile.control_tables import ControlTable, TodayTable, closes_in, cycle_of
+from mtcommission.profile.drive_tables import DriveTable, PositionSourceTable
 from mtcommission.profile.model import (
-    ControlTable,
     DampingOptimalTable,
-    DriveTable,
     MoveTable,
-    PositionSourceTable,
     ProfileTable,
     RequirementsTable,
-    TodayTable,
-    closes_in,
-    cycle_of,
 )
 
 MODE_BANDS = (0.4, 1.0, 4.0)

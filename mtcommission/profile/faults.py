@@ -13,6 +13,13 @@ from pydantic_core import ErrorDetails
 from mtcommission.errors import Fault
 from mtcommission.messages.message import Message
 from mtcommission.plant.kinds import KINDS
+from mtcommission.profile.control_tables import ControlTable, TodayTable
+from mtcommission.profile.drive_tables import (
+    POSITION_SOURCE,
+    SERVO,
+    DriveTable,
+    PositionSourceTable,
+)
 from mtcommission.profile.filter_tables import ForceFilterTable, SetpointFilterTable
 from mtcommission.profile.identified_tables import (
     IdentifiedTable,
@@ -21,19 +28,13 @@ from mtcommission.profile.identified_tables import (
 )
 from mtcommission.profile.lines import KeyLines, KeyPath, show_key
 from mtcommission.profile.model import (
-    POSITION_SOURCE,
-    SERVO,
-    ControlTable,
     DampingOptimalTable,
-    DriveTable,
     MachineTable,
     ModeBands,
     MoveTable,
-    PositionSourceTable,
     ProfileTable,
     RequirementsTable,
     ReserveTable,
-    TodayTable,
 )
 from mtcommission.profile.plant_tables import MOTOR_HELD, PLANT_TABLES, element_tables
 from mtcommission.profile.table import Table

@@ -20,9 +20,10 @@ from mtcommission.plant.kinds import KINDS
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import OUTPUTS
 from mtcommission.profile.build import build_machine
+from mtcommission.profile.drive_tables import POSITION_SOURCE
 from mtcommission.profile.faults import list_faults
 from mtcommission.profile.lines import KeyPath, find_key_lines, show_key
-from mtcommission.profile.model import MOST_ASSUMED, POSITION_SOURCE, ProfileTable
+from mtcommission.profile.model import MOST_ASSUMED, ProfileTable
 from mtcommission.profile.plant_tables import MOTOR_HELD, PLANT_TABLES
 from mtcommission.profile.syntax import load_toml
 from mtcommission.profile.values import Context, describe, find_close, one_of
