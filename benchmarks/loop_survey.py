@@ -25,7 +25,8 @@ import numpy as np
 from benchmarks.population import random_machine
 from mtcommission.errors import ComputationError
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
-from mtcommission.machine.machine import Machine, TcpSensor, moving_mass
+from mtcommission.machine.control import TcpSensor
+from mtcommission.machine.machine import Machine, moving_mass
 from tests.machines import random_modal_machine
 
 WANTED = TuningSettings()

@@ -13,8 +13,8 @@ from math import exp, inf, log, pi
 
 import numpy as np
 
+from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import (
-    Control,
     Drive,
     Machine,
     Modes,
@@ -23,7 +23,6 @@ from mtcommission.machine.machine import (
     Positioning,
     Requirements,
     Reserve,
-    StateFeedback,
     VelocityStep,
     moving_mass,
 )

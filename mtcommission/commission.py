@@ -26,8 +26,9 @@ from mtcommission.study.comparison import MoveComparison, compare_move
 from mtcommission.study.friction import FrictionEffect, examine_friction
 from mtcommission.study.improvements import Improvement, find_improvements
 from mtcommission.study.known_rules import evaluate_rules
-from mtcommission.study.loop_choice import LoopChoice, settle_on_loop, show_alternatives
+from mtcommission.study.loop_choice import settle_on_loop, show_alternatives
 from mtcommission.study.loop_study import LoopStudy, study_loop
+from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.machining_modes import ModeLimits, find_limits_by_mode
 from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
 from mtcommission.study.robustness import Robustness, examine_robustness

@@ -7,15 +7,8 @@ from math import pi
 import numpy as np
 
 from mtcommission.control_kinds.kinds import STATE_SPACE
-from mtcommission.machine.machine import (
-    Control,
-    Drive,
-    Machine,
-    Modes,
-    Requirements,
-    StateFeedback,
-    VelocityStep,
-)
+from mtcommission.machine.control import Control, StateFeedback
+from mtcommission.machine.machine import Drive, Machine, Modes, Requirements, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.plant.manipulator import Manipulator
 from mtcommission.plant.modal import Modal

@@ -17,7 +17,8 @@ import yaml
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller, no_observer
-from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Motion
+from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.variations import corners, vary
 from mtcommission.plant.plant import build_plant
 from tests.independent_loop import judge, profile_of, run, shaper

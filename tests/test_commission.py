@@ -15,7 +15,8 @@ from mtcommission.cli.terminal import show
 from mtcommission.commission import Commissioning, commission
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller, Observer
-from mtcommission.machine.machine import FilterKind, ForceFilter, Motion
+from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.machine import Motion
 from mtcommission.messages.quantities import Formatter
 from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.record.build import build_record

@@ -12,7 +12,8 @@ from scipy.integrate import solve_ivp
 from mtcommission.loop.simulate.continuous import simulate_continuous
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import Machine, Positioning, StateFeedback
+from mtcommission.machine.control import StateFeedback
+from mtcommission.machine.machine import Machine, Positioning
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bang, TimeOptimum, sample_evenly
 from mtcommission.plant.plant import Plant, build_plant

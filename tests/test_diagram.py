@@ -24,18 +24,12 @@ from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.state_feedback import add_state_feedback, design_observer, is_seen
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import (
-    FilterKind,
-    ForceFilter,
-    Machine,
-    StateFeedback,
-    TcpSensor,
-    VelocityStep,
-)
+from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
+from mtcommission.machine.machine import Machine, VelocityStep
 from mtcommission.profile.read import read_profile
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, sample_setpoint
-from mtcommission.study.loop_choice import LoopChoice
+from mtcommission.study.loop_trials import LoopChoice
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine
 

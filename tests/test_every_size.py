@@ -14,14 +14,8 @@ from mtcommission.limits.every.search import search_every_size
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import (
-    Machine,
-    Move,
-    Positioning,
-    StateFeedback,
-    VelocityStep,
-    moving_mass,
-)
+from mtcommission.machine.control import StateFeedback
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.plant.plant import build_plant

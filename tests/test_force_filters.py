@@ -22,12 +22,14 @@ from mtcommission.loop.tuning.tuned import (
     corner_plants,
     has_margins,
 )
-from mtcommission.machine.machine import FilterKind, ForceFilter, Machine
+from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.profile.shipped import read_shipped
-from mtcommission.study.loop_choice import LoopChoice, settle_on_loop, show_alternatives
+from mtcommission.study.loop_choice import settle_on_loop, show_alternatives
+from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.settings import Settings
 
 WANTED = TuningSettings()

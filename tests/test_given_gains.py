@@ -12,13 +12,15 @@ from mtcommission.loop.tuning.cascade import symmetrical_optimum
 from mtcommission.loop.tuning.proposals import cascade_family, propose_cascades
 from mtcommission.loop.tuning.tuned import TunedLoop, TuningSettings, has_margins
 from mtcommission.loop.tuning.tuning import check_loop, tune_loop
-from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, StateFeedback
+from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.loop_choice import LoopChoice, settle_on_loop
+from mtcommission.study.loop_choice import settle_on_loop
+from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.settings import Settings
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine

@@ -10,16 +10,12 @@ import pytest
 
 from mtcommission.control_kinds.kinds import GENERIC
 from mtcommission.loop.tuning.tuned import has_margins
-from mtcommission.machine.machine import Machine, StateFeedback
+from mtcommission.machine.control import StateFeedback
+from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
-from mtcommission.study.loop_choice import (
-    LATER,
-    LoopChoice,
-    pick_loop,
-    settle_on_loop,
-    show_state_feedback,
-)
+from mtcommission.study.loop_choice import settle_on_loop, show_state_feedback
+from mtcommission.study.loop_trials import LATER, LoopChoice, pick_loop
 from mtcommission.study.settings import Settings
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine

@@ -9,13 +9,14 @@ import pytest
 
 from mtcommission.loop.simulate.disturbance import simulate_disturbance
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import Machine, Requirements, StateFeedback
+from mtcommission.machine.control import StateFeedback
+from mtcommission.machine.machine import Machine, Requirements
 from mtcommission.machine.variations import corners
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.feedforward import follow_setpoint
-from mtcommission.study.loop_choice import LoopChoice
 from mtcommission.study.loop_study import study_loop
+from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.verdict.evaluate import evaluate, simulate_moves
 from tests.independent_loop import Profile, quiet_copy, run
 from tests.machines import paper_machine, random_modal_machine

@@ -9,7 +9,7 @@ import pytest
 
 from mtcommission.loop.tuning.mixing import MixedMode, explain_mixing, find_mixed_modes
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import StateFeedback
+from mtcommission.machine.control import StateFeedback
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import THIN_SPACE
 from tests.independent_loop import quiet_copy

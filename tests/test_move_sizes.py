@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import Control, Machine, Positioning, StateFeedback, VelocityStep
+from mtcommission.machine.control import Control, StateFeedback
+from mtcommission.machine.machine import Machine, Positioning, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.messages.message import Message

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from mtcommission.machine.machine import Control, Machine, Modes, Motion, Positioning, VelocityStep
+from mtcommission.machine.control import Control
+from mtcommission.machine.machine import Machine, Modes, Motion, Positioning, VelocityStep
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.plausibility import Remark, check_patience, check_plausibility
 from mtcommission.messages.catalogue import Catalogue

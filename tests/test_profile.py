@@ -12,16 +12,13 @@ import pytest
 
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import Fault, InputError
+from mtcommission.machine.control import FilterKind, StateFeedback, TcpSensor, Today
 from mtcommission.machine.machine import (
     NO_RESERVE,
-    FilterKind,
     Machine,
     Motion,
     Positioning,
     Reserve,
-    StateFeedback,
-    TcpSensor,
-    Today,
     VelocityStep,
 )
 from mtcommission.machine.setpoint_filter import SetpointFilter

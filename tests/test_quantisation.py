@@ -12,13 +12,8 @@ from benchmarks.population import random_machine
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import (
-    FilterKind,
-    ForceFilter,
-    Machine,
-    Positioning,
-    moving_mass,
-)
+from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.machine import Machine, Positioning, moving_mass
 from tests.independent_loop import profile_of, quiet_copy, run
 from tests.machines import paper_machine
 

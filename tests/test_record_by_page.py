@@ -11,7 +11,8 @@ import pytest
 
 from mtcommission.commission import commission
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, TcpSensor
+from mtcommission.machine.control import FilterKind, ForceFilter, TcpSensor
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.profile.read import read_profile
 from mtcommission.record.build import build_record

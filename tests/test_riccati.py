@@ -15,7 +15,7 @@ from mtcommission.loop.model.discrete import discretise_filter
 from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.riccati import observer_gains, regulator_gains
 from mtcommission.loop.tuning.tuning import TuningSettings, tune_loop
-from mtcommission.machine.machine import FilterKind, ForceFilter, StateFeedback, TcpSensor
+from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
 from mtcommission.profile.read import read_profile
 from tests.independent_loop import quiet_copy
 from tests.machines import paper_machine, random_modal_machine

@@ -13,7 +13,8 @@ from mtcommission.loop.batch.response import simulate_limits_batched
 from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Control, Machine, Peak, Positioning, StateFeedback
+from mtcommission.machine.control import Control, StateFeedback
+from mtcommission.machine.machine import Machine, Peak, Positioning
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE, peak_of
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.machine.variations import (
@@ -31,16 +32,14 @@ from mtcommission.plant.plant import build_plant
 from mtcommission.record.robustness import robustness_part
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import plan_setpoint, plan_within
-from mtcommission.study.robustness import (
+from mtcommission.study.kept_range import (
     FrequencyError,
-    RobustnessSettings,
-    examine_robustness,
     find_damping_range,
     find_frequency_error,
-    find_sensitivities,
-    run_monte_carlo,
     warn_of_narrow_range,
 )
+from mtcommission.study.robustness import examine_robustness, find_sensitivities, run_monte_carlo
+from mtcommission.study.settings import RobustnessSettings
 from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine, slowly_decaying_machine
 

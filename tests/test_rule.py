@@ -37,15 +37,14 @@ from mtcommission.limits.every.families import Judged
 from mtcommission.limits.rules_of_thumb import apply_rules_of_thumb
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.control import Control, StateFeedback
 from mtcommission.machine.machine import (
-    Control,
     Drive,
     Machine,
     Modes,
     Peak,
     Positioning,
     Requirements,
-    StateFeedback,
     VelocityStep,
     moving_mass,
 )

@@ -16,17 +16,8 @@ from mtcommission.loop.model.interpolation import delay_weights
 from mtcommission.loop.simulate.continuous import simulate_continuous
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import (
-    FilterKind,
-    ForceFilter,
-    Machine,
-    Move,
-    Positioning,
-    StateFeedback,
-    TcpSensor,
-    VelocityStep,
-    moving_mass,
-)
+from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, TcpSensor
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.machine.variations import vary
 from mtcommission.plant.manipulator import Manipulator

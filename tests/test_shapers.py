@@ -13,7 +13,8 @@ from mtcommission.control_kinds.kind import SHAPERS
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.loop.batch.echoes import behind_filter, linear
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Control, Positioning, StateFeedback, VelocityStep
+from mtcommission.machine.control import Control, StateFeedback
+from mtcommission.machine.machine import Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.shapers import EVEN, HUMPS
 from mtcommission.messages.catalogue import Catalogue

@@ -32,9 +32,7 @@ from mtcommission.limits.commissioning_rule.by_hand import RuleFormula, formulas
 from mtcommission.limits.commissioning_rule.rule import apply_commissioning_rule
 from mtcommission.loop.simulate.continuous import ContinuousResponse
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import (
-    Positioning,
-)
+from mtcommission.machine.machine import Positioning
 from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SET_FORCE
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.formula import Expression, find_symbols, write_formula

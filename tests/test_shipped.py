@@ -14,7 +14,8 @@ from mtcommission import cli
 from mtcommission.errors import InputError
 from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Motion, StateFeedback
+from mtcommission.machine.control import StateFeedback
+from mtcommission.machine.machine import Motion
 from mtcommission.machine.plausibility import check_plausibility
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant

@@ -14,14 +14,8 @@ from mtcommission.loop.batch.settling import settle
 from mtcommission.loop.batch.tables import build_tables, sketch_tables
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import (
-    Machine,
-    Move,
-    Positioning,
-    TcpSensor,
-    VelocityStep,
-    moving_mass,
-)
+from mtcommission.machine.control import TcpSensor
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.setpoint.setpoint import (

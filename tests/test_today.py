@@ -8,13 +8,14 @@ from math import inf
 import pytest
 
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Machine, Today
+from mtcommission.machine.control import Today
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import moving_average
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.robustness import RobustnessSettings
+from mtcommission.study.settings import RobustnessSettings
 from mtcommission.study.today import TodaysValues, judge_today
 from mtcommission.verdict.evaluate import evaluate
 from tests.machines import paper_machine

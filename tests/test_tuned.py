@@ -32,7 +32,8 @@ from mtcommission.loop.tuning.tuned import (
     has_margins,
     scan_corners,
 )
-from mtcommission.machine.machine import Machine, TcpSensor
+from mtcommission.machine.control import TcpSensor
+from mtcommission.machine.machine import Machine
 from mtcommission.profile.read import read_profile
 
 PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))

@@ -28,16 +28,14 @@ from mtcommission.loop.tuning.proposals import (
 from mtcommission.loop.tuning.state_feedback import design_observer, is_seen
 from mtcommission.loop.tuning.tuned import close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop
-from mtcommission.machine.machine import (
+from mtcommission.machine.control import (
     FilterKind,
     ForceFilter,
-    Machine,
     StateFeedback,
     StateGain,
     TcpSensor,
-    VelocityStep,
-    moving_mass,
 )
+from mtcommission.machine.machine import Machine, VelocityStep, moving_mass
 from mtcommission.machine.variations import vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.modal import Modal

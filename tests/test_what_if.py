@@ -20,12 +20,13 @@ from mtcommission.loop.model.assembly import build_loop
 from mtcommission.loop.simulate.response import simulate
 from mtcommission.loop.tuning.tuned import TunedLoop, close_beside, close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import FilterKind, ForceFilter, Machine, Move
+from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.machine import Machine, Move
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.languages import LANGUAGES
-from mtcommission.options import read_tried
+from mtcommission.options.simulate import read_tried
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.shipped import read_shipped
 from mtcommission.record.what_if import what_if_part

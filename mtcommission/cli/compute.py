@@ -142,7 +142,7 @@ def optimal(
     from mtcommission.cli.optimum_view import describe_optimum
     from mtcommission.cli.terminal import show
     from mtcommission.files import require_writable, write_text
-    from mtcommission.options import (
+    from mtcommission.options.optimal import (
         OptimalRequest,
         final_time_origin,
         read_optimal_request,
@@ -286,7 +286,7 @@ def simulate(
     """
     from mtcommission.files import require_writable, write_text
     from mtcommission.limits.optima import require_force
-    from mtcommission.options import read_limits, read_tried, require_short_moves
+    from mtcommission.options.simulate import read_limits, read_tried, require_short_moves
 
     require_writable(json_file, csv_file, inputs=[profile])
     machine = read_machine(profile, f_max, sizes=sizes)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def read_machine(profile: Path, f_max: str, *, sizes: str = "") -> Machine:
     """Return the machine of a profile, with what ``--f-max`` and ``--for`` say in its place."""
-    from mtcommission.options import with_sizes
+    from mtcommission.options.machine import with_sizes
     from mtcommission.profile.read import read_profile
 
     machine = _with_force(read_profile(profile), f_max)
@@ -23,7 +23,7 @@ def read_machine(profile: Path, f_max: str, *, sizes: str = "") -> Machine:
 
 def parse_machine(source: ProfileSource, f_max: str, *, where: Path, sizes: str = "") -> Machine:
     """Return the machine of a profile that was read already, so that record and machine agree."""
-    from mtcommission.options import with_sizes
+    from mtcommission.options.machine import with_sizes
     from mtcommission.profile.read import parse_profile
 
     machine = _with_force(parse_profile(source.text, where=str(where)), f_max)
@@ -31,7 +31,7 @@ def parse_machine(source: ProfileSource, f_max: str, *, where: Path, sizes: str 
 
 
 def _with_force(machine: Machine, f_max: str) -> Machine:
-    from mtcommission.options import with_force
+    from mtcommission.options.machine import with_force
 
     speak_of(machine)
     return with_force(machine, f_max) if f_max else machine

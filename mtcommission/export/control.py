@@ -12,7 +12,7 @@ from mtcommission.export.layout import Layout
 from mtcommission.export.row import Key, Row, Setting, Values
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import MICRO, MILLI
-from mtcommission.machine.machine import FilterKind
+from mtcommission.machine.control import FilterKind
 from mtcommission.messages.message import Message
 from mtcommission.units.axis_units import AxisUnits
 

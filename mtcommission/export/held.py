@@ -10,13 +10,8 @@ from mtcommission.errors import ComputationError, Fault, InputError
 from mtcommission.export.row import Key, Setting, Values, unreadable
 from mtcommission.export.subject import Subject
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import (
-    Control,
-    FilterKind,
-    ForceFilter,
-    Machine,
-    StateFeedback,
-)
+from mtcommission.machine.control import Control, FilterKind, ForceFilter, StateFeedback
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant

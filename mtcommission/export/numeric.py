@@ -16,7 +16,7 @@ from mtcommission.export.layout import MACHINE_DATA, NAMED_LIST, TABLE
 from mtcommission.export.row import Row, Setting, Values, fixed
 from mtcommission.export.subject import Subject
 from mtcommission.export.wording import DEGREE, MICRO, MILLI, TURN, name_mode, show_value
-from mtcommission.machine.machine import FilterKind
+from mtcommission.machine.control import FilterKind
 from mtcommission.messages.message import Message
 
 HUNDREDTH = 0.01

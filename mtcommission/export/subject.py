@@ -16,14 +16,8 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.export.wording import DEGREE, MILLI
 from mtcommission.loop.model.controller import Controller, handing_down_delay
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.machine import (
-    FilterKind,
-    ForceFilter,
-    Machine,
-    Motion,
-    StateFeedback,
-    StateGain,
-)
+from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, StateGain
+from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message

@@ -10,12 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf, isfinite, log
 
-from mtcommission.machine.machine import (
-    Machine,
-    Motion,
-    VelocityStep,
-    moving_mass,
-)
+from mtcommission.machine.machine import Machine, Motion, VelocityStep, moving_mass
 from mtcommission.machine.mechanics import FlexibleMode
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.messages.message import Message

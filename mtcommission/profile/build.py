@@ -7,8 +7,8 @@ from math import inf
 
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.control_kinds.kinds import KINDS
+from mtcommission.machine.control import Control, StateFeedback, StateGain, TcpSensor, Today
 from mtcommission.machine.machine import (
-    Control,
     DampingOptimal,
     Drive,
     DriveKind,
@@ -20,10 +20,6 @@ from mtcommission.machine.machine import (
     Positioning,
     Requirements,
     Reserve,
-    StateFeedback,
-    StateGain,
-    TcpSensor,
-    Today,
     VelocityStep,
     Weight,
 )

@@ -16,7 +16,7 @@ from mtcommission.control_kinds.kind import (
     ControlKind,
     FilterChoice,
 )
-from mtcommission.machine.machine import FilterKind, ForceFilter
+from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.mechanics import Misfit
 from mtcommission.machine.ranges import FILTER_DAMPINGS, FILTER_TIMES, FREQUENCIES, TAPS
 from mtcommission.machine.setpoint_filter import SetpointFilter

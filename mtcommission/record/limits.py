@@ -37,9 +37,9 @@ from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT
 from mtcommission.setpoint.smaller_moves import size_of
 from mtcommission.study.attainable import Attainable
 from mtcommission.study.improvements import Improvement
+from mtcommission.study.kept_range import DampingRange, FrequencyError
 from mtcommission.study.machining_modes import NO_LIMITS, ModeLimits
 from mtcommission.study.move_sizes import MoveSizes
-from mtcommission.study.robustness import DampingRange, FrequencyError
 from mtcommission.study.today import TodaysValues
 from mtcommission.verdict.evaluate import Candidate
 

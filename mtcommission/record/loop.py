@@ -34,8 +34,8 @@ from mtcommission.record.schema.loop import (
 )
 from mtcommission.record.schema.values import ForceFilterEntry, Series
 from mtcommission.record.shape import entry_of, finite_or_none
-from mtcommission.study.loop_choice import LoopTrial, LoopVariant
 from mtcommission.study.loop_study import LoopStudy
+from mtcommission.study.loop_trials import LoopTrial, LoopVariant
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,8 @@ from mtcommission.record.schema.robustness import (
     SensitivityEntry,
 )
 from mtcommission.record.shape import entry_of, finite_or_none
-from mtcommission.study.robustness import DAMPING_FACTORS, MonteCarlo, Robustness
+from mtcommission.study.kept_range import DAMPING_FACTORS
+from mtcommission.study.robustness import MonteCarlo, Robustness
 
 Array = NDArray[np.float64]
 

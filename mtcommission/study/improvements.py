@@ -25,11 +25,13 @@ from mtcommission.loop.tuning.proposals import (
 )
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
-from mtcommission.machine.machine import Control, Machine
+from mtcommission.machine.control import Control
+from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import build_plant
 from mtcommission.study.comparison import ROBUST, MoveComparison
-from mtcommission.study.loop_choice import WITH, LoopChoice
+from mtcommission.study.loop_choice import WITH
+from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.settings import Settings
 
 KNOWN_SPREAD = 0.02

@@ -11,7 +11,7 @@ from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.study.loop_choice import LoopChoice
+from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.verdict.evaluate import simulate_moves
 
 PUSH_TIME = 0.3

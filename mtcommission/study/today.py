@@ -8,15 +8,13 @@ from mtcommission.errors import ComputationError
 from mtcommission.loop.model.controller import Controller, no_observer
 from mtcommission.loop.simulation_budget import MOST_SLOW_CYCLES, require_few_cycles
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
-from mtcommission.machine.machine import Machine, Today
+from mtcommission.machine.control import Today
+from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
-from mtcommission.study.robustness import (
-    FrequencyError,
-    RobustnessSettings,
-    find_frequency_error,
-)
+from mtcommission.study.kept_range import FrequencyError, find_frequency_error
+from mtcommission.study.settings import RobustnessSettings
 from mtcommission.verdict.assess import describe_place
 from mtcommission.verdict.evaluate import Candidate, evaluate
 

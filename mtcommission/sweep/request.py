@@ -9,7 +9,8 @@ from pathlib import Path
 
 from mtcommission.errors import Fault, InputError
 from mtcommission.messages.message import Message
-from mtcommission.options import read_bound, require_move, require_one_of
+from mtcommission.options.optimal import read_bound
+from mtcommission.options.texts import require_move, require_one_of
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile, read_profile_text
 from mtcommission.sweep.case_table import load_cases

@@ -12,7 +12,8 @@ from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.condense import condense
 from mtcommission.loop.simulate.response import LoopResponse, simulate
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import Machine, TcpSensor, Weight
+from mtcommission.machine.control import TcpSensor
+from mtcommission.machine.machine import Machine, Weight
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights

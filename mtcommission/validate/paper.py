@@ -6,16 +6,8 @@ Source: B. Christiansen, H. Maurer, O. Zirn, Optimal Control of Machine Tool Man
 from __future__ import annotations
 
 from mtcommission.control_kinds.kinds import STATE_SPACE
-from mtcommission.machine.machine import (
-    Control,
-    Drive,
-    Machine,
-    Modes,
-    Requirements,
-    StateFeedback,
-    VelocityStep,
-    Weight,
-)
+from mtcommission.machine.control import Control, StateFeedback
+from mtcommission.machine.machine import Drive, Machine, Modes, Requirements, VelocityStep, Weight
 from mtcommission.plant.manipulator import Manipulator
 
 MECHANICS = Manipulator(

@@ -16,7 +16,8 @@ from mtcommission.loop.model.friction import find_friction
 from mtcommission.loop.simulate.driven import drive_loop
 from mtcommission.loop.tuning.following import follow
 from mtcommission.loop.tuning.tuned import corner_plants
-from mtcommission.machine.machine import FilterKind, ForceFilter, Machine
+from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant, build_plant
 from mtcommission.profile.read import parse_profile

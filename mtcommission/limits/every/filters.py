@@ -11,7 +11,7 @@ import numpy as np
 
 from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGES, FilterChoice
 from mtcommission.loop.model.assembly import SampledLoop
-from mtcommission.machine.machine import Control
+from mtcommission.machine.control import Control
 from mtcommission.machine.setpoint_filter import SetpointFilter
 
 TIMES = 8

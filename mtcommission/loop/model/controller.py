@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import PositionLoop
-from mtcommission.machine.machine import FilterKind, ForceFilter
+from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.loop.model.controller import Controller, filter_polynomials
-from mtcommission.machine.machine import ForceFilter
+from mtcommission.machine.control import ForceFilter
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]

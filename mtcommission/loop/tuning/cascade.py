@@ -20,7 +20,8 @@ from mtcommission.loop.model.controller import (
     handing_down_delay,
     no_observer,
 )
-from mtcommission.machine.machine import Machine, TcpSensor, mid_payload, moving_mass
+from mtcommission.machine.control import TcpSensor
+from mtcommission.machine.machine import Machine, mid_payload, moving_mass
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 

@@ -12,7 +12,7 @@ import numpy as np
 from mtcommission.loop.tuning.cascade import Shape
 from mtcommission.loop.tuning.proposals import LoopFamily, tune_with_filters
 from mtcommission.loop.tuning.tuned import TunedLoop
-from mtcommission.machine.machine import FilterKind, ForceFilter
+from mtcommission.machine.control import FilterKind, ForceFilter
 
 PLACES = (0.9, 1.0, 1.1)
 WIDTHS = (0.2, 0.5)

@@ -32,7 +32,8 @@ from mtcommission.loop.tuning.tuned import (
     corner_plants,
     scan_corners,
 )
-from mtcommission.machine.machine import ForceFilter, Machine, StateFeedback
+from mtcommission.machine.control import ForceFilter, StateFeedback
+from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]

@@ -30,7 +30,8 @@ from mtcommission.loop.tuning.tuned import (
     corner_plants,
     describe_margins,
 )
-from mtcommission.machine.machine import Machine, StateFeedback
+from mtcommission.machine.control import StateFeedback
+from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 
 __all__ = ["TunedLoop", "TuningSettings", "check_loop", "tune_loop"]
