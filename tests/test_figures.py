@@ -188,7 +188,6 @@ def test_the_chosen_point_of_a_map_is_explained():
         x=np.array([1.0, 2.0, 4.0]),
         y=np.array([1.0, 2.0]),
         values=np.array([[1.0, 2.0, np.nan], [2.0, 4.0, 8.0]]),
-        missing_label="m",
         chosen=Mark(label="chosen", x=2.0, y=1.5, style=0),
     )
     svg = draw_svg(plot, decimal_mark=",").decode()

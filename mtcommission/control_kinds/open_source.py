@@ -77,8 +77,15 @@ LINUXCNC = ControlKind(
 )
 
 
-def _steps(source: str, **read_there: Feature) -> Mapping[str, Feature]:
-    """Evidence of a control that sends steps: none of the loop, but for what was read."""
+def _sends_steps(
+    key: str,
+    source: str,
+    *,
+    features: Mapping[str, Feature],
+    jerk: Jerk = Jerk.NONE,
+    setpoint_filters: tuple[FilterChoice, ...] = (),
+) -> ControlKind:
+    """A control that sends steps: it has nothing of a loop, but for what was read."""
     common = dict.fromkeys(FEATURES, read(source, note="None: steps go out open loop."))
     pulses = "The pulses themselves carry the velocity; no parameter."
     common["velocity_feedforward"] = read(source, note=pulses)
@@ -87,15 +94,27 @@ def _steps(source: str, **read_there: Feature) -> Mapping[str, Feature]:
         "stiff loop in the drive stands in for it."
     )
     common["position_loops"] = read(source, note=stand_in)
-    return common | read_there
+    common["modes"] = common["setpoint_filters"] = read(source, note="None.")
+    return ControlKind(
+        key=key,
+        follows_steps=True,
+        jerk=jerk,
+        setpoint_filters=setpoint_filters,
+        acceleration_feedforward=False,
+        reference_delay=False,
+        position_loops=(PositionLoop.DRIVE,),
+        position_cycle=1e-3,
+        features=common | dict(features),
+    )
 
 
 KLIPPER_SHAPERS = SHAPERS[:6]
 MOST_DAMPING = {"ei": 0.4, "2hump_ei": 0.3, "3hump_ei": 0.2}
 """Largest damping ratios that Klipper takes, where it is not 0.99."""
 
-KLIPPER = ControlKind(
-    key="klipper",
+KLIPPER = _sends_steps(
+    "klipper",
+    KLIPPER_SOURCE,
     setpoint_filters=tuple(
         FilterChoice(
             kind=shaper,
@@ -108,79 +127,58 @@ KLIPPER = ControlKind(
         )
         for shaper in KLIPPER_SHAPERS
     ),
-    follows_steps=True,
-    jerk=Jerk.NONE,
-    acceleration_feedforward=False,
-    reference_delay=False,
-    position_loops=(PositionLoop.DRIVE,),
-    position_cycle=1e-3,
-    features=_steps(
-        KLIPPER_SOURCE,
-        acceleration=read(
+    features={
+        "acceleration": read(
             KLIPPER_SOURCE,
             "[printer] max_accel [mm/s^2], float; max_z_accel",
             "minimum_cruise_ratio lowers the velocity of short moves.",
         ),
-        jerk=read(KLIPPER_SOURCE, note="None; square_corner_velocity is a step of velocity."),
-        modes=read(KLIPPER_SOURCE, note="None; by macro."),
-        setpoint_filters=read(
+        "jerk": read(KLIPPER_SOURCE, note="None; square_corner_velocity is a step of velocity."),
+        "modes": read(KLIPPER_SOURCE, note="None; by macro."),
+        "setpoint_filters": read(
             KLIPPER_SOURCE,
             "[input_shaper] shaper_type_x, shaper_freq_x [Hz], damping_ratio_x",
             "One shaper per axis. Damping at most 0.99, ei 0.4, 2hump_ei 0.3, 3hump_ei 0.2. The EI "
             "family as of 2025-09-16 (5da026a3), 3hump_ei as of 2026-03-31 (0d1445a7); earlier "
             "ones were ei_classic and so on. mzv(n, t) and ei(v_tol) of 2026 are not offered.",
         ),
-        reference_delay=read(
+        "reference_delay": read(
             KLIPPER_SOURCE, note="None; pulses are centred, so a shaper's delay is not one."
         ),
-    ),
+    },
 )
 
-GRBLHAL = ControlKind(
-    key="grblhal",
-    follows_steps=True,
-    acceleration_feedforward=False,
-    reference_delay=False,
-    position_loops=(PositionLoop.DRIVE,),
-    position_cycle=1e-3,
-    features=_steps(
-        GRBLHAL_SOURCE,
-        acceleration=read(GRBLHAL_SOURCE, "$120 + axis [mm/s^2, deg/s^2] 0.001"),
-        jerk=read(
+GRBLHAL = _sends_steps(
+    "grblhal",
+    GRBLHAL_SOURCE,
+    jerk=Jerk.LIMIT,
+    features={
+        "acceleration": read(GRBLHAL_SOURCE, "$120 + axis [mm/s^2, deg/s^2] 0.001"),
+        "jerk": read(
             GRBLHAL_SOURCE,
             "$800 + axis [mm/s^3, deg/s^3] 0.001",
             "Only in builds with ENABLE_JERK_ACCELERATION. The acceleration changes once per "
             "segment of 10 ms (default): jerk times near that cannot be promised.",
         ),
-        modes=read(GRBLHAL_SOURCE, note="None."),
-        setpoint_filters=read(GRBLHAL_SOURCE, note="None."),
-        position_cycle=read(
+        "position_cycle": read(
             GRBLHAL_SOURCE,
             "ACCELERATION_TICKS_PER_SECOND",
             "Velocity is a staircase of 10 ms segments, which is not simulated.",
         ),
-    ),
+    },
 )
 
-FLUIDNC = ControlKind(
-    key="fluidnc",
-    follows_steps=True,
-    jerk=Jerk.NONE,
-    acceleration_feedforward=False,
-    reference_delay=False,
-    position_loops=(PositionLoop.DRIVE,),
-    position_cycle=1e-3,
-    features=_steps(
-        FLUIDNC_SOURCE,
-        acceleration=read(FLUIDNC_SOURCE, "acceleration_mm_per_sec2 0.001..100 000, float"),
-        jerk=read(FLUIDNC_SOURCE, note="None; the word stands in one comment of the source."),
-        modes=read(FLUIDNC_SOURCE, note="None."),
-        setpoint_filters=read(FLUIDNC_SOURCE, note="None."),
-        position_cycle=read(
+FLUIDNC = _sends_steps(
+    "fluidnc",
+    FLUIDNC_SOURCE,
+    features={
+        "acceleration": read(FLUIDNC_SOURCE, "acceleration_mm_per_sec2 0.001..100 000, float"),
+        "jerk": read(FLUIDNC_SOURCE, note="None; the word stands in one comment of the source."),
+        "position_cycle": read(
             FLUIDNC_SOURCE,
             note="Velocity is a staircase of 10 ms segments, which is not simulated.",
         ),
-    ),
+    },
 )
 
 MARLIN_SHAPERS: Mapping[str, str] = {
@@ -195,8 +193,9 @@ MARLIN_SHAPERS: Mapping[str, str] = {
 }
 """Values of M493 C."""
 
-MARLIN = ControlKind(
-    key="marlin",
+MARLIN = _sends_steps(
+    "marlin",
+    MARLIN_SOURCE,
     setpoint_filters=tuple(
         FilterChoice(
             kind=shaper,
@@ -208,29 +207,21 @@ MARLIN = ControlKind(
         )
         for shaper, code in MARLIN_SHAPERS.items()
     ),
-    follows_steps=True,
-    jerk=Jerk.NONE,
-    acceleration_feedforward=False,
-    reference_delay=False,
-    position_loops=(PositionLoop.DRIVE,),
-    position_cycle=1e-3,
-    features=_steps(
-        MARLIN_SOURCE,
-        acceleration=read(EARLIER, "M201 [mm/s^2]", "M204 for print and travel (?)."),
-        jerk=read(
+    features={
+        "acceleration": read(EARLIER, "M201 [mm/s^2]", "M204 for print and travel (?)."),
+        "jerk": read(
             MARLIN_SOURCE,
             note="None; profiles of order 5 or 6 as build options, up to 1.875 times the "
             "acceleration. What Marlin calls jerk is a step of velocity.",
         ),
-        modes=read(MARLIN_SOURCE, note="None."),
-        setpoint_filters=read(
+        "setpoint_filters": read(
             MARLIN_SOURCE,
             "M593 X/Y F [Hz] D; M493 C, A [Hz], I 0.01..0.25; M494 [s]",
             "ZV, or with FT motion ZV to ZVDDD, EI, 2HEI, 3HEI, MZV per axis, 10 or 20 to 500 Hz; "
             "its EI family is the classical one (shaping.cpp at 195278e4).",
         ),
-        position_cycle=read(MARLIN_SOURCE, "FTM_FS", "FT motion computes at 1000 Hz."),
-    ),
+        "position_cycle": read(MARLIN_SOURCE, "FTM_FS", "FT motion computes at 1000 Hz."),
+    },
 )
 
 ROS2 = ControlKind(

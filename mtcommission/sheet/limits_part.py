@@ -206,7 +206,6 @@ def landscape(record: Record, words: Catalogue) -> Section:
         x=t_axis / t_scale.size,
         y=a_axis / a_scale.size,
         values=values / value_scale.size,
-        missing_label=text("not-settled"),
         chosen=chosen,
         contours=_borders(record, t_scale.size, a_scale.size, words),
     )

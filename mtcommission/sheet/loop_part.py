@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from math import inf, isfinite
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.quantities import symbol
 from mtcommission.record.schema.loop import CandidateEntry, LoopPart, Margins, VariantEntry
@@ -27,8 +24,6 @@ from mtcommission.sheet.model import (
     name_and_numbers,
 )
 from mtcommission.sheet.values import decibel, degree, settling
-
-Array = NDArray[np.float64]
 
 
 def loop_blocks(record: Record, words: Catalogue) -> tuple[Block, ...]:

@@ -172,8 +172,6 @@ class HeatMap:
         Shapes (n_x,) and (n_y,).
     values
         Shape (n_y, n_x); nan where there is no value.
-    missing_label
-        What nan means.
     chosen
         The chosen point.
     contours
@@ -189,7 +187,6 @@ class HeatMap:
     x: Array
     y: Array
     values: Array
-    missing_label: str
     chosen: Mark
     contours: tuple[Contour, ...] = ()
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from mtcommission.errors import ComputationError, Outcome
@@ -18,8 +17,6 @@ from mtcommission.validate.adjoint import follow_law
 from mtcommission.validate.cases import Cases
 from mtcommission.validate.paper import BOUNDED_T_F, FORCE_LIMIT, PEAKS, T_F, WEIGHTS
 from mtcommission.validate.row import Row, Verdict, claim_row, judge_claim, number_row
-
-Array = NDArray[np.float64]
 
 PEAK_TOLERANCE = 2e-3
 """Relative tolerance of a printed peak [-]: less than half of what 1e-4 s in t_f does to the

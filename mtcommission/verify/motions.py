@@ -38,8 +38,6 @@ class Recorded:
         Recorded signals beside predicted ones.
     modes
         Vibration in the dwell that belongs to each mode; None: not seen.
-    modes_at
-        Which signal showed them; None: none.
     """
 
     trace: Trace
@@ -52,7 +50,6 @@ class Recorded:
     applied_shift: float
     beside: tuple[Beside, ...]
     modes: tuple[FreeMode | None, ...]
-    modes_at: Role | None
 
     def find(self, role: Role) -> Beside | None:
         """Return one signal; None if it was not recorded."""
@@ -83,15 +80,14 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
         beside = lay_beside(rebuilt, trace, motion, prediction, shift=applied)
     rest = motion.end + rebuilt.controller.reference_delay + applied
     modes: tuple[FreeMode | None, ...] = tuple(None for _ in rebuilt.plant.modes)
-    modes_at = None
     for one in beside:
         if one.role is Role.FORCE or motion.is_cut:
             continue
         found = find_modes(rebuilt, one, rest=rest)
         if one.role is Role.ACCELERATION:
             found = tuple(mode and _as_position(mode) for mode in found)
-        if modes_at is None and any(found):
-            modes, modes_at = found, one.role
+        if not any(modes):
+            modes = found
     return Recorded(
         trace=trace,
         motion=motion,
@@ -103,7 +99,6 @@ def lay_out(rebuilt: Rebuilt, entered: MotionLimits, trace: Trace, motion: Motio
         applied_shift=applied,
         beside=beside,
         modes=modes,
-        modes_at=modes_at,
     )
 
 

@@ -19,8 +19,8 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.signal import lfilter
 
+from mtcommission.identify.responses.free_vibration import correlation_length
 from mtcommission.plant.plant import Plant
-from mtcommission.verify.ringing import correlation_length
 from mtcommission.verify.trace import Array, Role, Trace
 
 REACH = 4.0

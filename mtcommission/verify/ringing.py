@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from mtcommission.identify.measurement import FreeMode
+from mtcommission.identify.responses.free_vibration import correlation_length
 from mtcommission.verify.beside import FEWEST, Beside
 from mtcommission.verify.prediction import Rebuilt
 from mtcommission.verify.trace import Array
@@ -187,14 +188,3 @@ def _fit(
             amplitude=amplitude,
         )
     return found
-
-
-def correlation_length(rest: Array) -> float:
-    """Return how many samples are worth one independent sample, at least 1."""
-    power = np.abs(np.fft.rfft(rest, 2 * rest.size)) ** 2
-    lags = np.fft.irfft(power)[: rest.size // 4]
-    if lags.size < 2 or lags[0] <= 0.0:
-        return 1.0
-    rho = lags / lags[0]
-    end = int(np.argmax(rho < 0.05)) or rho.size
-    return float(max(1.0 + 2.0 * rho[1:end].sum(), 1.0))

@@ -32,8 +32,8 @@ class Verification:
 
     Parameters
     ----------
-    record, rebuilt, entered
-        The promises, the loop, and the limits that were entered.
+    record, rebuilt
+        The promises, and the loop.
     traces
         As they were read.
     recorded
@@ -48,7 +48,6 @@ class Verification:
 
     record: Record
     rebuilt: Rebuilt
-    entered: MotionLimits
     traces: tuple[Trace, ...]
     recorded: tuple[Recorded, ...]
     checks: tuple[Check, ...]
@@ -144,7 +143,6 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
     return Verification(
         record=record,
         rebuilt=rebuilt,
-        entered=entered,
         traces=tuple(traces),
         recorded=tuple(recorded),
         checks=checks,

@@ -231,7 +231,7 @@ def _refine(y: Array, t: Array, start: list[tuple[float, float]]) -> _Fit | None
     total = float(((y - y.mean()) ** 2).sum())
     if total == 0.0 or y.size <= 2 * free:
         return None
-    spread = _correlation_length(rest)
+    spread = correlation_length(rest)
     independent = y.size / spread
     noise = max(power, 1e-24 * total)
     criterion = independent * np.log(noise / y.size) + free * np.log(independent)
@@ -251,12 +251,11 @@ def _refine(y: Array, t: Array, start: list[tuple[float, float]]) -> _Fit | None
     return _Fit(rows, float(criterion), 1.0 - power / total)
 
 
-def _correlation_length(rest: Array) -> float:
-    """Samples that are worth one independent sample, at least 1."""
-    size = rest.size
-    power = np.abs(np.fft.rfft(rest, 2 * size)) ** 2
-    lags = np.fft.irfft(power)[: size // 4]
-    if lags[0] <= 0.0:
+def correlation_length(rest: Array) -> float:
+    """Return how many samples are worth one independent sample, at least 1."""
+    power = np.abs(np.fft.rfft(rest, 2 * rest.size)) ** 2
+    lags = np.fft.irfft(power)[: rest.size // 4]
+    if lags.size < 2 or lags[0] <= 0.0:
         return 1.0
     rho = lags / lags[0]
     end = int(np.argmax(rho < 0.05)) or rho.size
