@@ -18,8 +18,8 @@ from mtcommission.machine.machine import Positioning
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.profile.read import parse_profile
 from mtcommission.record.build import build_record
-from mtcommission.record.data import read_filter
 from mtcommission.record.files import dump_json
+from mtcommission.record.read_back import read_filter
 from mtcommission.record.schema.record import Profile, Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict

@@ -16,14 +16,14 @@ from mtcommission.errors import Fault, InputError
 from mtcommission.export.wording import DEGREE, MILLI
 from mtcommission.loop.model.controller import Controller, handing_down_delay
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
-from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback, StateGain
+from mtcommission.machine.control import StateFeedback, StateGain
 from mtcommission.machine.machine import Machine, Motion
 from mtcommission.machine.rigid_body import peak_velocity
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
-from mtcommission.profile.read import parse_profile, profile_text_hash
-from mtcommission.record.data import read_filter
+from mtcommission.profile.read import profile_text_hash
+from mtcommission.record.read_back import read_force_filters, read_limits, read_machine
 from mtcommission.record.schema.limits import ModeLimitsEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -179,23 +179,13 @@ def build_subject(record: Record, kind: ControlKind) -> Subject:
     machine = _as_recorded(record)
     tuned = tune_loop(machine)
     _require_same_loop(record, tuned)
-    recommended = record.limits.recommended
-    entry = recommended.setpoint_filter
     return Subject(
         record=record,
         kind=kind,
         machine=machine,
         controller=tuned.controller,
-        limits=MotionLimits(
-            acceleration=recommended.acceleration,
-            jerk=recommended.jerk,
-            setpoint_filter=read_filter(entry) if entry else None,
-        ),
+        limits=read_limits(record.limits.recommended),
     )
-
-
-FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
-"""What a record calls the bound of the drive."""
 
 
 def for_mode(machine: Machine, mode: ModeLimitsEntry | None) -> Machine:
@@ -217,8 +207,7 @@ def _require_own_profile(record: Record) -> None:
 
 def _as_recorded(record: Record) -> Machine:
     """The profile's machine with the record's force limit and gains in place of tuning."""
-    machine = parse_profile(record.profile.text, where=record.profile.name)
-    force = next(row.value for row in record.data if row.key in FORCE_LIMITS)
+    machine = read_machine(record)
     loop, gains = record.loop, record.loop.state_feedback
     control = replace(
         machine.control,
@@ -227,21 +216,12 @@ def _as_recorded(record: Record) -> Machine:
         integral_time=loop.Tn,
         reference_delay=loop.reference_delay,
         feedforward_mass=loop.feedforward.mass,
-        force_filters=tuple(
-            ForceFilter(
-                kind=FilterKind(item.kind),
-                natural_frequency=item.natural_frequency,
-                damping=item.damping,
-                width=item.width,
-            )
-            for item in loop.force_filters
-        ),
+        force_filters=read_force_filters(loop.force_filters),
         seeks_force_filters=False,
         state_feedback=StateFeedback.GIVEN if gains else StateFeedback.OFF,
         state_gains=tuple(StateGain(state=state, value=gain) for state, gain in gains.items()),
     )
-    drive = replace(machine.drive, max_force=float(force))
-    return replace(machine, drive=drive, control=control)
+    return replace(machine, control=control)
 
 
 def _require_same_loop(record: Record, tuned: TunedLoop) -> None:

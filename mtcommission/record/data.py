@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from math import isfinite
 
-from mtcommission.control_kinds.kind import FIR
 from mtcommission.machine.keys import list_quantities
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -172,17 +171,3 @@ def _source(machine: Machine, key: str, given: set[str], assumed: set[str]) -> M
 def filter_entry(item: SetpointFilter | None) -> SetpointFilterEntry | None:
     """Return a setpoint filter as the record holds it."""
     return entry_of(SetpointFilterEntry, item, item.impulses) if item else None
-
-
-def read_filter(entry: SetpointFilterEntry) -> SetpointFilter:
-    """Return the setpoint filter of a record's entry."""
-    is_fir = entry.kind == FIR
-    return SetpointFilter(
-        kind=entry.kind,
-        time=entry.time,
-        second_time=entry.second_time,
-        frequency_hz=entry.frequency_hz,
-        damping_ratio=entry.damping_ratio,
-        taps=tuple(entry.shares) if is_fir else (),
-        spacing=entry.delays[1] if is_fir else 0.0,
-    )

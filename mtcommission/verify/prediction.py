@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
@@ -16,11 +16,10 @@ from mtcommission.loop.model.friction import find_friction
 from mtcommission.loop.simulate.driven import drive_loop
 from mtcommission.loop.tuning.following import follow
 from mtcommission.loop.tuning.tuned import corner_plants
-from mtcommission.machine.control import FilterKind, ForceFilter
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import Corner
 from mtcommission.plant.plant import Plant, build_plant
-from mtcommission.profile.read import parse_profile
+from mtcommission.record.read_back import read_force_filters, read_machine
 from mtcommission.record.schema.loop import LoopPart
 from mtcommission.record.schema.record import Record
 from mtcommission.verify.setpoint import Motion
@@ -96,11 +95,7 @@ def rebuild(record: Record) -> Rebuilt:
     record
         Of a run.
     """
-    machine = parse_profile(record.profile.text, where=record.profile.name)
-    drive = machine.drive
-    taken = drive.max_force - drive.motion_force
-    limited = replace(drive, max_force=record.loop.motion_force + taken)
-    return close_again(replace(machine, drive=limited), record.loop)
+    return close_again(read_machine(record), record.loop)
 
 
 def close_again(machine: Machine, entry: LoopPart) -> Rebuilt:
@@ -203,15 +198,7 @@ def _controller(entry: LoopPart, plant: Plant) -> Controller:
         reference_delay=entry.reference_delay,
         velocity_cycle=entry.velocity_cycle,
         cycles=round(entry.position_cycle / entry.velocity_cycle),
-        force_filters=tuple(
-            ForceFilter(
-                kind=FilterKind(item.kind),
-                natural_frequency=item.natural_frequency,
-                damping=item.damping,
-                width=item.width,
-            )
-            for item in entry.force_filters
-        ),
+        force_filters=read_force_filters(entry.force_filters),
         sensors=tuple(entry.sensors),
         state_gains=np.array([entry.state_feedback.get(name, 0.0) for name in states]),
         observer=Observer(

@@ -11,7 +11,7 @@ import numpy as np
 from mtcommission.errors import Fault, InputError
 from mtcommission.machine.machine import VelocityStep
 from mtcommission.messages.message import Message
-from mtcommission.record.data import read_filter
+from mtcommission.record.read_back import read_limits
 from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.verify.checks import Check, Verdict, judge_all, worst
@@ -107,12 +107,7 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
         No trace holds a move from rest.
     """
     rebuilt = rebuild(record)
-    chosen = record.limits.recommended
-    entered = MotionLimits(
-        acceleration=chosen.acceleration,
-        jerk=chosen.jerk,
-        setpoint_filter=read_filter(chosen.setpoint_filter) if chosen.setpoint_filter else None,
-    )
+    entered = read_limits(record.limits.recommended)
     recorded: list[Recorded] = []
     warnings: list[Message] = []
     for trace in traces:

@@ -1,0 +1,63 @@
+"""Entries of a record -> the machine, limits and filters that they were made from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from mtcommission.control_kinds.kind import FIR
+from mtcommission.machine.control import FilterKind, ForceFilter
+from mtcommission.machine.machine import Machine
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.profile.read import parse_profile
+from mtcommission.record.schema.limits import LimitsEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
+from mtcommission.setpoint.motion_limits import MotionLimits
+
+FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
+"""What a record calls the bound of the drive."""
+
+
+def read_machine(record: Record) -> Machine:
+    """Return the machine of a record's profile, with the force limit of the run."""
+    machine = parse_profile(record.profile.text, where=record.profile.name)
+    force = next(row.value for row in record.data if row.key in FORCE_LIMITS)
+    return replace(machine, drive=replace(machine.drive, max_force=float(force)))
+
+
+def read_limits(entry: LimitsEntry) -> MotionLimits:
+    """Return recommended limits with their setpoint filter."""
+    item = entry.setpoint_filter
+    return MotionLimits(
+        acceleration=entry.acceleration,
+        jerk=entry.jerk,
+        setpoint_filter=read_filter(item) if item else None,
+    )
+
+
+def read_filter(entry: SetpointFilterEntry) -> SetpointFilter:
+    """Return the setpoint filter of a record's entry."""
+    is_fir = entry.kind == FIR
+    return SetpointFilter(
+        kind=entry.kind,
+        time=entry.time,
+        second_time=entry.second_time,
+        frequency_hz=entry.frequency_hz,
+        damping_ratio=entry.damping_ratio,
+        taps=tuple(entry.shares) if is_fir else (),
+        spacing=entry.delays[1] if is_fir else 0.0,
+    )
+
+
+def read_force_filters(entries: Iterable[ForceFilterEntry]) -> tuple[ForceFilter, ...]:
+    """Return the filters in the set-force path."""
+    return tuple(
+        ForceFilter(
+            kind=FilterKind(item.kind),
+            natural_frequency=item.natural_frequency,
+            damping=item.damping,
+            width=item.width,
+        )
+        for item in entries
+    )
