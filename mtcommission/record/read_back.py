@@ -15,14 +15,12 @@ from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
 from mtcommission.setpoint.motion_limits import MotionLimits
 
-FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
-"""What a record calls the bound of the drive."""
-
 
 def read_machine(record: Record) -> Machine:
     """Return the machine of a record's profile, with the force limit of the run."""
     machine = parse_profile(record.profile.text, where=record.profile.name)
-    force = next(row.value for row in record.data if row.key in FORCE_LIMITS)
+    data = {row.key: row.value for row in record.data}
+    force = data["drive.max_acceleration" if machine.drive.follows else "drive.max_force"]
     return replace(machine, drive=replace(machine.drive, max_force=float(force)))
 
 
