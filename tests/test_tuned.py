@@ -17,7 +17,7 @@ from mtcommission.loop.tuning.cascade import (
     build_cascade,
     symmetrical_optimum,
 )
-from mtcommission.loop.tuning.proposals import build, cascade_family, tune_shape
+from mtcommission.loop.tuning.family import build, cascade_family, tune_shape
 from mtcommission.loop.tuning.state_feedback import (
     add_state_feedback,
     design_observer,

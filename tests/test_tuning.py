@@ -18,13 +18,8 @@ from mtcommission.loop.analysis.frequency import frequency_response, scan
 from mtcommission.loop.model.controller import filter_polynomials
 from mtcommission.loop.tuning import state_feedback
 from mtcommission.loop.tuning.cascade import CLASSIC, build_cascade
-from mtcommission.loop.tuning.proposals import (
-    cascade_family,
-    integral_gain,
-    propose_cascades,
-    propose_feedback,
-    tune_shape,
-)
+from mtcommission.loop.tuning.family import cascade_family, tune_shape
+from mtcommission.loop.tuning.proposals import integral_gain, propose_cascades, propose_feedback
 from mtcommission.loop.tuning.state_feedback import design_observer, is_seen
 from mtcommission.loop.tuning.tuned import close_loop, corner_plants
 from mtcommission.loop.tuning.tuning import TunedLoop, TuningSettings, tune_loop

@@ -9,7 +9,7 @@ from rich.text import Text
 from mtcommission.cli.language import words
 from mtcommission.cli.terminal import heading, warn
 from mtcommission.record.schema.identified import IdentifiedPart
-from mtcommission.sheet.identified_part import doubts_and_notes, facts, mode_heads, mode_row
+from mtcommission.sheet.measured_blocks import doubts_and_notes, facts, mode_heads, mode_row
 
 
 def describe_identified(part: IdentifiedPart) -> Group:

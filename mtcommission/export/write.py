@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
-from math import inf, isfinite
 
 from mtcommission.control_kinds.kinds import KINDS
-from mtcommission.export.catalogue import find_control_key, name_control
+from mtcommission.export.catalogue import find_control_key
 from mtcommission.export.choose import Chosen, choose_limits, take
 from mtcommission.export.control import Control, complete
+from mtcommission.export.header import WIDTH, Judged, compose_header, find_lost_margins
 from mtcommission.export.held import (
     NOT_OF_A_SETPOINT,
     Held,
@@ -29,11 +28,8 @@ from mtcommission.export.open_source import OPEN_CONTROLS
 from mtcommission.export.plc import PLC_CONTROLS
 from mtcommission.export.row import Key, Row, Setting, Values, unreadable
 from mtcommission.export.subject import Subject, build_subject, for_mode
-from mtcommission.export.wording import name_mode, show_value, to_ascii
-from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
+from mtcommission.export.wording import to_ascii
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
-from mtcommission.record.data import ACCEPTED_DEFAULT
 from mtcommission.record.schema.limits import ModeLimitsEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -43,9 +39,6 @@ from mtcommission.verdict.evaluate import Candidate
 CONTROLS: Mapping[str, Control] = {
     control.key: control for control in (*NUMERIC_CONTROLS, *PLC_CONTROLS, *OPEN_CONTROLS)
 }
-
-WIDTH = 96
-"""Columns of the header's sentences."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,15 +124,15 @@ def export_record(
         for mode in record.limits.modes
         if mode not in kept and any(row.index == mode.name for row in rows)
     )
-    judged = _Judged(
+    judged = Judged(
         held=held,
         verdict=verdict,
         left_out=left_out,
-        lost_margins=_find_lost_margins(record, held),
+        lost_margins=find_lost_margins(record, held),
     )
     header = tuple(
         " ".join(to_ascii(words.say(line)).split())
-        for line in _header(subject, target, judged, written, words)
+        for line in compose_header(subject, target, judged, written, words)
     )
     head = [layout.comment(line) for sentence in header for line in wrap_whole(sentence, WIDTH)]
     met = all(found.assessment.is_met for found in (verdict, *by_mode.values()))
@@ -269,171 +262,3 @@ def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> li
         heading = wrap_whole(words.text("export-set-elsewhere"), WIDTH)
         lines += ["", *map(layout.comment, heading), *layout.write_elsewhere(elsewhere, words)]
     return lines
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Judged:
-    """What the text holds and does.
-
-    Parameters
-    ----------
-    held
-        The loop that it makes.
-    verdict
-        Of the recommendation.
-    left_out
-        Machining modes whose band no limits meet.
-    lost_margins
-        Margins of the text's loop where they are poor and those of the record were not; else None.
-    """
-
-    held: Held
-    verdict: Candidate
-    left_out: tuple[ModeLimitsEntry, ...]
-    lost_margins: Message | None
-
-
-def _header(
-    subject: Subject, control: Control, judged: _Judged, rows: Sequence[Row], words: Catalogue
-) -> list[Message]:
-    record = subject.record
-    machine, profile, tool = record.machine, record.profile, record.tool
-    chosen = Chosen(values=judged.held.values, verdict=judged.verdict)
-    sentences = [
-        Message(
-            "export-title",
-            name=machine.name,
-            axis_name=machine.axis,
-            control=name_control(control.key),
-        ),
-        Message(
-            "export-computed",
-            created=record.created,
-            tool=f"{tool.name} {tool.version}",
-            profile=profile.name,
-        ),
-        Message("export-hash", hash=profile.sha256),
-        Message("export-verify"),
-        _verdict(subject, control, judged),
-        _corners(subject),
-        *_left_out(subject, judged.verdict),
-        *(Message("export-mode-left-out", why=_explain(subject, mode)) for mode in judged.left_out),
-        Message("export-safe-side"),
-        *_shaft(subject, rows),
-        *control.notes(subject, chosen),
-    ]
-    warned = {words.say(warning) for warning in record.warnings}
-    own = [warning for warning in judged.held.tuned.warnings if words.say(warning) not in warned]
-    sentences += [Message("export-warning", warning=warning) for warning in record.warnings]
-    sentences += [Message("export-warning-here", warning=warning) for warning in own]
-    unmeasured = tuple(item.key for item in record.data if item.source == ACCEPTED_DEFAULT)
-    if unmeasured:
-        sentences.append(Message("export-not-measured", keys=unmeasured))
-    if not all(row.is_verified for row in rows):
-        sentences.append(Message("export-doubt"))
-    return sentences
-
-
-ROUNDED_MARGINS = TuningSettings(gain_margin_db=5.7, phase_margin_deg=29.0, sensitivity_peak=2.1)
-"""What rounding to the digits of a control may leave of the margins."""
-
-
-def _find_lost_margins(record: Record, held: Held) -> Message | None:
-    """The margins of the text's loop where these are poor and those of the record were not."""
-    worst = record.loop.worst_corner
-    had = (
-        worst is not None
-        and (worst.gain_margin_db or inf) >= ROUNDED_MARGINS.gain_margin_db
-        and (worst.phase_margin_deg or inf) >= ROUNDED_MARGINS.phase_margin_deg
-        and worst.sensitivity_peak <= ROUNDED_MARGINS.sensitivity_peak
-    )
-    analyses = held.tuned.analyses
-    if not had or all(has_margins(one, settings=ROUNDED_MARGINS) for one in analyses):
-        return None
-    return Message("export-margins-lost", margins=describe_margins(analyses))
-
-
-def _verdict(subject: Subject, control: Control, judged: _Judged) -> Message:
-    def show(value: float, unit: str) -> str | Message:
-        return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
-
-    verdict = judged.verdict
-    said = Message(
-        "export-judged",
-        corners=len(judged.held.tuned.corners),
-        settling=show(verdict.settling_time, "s"),
-        residual=show(verdict.residual_deviation, subject.length),
-    )
-    missed = [
-        Message(
-            "export-missed",
-            name=check.requirement.message,
-            value=show(check.value, check.unit),
-            limit=show(check.limit, check.unit),
-        )
-        for check in verdict.assessment.checks
-        if not check.is_met
-    ]
-    missed += [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out]
-    missed += [judged.lost_margins] if judged.lost_margins else []
-    if not missed:
-        return Message("export-all-met", judged=said)
-    told = reduce(lambda first, then: Message("record-both", first=first, then=then), missed)
-    return Message("export-not-all-met", judged=said, missed=told)
-
-
-def _corners(subject: Subject) -> Message:
-    needs = subject.machine.requirements
-    low, high = needs.payload
-    return Message(
-        "export-corners",
-        frequency=needs.frequency_spread,
-        damping=needs.damping_spread,
-        payload="yes" if high > 0.0 else "no",
-        low=low,
-        high=high,
-    )
-
-
-def _left_out(subject: Subject, verdict: Candidate) -> list[Message]:
-    """What the record's loop uses and this control lacks, and what that costs."""
-    if not subject.left_out:
-        return []
-    before, after = subject.settling_time, verdict.settling_time
-    cost = "grows" if isfinite(before) and isfinite(after) else "unknown"
-    return [
-        Message(
-            "export-left-out",
-            features=tuple(Message("export-feature", what=what) for what in subject.left_out),
-            before=show_value(before, "s", in_degrees=False),
-            after=show_value(after, "s", in_degrees=False),
-            change=after / before - 1.0 if cost == "grows" else 0.0,
-            cost=cost,
-            kind=subject.kind.key,
-        )
-    ]
-
-
-def _shaft(subject: Subject, rows: Sequence[Row]) -> list[Message]:
-    """Where the values of the drive count."""
-    if subject.machine.drive.follows:
-        return [Message("export-no-loop")]
-    if subject.shaft is None:
-        return [Message("export-no-shaft")]
-    own = (Setting.VELOCITY_GAIN, Setting.FORCE_FEEDFORWARD)
-    at_shaft = any(row.setting in own and row.scale != 1.0 for row in rows)
-    return [Message("export-shaft", travel=subject.shaft)] if at_shaft else []
-
-
-def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
-    """Why a machining mode is left out, with its band and the one that could be met."""
-    band, attainable = (
-        None if value is None else show_value(value, subject.length, in_degrees=True)
-        for value in (mode.band, mode.attainable)
-    )
-    name = name_mode(mode.name)
-    if mode.meets_requirements:
-        return Message("export-mode-fails", mode=name, band=band)
-    if attainable:
-        return Message("export-no-limits-but", mode=name, band=band, attainable=attainable)
-    return Message("export-no-limits-within", mode=name, band=band)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema.identified import IdentifiedPart
 from mtcommission.sheet.html import set_html
-from mtcommission.sheet.identified_part import (
+from mtcommission.sheet.measured_blocks import (
     check_table,
     file_table,
     mode_tables,

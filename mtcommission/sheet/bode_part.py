@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.record.schema.record import Record
-from mtcommission.sheet.identified_part import changes, short_name
+from mtcommission.sheet.identified_part import changes
+from mtcommission.sheet.measured_blocks import short_name
 from mtcommission.sheet.plot_model import Border, Line, LinePlot, Panel
 from mtcommission.sheet.values import decibel, degree
 

@@ -16,13 +16,8 @@ from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.cascade import CLASSIC, Shape
+from mtcommission.loop.tuning.family import LoopFamily, cascade_family, feedback_family, tune_shape
 from mtcommission.loop.tuning.force_filters import find_filters
-from mtcommission.loop.tuning.proposals import (
-    LoopFamily,
-    cascade_family,
-    feedback_family,
-    tune_shape,
-)
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.control import Control

@@ -6,15 +6,9 @@ from dataclasses import replace
 from math import inf, pi
 
 from mtcommission.loop.tuning.cascade import CLASSIC
+from mtcommission.loop.tuning.family import LoopFamily, cascade_family, feedback_family
 from mtcommission.loop.tuning.force_filters import find_filters
-from mtcommission.loop.tuning.proposals import (
-    LoopFamily,
-    cascade_family,
-    feedback_family,
-    feedback_shapes,
-    propose_cascades,
-    propose_feedback,
-)
+from mtcommission.loop.tuning.proposals import feedback_shapes, propose_cascades, propose_feedback
 from mtcommission.loop.tuning.tuning import finish, require_bandwidth, tune_loop
 from mtcommission.machine.control import FilterKind, ForceFilter, StateFeedback
 from mtcommission.machine.machine import Machine

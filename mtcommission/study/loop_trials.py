@@ -9,11 +9,7 @@ from typing import Any
 
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.cascade import Shape
-from mtcommission.loop.tuning.proposals import (
-    Proposal,
-    Proposals,
-    propose_near,
-)
+from mtcommission.loop.tuning.proposals import Proposal, Proposals, propose_near
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.loop.tuning.tuning import finish
 from mtcommission.machine.machine import Machine

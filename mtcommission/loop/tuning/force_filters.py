@@ -10,7 +10,7 @@ from math import pi
 import numpy as np
 
 from mtcommission.loop.tuning.cascade import Shape
-from mtcommission.loop.tuning.proposals import LoopFamily, tune_with_filters
+from mtcommission.loop.tuning.family import LoopFamily, tune_with_filters
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.control import FilterKind, ForceFilter
 

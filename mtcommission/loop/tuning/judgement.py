@@ -10,7 +10,7 @@ from math import floor, log10
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.cascade import CLASSIC
-from mtcommission.loop.tuning.proposals import LoopFamily, tune_shape
+from mtcommission.loop.tuning.family import LoopFamily, tune_shape
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, describe_margins, has_margins
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message

@@ -9,18 +9,16 @@ from dataclasses import replace
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.loop.tuning.cascade import CLASSIC, explain_cascade, symmetrical_optimum
-from mtcommission.loop.tuning.following import follow
-from mtcommission.loop.tuning.judgement import judge_given, warn_of_filters, warn_of_modes
-from mtcommission.loop.tuning.proposals import (
+from mtcommission.loop.tuning.family import (
     LEAST_FRACTION,
     LoopFamily,
     build,
     cascade_family,
-    feedback_shapes,
-    propose_cascades,
-    propose_feedback,
     tune_shape,
 )
+from mtcommission.loop.tuning.following import follow
+from mtcommission.loop.tuning.judgement import judge_given, warn_of_filters, warn_of_modes
+from mtcommission.loop.tuning.proposals import feedback_shapes, propose_cascades, propose_feedback
 from mtcommission.loop.tuning.state_feedback import is_seen, moving_modes
 from mtcommission.loop.tuning.tuned import (
     CornerPlants,

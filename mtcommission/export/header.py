@@ -1,0 +1,209 @@
+"""The comment above an export: what it was written from, what it does, and what to mind."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from math import inf, isfinite
+
+from mtcommission.export.catalogue import name_control
+from mtcommission.export.choose import Chosen
+from mtcommission.export.control import Control
+from mtcommission.export.held import (
+    Held,
+)
+from mtcommission.export.row import Row, Setting
+from mtcommission.export.subject import Subject
+from mtcommission.export.wording import name_mode, show_value
+from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
+from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
+from mtcommission.record.data import ACCEPTED_DEFAULT
+from mtcommission.record.schema.limits import ModeLimitsEntry
+from mtcommission.record.schema.record import Record
+from mtcommission.verdict.evaluate import Candidate
+
+WIDTH = 96
+"""Columns of the header's sentences."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """What the text holds and does.
+
+    Parameters
+    ----------
+    held
+        The loop that it makes.
+    verdict
+        Of the recommendation.
+    left_out
+        Machining modes whose band no limits meet.
+    lost_margins
+        Margins of the text's loop where they are poor and those of the record were not; else None.
+    """
+
+    held: Held
+    verdict: Candidate
+    left_out: tuple[ModeLimitsEntry, ...]
+    lost_margins: Message | None
+
+
+def compose_header(
+    subject: Subject, control: Control, judged: Judged, rows: Sequence[Row], words: Catalogue
+) -> list[Message]:
+    """Return the sentences above the parameters.
+
+    Parameters
+    ----------
+    subject, control
+        The axis, and what it is written for.
+    judged
+        What the text holds and does.
+    rows
+        Of the text: whose source was not read is doubtful.
+    words
+        Language, by which a warning of the record is told from one of the text.
+    """
+    record = subject.record
+    machine, profile, tool = record.machine, record.profile, record.tool
+    chosen = Chosen(values=judged.held.values, verdict=judged.verdict)
+    sentences = [
+        Message(
+            "export-title",
+            name=machine.name,
+            axis_name=machine.axis,
+            control=name_control(control.key),
+        ),
+        Message(
+            "export-computed",
+            created=record.created,
+            tool=f"{tool.name} {tool.version}",
+            profile=profile.name,
+        ),
+        Message("export-hash", hash=profile.sha256),
+        Message("export-verify"),
+        _verdict(subject, control, judged),
+        _corners(subject),
+        *_left_out(subject, judged.verdict),
+        *(Message("export-mode-left-out", why=_explain(subject, mode)) for mode in judged.left_out),
+        Message("export-safe-side"),
+        *_shaft(subject, rows),
+        *control.notes(subject, chosen),
+    ]
+    warned = {words.say(warning) for warning in record.warnings}
+    own = [warning for warning in judged.held.tuned.warnings if words.say(warning) not in warned]
+    sentences += [Message("export-warning", warning=warning) for warning in record.warnings]
+    sentences += [Message("export-warning-here", warning=warning) for warning in own]
+    unmeasured = tuple(item.key for item in record.data if item.source == ACCEPTED_DEFAULT)
+    if unmeasured:
+        sentences.append(Message("export-not-measured", keys=unmeasured))
+    if not all(row.is_verified for row in rows):
+        sentences.append(Message("export-doubt"))
+    return sentences
+
+
+ROUNDED_MARGINS = TuningSettings(gain_margin_db=5.7, phase_margin_deg=29.0, sensitivity_peak=2.1)
+"""What rounding to the digits of a control may leave of the margins."""
+
+
+def find_lost_margins(record: Record, held: Held) -> Message | None:
+    """Return the margins of the text's loop where they are poor and the record's were not."""
+    worst = record.loop.worst_corner
+    had = (
+        worst is not None
+        and (worst.gain_margin_db or inf) >= ROUNDED_MARGINS.gain_margin_db
+        and (worst.phase_margin_deg or inf) >= ROUNDED_MARGINS.phase_margin_deg
+        and worst.sensitivity_peak <= ROUNDED_MARGINS.sensitivity_peak
+    )
+    analyses = held.tuned.analyses
+    if not had or all(has_margins(one, settings=ROUNDED_MARGINS) for one in analyses):
+        return None
+    return Message("export-margins-lost", margins=describe_margins(analyses))
+
+
+def _verdict(subject: Subject, control: Control, judged: Judged) -> Message:
+    def show(value: float, unit: str) -> str | Message:
+        return show_value(value, unit, in_degrees=control.in_degrees and subject.is_rotary)
+
+    verdict = judged.verdict
+    said = Message(
+        "export-judged",
+        corners=len(judged.held.tuned.corners),
+        settling=show(verdict.settling_time, "s"),
+        residual=show(verdict.residual_deviation, subject.length),
+    )
+    missed = [
+        Message(
+            "export-missed",
+            name=check.requirement.message,
+            value=show(check.value, check.unit),
+            limit=show(check.limit, check.unit),
+        )
+        for check in verdict.assessment.checks
+        if not check.is_met
+    ]
+    missed += [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out]
+    missed += [judged.lost_margins] if judged.lost_margins else []
+    if not missed:
+        return Message("export-all-met", judged=said)
+    told = reduce(lambda first, then: Message("record-both", first=first, then=then), missed)
+    return Message("export-not-all-met", judged=said, missed=told)
+
+
+def _corners(subject: Subject) -> Message:
+    needs = subject.machine.requirements
+    low, high = needs.payload
+    return Message(
+        "export-corners",
+        frequency=needs.frequency_spread,
+        damping=needs.damping_spread,
+        payload="yes" if high > 0.0 else "no",
+        low=low,
+        high=high,
+    )
+
+
+def _left_out(subject: Subject, verdict: Candidate) -> list[Message]:
+    """What the record's loop uses and this control lacks, and what that costs."""
+    if not subject.left_out:
+        return []
+    before, after = subject.settling_time, verdict.settling_time
+    cost = "grows" if isfinite(before) and isfinite(after) else "unknown"
+    return [
+        Message(
+            "export-left-out",
+            features=tuple(Message("export-feature", what=what) for what in subject.left_out),
+            before=show_value(before, "s", in_degrees=False),
+            after=show_value(after, "s", in_degrees=False),
+            change=after / before - 1.0 if cost == "grows" else 0.0,
+            cost=cost,
+            kind=subject.kind.key,
+        )
+    ]
+
+
+def _shaft(subject: Subject, rows: Sequence[Row]) -> list[Message]:
+    """Where the values of the drive count."""
+    if subject.machine.drive.follows:
+        return [Message("export-no-loop")]
+    if subject.shaft is None:
+        return [Message("export-no-shaft")]
+    own = (Setting.VELOCITY_GAIN, Setting.FORCE_FEEDFORWARD)
+    at_shaft = any(row.setting in own and row.scale != 1.0 for row in rows)
+    return [Message("export-shaft", travel=subject.shaft)] if at_shaft else []
+
+
+def _explain(subject: Subject, mode: ModeLimitsEntry) -> Message:
+    """Why a machining mode is left out, with its band and the one that could be met."""
+    band, attainable = (
+        None if value is None else show_value(value, subject.length, in_degrees=True)
+        for value in (mode.band, mode.attainable)
+    )
+    name = name_mode(mode.name)
+    if mode.meets_requirements:
+        return Message("export-mode-fails", mode=name, band=band)
+    if attainable:
+        return Message("export-no-limits-but", mode=name, band=band, attainable=attainable)
+    return Message("export-no-limits-within", mode=name, band=band)
