@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from base64 import b64encode
 from dataclasses import asdict
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from numpy.typing import NDArray
 
@@ -21,6 +17,7 @@ from mtcommission.sheet.model import Cell, Document
 from mtcommission.sheet.panel import Panel
 from mtcommission.sheet.placement import place_labels, shorten
 from mtcommission.sheet.plot_model import LinePlot, PointPlot
+from mtcommission.web import json_for_script, render_page
 
 FOLDER = Path(__file__).parent
 DIGITS = 5
@@ -61,19 +58,16 @@ def set_html(document: Document, *, decimal_mark: str, panel: Panel | None = Non
         for block in section.blocks
         if isinstance(block, LinePlot | PointPlot)
     }
-    environment = Environment(
-        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined
-    )
-    return environment.get_template("page.html").render(
+    return render_page(
+        FOLDER,
+        style=style,
+        script=script,
         document=document,
-        policy=_policy(style, script),
-        style=Markup(style),
-        script=Markup(script),
         draw=lambda diagram: Markup(draw_diagram(diagram)),
         set_cell=_set_cell,
-        plots=_json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
+        plots=json_for_script({"decimal_mark": decimal_mark, "plots": plots}),
         panel=panel,
-        answers=_json_for_script(dict(panel.data)) if panel else "",
+        answers=json_for_script(panel.data) if panel else "",
     )
 
 
@@ -84,23 +78,6 @@ def _read(name: str) -> str:
 def _set_cell(cell: Cell) -> Markup | str:
     """Return a formula as mathematics; a text stays text, to be escaped."""
     return cell if isinstance(cell, str) else Markup(write_mathml(cell))
-
-
-def _policy(style: str, script: str) -> str:
-    return (
-        "default-src 'none'; base-uri 'none'; form-action 'none'; "
-        f"style-src {_hash_source(style)}; script-src {_hash_source(script)}"
-    )
-
-
-def _hash_source(text: str) -> str:
-    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
-
-
-def _json_for_script(data: dict[str, Any]) -> Markup:
-    """Return JSON that cannot end its script element: no "<" is left in it."""
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
-    return Markup(text.replace("<", "\\u003c"))
 
 
 def _plot_data(plot: LinePlot | PointPlot) -> dict[str, Any]:

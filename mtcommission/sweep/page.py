@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import json
-from base64 import b64encode
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import polars as pl
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
 
 from mtcommission.sweep.cases import Plan, Quantity, vary_profile
 from mtcommission.sweep.meanings import meaning_of
 from mtcommission.sweep.rows import Column
 from mtcommission.sweep.table import SweepTable, summarise_table
+from mtcommission.web import json_for_script, render_page
 
 FOLDER = Path(__file__).parent
 DIGITS = 7
@@ -47,23 +43,16 @@ def print_sweep(plan: Plan, table: SweepTable, *, created: str) -> str:
     """
     style = (FOLDER / "page.css").read_text(encoding="utf-8")
     script = (FOLDER / "page.js").read_text(encoding="utf-8")
-    environment = Environment(
-        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined
-    )
-    policy = (
-        "default-src 'none'; base-uri 'none'; form-action 'none'; "
-        f"style-src {_hash_source(style)}; script-src {_hash_source(script)}"
-    )
-    return environment.get_template("page.html").render(
+    return render_page(
+        FOLDER,
+        style=style,
+        script=script,
         name=plan.where,
-        policy=policy,
-        style=Markup(style),
-        script=Markup(script),
         summary=summarise_table(table).text.splitlines(),
         asked=table.asked,
         created=created,
         good=_good(plan),
-        data=_json_for_script(_page_data(plan, table)),
+        data=json_for_script(_page_data(plan, table)),
     )
 
 
@@ -115,13 +104,3 @@ def _column(column: Column, values: pl.Series, *, is_exact: bool) -> dict[str, A
         found["all"] = listed[0]
         del found["values"]
     return found
-
-
-def _hash_source(text: str) -> str:
-    return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
-
-
-def _json_for_script(data: dict[str, Any]) -> Markup:
-    """Return JSON that cannot end its script element: no "<" is left in it."""
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    return Markup(text.replace("<", "\\u003c"))
