@@ -248,10 +248,6 @@ def commission(
     progress
         Called with the name of each stage as it begins.
 
-    Returns
-    -------
-    Commissioning
-
     Raises
     ------
     ComputationError

@@ -36,10 +36,6 @@ def read_bytes(path: Path, *, folder: Message, most: int) -> bytes:
     most
         Bytes that are read at most.
 
-    Returns
-    -------
-    bytes
-
     Raises
     ------
     InputError

@@ -115,10 +115,6 @@ def plot_moves(
         In the order of the responses.
     figure
         Empty, to be drawn into, e.g. one of pyplot's; None: a new one that belongs to nobody.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
     """
     from matplotlib.figure import Figure
 

@@ -51,10 +51,6 @@ def motion_csv(plant: Plant, solution: TimeOptimum | DampingOptimum) -> str:
         Nominal.
     solution
         Of ``optimal``.
-
-    Returns
-    -------
-    str
     """
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / MOTION_SAMPLES)
     return _csv(
@@ -71,10 +67,6 @@ def response_csv(plant: Plant, result: MoveResult) -> str:
         Nominal.
     result
         One move, run in every corner.
-
-    Returns
-    -------
-    str
     """
     nominal = result.responses[0]
     columns = np.column_stack([nominal.t, nominal.deviation, nominal.force, nominal.states])

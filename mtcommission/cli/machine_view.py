@@ -29,10 +29,6 @@ def describe_machine(machine: Machine, plant: Plant, warnings: Sequence[Message 
         Nominal.
     warnings
         From the plausibility check.
-
-    Returns
-    -------
-    Group
     """
     spoken, axis = words_for(machine), machine.axis_units
     printed, length, force = spoken.format, axis.length.si, axis.force.si

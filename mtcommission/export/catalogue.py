@@ -38,10 +38,6 @@ def find_control_key(name: str) -> str:
     name
         In any case, with blanks around.
 
-    Returns
-    -------
-    str
-
     Raises
     ------
     InputError

@@ -98,10 +98,6 @@ def say_neutrally(keys: Iterable[Key], units: AxisUnits) -> tuple[Row, ...]:
         Settings.
     units
         Of the axis.
-
-    Returns
-    -------
-    tuple of Row
     """
     rows = neutral_rows(units)
     return tuple(

@@ -179,10 +179,6 @@ class Held:
             Whose requirements count.
         limits
             Acceleration and jerk.
-
-        Returns
-        -------
-        Candidate
         """
         moves = simulate_planned(machine, self.tuned, plan_within(machine, limits))
         return evaluate_moves(machine, build_plant(machine), self.tuned, moves)
@@ -212,10 +208,6 @@ def read_limits(values: Values, mode: str = "") -> MotionLimits:
         there is no limit, by the position cycle within which the acceleration changes.
     mode
         Machining mode.
-
-    Returns
-    -------
-    MotionLimits
     """
     if (Setting.RISE_TIME, mode) in values:
         a = number(values, Setting.RAPID) / number(values, Setting.RISE_TIME, mode)
@@ -265,10 +257,6 @@ def hold(subject: Subject, values: Values) -> Held:
         The axis.
     values
         From a text.
-
-    Returns
-    -------
-    Held
 
     Raises
     ------

@@ -113,10 +113,6 @@ def lines_of(pattern: str, reader: str, comment: Callable[[str], str]) -> Layout
         Regular expression of such a line, with the same two groups.
     comment
         A text as a comment.
-
-    Returns
-    -------
-    Layout
     """
     return Layout(
         comment=comment,

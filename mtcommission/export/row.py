@@ -183,10 +183,6 @@ def round_number(
     step
         If > 0 a whole multiple of it instead.
 
-    Returns
-    -------
-    Decimal
-
     Examples
     --------
     >>> round_number(1.68 / 1e-3, ROUND_FLOOR), round_number(47.0888, ROUND_FLOOR)

@@ -166,10 +166,6 @@ def build_subject(record: Record, kind: ControlKind) -> Subject:
     kind
         What the control has that it is to be written for.
 
-    Returns
-    -------
-    Subject
-
     Raises
     ------
     InputError

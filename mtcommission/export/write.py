@@ -89,10 +89,6 @@ def export_record(
     as_list
         A parameter list as CSV instead of the control's syntax.
 
-    Returns
-    -------
-    Export
-
     Raises
     ------
     InputError
@@ -249,10 +245,6 @@ def write_body(layout: Layout, entries: Sequence[Entry], words: Catalogue) -> li
         Every row, those that are only remarks last.
     words
         Of the remarks.
-
-    Returns
-    -------
-    list of str
     """
     if layout is LIST:
         return layout.write(entries, words)

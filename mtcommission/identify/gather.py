@@ -53,10 +53,6 @@ def gather(files: Sequence[str], given: Given) -> Evidence:
     given
         What the command line says about them.
 
-    Returns
-    -------
-    Evidence
-
     Raises
     ------
     InputError

@@ -121,10 +121,6 @@ def search_listed(
     settings
         Of the search.
 
-    Returns
-    -------
-    Search
-
     Raises
     ------
     ComputationError

@@ -79,10 +79,6 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
         Nominal.
     move
         Velocity step or positioning.
-
-    Returns
-    -------
-    Optima
     """
     force = machine.drive.motion_force
     time = find_time_optimum(plant, move, force_limit=force, bounds=())
@@ -142,10 +138,6 @@ def find_time_optimum(
     bounds
         On states and outputs, besides the move's own max_velocity.
 
-    Returns
-    -------
-    TimeOptimum
-
     Raises
     ------
     ComputationError
@@ -191,10 +183,6 @@ def find_damping_optimum(
         Final time [s].
     least
         t_f,min of the same move [s].
-
-    Returns
-    -------
-    DampingOptimum
 
     Raises
     ------

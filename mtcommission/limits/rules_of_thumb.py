@@ -43,10 +43,6 @@ def apply_rules_of_thumb(machine: Machine, plant: Plant) -> tuple[RuleOfThumb, .
     machine, plant
         The nominal machine and its plant.
 
-    Returns
-    -------
-    tuple of RuleOfThumb
-
     Source: the makers' manuals named in each rule; Biagiotti & Melchiorri 2008 for j = a f.
     """
     a = machine.drive.motion_force / moving_mass(machine)

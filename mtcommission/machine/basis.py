@@ -33,10 +33,6 @@ def describe_kind(kind: ControlKind, *, follows: bool = False) -> Message:
         Its table.
     follows
         Whether the motor follows its setpoint: then only what shapes the setpoint counts.
-
-    Returns
-    -------
-    Message
     """
     counts: dict[str, int] = {
         "jerk": int(kind.has_jerk_limit),

@@ -17,10 +17,6 @@ def peak_velocity(move: Move, acceleration: float) -> float:
     acceleration
         [m/s²], > 0.
 
-    Returns
-    -------
-    float
-
     Examples
     --------
     >>> from mtcommission.machine.machine import Positioning

@@ -47,10 +47,6 @@ def shape(kind: str, *, frequency_hz: float, damping_ratio: float) -> Impulses:
     frequency_hz, damping_ratio
         Natural frequency [Hz] and damping ratio [-] of the mode that shall stay at rest.
 
-    Returns
-    -------
-    Impulses
-
     Source: Singer & Seering 1990 (ZV, ZVD and more derivatives); Singhose, Seering & Singer 1994
     (EI) and 1997 (two and three humps); MZV, the correction for damping and the EI family with
     damping as in the sources above.

@@ -128,10 +128,6 @@ def draw_variations(machine: Machine, *, samples: int, seed: int) -> Variations:
         How many.
     seed
         Of the generator.
-
-    Returns
-    -------
-    Variations
     """
     generator, needs = np.random.default_rng(seed), machine.requirements
 

@@ -23,10 +23,6 @@ def with_sizes(machine: Machine, text: str) -> Machine:
     text
         Of ``--for``: ``every`` or ``listed``.
 
-    Returns
-    -------
-    Machine
-
     Raises
     ------
     InputError
@@ -48,10 +44,6 @@ def with_force(machine: Machine, text: str) -> Machine:
         From its profile.
     text
         Of ``--f-max``, e.g. ``2kN``.
-
-    Returns
-    -------
-    Machine
 
     Raises
     ------

@@ -97,10 +97,6 @@ def read_optimal_request(
     kind, method, t_f, limits, velocity_step, distance, move, scheme, intervals
         Texts of the options; "" where one is not given.
 
-    Returns
-    -------
-    OptimalRequest
-
     Raises
     ------
     InputError
@@ -147,10 +143,6 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
         Nominal.
     request
         From ``read_optimal_request``.
-
-    Returns
-    -------
-    TimeOptimum or DampingOptimum
 
     Raises
     ------
@@ -205,10 +197,6 @@ def final_time_origin(machine: Machine, request: OptimalRequest) -> Message | No
         Nominal.
     request
         From ``read_optimal_request``.
-
-    Returns
-    -------
-    Message or None
     """
     if request.kind == "time":
         return None
@@ -232,10 +220,6 @@ def read_bound(plant: Plant, text: str, faults: list[Fault]) -> Bound:
         Name and value.
     faults
         Gets what is wrong with it.
-
-    Returns
-    -------
-    Bound
     """
     name, separator, value = text.partition("=")
     name = name.strip()

@@ -82,10 +82,6 @@ def read_tried(
     payload, error
         Of a machine to be looked at besides: its payload, and by how much its frequencies are off.
 
-    Returns
-    -------
-    Tried
-
     Raises
     ------
     InputError

@@ -53,10 +53,6 @@ def find_key_lines(text: str) -> KeyLines:
     text
         Valid TOML.
 
-    Returns
-    -------
-    KeyLines
-
     Examples
     --------
     >>> find_key_lines("[drive]\nmax_force = 1\n").line_of(("drive", "max_force"))

@@ -63,10 +63,6 @@ def read_profile_text(path: Path | str) -> str:
     path
         TOML file in UTF-8.
 
-    Returns
-    -------
-    str
-
     Raises
     ------
     InputError
@@ -89,10 +85,6 @@ def decode_profile(data: bytes, *, where: str) -> str:
         From ``read_profile_bytes``.
     where
         Name for messages.
-
-    Returns
-    -------
-    str
 
     Raises
     ------
@@ -140,10 +132,6 @@ def read_source(path: Path | str) -> ProfileSource:
     path
         TOML file in UTF-8.
 
-    Returns
-    -------
-    ProfileSource
-
     Raises
     ------
     InputError
@@ -161,10 +149,6 @@ def profile_text_hash(data: bytes) -> str:
     ----------
     data
         The file as it is on disk.
-
-    Returns
-    -------
-    str
 
     Examples
     --------

@@ -53,10 +53,6 @@ def read_shipped(name: str) -> ShippedProfile:
     name
         One of ``shipped_names()``; ``.toml`` at its end does not matter.
 
-    Returns
-    -------
-    ShippedProfile
-
     Raises
     ------
     InputError

@@ -60,10 +60,6 @@ def load_toml(text: str, *, where: str) -> Parsed:
     where
         Name for messages.
 
-    Returns
-    -------
-    Parsed
-
     Raises
     ------
     InputError

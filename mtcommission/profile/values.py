@@ -267,10 +267,6 @@ def propose(name: str, known: Mapping[str, object] | Sequence[str]) -> Message:
     known
         What could have been meant.
 
-    Returns
-    -------
-    Message
-
     Examples
     --------
     >>> propose("base_mas", ["base_mass", "slider_mass"])

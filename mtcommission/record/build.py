@@ -42,10 +42,6 @@ def record_run(found: Commissioning, *, created: str) -> Record:
     created
         Date and time, ISO 8601.
 
-    Returns
-    -------
-    Record
-
     Raises
     ------
     InputError
@@ -85,10 +81,6 @@ def build_record(
         Physical warnings about the profile; those about its loop and its robustness are added.
     identified
         What was measured on the axis.
-
-    Returns
-    -------
-    Record
     """
     machine, plant = commissioning.machine, commissioning.plant
     robustness = robustness_part(machine, commissioning.robustness)

@@ -30,10 +30,6 @@ def comparison_entry(
         Nominal.
     comparison, result
         Of the same move.
-
-    Returns
-    -------
-    ComparisonEntry
     """
     return ComparisonEntry(
         controls=[

@@ -65,10 +65,6 @@ def load_record(path: Path) -> Record:
     path
         A ``record.json`` of this schema.
 
-    Returns
-    -------
-    Record
-
     Raises
     ------
     InputError

@@ -58,10 +58,6 @@ def limits_part(
         What was computed.
     improvements
         What single changes would bring, for a record.
-
-    Returns
-    -------
-    LimitsPart
     """
     choice, best, machine = commissioning.choice, commissioning.recommended, commissioning.machine
     seen, today = choice.landscape, commissioning.today

@@ -109,10 +109,6 @@ def simulation_part(
         Nominal machine, its plant, and the loop that the moves went through.
     results
         One for each move.
-
-    Returns
-    -------
-    SimulationPart
     """
     entries = [move_entry(plant, tuned, result) for result in results]
     verdict = evaluate_moves(machine, plant, tuned, results).assessment

@@ -49,10 +49,6 @@ def optima_entry(plant: Plant, item: Optima, within: WithinBand) -> OptimaEntry:
         The plant they were computed for.
     item, within
         Exact rest, and the band, of the same move.
-
-    Returns
-    -------
-    OptimaEntry
     """
     band, robust = within.optimum, within.robust
     return OptimaEntry(
@@ -88,10 +84,6 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
         The plant it was computed for.
     solution
         Time-optimal or damping-optimal.
-
-    Returns
-    -------
-    OptimumEntry
     """
     motion = sample_trajectory(plant, solution.arcs, step=solution.t_f / PLOT_SAMPLES)
     shared = {

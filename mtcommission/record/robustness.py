@@ -45,10 +45,6 @@ def robustness_part(machine: Machine, robustness: Robustness) -> RobustnessPart:
         Nominal; its units count.
     robustness
         Of the recommended limits.
-
-    Returns
-    -------
-    RobustnessPart
     """
     drawn = robustness.monte_carlo
     return RobustnessPart(

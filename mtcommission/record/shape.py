@@ -68,10 +68,6 @@ def to_entry(value: object, form: type[Entry]) -> Entry:
     form
         A class of the schema, or what one is made of.
 
-    Returns
-    -------
-    Entry
-
     Raises
     ------
     WrongFormError, BaseValidationError

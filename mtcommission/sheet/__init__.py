@@ -50,10 +50,6 @@ def print_html(
     verified
         What ``verify`` found; then the sheet shows it beside what was calculated.
 
-    Returns
-    -------
-    str
-
     Raises
     ------
     InputError
@@ -93,10 +89,6 @@ def print_answers(
         Date and time, ISO 8601.
     language
         Code of a language, e.g. "en".
-
-    Returns
-    -------
-    str
 
     Raises
     ------
@@ -156,10 +148,6 @@ def print_pdf(
     appendix
         Whether the evidence is printed behind them, as the page always shows it.
 
-    Returns
-    -------
-    bytes
-
     Raises
     ------
     InputError
@@ -194,10 +182,6 @@ def summarise(record: Record, *, language: str = "en") -> Summary:
         A whole commissioning.
     language
         Code of a language, e.g. "en".
-
-    Returns
-    -------
-    Summary
 
     Raises
     ------

@@ -58,10 +58,6 @@ def compose(
     verified
         What ``verify`` found about this record.
 
-    Returns
-    -------
-    Document
-
     Raises
     ------
     InputError

@@ -21,10 +21,6 @@ def draw_diagram(diagram: Diagram) -> str:
     diagram
         What to draw.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> box = Box(x=1.0, y=1.0, width=50.0, height=20.0, lines=("a < b",))

@@ -53,10 +53,6 @@ def differences(before: Record, after: Record, words: Catalogue) -> Section:
     words
         Of the language and the kind of axis.
 
-    Returns
-    -------
-    Section
-
     Raises
     ------
     InputError

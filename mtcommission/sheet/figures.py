@@ -56,10 +56,6 @@ def draw_svg(plot: Plot, *, decimal_mark: str = ".", panel_height: float = PANEL
     panel_height
         Of each panel of a line plot [pt].
 
-    Returns
-    -------
-    bytes
-
     Examples
     --------
     >>> panel = Panel(y_label="a in m/s²", lines=())

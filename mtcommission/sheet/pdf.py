@@ -51,10 +51,6 @@ def set_pdf(document: Document, *, decimal_mark: str = ".") -> bytes:
     decimal_mark
         For the numbers at the axes.
 
-    Returns
-    -------
-    bytes
-
     Raises
     ------
     ComputationError

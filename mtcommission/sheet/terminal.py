@@ -166,10 +166,6 @@ def draw_dots(y: Array) -> list[str]:
     y
         Two values for each character, shape (2 columns,).
 
-    Returns
-    -------
-    list of str
-
     Examples
     --------
     >>> draw_dots(np.array([0.0, 0.0, 1.0, 1.0]))[-1]
@@ -209,10 +205,6 @@ def draw_ascii(y: Array) -> list[str]:
     ----------
     y
         One value for each character, shape (columns,).
-
-    Returns
-    -------
-    list of str
 
     Examples
     --------

@@ -102,10 +102,6 @@ def reference_sentence(record: Record, number: int, words: Catalogue) -> str:
         Which move, counted from 1.
     words
         Of the language and the kind of axis.
-
-    Returns
-    -------
-    str
     """
     text, f, move = words.text, words.format, record.moves[number - 1]
     title = move_title(move.move, number, words)

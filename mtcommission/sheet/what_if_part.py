@@ -73,10 +73,6 @@ def what_if(part: WhatIfPart, words: Catalogue, *, profile: str) -> Panel:
         Of its language and axis.
     profile
         Name of the profile's file, for the command line.
-
-    Returns
-    -------
-    Panel
     """
     filters = _filters(part, words)
     names = {"today": words.text("what-if-today"), "recommended": words.text("what-if-recommended")}

@@ -120,10 +120,6 @@ def compare_move(
         Of the same move.
     robust
         The force that keeps the band on all machines of the spread; None where there is none.
-
-    Returns
-    -------
-    MoveComparison
     """
     solutions = {
         "control-time-optimal": optima.time,

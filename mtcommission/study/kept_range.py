@@ -142,10 +142,6 @@ def find_frequency_error(
         Acceleration and jerk.
     settings
         Range and number of points.
-
-    Returns
-    -------
-    FrequencyError
     """
     needs = machine.requirements
     known = replace(machine, requirements=replace(needs, frequency_spread=0.0))
@@ -182,10 +178,6 @@ def find_damping_range(
         The nominal machine, its plant and its loop.
     limits
         Acceleration and jerk.
-
-    Returns
-    -------
-    DampingRange
     """
     known = replace(machine, requirements=replace(machine.requirements, damping_spread=0.0))
     count = len(DAMPING_FACTORS)

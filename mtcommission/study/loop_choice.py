@@ -87,10 +87,6 @@ def show_alternatives(
         As for ``settle_on_loop``.
     choice
         The loop that is used stays.
-
-    Returns
-    -------
-    LoopChoice
     """
     if machine.drive.follows:
         return choice

@@ -88,10 +88,6 @@ def study_loop(machine: Machine, loop: LoopChoice, limits: MotionLimits) -> Loop
         The loop that is used, and its variants.
     limits
         The recommended ones.
-
-    Returns
-    -------
-    LoopStudy
     """
     if machine.drive.follows:
         return LoopStudy(disturbed=(), jerk_feedforward=())

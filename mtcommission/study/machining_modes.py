@@ -80,10 +80,6 @@ def find_limits_by_mode(
         Limits to refine from.
     settings
         Of the search.
-
-    Returns
-    -------
-    tuple of ModeLimits
     """
     needs, own = machine.requirements, choice.limits.setpoint_filter
     # Controls switch limits with the mode, but have one setpoint filter for all of them.

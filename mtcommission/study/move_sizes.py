@@ -136,10 +136,6 @@ def compare_move_sizes(
     recommended, listed, by_rule
         Limits of the search, those that serve the listed sizes alone (None: the same), and those
         of the commissioning rule.
-
-    Returns
-    -------
-    tuple of MoveSizes
     """
     own = machine.control.setpoint_filter
     named = {"way-recommended": recommended, "way-listed": listed, "commissioning-rule": by_rule}
@@ -166,10 +162,6 @@ def full_size(way: SetpointWay, move: Move) -> float:
         Limits and filter.
     move
         Its kind counts, and its ``max_velocity``.
-
-    Returns
-    -------
-    float
 
     Examples
     --------

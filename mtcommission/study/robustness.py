@@ -135,10 +135,6 @@ def examine_robustness(
         Acceleration and jerk.
     settings
         How closely to look.
-
-    Returns
-    -------
-    Robustness
     """
     monte_carlo = None
     if len(corners(machine)) > 1:
@@ -198,10 +194,6 @@ def run_monte_carlo(
         How many machines.
     seed
         Of the generator.
-
-    Returns
-    -------
-    MonteCarlo
     """
     variations = draw_variations(machine, samples=samples, seed=seed)
     found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)

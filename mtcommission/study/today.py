@@ -77,10 +77,6 @@ def judge_today(
         today's it is a cascade without state feedback, which was made for other gains.
     settings
         How closely the range of frequencies is looked at.
-
-    Returns
-    -------
-    TodaysValues or None
     """
     today = machine.today
     if today is None:

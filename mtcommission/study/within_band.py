@@ -59,10 +59,6 @@ def find_within_band(
         Of the same move.
     settings
         Of the search.
-
-    Returns
-    -------
-    WithinBand
     """
     remarks: list[Message] = []
     needs = machine.requirements

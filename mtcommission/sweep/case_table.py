@@ -27,10 +27,6 @@ def load_cases(path: Path) -> Axis:
     path
         UTF-8, with or without byte order mark.
 
-    Returns
-    -------
-    Axis
-
     Raises
     ------
     InputError

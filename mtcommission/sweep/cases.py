@@ -162,10 +162,6 @@ def read_axis(text: str, *, where: str) -> Axis:
     where
         Option, for messages.
 
-    Returns
-    -------
-    Axis
-
     Raises
     ------
     InputError
@@ -192,10 +188,6 @@ def read_range(text: str, *, where: str) -> tuple[tuple[str, ...], ...]:
         list; ends with or without a unit.
     where
         Option, for messages.
-
-    Returns
-    -------
-    tuple of tuple of str
 
     Raises
     ------

@@ -64,10 +64,6 @@ def chain_cells(
         What the limits do, and the verdict.
     bound_by
         What the limits end at.
-
-    Returns
-    -------
-    tuple
     """
     limits, limiting = candidate.limits, candidate.assessment.limiting_requirement
     slowest = max((item.time for item in optima), key=lambda time: time.t_f)

@@ -112,10 +112,6 @@ def run_sweep(
     notice
         Called where a cluster has no workers to wait for.
 
-    Returns
-    -------
-    Opened
-
     Raises
     ------
     InputError

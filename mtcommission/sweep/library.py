@@ -48,10 +48,6 @@ def sweep(
     engine
         None: this process.
 
-    Returns
-    -------
-    SweepTable
-
     Raises
     ------
     InputError

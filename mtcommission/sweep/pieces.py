@@ -30,10 +30,6 @@ def piece_size(plan: Plan) -> int:
     plan
         Any plan whose profile can be read as it is.
 
-    Returns
-    -------
-    int
-
     Examples
     --------
     >>> from mtcommission.profile.shipped import read_shipped

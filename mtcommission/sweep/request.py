@@ -59,10 +59,6 @@ def read_plan(
     created
         Date, ISO 8601.
 
-    Returns
-    -------
-    Plan
-
     Raises
     ------
     InputError

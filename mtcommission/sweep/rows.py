@@ -96,10 +96,6 @@ def result_columns(quantity: Quantity, plant: Plant, *, rotary: bool) -> tuple[C
         Of the profile as it is.
     rotary
         Whether rad stands for m.
-
-    Returns
-    -------
-    tuple of Column
     """
     proof = (
         Column(name="t_f", unit="s"),

@@ -36,10 +36,6 @@ def solve_piece(work: Work) -> tuple[Answer, ...]:
     ----------
     work
         Cases that are computed together.
-
-    Returns
-    -------
-    tuple of Answer
     """
     with threadpool_limits(limits=1, user_api="blas"):
         return _solve(work)
@@ -75,10 +71,6 @@ def solve_case(work: Work, number: int) -> Answer:
         The piece that the case belongs to.
     number
         Its place there.
-
-    Returns
-    -------
-    Answer
     """
     settings = work.settings[number]
     try:

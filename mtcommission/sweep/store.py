@@ -86,10 +86,6 @@ def open_store(
     results
         Files that a sweep leaves; where they are without a store, somebody else wrote them.
 
-    Returns
-    -------
-    Opened
-
     Raises
     ------
     InputError

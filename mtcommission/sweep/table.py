@@ -136,10 +136,6 @@ def summarise_table(table: SweepTable) -> Summary:
     ----------
     table
         Rows.
-
-    Returns
-    -------
-    Summary
     """
     frame = table.frame
     outcomes = frame["outcome"].value_counts(sort=True).rows()

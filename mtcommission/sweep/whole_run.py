@@ -44,10 +44,6 @@ def run_case(machine: Machine, *, text: str, name: str, created: str) -> CaseRun
     created
         Date for the record.
 
-    Returns
-    -------
-    CaseRun
-
     Raises
     ------
     ComputationError

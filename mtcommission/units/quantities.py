@@ -210,10 +210,6 @@ def convert_to(value: float, unit: str) -> float:
     unit
         Wanted unit, e.g. ``"mm/s^2"``.
 
-    Returns
-    -------
-    float
-
     Raises
     ------
     ValueError
@@ -238,10 +234,6 @@ def wrap_whole(text: str, width: int, *, indent: str = "") -> list[str]:
         Most characters of a line.
     indent
         What every line but the first begins with.
-
-    Returns
-    -------
-    list of str
 
     Examples
     --------

@@ -124,10 +124,6 @@ def read_unit(text: str) -> tuple[Unit, ...]:
     text
         Unit, e.g. ``"kN s/m"``; empty for a plain number.
 
-    Returns
-    -------
-    tuple of Unit
-
     Raises
     ------
     ValueError

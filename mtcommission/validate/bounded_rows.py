@@ -56,10 +56,6 @@ def bounded_rows(cases: Cases) -> tuple[Row, ...]:
     ----------
     cases
         Solutions.
-
-    Returns
-    -------
-    tuple of Row
     """
     return (
         *_times(cases),

@@ -143,10 +143,6 @@ def solve_cases(progress: Progress = lambda _: None) -> Cases:
     ----------
     progress
         Called with the name of each stage as it begins.
-
-    Returns
-    -------
-    Cases
     """
     machine = paper_machine()
     plant, move = build_plant(machine), machine.moves[0]

@@ -42,10 +42,6 @@ def damping_rows(cases: Cases) -> tuple[Row, ...]:
     ----------
     cases
         Solutions.
-
-    Returns
-    -------
-    tuple of Row
     """
     return (
         *_peaks(cases),

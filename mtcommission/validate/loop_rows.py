@@ -25,10 +25,6 @@ def loop_rows(cases: Cases) -> tuple[Row, ...]:
     ----------
     cases
         Solutions.
-
-    Returns
-    -------
-    tuple of Row
     """
     return (
         _active_damping(cases),
@@ -46,10 +42,6 @@ def conclusion_rows(cases: Cases) -> tuple[Row, ...]:
     ----------
     cases
         Solutions.
-
-    Returns
-    -------
-    tuple of Row
     """
     return (_damping_by_bounds(cases), _hints(cases))
 

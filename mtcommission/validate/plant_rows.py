@@ -24,10 +24,6 @@ def plant_rows(cases: Cases) -> tuple[Row, ...]:
     ----------
     cases
         Solutions.
-
-    Returns
-    -------
-    tuple of Row
     """
     plant = cases.plant
     return (

@@ -77,10 +77,6 @@ def validate(progress: Progress = lambda _: None) -> Validation:
     ----------
     progress
         Called with the name of each stage as it begins.
-
-    Returns
-    -------
-    Validation
     """
     cases = solve_cases(progress)
     parts = []
@@ -97,10 +93,6 @@ def count_verdicts(rows: Sequence[Row]) -> str:
     ----------
     rows
         Any rows.
-
-    Returns
-    -------
-    str
 
     Examples
     --------

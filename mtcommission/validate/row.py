@@ -98,10 +98,6 @@ def number_row(
     correction
         The correction in words; the corrected number is printed where this is "".
 
-    Returns
-    -------
-    Row
-
     Examples
     --------
     >>> number_row("sec. 1", "t", printed=1.0, ours=1.01, tolerance=0.1, basis="b").verdict.value
@@ -156,10 +152,6 @@ def claim_row(
     place, quantity, printed, ours, basis, verdict, corrected, reason
         As in ``Row``.
 
-    Returns
-    -------
-    Row
-
     Examples
     --------
     >>> claim_row("sec. 1", "a", printed="p", ours="o", basis="b", verdict=Verdict.AGREES).is_claim
@@ -193,10 +185,6 @@ def judge_claim(*, holds: bool, refuted: bool = False) -> Verdict:
         Whether there is proof against it. Without confirmation and without proof the row is
         out of tolerance.
 
-    Returns
-    -------
-    Verdict
-
     Examples
     --------
     >>> judge_claim(holds=False).value
@@ -216,10 +204,6 @@ def judge_formula(*, printed_error: float, corrected_error: float, tolerance: fl
         Relative errors of both, measured on a motion [-].
     tolerance
         Largest error of a formula that holds [-].
-
-    Returns
-    -------
-    Verdict
 
     Examples
     --------

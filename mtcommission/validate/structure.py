@@ -149,10 +149,6 @@ def structure_rows(cases: Cases) -> tuple[Row, ...]:
     ----------
     cases
         Solutions.
-
-    Returns
-    -------
-    tuple of Row
     """
     at_paper = count_switches(cases.time)
     scan = scan_forces(

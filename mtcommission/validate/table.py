@@ -26,10 +26,6 @@ def describe_validation(validation: Validation) -> Group:
     ----------
     validation
         The comparison.
-
-    Returns
-    -------
-    Group
     """
     parts: list[RenderableType] = [
         Text("Christiansen, Maurer, Zirn: Optimal Control of Machine Tool Manipulators"),

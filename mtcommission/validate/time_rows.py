@@ -53,10 +53,6 @@ def time_rows(cases: Cases) -> tuple[Row, ...]:
     ----------
     cases
         Solutions.
-
-    Returns
-    -------
-    tuple of Row
     """
     return (
         *_times(cases),

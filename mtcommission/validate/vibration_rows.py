@@ -29,10 +29,6 @@ def vibration_rows(cases: Cases) -> tuple[Row, ...]:
     ----------
     cases
         Solutions.
-
-    Returns
-    -------
-    tuple of Row
     """
     return (_oscillation(cases), _force(cases), _rotation(cases), _between(cases))
 

@@ -117,10 +117,6 @@ def ask(
         Least and largest common value [SI]; outside it the wizard asks back.
     is_optional
         Whether it may be left empty.
-
-    Returns
-    -------
-    Question
     """
     return Question(
         key=key, dimension=dimension, example=example, low=low, high=high, is_optional=is_optional

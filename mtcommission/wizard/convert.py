@@ -80,10 +80,6 @@ def couple(*, motor_mass: float, load_mass: float, stiffness: float, damping_rat
     damping_ratio
         Of the load against the held motor [-].
 
-    Returns
-    -------
-    Pair
-
     Examples
     --------
     >>> pair = couple(motor_mass=1.0, load_mass=3.0, stiffness=3.0, damping_ratio=0.01)

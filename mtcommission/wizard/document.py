@@ -66,10 +66,6 @@ def update_document(text: str, data: Data) -> str:
         Valid TOML.
     data
         What it shall say.
-
-    Returns
-    -------
-    str
     """
     document = tomlkit.parse(text)
     if _kind_of(document) != _kind_of(data) and "plant" in document:

@@ -94,10 +94,6 @@ def gather(output: Path, answers_file: Path | None, *, identified: str = "") -> 
     identified
         Profile from a measurement that takes the place of the existing one; "" without one.
 
-    Returns
-    -------
-    Source
-
     Raises
     ------
     InputError

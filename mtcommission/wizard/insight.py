@@ -69,10 +69,6 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
     answers
         As far as given.
 
-    Returns
-    -------
-    tuple of Insight
-
     Examples
     --------
     >>> find_insights({"wizard.way": TOWER_BY_STIFFNESS, "plant.base_mass": "450 kg",

@@ -68,10 +68,6 @@ def identify_files(
     words
         Language of the comments, for the axis that answers describe.
 
-    Returns
-    -------
-    Measured
-
     Raises
     ------
     InputError

@@ -132,10 +132,6 @@ def read_reply(question: Question, typed: str, *, titles: Sequence[str] = ()) ->
     titles
         The choices as they were shown, if that was in another language.
 
-    Returns
-    -------
-    Reply
-
     Raises
     ------
     Refused

@@ -37,10 +37,6 @@ def list_questions(answers: Answers) -> tuple[Question, ...]:
     answers
         What is known so far.
 
-    Returns
-    -------
-    tuple of Question
-
     Examples
     --------
     >>> [question.key for question in list_questions({})][:3]

@@ -121,10 +121,6 @@ def run_wizard(
     language
         Of questions, messages and the comments of the profile.
 
-    Returns
-    -------
-    Session
-
     Raises
     ------
     InputError

@@ -163,10 +163,6 @@ def read_table(lines: Sequence[str], *, where: str, first_line: int = 1) -> Tabl
     first_line
         Number of the first of them in the file.
 
-    Returns
-    -------
-    Table
-
     Raises
     ------
     InputError

@@ -156,10 +156,6 @@ def calculate_by_hand(axis: AxisEstimate, found: Tried) -> tuple[RuleStep, ...]:
         The axis.
     found
         What the rule gives.
-
-    Returns
-    -------
-    tuple of RuleStep
     """
     average, limits = found.average, found.limits
     impulse = call("max", 0.4 * T**2, 0.18 * T_p**2) + 0.8 * Sum(m * c / omega**2)

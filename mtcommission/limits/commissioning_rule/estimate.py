@@ -129,10 +129,6 @@ def estimate_axis(machine: Machine, plant: Plant, controller: Controller) -> Axi
         The nominal machine and its plant.
     controller
         Its gains.
-
-    Returns
-    -------
-    AxisEstimate
     """
     return AxisEstimate(
         machine=machine,
@@ -280,10 +276,6 @@ def duration(move: Move, limits: MotionLimits) -> float:
         Velocity step or positioning.
     limits
         Acceleration and jerk.
-
-    Returns
-    -------
-    float
     """
     steps = jerk_steps(
         move, acceleration=np.array([limits.acceleration]), jerk=np.array([limits.jerk])

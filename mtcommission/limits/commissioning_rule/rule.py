@@ -105,10 +105,6 @@ def apply_commissioning_rule(machine: Machine, plant: Plant, tuned: TunedLoop) -
     tuned
         Only its gains are used: Kv, Kp, Tn, cycles and feed-forward.
 
-    Returns
-    -------
-    RuleResult
-
     Source: derived and validated in ``docs/commissioning-rule.md``.
 
     Examples

@@ -82,10 +82,6 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
         Nominal machine, its plant, its loop in every corner.
     longest
         Longest setpoint that will be judged, filter included [s].
-
-    Returns
-    -------
-    Bench
     """
     given = machine.control.setpoint_filter
     order = 3 + len(given.averages) if given else 3

@@ -107,10 +107,6 @@ def guess_usage(bench: Bench, region: Region, *, widest: Region, points: int) ->
         Region that ``points`` is meant for.
     points
         In each direction over the widest region.
-
-    Returns
-    -------
-    Guess
     """
     a = _nodes(
         region.least_acceleration,
@@ -174,10 +170,6 @@ def screen(
         As in ``score``.
     ceiling
         Score beyond which limits that miss the band need not be followed into further corners.
-
-    Returns
-    -------
-    Pool
     """
     whole = np.ones(len(acceleration), dtype=bool)
     found = Settling(settling_time=acceleration, residual_deviation=acceleration)
@@ -226,10 +218,6 @@ def screen_grid(bench: Bench, guess: Guess, grid: Grid, *, seeds: int, urgency: 
         How many of the best must be found for sure.
     urgency
         As in ``score``.
-
-    Returns
-    -------
-    Pool
     """
     a, t = grid.acceleration, grid.jerk_time
     usage = guess.at(a, t)
@@ -277,10 +265,6 @@ def explore(
         How many cells, how often.
     urgency
         As in ``score``; 0 where only the settling time counts.
-
-    Returns
-    -------
-    Pool
     """
     first = screen_grid(bench, guess, grid, seeds=settings.seeds, urgency=urgency)
     pools = [first]

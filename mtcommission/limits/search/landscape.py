@@ -62,10 +62,6 @@ def chart_landscape(
         Points in each direction, logarithmic.
     widest
         Region that was searched; None: the widest about the chosen limits.
-
-    Returns
-    -------
-    Landscape
     """
     if chosen.setpoint_filter is not None:
         own = replace(machine.control, setpoint_filter=chosen.setpoint_filter)

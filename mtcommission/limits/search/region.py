@@ -158,10 +158,6 @@ def narrow_region(region: Region, machine: Machine, *, longest_motion: float) ->
         Whose moves.
     longest_motion
         t_e of the slowest move, filter included [s].
-
-    Returns
-    -------
-    Region
     """
     a_max, t_min = region.largest_acceleration, region.shortest_jerk_time
     # t_e falls with a and rises with t_j, so the corner (a_max, t_min) sees the furthest.
@@ -208,10 +204,6 @@ def lay_grid(region: Region, machine: Machine, *, widest: Region, points: int) -
         Region that ``points`` is meant for.
     points
         In each direction over the widest region.
-
-    Returns
-    -------
-    Grid
     """
     a = _axis(
         region.least_acceleration,

@@ -76,10 +76,6 @@ def analyse_loop(loop: SampledLoop, response: FrequencyResponse) -> LoopAnalysis
     response
         From ``frequency_response`` with the same.
 
-    Returns
-    -------
-    LoopAnalysis
-
     Source: Åström & Hägglund, Advanced PID Control, 2006, ch. 4 (margins, sensitivity peak).
     """
     found = share_out(loop)
@@ -137,10 +133,6 @@ def share_out(loop: SampledLoop) -> PoleShares:
     ----------
     loop
         A plant under its controller.
-
-    Returns
-    -------
-    PoleShares
     """
     lifted = loop.lifted
     # Not ``model.poles()``: the participation of the modes needs the vectors, too.
@@ -247,10 +239,6 @@ def unfold(pole: complex, mode: PlantMode, dt: float) -> complex:
         The mode it is looked at for.
     dt
         Position cycle [s].
-
-    Returns
-    -------
-    complex
     """
     wanted = mode.pole.imag
     turn = 2 * pi / dt

@@ -100,10 +100,6 @@ def build_blocks(plant: Plant, controller: Controller) -> Blocks:
     ----------
     plant, controller
         The loop; of the controller only velocity cycle, sensors and observer count.
-
-    Returns
-    -------
-    Blocks
     """
     T_v, observer = controller.velocity_cycle, controller.observer
     A, B = discretise(plant, T_v)
@@ -144,10 +140,6 @@ def scan_blocks(blocks: Blocks, omega: Array) -> BlockResponses:
         Plant and observer.
     omega
         Shape (n,), below the Nyquist frequency of the velocity cycle [rad/s].
-
-    Returns
-    -------
-    BlockResponses
     """
     z = np.exp(1j * omega * blocks.velocity_cycle)
     states = resolvent(blocks.A, blocks.entries, z)

@@ -121,10 +121,6 @@ def open_loop(controller: Controller, scanned: BlockResponses) -> OpenLoop:
         Its gains.
     scanned
         Of a plant with the same velocity cycle, sensors and observer.
-
-    Returns
-    -------
-    OpenLoop
     """
     laws = _laws(controller, scanned)
     inner = _velocity_feedback(laws, scanned.moved, known=1.0)
@@ -167,10 +163,6 @@ def close(scanned: BlockResponses, cut: OpenLoop) -> FrequencyResponse:
     ----------
     scanned, cut
         Of plant and observer, and from ``open_loop`` with these.
-
-    Returns
-    -------
-    FrequencyResponse
     """
     moved, disturbed, laws = scanned.moved, scanned.disturbed, cut.laws
     # The observer does not know a disturbance.
@@ -192,10 +184,6 @@ def scan(controller: Controller, scanned: BlockResponses) -> FrequencyResponse:
         Its gains.
     scanned
         Of a plant with the same velocity cycle, sensors and observer.
-
-    Returns
-    -------
-    FrequencyResponse
     """
     return close(scanned, open_loop(controller, scanned))
 
@@ -211,10 +199,6 @@ def refine(controller: Controller, blocks: Blocks, found: FrequencyResponse) -> 
         Plant and observer.
     found
         From ``scan`` of ``scan_blocks_on_grid``; all of it is kept.
-
-    Returns
-    -------
-    FrequencyResponse
     """
     for _ in range(REFINEMENTS):
         omega = _between(2 * pi * found.frequency_hz, _intervals_of_interest(found))

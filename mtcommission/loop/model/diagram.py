@@ -75,10 +75,6 @@ def as_followed_model(
         Of the lifted motion; tool, encoder and acceleration come first among the outputs.
     dt
         Position cycle [s].
-
-    Returns
-    -------
-    control.StateSpace
     """
     inputs, outputs = ["x_ref", "v_ref", "a_ref", "j_ref"], ["tcp", "encoder", "force"]
     C, D = np.asarray(C)[:3], np.asarray(D)[:3]

@@ -65,10 +65,6 @@ def hand_down(controller: Controller, model: Plant) -> HandedDown:
         All gains.
     model
         The machine as the controller believes it to be, for its reference state.
-
-    Returns
-    -------
-    HandedDown
     """
     if controller.position_loop is PositionLoop.CONTROL:
         return _held(controller, model)

@@ -60,10 +60,6 @@ def simulate_continuous(
         [m].
     until
         End of the simulation [s].
-
-    Returns
-    -------
-    ContinuousResponse
     """
     import control  # takes a second, and only this cross-check needs it
 

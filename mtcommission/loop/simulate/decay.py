@@ -43,10 +43,6 @@ class Decay:
             [m].
         longest
             Where the answer is capped: one cycle more than this time [s].
-
-        Returns
-        -------
-        int
         """
         needed = 0.0
         for radius, size in zip(self.radii, self.sizes, strict=True):
@@ -69,10 +65,6 @@ def find_decay(lifted: LiftedLoop, transient: Array) -> Decay:
         The loop.
     transient
         Loop state less its steady state, shape (n,).
-
-    Returns
-    -------
-    Decay
     """
     z, V = np.linalg.eig(lifted.A)
     alive = np.abs(z) > ZERO_POLE

@@ -42,10 +42,6 @@ def window_shares(times: Array, window: Array | float, *, step: float) -> Array:
     step
         Velocity cycle [s].
 
-    Returns
-    -------
-    ndarray
-
     Examples
     --------
     >>> window_shares(np.array([0.0, 1.0, 2.0, 3.0]), 1.7, step=1.0)
@@ -65,10 +61,6 @@ def rms_force(first: Array, square: Array, *, window: Array | float, static_load
         Its length [s].
     static_load
         [N]; the motion may go either way against it.
-
-    Returns
-    -------
-    ndarray
 
     Examples
     --------
@@ -95,10 +87,6 @@ def sum_free_force(lifted: LiftedLoop, transients: Array, left: Array, *, cycles
         What is left of the window, shape (n_setpoints,) [s]; none where negative.
     cycles
         Velocity cycles in a position cycle.
-
-    Returns
-    -------
-    ForceSums
     """
     step, Z, power = lifted.dt / cycles, transients.copy(), lifted.A
     force = lifted.C.reshape(cycles, -1, len(Z))[:, -1]

@@ -108,10 +108,6 @@ def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float
         Force limit and static load.
     band
         tcp_deviation of the requirements [m].
-
-    Returns
-    -------
-    LoopResponse
     """
     tau = loop.controller.reference_delay
     until = setpoint.duration + tau
@@ -165,10 +161,6 @@ def steady_state(lifted: LiftedLoop) -> Array:
     ----------
     lifted
         A stable loop.
-
-    Returns
-    -------
-    ndarray
     """
     eye = np.eye(len(lifted.A))
     at_rest = np.linalg.solve(eye - lifted.A, lifted.B[:, 0])

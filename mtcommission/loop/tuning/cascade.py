@@ -61,10 +61,6 @@ def build_cascade(
         f, Kp over the symmetrical optimum [-]; without effect where Kp is given.
     shape
         Kv and Tn over Kp; without effect where they are given.
-
-    Returns
-    -------
-    Controller
     """
     given, drive = machine.control, machine.drive
     mass = moving_mass(machine) + mid_payload(machine)
@@ -122,10 +118,6 @@ def symmetrical_optimum(machine: Machine) -> float:
     machine
         Nominal.
 
-    Returns
-    -------
-    float
-
     Source: symmetrical optimum (Kessler 1958), T_σ as the sum of the small time constants.
     """
     given = machine.control
@@ -141,10 +133,6 @@ def explain_cascade(machine: Machine, controller: Controller) -> tuple[Message, 
     ----------
     machine, controller
         The controller that was built for the machine.
-
-    Returns
-    -------
-    tuple of Message
     """
     given, remarks = machine.control, []
     Kp = controller.velocity_gain

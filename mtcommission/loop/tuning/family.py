@@ -73,10 +73,6 @@ def cascade_family(machine: Machine, settings: TuningSettings) -> LoopFamily:
     machine, settings
         As for ``tune_loop``.
 
-    Returns
-    -------
-    LoopFamily
-
     Raises
     ------
     ComputationError
@@ -134,10 +130,6 @@ def build(family: LoopFamily, shape: Shape, *, fraction: float) -> Controller:
         Its weight counts where the family damps.
     fraction
         Kp over the symmetrical optimum [-].
-
-    Returns
-    -------
-    Controller
     """
     model = family.bench.model
     cascade = build_cascade(family.machine, model, fraction=fraction, shape=shape)

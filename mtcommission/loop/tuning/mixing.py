@@ -97,10 +97,6 @@ def explain_mixing(mixed: Sequence[MixedMode]) -> tuple[Message, ...]:
     ----------
     mixed
         From ``find_mixed_modes``.
-
-    Returns
-    -------
-    tuple of Message
     """
     return tuple(
         Message(

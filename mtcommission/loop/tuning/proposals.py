@@ -78,10 +78,6 @@ def propose_cascades(family: LoopFamily) -> Proposals:
     ----------
     family
         From ``cascade_family``.
-
-    Returns
-    -------
-    Proposals
     """
     classic = tune_shape(family, CLASSIC, largest=1.0)
     settings = family.settings
@@ -153,10 +149,6 @@ def propose_near(proposals: Proposals, shape: Shape) -> tuple[Proposal, ...]:
         That the good one is from.
     shape
         Of the good one.
-
-    Returns
-    -------
-    tuple of Proposal
     """
     steps = (1.0 / HALF_STEP, HALF_STEP)
     near = [replace(shape, position_ratio=step * shape.position_ratio) for step in steps]

@@ -30,10 +30,6 @@ def is_seen(mode: PlantMode, sensors: tuple[str, ...]) -> bool:
         Of the plant.
     sensors
         Names of measured outputs.
-
-    Returns
-    -------
-    bool
     """
     return mode.measured_gain != 0.0 or ("tcp" in sensors and mode.tcp_gain != 0.0)
 
@@ -83,10 +79,6 @@ def add_state_feedback(
         does to the mode that moves the tool most [-].
     observer
         From ``design_observer``.
-
-    Returns
-    -------
-    Controller
     """
     gains = _gains(machine, plant, cascade, weight, observer.states)
     return replace(cascade, state_gains=gains, observer=observer)
@@ -105,10 +97,6 @@ def given_state_feedback(
         Without state feedback.
     settings
         Assumed noises of the observer.
-
-    Returns
-    -------
-    Controller
 
     Raises
     ------
@@ -141,10 +129,6 @@ def design_observer(
         Its sensors and its velocity cycle count.
     settings
         Assumed noises.
-
-    Returns
-    -------
-    Observer
     """
     modes = [mode for mode in plant.modes if is_seen(mode, cascade.sensors)]
     states = [plant.position, plant.velocity]

@@ -152,10 +152,6 @@ def corner_plants(machine: Machine) -> CornerPlants:
     ----------
     machine
         Nominal; its requirements hold the ranges.
-
-    Returns
-    -------
-    CornerPlants
     """
     places = corners(machine)
     return CornerPlants(
@@ -172,10 +168,6 @@ def close_loop(bench: CornerPlants, controller: Controller) -> TunedLoop:
         From ``corner_plants``.
     controller
         With every gain resolved.
-
-    Returns
-    -------
-    TunedLoop
     """
     closed = [
         _close_on(plant, controller, frequency_response(plant, controller), model=bench.model)
@@ -302,10 +294,6 @@ def has_margins(analysis: LoopAnalysis, *, settings: TuningSettings) -> bool:
         Of the loop.
     settings
         Required margins.
-
-    Returns
-    -------
-    bool
     """
     return (
         analysis.is_stable
@@ -322,10 +310,6 @@ def describe_margins(analyses: Sequence[LoopAnalysis]) -> Message:
     ----------
     analyses
         At least one.
-
-    Returns
-    -------
-    Message
     """
     if not all(analysis.is_stable for analysis in analyses):
         return Message("loop-without-margins")

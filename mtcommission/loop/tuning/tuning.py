@@ -116,10 +116,6 @@ def finish(family: LoopFamily, tuned: TunedLoop) -> TunedLoop:
     tuned
         Without remarks and warnings.
 
-    Returns
-    -------
-    TunedLoop
-
     Raises
     ------
     ComputationError
@@ -184,10 +180,6 @@ def close_as_given(family: LoopFamily) -> TunedLoop:
     ----------
     family
         From ``cascade_family``.
-
-    Returns
-    -------
-    TunedLoop
 
     Raises
     ------
