@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
-from mtcommission.loop.batch.extremes import find_extremes
+from mtcommission.loop.batch.extremes import REMEMBERED, find_extremes
 from mtcommission.loop.batch.settling import settle
 from mtcommission.loop.batch.tables import build_tables, sketch_tables
 from mtcommission.loop.simulate.response import LoopResponse, simulate
@@ -191,3 +191,29 @@ def test_setpoint_longer_than_the_tables_is_an_error() -> None:
     )
     with pytest.raises(IndexError):
         settle(tables, steps, band=5e-6)
+
+
+@pytest.mark.parametrize("name", ["paper", "two averages", "shaped"])
+@pytest.mark.parametrize("move", [VelocityStep(velocity_step=2.0), Positioning(distance=12.0)])
+def test_a_long_move_leaps_to_where_simulating_every_cycle_ends(name: str, move: Move) -> None:
+    """Its force and its path would otherwise be those of another move."""
+    machine = MACHINES[name]
+    tuned = tune_loop(machine)
+    loop = tuned.loops[0]
+    steps = steps_of(machine, move, np.array([0.5, 2.0]), np.array([20.0, 200.0]))
+    found = find_extremes(
+        loop,
+        steps,
+        signals=np.eye(loop.plant.order + 3)[[2]],
+        dwell=0.2,
+        tail=0.3,
+        static_load=machine.drive.static_load,
+        with_deviation=True,
+    )
+    slowest = np.log(np.abs(np.linalg.eigvals(loop.lifted.A)).max()) / loop.lifted.dt
+    assert np.diff(steps.times, axis=1).max() > 1.2 * np.log(REMEMBERED) / slowest
+    for i, (a, j) in enumerate([(0.5, 20.0), (2.0, 200.0)]):
+        full = linear_response(machine, tuned, replace(move, dwell=0.2), a, j)
+        assert found.peaks[i, 0] == pytest.approx(full.max_force, rel=1e-6)
+        assert found.rms_force[i] == pytest.approx(full.rms_force, rel=1e-5)
+        assert found.deviation[i] == pytest.approx(full.peak_deviation, rel=1e-6)

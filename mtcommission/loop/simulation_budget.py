@@ -30,6 +30,23 @@ MOST_SLOW_CYCLES = 600_000
 """The same with the slowest limits that are judged, those of the commissioning rule."""
 
 
+def longest_affordable(machine: Machine) -> float:
+    """Return how long every move may take if all are to be judged [s].
+
+    Parameters
+    ----------
+    machine
+        Nominal.
+
+    Returns
+    -------
+    float
+        No limits with which a move takes longer are looked for.
+    """
+    moves = len(machine.moves) * len(corners(machine))
+    return MOST_SLOW_CYCLES * machine.control.velocity_cycle / moves
+
+
 def count_cycles(machine: Machine) -> float:
     """Return the velocity cycles that the quickest conceivable moves take, in all corners.
 

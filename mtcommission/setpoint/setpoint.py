@@ -22,16 +22,13 @@ from mtcommission.machine.machine import Machine, Move, Positioning, VelocitySte
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.pieces import cut
 
 Array = NDArray[np.float64]
 
 NUDGES = (0.0, 1e-9, 1e-7, 1e-5)
 """Shares by which the acceleration is lowered in turn where Ruckig finds no profile: it fails on
 the exact border at which a phase vanishes, and next to it it does not."""
-
-INSTANT = 1e-9
-"""Times closer than this are one instant [s]: whether a sample that falls on a knot sees the
-jerk before or after it must not hang on the last bit of a sum."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -213,34 +210,12 @@ def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
     >>> sample_setpoint(setpoint, np.array([-1.0, 0.06, 0.16])).round(6)[:, :2].tolist()
     [[0.0, 0.0], [0.003, 0.1], [0.013, 0.1]]
     """
-    knots, order = setpoint.knot_times, setpoint.order
-    values = np.zeros((knots.size, order + 1))  # each derivative just after each knot
-    current = np.zeros(order + 1)
-    for i in range(knots.size):
-        if i:
-            current = _advance(current[None, :], np.array([knots[i] - knots[i - 1]]))[0]
-        current[order] += setpoint.knot_steps[i]
-        values[i] = current
-    values[-1, 2:] = 0.0  # at rest or coasting: rounding must not drift away
+    pieces = cut(setpoint.knot_times[None], setpoint.knot_steps[None], order=setpoint.order)
     if isinstance(setpoint.move, Positioning):
-        values[-1, :2] = setpoint.move.distance, 0.0
+        pieces.values[-1, :2, 0] = setpoint.move.distance, 0.0
     else:
-        values[-1, 1] = setpoint.move.velocity_step
-    piece = np.searchsorted(knots, times + INSTANT, side="right") - 1
-    sampled = _advance(values[np.maximum(piece, 0)], times - knots[np.maximum(piece, 0)])[:, :4]
-    sampled[piece < 0] = 0.0
-    return sampled
-
-
-def _advance(values: Array, dt: Array) -> Array:
-    """Derivatives some time later, by Taylor; the highest one stays."""
-    later = np.empty_like(values)
-    for k in range(values.shape[1]):
-        total = np.zeros(len(values))
-        for higher in range(values.shape[1] - 1, k - 1, -1):
-            total = values[:, higher] + total * dt / (higher - k + 1)
-        later[:, k] = total
-    return later
+        pieces.values[-1, 1, 0] = setpoint.move.velocity_step
+    return pieces.sample(times[:, None], derivatives=4)[:, :, 0].T
 
 
 def jerk_steps(

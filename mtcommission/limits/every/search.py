@@ -23,6 +23,7 @@ from mtcommission.limits.every.filters import filters_to_try, neighbours
 from mtcommission.limits.every.sizes import Sizes
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.batch.echoes import Echoes, behind_filter, less_delayed, linear, listen
+from mtcommission.loop.simulation_budget import longest_affordable
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine, Move, moving_mass
 from mtcommission.machine.requirement import slow_to_feed
@@ -362,8 +363,7 @@ class Explorer:
 
         The shorter the time to ``max_velocity``, the fewer steps of a mode it can add up.
         """
-        best = min((f.duration for f in self.known.values() if f is not None), default=inf)
-        least = self._least(item, jerk_time, best)
+        least = self._least(item, jerk_time, self._soonest())
         if least < self.largest:
             self._first_allowed(item, jerk_time, np.geomspace(self.largest, least, LEAPS))
 
@@ -389,10 +389,14 @@ class Explorer:
         duration = float(self.durations(item, np.array([a]), jerk_time)[0])
         return Found(duration=duration, acceleration=a, jerk_time=jerk_time, setpoint_filter=item)
 
+    def _soonest(self) -> float:
+        """t_e of the best so far; before any is found, what can be judged at all [s]."""
+        found = (f.duration for f in self.known.values() if f is not None)
+        return min(found, default=longest_affordable(self.machine))
+
     def _find(self, item: SetpointFilter | None, jerk_time: float) -> Found | None:
-        best = min((f.duration for f in self.known.values() if f is not None), default=inf)
         a = min(self.largest, self.largest_jerk * jerk_time)
-        least = self._least(item, jerk_time, WORTHWHILE * best)
+        least = self._least(item, jerk_time, WORTHWHILE * self._soonest())
         if least > a or self.share(item, least, jerk_time, enough=HOPELESS) > HOPELESS:
             return None
         for _ in range(STEPS):
@@ -407,8 +411,6 @@ class Explorer:
     def _least(self, item: SetpointFilter | None, jerk_time: float, longest: float) -> float:
         """The least acceleration with which the slowest listed move is no longer than that."""
         a = self.largest * np.geomspace(LEAST_SHARE, 1.0, LADDER)
-        if not isfinite(longest):
-            return float(a[0])
         short = self.durations(item, a, jerk_time) <= longest
         return float(a[max(int(np.argmax(short)) - 1, 0)]) if short.any() else inf
 

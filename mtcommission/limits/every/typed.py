@@ -7,6 +7,7 @@ from math import isfinite
 
 from mtcommission.limits.digits import round_limits
 from mtcommission.limits.every.search import Found, search_every_size
+from mtcommission.loop.simulation_budget import longest_affordable
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import Kind, Requirement
@@ -80,31 +81,40 @@ def find_for_every_size(
     for item in found[:MOST_TYPED]:
         if best is not None and LIKELY * longer * item.duration >= best.duration:
             continue
-        typed = _type(machine, plant, tuned, item, evaluations=len(found))
+        latest = best.duration if best else longest_affordable(machine)
+        typed = _type(machine, plant, tuned, item, latest=latest, evaluations=len(found))
         if typed is None:
             continue
         added = typed.duration / item.duration
         longer = added if best is None else min(longer, added)
-        if best is None or typed.duration < best.duration:
-            best = typed
+        best = typed
     return best
 
 
 def _type(
-    machine: Machine, plant: Plant, tuned: TunedLoop, found: Found, *, evaluations: int
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    found: Found,
+    *,
+    latest: float,
+    evaluations: int,
 ) -> Typed | None:
-    """The nearest limits that can be typed in and hold; None where that does not end."""
+    """The nearest limits that can be typed in and hold.
+
+    None where that does not end, or only with moves that take as long as ``latest``.
+    """
     a, jerk_time = found.acceleration, found.jerk_time
     for tried in range(MOST_SCALED):
         rounded = round_limits(machine, a, jerk_time, digits=DIGITS)
         limits = replace(rounded, setpoint_filter=found.setpoint_filter)
+        duration = max(plan_setpoint(move, limits).duration for move in machine.moves)
+        if duration >= latest:
+            return None
         sizes = judge_every_size(machine, plant, tuned, limits, only_if_kept=True)
         used = max(_proved(check) / bound_of(machine, check.requirement) for check in sizes)
         if used <= 1.0:
-            durations = [plan_setpoint(move, limits).duration for move in machine.moves]
-            return Typed(
-                limits=limits, duration=max(durations), sizes=sizes, evaluations=evaluations
-            )
+            return Typed(limits=limits, duration=duration, sizes=sizes, evaluations=evaluations)
         # Behind a shaper the worst size may change little with a: then ever longer steps.
         a = min(limits.acceleration, a) / used ** (1 + tried) * JUST_LESS
     return None

@@ -1,23 +1,36 @@
-"""Peaks and RMS force of setpoints while they move, by simulating them side by side."""
+"""Peaks and RMS force of setpoints while they move, by simulating them side by side.
+
+Each setpoint has a clock of its own: where nothing steps for longer than the loop remembers, the
+loop follows a polynomial, known in closed form, and the clock leaps to shortly before the next
+step. So a move of minutes takes no longer than the steps in it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import factorial
+from math import inf, log
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.loop.batch.tables import following_states
 from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
 from mtcommission.loop.simulate.mean_force import rms_force, sum_free_force, window_shares
 from mtcommission.loop.simulate.response import steady_state
-from mtcommission.setpoint.setpoint import INSTANT, JerkSteps
+from mtcommission.setpoint.pieces import INSTANT, Pieces, cut
+from mtcommission.setpoint.setpoint import JerkSteps
 
 Array = NDArray[np.float64]
 
 BLOCK = 32
 """Position cycles whose outputs are computed together: keeps them in the cache."""
+
+REMEMBERED = 1e-9
+"""Share to which every mode of the loop has decayed where it counts as following [-]."""
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
+"""Of the quadrature over a leap: exact for the square of a cubic."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,24 +95,30 @@ def find_extremes(
     window = steps.duration + (dwell or 0.0)
     largest, deviation = np.zeros((len(C_s), count)), np.zeros(count)
     first, square = np.zeros((2, count))
-    for t, history in _move(lifted, steps, tail=tail):
+    before = step * np.arange(rows)[:, None]
+    pieces = cut(steps.times, steps.steps, order=steps.order)
+    for stretch in _move(lifted, pieces, lag=loop.controller.reference_delay, tail=tail):
         # What a position cycle computes acts in the next one, so no reference feeds through.
-        motion, before = C_s @ history[:-1], step * np.arange(rows)
+        motion, instants = C_s @ stretch.states, stretch.times[:, None, :] + before
         np.maximum(largest, np.abs(motion, out=motion).max(axis=0), out=largest)
         if with_deviation:
-            ages = np.add.outer(t, before - loop.controller.reference_delay)
-            e = C[:, 0] @ history[:-1] - _positions(steps, ages)
+            ages = instants - loop.controller.reference_delay
+            e = C[:, 0] @ stretch.states - pieces.sample(ages, derivatives=1)[0]
             np.maximum(deviation, np.abs(e, out=e).max(axis=(0, 1)), out=deviation)
         if dwell is not None:
-            force = C_f @ history[:-1]
-            share = window_shares(np.add.outer(t, before)[:, :, None], window, step=step)
+            force = C_f @ stretch.states
+            share = (
+                window_shares(instants, window, step=step)
+                if stretch.shares is None
+                else stretch.shares[:, None, :] / rows
+            )
             first += (share * force).sum(axis=(0, 1))
             square += (share * force**2).sum(axis=(0, 1))
     if dwell is not None:
-        until = t[-1] + lifted.dt
-        following = _references(steps, np.array([until]))[0, :2]
+        until = stretch.until
+        following = pieces.sample(until, derivatives=2)
         left = sum_free_force(
-            lifted, history[-1] - steady_state(lifted) @ following, window - until, cycles=rows
+            lifted, stretch.last - steady_state(lifted) @ following, window - until, cycles=rows
         )
         first, square = first + left.first, square + left.square
     rms = rms_force(first, square, window=window, static_load=static_load)
@@ -110,47 +129,66 @@ def find_extremes(
     )
 
 
-def _move(lifted: LiftedLoop, steps: JerkSteps, *, tail: float) -> Iterator[tuple[Array, Array]]:
-    """Yield the times of some position cycles, shape (n_times,), and the states there.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Stretch:
+    """Some instants of every setpoint, each on a clock of its own.
 
-    These of shape (n_times + 1, n, n_limits), the state after the last of them included.
+    ``times`` has the shape (n_times, n_limits), ``states`` (n_times, n, n_limits); ``until`` and
+    ``last`` are where the clocks and the states stand afterwards. ``shares`` is what each instant
+    stands for [s], where these are not position cycles one after the other but nodes of a leap.
     """
-    X = np.zeros((len(lifted.A), len(steps.times)))
-    count = int(np.ceil((float(np.max(steps.duration)) + tail) / lifted.dt))
-    for start in range(0, count, BLOCK):
-        t = lifted.dt * np.arange(start, min(start + BLOCK, count), dtype=np.float64)
-        drive = lifted.B @ _references(steps, t)
+
+    times: Array
+    states: Array
+    until: Array
+    last: Array
+    shares: Array | None = None
+
+
+def _move(lifted: LiftedLoop, pieces: Pieces, *, lag: float, tail: float) -> Iterator[_Stretch]:
+    """Yield position cycles and leaps until every setpoint has ended for as long as ``tail``."""
+    dt, end = lifted.dt, pieces.knots[-1] + tail
+    memory = _memory(lifted) + lag
+    order = pieces.values.shape[1] - 1
+    following = following_states(lifted, order).T
+    X, clock = np.zeros((len(lifted.A), len(end))), np.zeros(len(end))
+
+    def follow(t: Array) -> Array:
+        return following @ np.moveaxis(pieces.sample(t, derivatives=order + 1), 0, -2)
+
+    while (left := int(np.ceil(np.max(end - clock) / dt - INSTANT / dt))) > 0:
+        t = clock + dt * np.arange(min(BLOCK, left), dtype=np.float64)[:, None]
+        drive = lifted.B @ np.moveaxis(pieces.sample(t, derivatives=4), 0, 1)
         history = np.empty((len(t) + 1, *X.shape))
         history[0] = X
         for i in range(len(t)):
             np.matmul(lifted.A, history[i], out=history[i + 1])
             history[i + 1] += drive[i]
-        X = history[-1]
-        yield t, history
+        X, clock = history[-1], t[-1] + dt
+        yield _Stretch(times=t, states=history[:-1], until=clock, last=X)
+        leap = dt * _cycles_to_leap(pieces.knots, clock, memory=memory, dt=dt)
+        if leap.any():
+            t = clock + leap * (1.0 + NODES[:, None]) / 2.0
+            states = np.where(leap > 0.0, follow(t), X)  # those that do not leap stay
+            clock = clock + leap
+            X = np.where(leap > 0.0, follow(clock), X)
+            shares = leap * WEIGHTS[:, None] / 2.0
+            yield _Stretch(times=t, states=states, until=clock, last=X, shares=shares)
 
 
-def _references(steps: JerkSteps, t: Array) -> Array:
-    """x_ref, v_ref, a_ref, j_ref of all setpoints at the times t, (n_times, 4, n_limits)."""
-    # The few steps go first: numpy adds along the first axis far quicker than along the last.
-    age = t[:, None] - steps.times.T[:, None, :]
-    term = steps.steps.T[:, None, :] * (age >= -INSTANT)
-    age = np.maximum(age, 0.0)
-    result, order = np.zeros((len(t), 4, len(steps.times))), steps.order
-    for power in range(order + 1):
-        if power:
-            term = term * age / power
-        if order - power < 4:
-            result[:, order - power] = term.sum(axis=0)
-    return result
+def _memory(lifted: LiftedLoop) -> float:
+    """How long a step is remembered [s]; inf for a loop that never forgets."""
+    slowest = float(np.max(np.abs(np.linalg.eigvals(lifted.A))))
+    return log(REMEMBERED) / log(slowest) * lifted.dt if slowest < 1.0 else inf
 
 
-def _positions(steps: JerkSteps, t: Array) -> Array:
-    """x_ref of all setpoints at the times t of any shape, shape (*t.shape, n_limits)."""
-    x, order = np.zeros((*t.shape, len(steps.times))), steps.order
-    for time, size in zip(steps.times.T, steps.steps.T, strict=True):
-        age = np.maximum(t[..., None] - time, 0.0)
-        term = size * age
-        for _ in range(order - 1):
-            term *= age  # numpy's power takes five times as long
-        x += term
-    return x / factorial(order)
+def _cycles_to_leap(knots: Array, clock: Array, *, memory: float, dt: float) -> Array:
+    """Whole position cycles until shortly before the next step, where the last is forgotten.
+
+    Zero elsewhere, and where a block of cycles is as quick; shape (n_limits,).
+    """
+    ahead = knots - clock
+    until = np.where(ahead > 0.0, ahead, np.inf).min(axis=0)
+    forgotten = np.where(ahead <= 0.0, -ahead, np.inf).min(axis=0) >= memory
+    cycles = np.floor(np.where(np.isfinite(until), until, 0.0) / dt) - 1.0
+    return np.where(forgotten & (cycles > BLOCK), cycles, 0.0)

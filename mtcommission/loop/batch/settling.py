@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.loop.batch.tables import ResponseTables
-from mtcommission.setpoint.setpoint import INSTANT, JerkSteps
+from mtcommission.setpoint.pieces import INSTANT
+from mtcommission.setpoint.setpoint import JerkSteps
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

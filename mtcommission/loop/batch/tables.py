@@ -121,11 +121,10 @@ def _free_motion(lifted: LiftedLoop, rows: Array, *, cycles: int) -> Array:
 def _transients(lifted: LiftedLoop, start: Array, *, count: int) -> Array:
     """Free motion from some states, shape (<= count, n_states, n); ends in zero once decayed."""
     blocks, largest, left = [start[None]], np.abs(start), count - 1
+    powers = _free_motion(lifted, lifted.A, cycles=min(BLOCK, count)).transpose(0, 2, 1)
     while left > 0:
-        block = np.empty((min(BLOCK, left) + 1, *start.shape))
-        block[0] = blocks[-1][-1]
-        for i in range(1, len(block)):
-            np.matmul(block[i - 1], lifted.A.T, out=block[i])
+        last = blocks[-1][-1]
+        block = np.concatenate([last[None], last @ powers[:left]])
         size = np.abs(block)
         size[0] = largest
         peaks = np.maximum.accumulate(size)

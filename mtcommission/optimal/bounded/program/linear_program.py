@@ -168,12 +168,23 @@ def _model(program: Program) -> highspy.HighsLp:
     return model
 
 
+class _SilentHighs(highspy.Highs):
+    """HiGHS that never writes to standard output, where our JSON goes.
+
+    From 1.16 on its constructor prints a banner when it makes callbacks possible, before anyone
+    could set an option.
+    """
+
+    def enableCallbacks(self) -> None:
+        self.setOptionValue("output_flag", False)
+        super().enableCallbacks()  # type: ignore[no-untyped-call]
+
+
 def _solver(
     way: Mapping[str, str | int], settings: ProgramSettings, *, steps: int, tolerance: float
 ) -> highspy.Highs:
-    solver = highspy.Highs()  # type: ignore[no-untyped-call]
+    solver = _SilentHighs()  # type: ignore[no-untyped-call]
     options: dict[str, bool | int | float | str] = {
-        "output_flag": False,
         "parallel": "off",
         # Presolving costs more here than it saves, and calls some feasible programs infeasible.
         "presolve": "off",

@@ -1,0 +1,107 @@
+"""Setpoints as polynomials between their knots, sampled at any time.
+
+From the last knot before it and not from all steps so far: summed from its beginning, a position
+behind two averages loses six digits within ten seconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+INSTANT = 1e-9
+"""Times closer than this are one instant [s]: whether a sample that falls on a knot sees the
+jerk before or after it must not hang on the last bit of a sum."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pieces:
+    """Some setpoints, piece by piece.
+
+    Parameters
+    ----------
+    knots
+        In rising order, shape (n_knots, n_setpoints) [s].
+    values
+        Position and its derivatives just after each knot, before the first at first: at rest; shape
+        (n_knots + 1, order + 1, n_setpoints).
+    """
+
+    knots: Array
+    values: Array
+
+    def sample(self, t: Array, *, derivatives: int) -> Array:
+        """Return position and its first derivatives.
+
+        Parameters
+        ----------
+        t
+            Each setpoint's own times, shape (..., n_setpoints) [s].
+        derivatives
+            How many, the position included; those above the order are zero.
+
+        Returns
+        -------
+        ndarray, shape (derivatives, ..., n_setpoints)
+            At a knot as after it.
+        """
+        piece = np.zeros(t.shape, dtype=np.intp)
+        for knot in self.knots:
+            piece += t >= knot - INSTANT
+        setpoint = np.arange(t.shape[-1])
+        age = t - self.knots[np.maximum(piece - 1, 0), setpoint]
+        order = self.values.shape[1] - 1
+        result = np.zeros((derivatives, *t.shape))
+        own = [self.values[piece, k, setpoint] for k in range(order + 1)]
+        for k in range(min(derivatives, order + 1)):
+            result[k] = taylor(own[k:], age)
+        return result
+
+
+def cut(times: Array, steps: Array, *, order: int) -> Pieces:
+    """Return the pieces of setpoints whose highest derivative steps.
+
+    Parameters
+    ----------
+    times, steps
+        Instants, in any order, and sizes of the steps, shape (n_setpoints, n_steps).
+    order
+        Which derivative steps: 3 the jerk.
+
+    Returns
+    -------
+    Pieces
+        After the last step at rest or coasting, whatever rounding leaves.
+    """
+    rising = np.argsort(times, axis=1, kind="stable")
+    knots = np.take_along_axis(times, rising, axis=1).T
+    sizes = np.take_along_axis(steps, rising, axis=1).T
+    values = np.zeros((len(knots) + 1, order + 1, knots.shape[1]))
+    for i, size in enumerate(sizes):
+        before = values[i]
+        gap = knots[i] - knots[i - 1] if i else np.zeros(len(size))
+        for k in range(order + 1):
+            values[i + 1, k] = taylor(before[k:], gap)
+        values[i + 1, order] += size
+    values[-1, 2:] = 0.0
+    return Pieces(knots=knots, values=values)
+
+
+def taylor(derivatives: Array | list[Array], age: Array) -> Array:
+    """Return what has some derivatives, from itself upwards, some time later.
+
+    Parameters
+    ----------
+    derivatives
+        Each of the shape of ``age``.
+    age
+        [s].
+    """
+    total = np.zeros_like(age)
+    for k in range(len(derivatives) - 1, 0, -1):
+        total = (total + derivatives[k]) * age / k
+    return np.asarray(derivatives[0] + total)
