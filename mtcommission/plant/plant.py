@@ -83,7 +83,7 @@ class Plant:
     Parameters
     ----------
     states
-        Names of the states; the last one is the force F, but where it acts at once.
+        Names of the states; the last one is the force F, but of ``driven_at_once``.
     A, B
         Shapes (n, n) and (n,); B is the column of F_set, or of the jerk of a motor that follows.
     outputs
@@ -103,7 +103,7 @@ class Plant:
     force_unit
         SI unit of the set force: N, N m, or that of the acceleration of a motor that follows.
     follows
-        Whether the motor follows its setpoint: the force is its acceleration.
+        Whether the motor follows its setpoint: the force is its acceleration, the input its jerk.
     """
 
     states: tuple[str, ...]
@@ -297,8 +297,8 @@ def driven_at_once(plant: Plant) -> Plant:
     Returns
     -------
     Plant
-        The same behind a force lag; where the motor follows, without the state F: the set
-        acceleration acts at once, on position and modes alike.
+        The same behind a force lag; where the motor follows, without the state F: the input is
+        the set acceleration, and acts at once, on position and modes alike.
 
     Examples
     --------
@@ -312,7 +312,8 @@ def driven_at_once(plant: Plant) -> Plant:
     rest = plant.force
     A, B, C = plant.A[:rest, :rest], plant.A[:rest, rest], plant.C[:, :rest]
     units = (*plant.signal_units[:rest], *plant.signal_units[plant.order :])
-    return replace(plant, states=plant.states[:rest], A=A, B=B, C=C, signal_units=units)
+    states = plant.states[:rest]
+    return replace(plant, states=states, A=A, B=B, C=C, signal_units=units, follows=False)
 
 
 def _check_modes(modes: tuple[FlexibleMode, ...], placed: tuple[PlantMode, ...]) -> None:
