@@ -134,7 +134,7 @@ def test_adjoint_obeys_the_adjoint_equation(move: Move) -> None:
 
 @pytest.mark.parametrize("t_f", [0.04, 7.0])
 def test_adjoint_samples_are_dense_where_poles_live_and_exact(t_f: float) -> None:
-    # A gap would let a sign of λ_F go unchecked; a wrong sample would refuse a true law.
+    # A gap would let a sign of λ B go unchecked; a wrong sample would refuse a true law.
     problem = moment_problem(PAPER, POSITIONING)
     end = np.array([0.3, -0.2, 0.5, 0.1, 1.0, -2.0, 0.4])
     samples = adjoint_samples(dyadic_flow(PAPER, problem, t_f=t_f), problem, end)
@@ -145,9 +145,9 @@ def test_adjoint_samples_are_dense_where_poles_live_and_exact(t_f: float) -> Non
         assert gap * np.max(np.abs(problem.rates) * alive, initial=0.0) <= 0.2 * (1.0 + 1e-12)
     assert samples.tau.size < 50.0 + t_f * 452.0 / 0.1
     chosen = np.arange(0, samples.tau.size, max(1, samples.tau.size // 23))
-    exact = [(end @ expm(PAPER.A * tau))[PAPER.force] for tau in samples.tau[chosen].tolist()]
-    size = float(np.abs(samples.force).max())
-    assert samples.force[chosen] == pytest.approx(np.array(exact), rel=1e-10, abs=1e-12 * size)
+    exact = [(end @ expm(PAPER.A * tau)) @ PAPER.B for tau in samples.tau[chosen].tolist()]
+    size = float(np.abs(samples.along).max())
+    assert samples.along[chosen] == pytest.approx(np.array(exact), rel=1e-10, abs=1e-12 * size)
 
 
 def test_paper_adjoint_belongs_to_the_paper_times() -> None:

@@ -78,10 +78,7 @@ def describe_optimum(
             else Message("terminal-lower-bound", bound=bound, gap=proof.relative_gap),
             _law_line(solution),
         ]
-        if plant.follows and not isnan(proof.relative_gap):
-            slack = plant.proof_slack
-            lines.append(Message("optimum-with-rise", rise=plant.force_lag, slack=slack))
-        elif proof.relative_gap > TIGHT_GAP:
+        if proof.relative_gap > TIGHT_GAP:
             lines.append(Message("terminal-loose-proof", percent=100.0 * proof.relative_gap))
         lines += _touch_lines(solution)
     else:

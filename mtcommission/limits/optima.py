@@ -10,6 +10,12 @@ from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.condense import condense
 from mtcommission.machine.machine import Machine, Move, Positioning
 from mtcommission.messages.message import Message
+from mtcommission.optimal.at_once import (
+    damping_optimum_on,
+    least_limit,
+    on_states,
+    time_optimum_on,
+)
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
 from mtcommission.optimal.bounded.cruise import compose_cruise
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
@@ -23,7 +29,7 @@ from mtcommission.optimal.solution import (
     excess_velocity,
     sample_trajectory,
 )
-from mtcommission.plant.plant import Plant
+from mtcommission.plant.plant import Plant, driven_at_once
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 DAMPING_TIME_FACTOR = 1.2
@@ -84,8 +90,6 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     time = find_time_optimum(plant, move, force_limit=force, bounds=())
     constrained = None
     remarks: list[Message] = []
-    if plant.follows:
-        remarks.append(Message("optimum-with-rise", rise=plant.force_lag, slack=plant.proof_slack))
     if time.method == "composed":
         proof = time.certificate
         remarks.append(
@@ -97,7 +101,7 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
             constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
         except ComputationError as error:
             remarks.append(Message("optimum-under-bounds-failed", error=error.message))
-    if constrained and constrained.certificate.relative_gap > TIGHT_GAP and not plant.follows:
+    if constrained and constrained.certificate.relative_gap > TIGHT_GAP:
         gap = constrained.certificate.relative_gap
         remarks.append(Message("optimum-not-exact", slower=gap))
     wanted = machine.damping_optimal
@@ -143,19 +147,16 @@ def find_time_optimum(
     ComputationError
         The solve ended with a named outcome.
     """
-    found = _search(plant, move, force_limit=force_limit, bounds=bounds)
-    proof, slack = found.certificate, plant.proof_slack
-    if not slack:
-        return found
-    least = max(proof.t_f_lower_bound - slack, 0.0)
-    gap = (found.t_f - least) / found.t_f
-    return replace(found, certificate=replace(proof, t_f_lower_bound=least, relative_gap=gap))
+    limit, kept = least_limit(plant, force_limit, bounds), on_states(plant, bounds)
+    found = _search(driven_at_once(plant), move, force_limit=limit, bounds=kept)
+    others = tuple(bound for bound in bounds if bound not in kept)
+    return time_optimum_on(plant, replace(found, bounds=(*found.bounds, *others)))
 
 
 def _search(
     plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
 ) -> TimeOptimum:
-    """The optimum of the plant as it stands, a stand-in lag included."""
+    """The optimum of a plant of ``driven_at_once``."""
     cruise = move if isinstance(move, Positioning) and isfinite(move.max_velocity) else None
     if not bounds and cruise is None:
         return solve_time_optimal(plant, move, force_limit=force_limit)
@@ -192,12 +193,13 @@ def find_damping_optimum(
     if t_f < least:
         detail = Message("final-time-below-least", final=t_f, least=_rounded_up(least))
         raise ComputationError(Outcome.FINAL_TIME_TOO_SHORT, detail)
-    force = machine.drive.motion_force
+    force, moved = machine.drive.motion_force, driven_at_once(plant)
     weights = machine.damping_optimal.weights
     if not weights:
-        reference = solve_time_optimal(plant, move, force_limit=force)
-        weights = balanced_weights(plant, reference)
-    return solve_damping_optimal(plant, move, force_limit=force, t_f=t_f, weights=weights)
+        reference = solve_time_optimal(moved, move, force_limit=force)
+        weights = balanced_weights(moved, reference)
+    found = solve_damping_optimal(moved, move, force_limit=force, t_f=t_f, weights=weights)
+    return damping_optimum_on(plant, found)
 
 
 def condense_optima(

@@ -48,7 +48,7 @@ class Drive:
     kind
         A force behind a loop, or a motor that simply follows.
     force_lag
-        Time constant T of the force loop [s].
+        Time constant T of the force loop [s]; 0 of a position source.
     max_force
         F_max [N].
     max_velocity

@@ -38,6 +38,7 @@ ACCELERATION_FOR_FORCE: Mapping[str, tuple[tuple[re.Pattern[str], str], ...]] = 
         (re.compile(r"(?<![\w$.-])force(?![\w-])"), "acceleration"),
         (re.compile(r"(?<![\w$.-])Force(?![\w-])"), "Acceleration"),
         (re.compile(r"F_max/m|F_max"), "a_max"),
+        (re.compile(r"\blambda_F\b"), "lambda B"),
         (re.compile(r"\bF_set\b"), "a_set"),
     ),
     "de": (
@@ -45,6 +46,7 @@ ACCELERATION_FOR_FORCE: Mapping[str, tuple[tuple[re.Pattern[str], str], ...]] = 
         (re.compile(r"(?<![\w$.-])Kraft(?![\w-])"), "Beschleunigung"),
         (re.compile(r"(?<=[a-zäöü])kraft(?![\w-])"), "beschleunigung"),
         (re.compile(r"F_max/m|F_max"), "a_max"),
+        (re.compile(r"\blambda_F\b"), "lambda B"),
         (re.compile(r"\bF_(set|soll)\b"), r"a_\1"),
     ),
 }

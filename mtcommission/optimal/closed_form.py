@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.plant.plant import Plant
+from mtcommission.plant.plant import Plant, PlantMode
 
 Array = NDArray[np.float64]
 
@@ -38,22 +38,37 @@ def step_response(plant: Plant, tau: Array) -> Array:
     >>> [round(float(f), 6) for f in step_response(plant, np.array([-1.0, 2.5e-3]))[:, plant.force]]
     [0.0, 0.632121]
     """
-    T, lag = plant.force_lag, -1.0 / plant.force_lag
-    after = np.maximum(np.asarray(tau, dtype=np.float64), 0.0)
-    rise = -np.expm1(lag * after)
+    T, after = plant.force_lag, np.maximum(np.asarray(tau, dtype=np.float64), 0.0)
+    rise, fall = _rise(plant, after), _fall(plant, after)
     out = np.zeros((*after.shape, plant.order))
-    out[..., plant.force] = rise
+    out[..., plant.lagged] = rise[..., np.newaxis]
     out[..., plant.velocity] = (after - T * rise) / plant.moving_mass
     out[..., plant.position] = (after**2 / 2 - T * after + T**2 * rise) / plant.moving_mass
     for mode in plant.modes:
-        omega, p = mode.natural_frequency, mode.pole
-        at_lag = -1.0 / (lag**2 + 2.0 * mode.damping_ratio * omega * lag + omega**2)
-        at_pole = 1.0 / ((p - p.conjugate()) * (T * p + 1.0) * p)
-        fall, turn = at_lag * (1.0 - rise), 2.0 * at_pole * np.exp(p * after)
+        p = mode.pole
+        left = _left(plant, mode, fall)
+        turn = 2.0 / ((p - p.conjugate()) * (T * p + 1.0) * p) * np.exp(p * after)
         started = np.asarray(after > 0.0)
-        out[..., mode.deflection] = mode.scale * (omega**-2.0 + fall + turn.real) * started
-        out[..., mode.rate] = mode.scale * (lag * fall + (p * turn).real) * started
+        deflection = mode.natural_frequency**-2.0 - T**2 * left + turn.real
+        out[..., mode.deflection] = mode.scale * deflection * started
+        out[..., mode.rate] = mode.scale * (T * left + (p * turn).real) * started
     return out
+
+
+def _rise(plant: Plant, tau: Array) -> Array:
+    """Return the share 1 - e^{-τ/T} of a set force that acts after τ; 1 without a lag."""
+    return -np.expm1(-tau / plant.force_lag) if plant.force_lag else np.ones_like(tau)
+
+
+def _fall(plant: Plant, tau: Array) -> Array:
+    """Return the rest e^{-τ/T}; 0 without a lag."""
+    return np.exp(-tau / plant.force_lag) if plant.force_lag else np.zeros_like(tau)
+
+
+def _left(plant: Plant, mode: PlantMode, fall: Array) -> Array:
+    """Return e^{-τ/T} / (1 - 2 ζ ω T + (ω T)²), the lag's share in a mode's answer."""
+    bend = mode.natural_frequency * plant.force_lag
+    return fall / (1.0 - 2.0 * mode.damping_ratio * bend + bend**2)
 
 
 def impulse_response(plant: Plant, tau: Array) -> Array:
@@ -81,20 +96,18 @@ def impulse_response(plant: Plant, tau: Array) -> Array:
     >>> bool(np.allclose(impulse_response(plant, tau), transition(plant, tau) @ plant.B))
     True
     """
-    T, lag = plant.force_lag, -1.0 / plant.force_lag
-    fall = np.exp(lag * np.asarray(tau, dtype=np.float64))
-    rise = -np.expm1(lag * tau)
-    out = np.empty((*fall.shape, plant.order))
-    out[..., plant.force] = fall / T
+    T, tau = plant.force_lag, np.asarray(tau, dtype=np.float64)
+    rise, fall = _rise(plant, tau), _fall(plant, tau)
+    out = np.empty((*tau.shape, plant.order))
+    out[..., plant.lagged] = fall[..., np.newaxis] / (T or 1.0)
     out[..., plant.velocity] = rise / plant.moving_mass
     out[..., plant.position] = (tau - T * rise) / plant.moving_mass
     for mode in plant.modes:
-        omega, p = mode.natural_frequency, mode.pole
-        at_lag = 1.0 / (lag**2 + 2.0 * mode.damping_ratio * omega * lag + omega**2)
-        turn = 2.0 / ((p - p.conjugate()) * (p - lag)) * np.exp(p * tau)
-        scale = mode.scale / T
-        out[..., mode.deflection] = scale * (at_lag * fall + turn.real)
-        out[..., mode.rate] = scale * (lag * at_lag * fall + (p * turn).real)
+        p = mode.pole
+        left = _left(plant, mode, fall)
+        turn = 2.0 / ((p - p.conjugate()) * (T * p + 1.0)) * np.exp(p * tau)
+        out[..., mode.deflection] = mode.scale * (T * left + turn.real)
+        out[..., mode.rate] = mode.scale * ((p * turn).real - left)
     return out
 
 
@@ -112,7 +125,7 @@ def transition(plant: Plant, tau: Array) -> Array:
     -------
     ndarray, shape (*tau.shape, n, n)
 
-    Source: free oscillation of each mode; the column of the force by partial fractions.
+    Source: free oscillation of each mode; the column of the force, if it has a lag, from B.
 
     Examples
     --------
@@ -124,14 +137,9 @@ def transition(plant: Plant, tau: Array) -> Array:
     True
     """
     tau = np.asarray(tau, dtype=np.float64)
-    T, lag, force = plant.force_lag, -1.0 / plant.force_lag, plant.force
-    fall, rise = np.exp(lag * tau), -np.expm1(lag * tau)
     out = np.zeros((*tau.shape, plant.order, plant.order))
     out[..., plant.position, plant.position] = out[..., plant.velocity, plant.velocity] = 1.0
     out[..., plant.position, plant.velocity] = tau
-    out[..., force, force] = fall
-    out[..., plant.velocity, force] = T * rise / plant.moving_mass
-    out[..., plant.position, force] = (T * tau - T**2 * rise) / plant.moving_mass
     for mode in plant.modes:
         omega, zeta, p = mode.natural_frequency, mode.damping_ratio, mode.pole
         d, v = mode.deflection, mode.rate
@@ -139,8 +147,6 @@ def transition(plant: Plant, tau: Array) -> Array:
         c, s = decay * np.cos(wave), decay * np.sin(wave) / p.imag
         out[..., d, d], out[..., d, v] = c + zeta * omega * s, s
         out[..., v, d], out[..., v, v] = -(omega**2) * s, c - zeta * omega * s
-        at_lag = 1.0 / (lag**2 + 2.0 * zeta * omega * lag + omega**2)
-        turn = 2.0 / ((p - p.conjugate()) * (p - lag)) * np.exp(p * tau)
-        out[..., d, force] = mode.scale * (at_lag * fall + turn.real)
-        out[..., v, force] = mode.scale * (lag * at_lag * fall + (p * turn).real)
+    # A force is what an impulse of the set force leaves behind the lag.
+    out[..., plant.lagged] = plant.force_lag * impulse_response(plant, tau)[..., np.newaxis]
     return out

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from mtcommission.machine.machine import Move, Positioning, Weight
 from mtcommission.optimal.exponential import balanced_expm
-from mtcommission.plant.plant import Plant
+from mtcommission.plant.plant import Plant, driven_at_once
 
 Array = NDArray[np.float64]
 
@@ -201,21 +201,23 @@ def propagate(plant: Plant, arcs: tuple[Arc, ...]) -> Array:
     Returns
     -------
     ndarray, shape (n,)
+        A force that acts at once is over, 0.
 
     Source: variation of constants; the input is appended to the state (Van Loan 1978).
     """
-    x = np.zeros(plant.order)
+    moved = driven_at_once(plant)
+    x = np.zeros(moved.order)
     known: Arc | None = None
     for arc in arcs:
         length = arc.t_end - arc.t_start
         shift = 0.0 if known is None else length - known.t_end + known.t_start
         if known is None or known.generator is not arc.generator or abs(shift) > SAME * length:
-            known, shift, joint = arc, 0.0, joint_system(plant, arc)
+            known, shift, joint = arc, 0.0, joint_system(moved, arc)
             transition = balanced_expm(joint * length)
         z = transition @ np.concatenate([x, arc.initial])
         # The pieces of a long arc differ by rounding; the next term would be of order SAME².
-        x = (z + shift * (joint @ z))[: plant.order]
-    return x
+        x = (z + shift * (joint @ z))[: moved.order]
+    return np.append(x, np.zeros(plant.order - moved.order))
 
 
 def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Trajectory:
@@ -235,12 +237,13 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     Trajectory
         A switch appears once, with the force after it; the last sample ends the last arc.
     """
-    n = plant.order
+    moved = driven_at_once(plant)
+    n = moved.order
     x, times, forces, states = np.zeros(n), [], [], []
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length / step)))
-        transition = balanced_expm(joint_system(plant, arc) * (length / count))
+        transition = balanced_expm(joint_system(moved, arc) * (length / count))
         motion = np.empty((count + 1, n + arc.initial.size))
         motion[0] = np.concatenate([x, arc.initial])
         for i in range(count):
@@ -249,15 +252,24 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
         times.append(arc.t_start + np.arange(count) * length / count)
         forces.append(motion[:, n:] @ arc.output)
         states.append(motion[:-1, :n])
+    force = np.concatenate([*(force[:-1] for force in forces), forces[-1][-1:]])
     return Trajectory(
         t=np.concatenate([*times, [arcs[-1].t_end]]),
-        force=np.concatenate([*(force[:-1] for force in forces), forces[-1][-1:]]),
-        states=np.concatenate([*states, x[None]]),
+        force=force,
+        states=_with_force(plant, np.concatenate([*states, x[None]]), force),
     )
 
 
+def _with_force(plant: Plant, states: Array, force: Array) -> Array:
+    """Return sampled states of a plant, given those of ``driven_at_once``: F is what is set."""
+    return states if states.shape[1] == plant.order else np.column_stack([states, force])
+
+
 def joint_system(plant: Plant, arc: Arc) -> Array:
-    """Return the generator of plant and arc together, shape (n + k, n + k) [1/s]."""
+    """Return the generator of plant and arc together, shape (n + k, n + k) [1/s].
+
+    The plant is one of ``driven_at_once``.
+    """
     n, k = plant.order, arc.initial.size
     joint = np.zeros((n + k, n + k))
     joint[:n, :n] = plant.A
@@ -279,9 +291,9 @@ class Certificate:
     adjoint_initial
         λ(0), shape (n,), normalised by H = 1 + λ(Ax + B F_set) = 0 as in the paper's eq. (7).
     switching_slopes
-        dσ/dt at each switching time, σ = λ_F / T, shape (n_switches,).
+        dσ/dt at each switching time, σ = λB (λ_F / T behind a lag), shape (n_switches,).
     switching_law_holds
-        Whether F_set = -sign(λ_F) F_max on the whole interval (off boundary arcs).
+        Whether F_set = -sign(λB) F_max on the whole interval (off boundary arcs).
     terminal_jacobian_rank
         Rank of the Jacobian of the terminal conditions over switching times and t_f; -1 where
         it is not square or does not apply.
@@ -394,7 +406,7 @@ class DampingOptimum:
     adjoint_initial
         λ(0), shape (n,).
     law_residual
-        Largest |F_set - Proj(-λ_F / 2T)| / F_max over [0, t_f], eq. (16).
+        Largest |F_set - Proj(-λB / 2)| / F_max over [0, t_f], eq. (16).
     terminal_error
         As in ``TimeOptimum``.
     peaks
@@ -436,12 +448,13 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
         Exact at every sample, wherever the switches lie between them.
     """
     count = int(np.floor(until / step + 1e-9)) + 1
-    states = np.zeros((count, plant.order))
+    moved = driven_at_once(plant)
+    states, force = np.zeros((count, moved.order)), np.zeros(count)
     last = arcs[-1].t_end
     rest = constant_arc(last, max(until, last) + step, control=Interior(), force=0.0)
-    x = np.zeros(plant.order)
+    x = np.zeros(moved.order)
     for arc in (*arcs, rest):
-        joint = joint_system(plant, arc)
+        joint = joint_system(moved, arc)
         begin = np.concatenate([x, arc.initial])
         first = int(np.ceil(arc.t_start / step - 1e-9))
         stop = min(int(np.ceil(arc.t_end / step - 1e-9)), count)
@@ -449,10 +462,10 @@ def sample_evenly(plant: Plant, arcs: tuple[Arc, ...], *, step: float, until: fl
             z = balanced_expm(joint * max(first * step - arc.t_start, 0.0)) @ begin
             transition = balanced_expm(joint * step)
             for i in range(first, stop):
-                states[i] = z[: plant.order]
+                states[i], force[i] = z[: moved.order], z[moved.order :] @ arc.output
                 z = transition @ z
-        x = (balanced_expm(joint * (arc.t_end - arc.t_start)) @ begin)[: plant.order]
-    return states
+        x = (balanced_expm(joint * (arc.t_end - arc.t_start)) @ begin)[: moved.order]
+    return _with_force(plant, states, force)
 
 
 def excess_velocity(plant: Plant, damping: DampingOptimum) -> float:

@@ -14,7 +14,7 @@ from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound, DampingOptimum, TimeOptimum
 from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSettings
 from mtcommission.options.texts import raise_all, read_positive, require_move, require_one_of
-from mtcommission.plant.plant import Plant
+from mtcommission.plant.plant import Plant, driven_at_once
 from mtcommission.units.quantities import (
     ANGLE,
     ANGULAR_VELOCITY,
@@ -155,21 +155,33 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
         find_time_optimum,
         require_force,
     )
+    from mtcommission.optimal.at_once import (
+        damping_optimum_on,
+        least_limit,
+        on_states,
+        time_optimum_on,
+    )
 
     require_force(machine)
     force, move = machine.drive.motion_force, request.move
+    limit = least_limit(plant, force, request.bounds)
     exact = request.method == "exact"
     if request.kind == "time":
         if exact:
             return find_time_optimum(plant, move, force_limit=force, bounds=request.bounds)
-        bounds = request.bounds
+        bounds = on_states(plant, request.bounds)
         if isinstance(move, Positioning) and isfinite(move.max_velocity):
             bounds += (Bound(name=plant.states[plant.velocity], value=move.max_velocity),)
         from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
 
-        return transcribe_time_optimal(
-            plant, move, force_limit=force, bounds=bounds, settings=request.transcription
+        gridded = transcribe_time_optimal(
+            driven_at_once(plant),
+            move,
+            force_limit=limit,
+            bounds=bounds,
+            settings=request.transcription,
         )
+        return time_optimum_on(plant, gridded)
     least = find_time_optimum(plant, move, force_limit=force, bounds=()).t_f
     t_f = request.t_f or machine.damping_optimal.t_f or DAMPING_TIME_FACTOR * least
     solution = find_damping_optimum(machine, plant, move, t_f=t_f, least=least)
@@ -177,15 +189,16 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
         return solution
     from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
 
-    return transcribe_damping_optimal(
-        plant,
+    on_grid = transcribe_damping_optimal(
+        driven_at_once(plant),
         move,
-        force_limit=force,
+        force_limit=limit,
         t_f=t_f,
         weights=solution.weights,
-        bounds=request.bounds,
+        bounds=on_states(plant, request.bounds),
         settings=request.transcription,
     )
+    return damping_optimum_on(plant, on_grid)
 
 
 def final_time_origin(machine: Machine, request: OptimalRequest) -> Message | None:

@@ -4,12 +4,15 @@
 
 Every axis here is a rigid mass, a first-order force lag and decoupled flexible modes driven
 by the same force. The manipulator of the paper is one of them, with scaled states, so one
-description serves both kinds of profile.
+description serves both kinds of profile. Where the motor follows its setpoint the force is its
+acceleration: it has no lag, and what drives the plant is its jerk, or, for ``driven_at_once``, the
+acceleration itself.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import inf, pi, sqrt
 
 import numpy as np
@@ -22,8 +25,8 @@ from mtcommission.messages.message import Message
 
 Array = NDArray[np.float64]
 
-FORGOTTEN_LAGS = 12.0
-"""After so many of its time constants a lag has forgotten all but e^-12."""
+PLANTS = 128
+"""Plants whose form without a state for the force is kept."""
 
 OUTPUTS = ("tcp", "encoder", "tcp_vibration")
 """Rows of C: tool, encoder, and the elastic part of the tool."""
@@ -80,9 +83,9 @@ class Plant:
     Parameters
     ----------
     states
-        Names of the states; the last one is the force F.
+        Names of the states; the last one is the force F, but of ``driven_at_once``.
     A, B
-        Shapes (n, n) and (n,); B is the column of F_set.
+        Shapes (n, n) and (n,); B is the column of F_set, or of the jerk of a motor that follows.
     outputs
         Names of the rows of C: ``tcp``, ``encoder``, ``tcp_vibration`` (the elastic part of tcp).
     C
@@ -92,14 +95,15 @@ class Plant:
     moving_mass
         Rigid mass [kg].
     force_lag
-        T [s].
+        T [s]; 0 where the motor follows.
     position, velocity
         Indices of the rigid position and velocity.
     signal_units
         SI units of ``signals``, for messages and sheets.
+    force_unit
+        SI unit of the set force: N, N m, or that of the acceleration of a motor that follows.
     follows
-        Whether the motor follows its setpoint: the force is its acceleration, and the lag only
-        stands for an acceleration that changes at once, in optimal controls.
+        Whether the motor follows its setpoint: the force is its acceleration, the input its jerk.
     """
 
     states: tuple[str, ...]
@@ -113,6 +117,7 @@ class Plant:
     position: int
     velocity: int
     signal_units: tuple[str, ...]
+    force_unit: str
     follows: bool = False
 
     @property
@@ -133,23 +138,18 @@ class Plant:
     @property
     def fastest_rate(self) -> float:
         """Largest of 1 / force lag and the natural frequencies [1/s]."""
-        return max(1.0 / self.force_lag, *(mode.natural_frequency for mode in self.modes))
+        lag = tuple(-rate for rate in self.lag_rates)
+        return max(*lag, *(mode.natural_frequency for mode in self.modes), 0.0)
 
     @property
-    def force_unit(self) -> str:
-        """N, or N·m on a rotary axis."""
-        return self.unit(self.states[self.force])
+    def lag_rates(self) -> tuple[float, ...]:
+        """The pole -1/T of the force lag, if there is one [1/s]."""
+        return (-1.0 / self.force_lag,) if self.force_lag else ()
 
     @property
-    def proof_slack(self) -> float:
-        """By how much a control without the stand-in lag may undercut what is proved with it [s].
-
-        Let u0 reach the target at rest at t0 with |u0| <= a. Sent as u = (1 + η) u0(t) -
-        η u0(t - δ), η = 1/(e^(δ/T) - 1), it passes the lag as u0 averaged over δ, by weights that
-        are positive and end: so at t0 + δ all is at rest again, and every bound on a state holds.
-        Only |u| <= (1 + 2 η) a is asked for, which at δ = 12 T is a share of 1e-5.
-        """
-        return FORGOTTEN_LAGS * self.force_lag if self.follows else 0.0
+    def lagged(self) -> slice:
+        """Where the states hold the force that the lag lets through; empty without a lag."""
+        return slice(self.order - 1 if self.force_lag else self.order, self.order)
 
     def unit(self, signal: str) -> str:
         """Return the SI unit of a signal.
@@ -203,7 +203,7 @@ def build_plant(machine: Machine) -> Plant:
     -------
     Plant
         States of the manipulator: x_b, x_s, phi, v_b, v_s, v_phi, F; of a modal axis:
-        x, v, q_<name>, v_<name>, ..., F.
+        x, v, q_<name>, v_<name>, ..., F. Where the motor follows, its jerk is the input.
 
     Raises
     ------
@@ -249,7 +249,7 @@ def build_plant(machine: Machine) -> Plant:
     A = np.zeros((n, n))
     A[position, velocity] = 1.0
     A[velocity, force] = 1.0 / m
-    A[force, force] = -1.0 / T
+    A[force, force] = -1.0 / T if T else 0.0
     vibration, encoder = np.zeros(n), np.zeros(n)
     for mode in modes:
         zeta, omega = mode.damping_ratio, mode.natural_frequency
@@ -263,7 +263,7 @@ def build_plant(machine: Machine) -> Plant:
     tcp = vibration.copy()
     tcp[position] = 1.0
     B = np.zeros(n)
-    B[force] = 1.0 / T
+    B[force] = 1.0 / T if T else 1.0
     C = np.vstack([tcp, encoder, vibration])
     for array in (A, B, C):
         array.setflags(write=False)
@@ -280,8 +280,40 @@ def build_plant(machine: Machine) -> Plant:
         position=position,
         velocity=velocity,
         signal_units=(*(unit.si for unit in dimensions.values()), length, length, length),
+        force_unit=dimensions[states[force]].si,
         follows=machine.drive.follows,
     )
+
+
+@lru_cache(maxsize=PLANTS)
+def driven_at_once(plant: Plant) -> Plant:
+    """Return the plant that the set force drives, as optimal controls know it.
+
+    Parameters
+    ----------
+    plant
+        From ``build_plant``.
+
+    Returns
+    -------
+    Plant
+        The same behind a force lag; where the motor follows, without the state F: the input is
+        the set acceleration, and acts at once, on position and modes alike.
+
+    Examples
+    --------
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> plant = build_plant(read_shipped("printer-belt").machine)
+    >>> plant.states[-1], driven_at_once(plant).states, driven_at_once(plant).B.tolist()
+    ('F', ('x', 'v', 'q_belt', 'v_belt'), [0.0, 1.0, 0.0, -1.0])
+    """
+    if not plant.follows:
+        return plant
+    rest = plant.force
+    A, B, C = plant.A[:rest, :rest], plant.A[:rest, rest], plant.C[:, :rest]
+    units = (*plant.signal_units[:rest], *plant.signal_units[plant.order :])
+    states = plant.states[:rest]
+    return replace(plant, states=states, A=A, B=B, C=C, signal_units=units, follows=False)
 
 
 def _check_modes(modes: tuple[FlexibleMode, ...], placed: tuple[PlantMode, ...]) -> None:

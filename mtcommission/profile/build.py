@@ -23,7 +23,6 @@ from mtcommission.machine.machine import (
     VelocityStep,
     Weight,
 )
-from mtcommission.machine.mechanics import Mechanics
 from mtcommission.profile.control_tables import ControlTable, TodayTable, closes_in, cycle_of
 from mtcommission.profile.drive_tables import DriveTable, PositionSourceTable
 from mtcommission.profile.model import (
@@ -57,7 +56,7 @@ def build_machine(table: ProfileTable) -> Machine:
         SI.
     """
     mechanics = table.plant.build()
-    drive = _build_drive(table.drive, mechanics, table.moves)
+    drive = _build_drive(table.drive, table.moves)
     return Machine(
         name=table.machine.name,
         axis=table.machine.axis,
@@ -95,15 +94,7 @@ def _or_weight(weight: float | None, is_there: bool) -> float:
     return float(is_there) if weight is None else weight
 
 
-RISE = 0.02
-"""Time constant with which the acceleration of a position source builds up in its optimal controls,
-by the time scale 1/ω of its fastest mode [-]: takes some 0.1 % longer than without (measured);
-shorter ones were seen to defeat the search under a velocity limit."""
-
-
-def _build_drive(
-    drive: DriveTable | PositionSourceTable, mechanics: Mechanics, moves: Sequence[MoveTable]
-) -> Drive:
+def _build_drive(drive: DriveTable | PositionSourceTable, moves: Sequence[MoveTable]) -> Drive:
     if isinstance(drive, PositionSourceTable):
         limit = drive.velocity_limit
         # One acceleration is typed in for all velocities: what is left at the largest counts.
@@ -112,7 +103,7 @@ def _build_drive(
         )
         return Drive(
             kind=DriveKind.POSITION_SOURCE,
-            force_lag=RISE / max(mode.natural_frequency for mode in mechanics.modes),
+            force_lag=0.0,
             max_force=drive.acceleration_up_to(fastest),
             max_velocity=limit,
             force_velocity=fastest if drive.acceleration_curve else None,

@@ -275,6 +275,9 @@ NEEDLESS_CONTROL = (
 
 NEEDLESS_TODAY = ("position_gain", "velocity_gain", "integral_time")
 
+ACCELERATION = "F"
+"""What the states call the acceleration of a motor that follows."""
+
 
 def _list_needless(
     profile: ProfileTable, drive: PositionSourceTable, axis: AxisUnits
@@ -286,6 +289,9 @@ def _list_needless(
     for name, keys in (("control", NEEDLESS_CONTROL), ("today", NEEDLESS_TODAY)):
         stated = getattr(profile, name).model_fields_set if getattr(profile, name) else ()
         faults += [(f"{name}.{key}", Message("no-loop-to-set")) for key in keys if key in stated]
+    weights = profile.damping_optimal.weights
+    if isinstance(weights, dict) and ACCELERATION in weights:
+        faults.append((f"damping_optimal.weights.{ACCELERATION}", Message("acceleration-weighed")))
     for key in ("payload", "payload_radius"):
         if key in profile.requirements.model_fields_set:
             faults.append((f"requirements.{key}", Message("payload-of-position-source")))

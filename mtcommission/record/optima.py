@@ -123,21 +123,26 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
         cost_terms=dict(zip(names, solution.cost_terms.tolist(), strict=True)),
         weights={item.state: item.value for item in solution.weights},
         certificate=LawEntry(
-            adjoint_initial=dict(zip(plant.states, solution.adjoint_initial.tolist(), strict=True)),
+            adjoint_initial=_adjoint(plant, solution.adjoint_initial),
             law_residual=solution.law_residual,
         ),
     )
 
 
 def _proof_entry(plant: Plant, proof: Certificate) -> ProofEntry:
-    rank, adjoint = proof.terminal_jacobian_rank, proof.adjoint_initial.tolist()
-    known = zip(plant.states, adjoint, strict=True)
+    rank = proof.terminal_jacobian_rank
     return entry_of(
         ProofEntry,
         proof,
-        adjoint_initial={state: value for state, value in known if isfinite(value)},
+        adjoint_initial=_adjoint(plant, proof.adjoint_initial),
         terminal_jacobian_rank=rank if rank >= 0 else None,
     )
+
+
+def _adjoint(plant: Plant, values: Array) -> dict[str, float]:
+    """Return what is known of an adjoint by state."""
+    known = zip(plant.states, values.tolist(), strict=True)
+    return {state: value for state, value in known if isfinite(value)}
 
 
 def series_entry(plant: Plant, t: Array, states: Array, extra: dict[str, Array]) -> Series:

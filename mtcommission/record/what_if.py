@@ -7,7 +7,6 @@ import numpy as np
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
 from mtcommission.loop.analysis.quantisation import encoder_noise
 from mtcommission.loop.model.assembly import SampledLoop, build_loop
-from mtcommission.loop.model.discrete import driven_by_jerk
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.plant import Plant
@@ -105,11 +104,10 @@ def sampled_entry(loop: SampledLoop) -> SampledEntry:
 def _plant_entry(machine: Machine, plant: Plant) -> VariedPlantEntry:
     radius = machine.requirements.payload_radius
     force = plant.states[plant.force]
-    driven = driven_by_jerk(plant) if machine.drive.follows else plant
     bounds = {peak.name: peak.bound for peak in machine.requirements.peaks}
     return entry_of(
         VariedPlantEntry,
-        driven,
+        plant,
         tcp=plant.row("tcp"),
         signals=[
             SignalEntry(

@@ -7,7 +7,7 @@ robust force is what of it remains if frequencies and damping are known to their
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import TypeVar
 
@@ -21,7 +21,7 @@ from mtcommission.messages.message import Message
 from mtcommission.optimal.band.band_optimum import BandOptimum, find_band_optimum
 from mtcommission.optimal.band.robust import RobustForce, find_robust_force
 from mtcommission.optimal.band.settings import BandSettings
-from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.plant.plant import Plant, build_plant, driven_at_once
 
 Found = TypeVar("Found")
 
@@ -66,7 +66,7 @@ def find_within_band(
 
     def optimum() -> BandOptimum:
         return find_band_optimum(
-            plant,
+            driven_at_once(plant),
             optima.move,
             force_limit=force,
             band=band,
@@ -75,8 +75,6 @@ def find_within_band(
         )
 
     found = _tried(optimum, "band-optimum-failed", remarks)
-    if found is not None:
-        found = replace(found, lower_bound=max(found.lower_bound - plant.proof_slack, 0.0))
     if found is None or not (needs.frequency_spread or needs.damping_spread):
         return WithinBand(optimum=found, robust=None, remarks=tuple(remarks))
     places = spread_places(machine, settings)
@@ -84,7 +82,7 @@ def find_within_band(
 
     def robust() -> RobustForce:
         return find_robust_force(
-            [build_plant(vary(machine, place)) for place in places],
+            [driven_at_once(build_plant(vary(machine, place))) for place in places],
             optima.move,
             force_limit=force,
             band=band,

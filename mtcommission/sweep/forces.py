@@ -11,7 +11,7 @@ from mtcommission.errors import MtcommissionError
 from mtcommission.machine.machine import Machine, Positioning
 from mtcommission.optimal.free.curve import solve_curve
 from mtcommission.optimal.free.moments import moment_problem
-from mtcommission.plant.plant import build_plant
+from mtcommission.plant.plant import build_plant, driven_at_once
 from mtcommission.profile.read import parse_profile
 from mtcommission.sweep.cases import (
     FORCE_KEY,
@@ -50,7 +50,7 @@ def solve_forces(work: Work, members: Sequence[int]) -> dict[int, Answer]:
         move = machine.moves[work.base.move - 1]
         if isinstance(move, Positioning) and isfinite(move.max_velocity):
             return {}
-        plant = build_plant(machine)
+        plant = driven_at_once(build_plant(machine))
         problem = moment_problem(plant, move)
     except MtcommissionError:
         return {}  # the reader's or the plant's message belongs to each case

@@ -4,8 +4,8 @@ Between switches, under a set force u, the motion of each mode is known in close
 
     w(t) = e^{pt} w_0 + u (e^{pt} - 1)/p + (F_0 - u) (e^{pt} - e^{-t/T})/(p + 1/T)
 
-for w' = p w + F, and q = Im w / Im p, q' = Re w + Re p q. Samples are laid so close that the cubic
-through values and rates gives the peak between them.
+for w' = p w + F, and q = Im w / Im p, q' = Re w + Re p q; where u acts at once, without the last
+term. Samples are laid so close that the cubic through values and rates gives the peak between them.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def curve_peaks(plant: Plant, points: Sequence[CurvePoint], force_limits: Array)
     Parameters
     ----------
     plant
-        Plant of all controls.
+        Plant of all controls, from ``driven_at_once``.
     points
         Controls.
     force_limits
@@ -81,13 +81,14 @@ def _unit_peaks(plant: Plant, knots: Array, signs: Array, cells: int) -> Array:
     largest = np.zeros((len(knots), len(poles) + 2))
     for lengths, sign in zip(np.diff(knots).T, signs.tolist(), strict=True):
         age = lengths[:, None] * np.linspace(0.0, 1.0, cells + 1)
-        fade = np.exp(-age / T)
+        fade = np.exp(-age / T) if T else np.zeros_like(age)
         excess = F - sign
         force = sign + excess * fade
         signals = []
         for i, p in enumerate(poles):
             turn = np.exp(p * age)
-            whole = turn * w[i] + sign * (turn - 1.0) / p + excess * (turn - fade) / (p + 1.0 / T)
+            lagging = T * excess * (turn - fade) / (T * p + 1.0)
+            whole = turn * w[i] + sign * (turn - 1.0) / p + lagging
             signals.append(_mode_signals(plant.modes[i], p, whole, force))
             w[i] = whole[:, -1:]
         F = force[:, -1:]

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from mtcommission.loop.batch.loops import discretise_variations
 from mtcommission.loop.batch.run import bounded_signals, run_batch, shares_of_bounds
 from mtcommission.loop.model.assembly import lift_on_plants
-from mtcommission.loop.model.discrete import driven_by_jerk
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import (
@@ -133,14 +132,13 @@ def simulate_batched(
     BatchedResponse
     """
     count, loop = len(variations.payload), tuned.loops[0]
-    driven = driven_by_jerk(plant) if loop.controller.follows else plant
     signals = bounded_signals(machine, plant, loop)
     settling, residual = np.zeros(count), np.zeros(count)
     shares = np.zeros((count, len(signals.names)))
     for start in range(0, count, CHUNK):
         part = slice(start, start + CHUNK)
         A, B = discretise_variations(
-            machine, driven, loop.controller.velocity_cycle, variations=variations, part=part
+            machine, plant, loop.controller.velocity_cycle, variations=variations, part=part
         )
         rows = lift_on_plants(loop, A, B, signals=signals.rows)
         for move in machine.moves:

@@ -28,7 +28,6 @@ from mtcommission.loop.model.discrete import (
     Stage,
     discretise,
     discretise_filter,
-    discretise_followed,
 )
 from mtcommission.loop.model.friction import Friction
 from mtcommission.loop.model.handed_down import HandedDown, hand_down
@@ -251,7 +250,7 @@ def _followed_cycle(
     """
     n = plant.order
     step, own = np.eye(size, size + 1), slice(n + 3, n + 3 + len(handed_down.names))
-    followed = discretise_followed(plant, controller.velocity_cycle)
+    followed = discretise(plant, controller.velocity_cycle)
     step[:n] = 0.0
     step[:n, :size] = drive_by_motion(*followed, plant, held=own.start, size=size)
     step[own] = handed_down.advance @ step[own]
@@ -269,7 +268,7 @@ def drive_by_motion(A: Array, B: Array, plant: Plant, *, held: int, size: int) -
     Parameters
     ----------
     A, B
-        Of one plant or many, from ``discretise_followed``, shapes (..., n, n), (..., n).
+        Of one plant or many, from ``discretise``, shapes (..., n, n), (..., n).
     plant
         The nominal one.
     held

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,25 +26,16 @@ class Stage:
 
 
 def discretise(plant: Plant, step: float) -> tuple[Array, Array]:
-    """Return the zero-order-hold discretisation (A, B) of the plant over one step [s]."""
+    """Return the zero-order-hold discretisation (A, B) of the plant over one step [s].
+
+    Held is the set force, or the jerk of a motor that follows.
+    """
     n = plant.order
     joint = np.zeros((n + 1, n + 1))
     joint[:n, :n] = plant.A
     joint[:n, n] = plant.B
     transition = expm(joint * step)
     return transition[:n, :n], transition[:n, n]
-
-
-def driven_by_jerk(plant: Plant) -> Plant:
-    """Return the plant with the jerk for its input: its force is an acceleration without lag."""
-    A, B = plant.A.copy(), np.zeros_like(plant.B)
-    A[plant.force, plant.force], B[plant.force] = 0.0, 1.0
-    return replace(plant, A=A, B=B)
-
-
-def discretise_followed(plant: Plant, step: float) -> tuple[Array, Array]:
-    """Return (A, B) over one step [s] of a plant whose acceleration rises with constant jerk."""
-    return discretise(driven_by_jerk(plant), step)
 
 
 def discretise_filter(item: ForceFilter, controller: Controller) -> Stage:

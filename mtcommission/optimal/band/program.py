@@ -169,7 +169,7 @@ def first_contacts(question: Question) -> Contacts:
     found = Contacts(machine=np.zeros(0, dtype=np.intp), s=np.zeros(0))
     count = question.settings.first_contacts
     for machine, tail in enumerate(question.tails):
-        modes = np.abs(tail.rates[:-1].imag)
+        modes = tail.swinging.imag
         period = 2.0 * np.pi / float(modes.min()) if modes.size else question.plant.force_lag
         found = found.extended(machine, np.linspace(0.0, 2.0 * period, 2 * count + 1))
     return found
@@ -346,6 +346,7 @@ def velocity_rows(plant: Plant, edges: Array, tau: Array) -> Array:
     Source: v(τ) = ∫ (1 - e^{-(τ' - τ)/T}) F_set dτ' / m over τ' > τ.
     """
     T = plant.force_lag
-    ahead = np.maximum(edges - tau[:, np.newaxis], 0.0)
-    covered = ahead + T * np.expm1(-ahead / T)
+    covered = np.maximum(edges - tau[:, np.newaxis], 0.0)
+    if T:
+        covered = covered + T * np.expm1(-covered / T)
     return np.asarray(np.diff(covered, axis=1) / plant.moving_mass)

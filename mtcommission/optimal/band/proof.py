@@ -48,7 +48,7 @@ def prove_time(question: Question, cells: CellForce) -> float:
     c = np.zeros(problem.size)
     pairs = np.empty(2 * weights.size)
     pairs[0::2], pairs[1::2] = weights.real, -weights.imag
-    c[: pairs.size - 1] = pairs[:-1]
+    c[: problem.one] = pairs[: problem.one]
     if question.degree:
         c[-1] = cells.momentum_multiplier
     rows = moment_rows(plant, problem)

@@ -3,7 +3,7 @@
 With the moments z_k = ∫ e^{p_k τ} F_set dτ over the remaining time τ, the tool's distance from its
 last place a time s after the end is
 
-    e(s) = Re Σ C_k e^{p_k s} z_k - y,        k: the modes and the force lag, y the offset
+    e(s) = Re Σ C_k e^{p_k s} z_k - y,        k: the modes and a force lag, y the offset
 
 that is, where the reference lies beside the place at which the tool comes to rest (or beside its
 steady motion, for a velocity step).
@@ -42,20 +42,25 @@ class Tail:
     Parameters
     ----------
     rates
-        Poles p of the modes, then -1/T; shape (n_modes + 1,) [1/s].
+        Poles p of the modes, then -1/T if there is a force lag; shape (n_rates,) [1/s].
     gains
-        C, shape (n_modes + 1,) [m/(N s)].
+        C, shape (n_rates,) [m/(N s)].
     """
 
     rates: Complex
     gains: Complex
 
+    @property
+    def swinging(self) -> Complex:
+        """Poles of the modes, shape (n_modes,) [1/s]."""
+        return self.rates[self.rates.imag > 0.0]
+
     def responses(self, s: Array) -> Complex:
-        """Return C_k e^{p_k s}, shape (*s.shape, n_modes + 1)."""
+        """Return C_k e^{p_k s}, shape (*s.shape, n_rates)."""
         return np.asarray(self.gains * np.exp(np.multiply.outer(s, self.rates)))
 
     def moments(self, edges: Array) -> Complex:
-        """Return ∫ e^{pτ} dτ over each cell, shape (n_modes + 1, n_cells)."""
+        """Return ∫ e^{pτ} dτ over each cell, shape (n_rates, n_cells)."""
         grown = np.expm1(np.multiply.outer(self.rates, edges)) / self.rates[:, np.newaxis]
         return np.asarray(np.diff(grown, axis=1))
 
@@ -83,9 +88,10 @@ def build_tail(plant: Plant) -> Tail:
     """
     row = np.linalg.solve(all_moment_rows(plant).T, plant.row("tcp"))
     modal = 2 * len(plant.modes)
-    gains = np.append(row[0:modal:2] - 1j * row[1:modal:2], row[modal])
-    poles = [mode.pole for mode in plant.modes]
-    return Tail(rates=np.array([*poles, -1.0 / plant.force_lag]), gains=gains)
+    lags = plant.lag_rates
+    rates = np.array([*(mode.pole for mode in plant.modes), *lags], dtype=complex)
+    of_lag = row[modal : modal + len(lags)]
+    return Tail(rates=rates, gains=np.append(row[0:modal:2] - 1j * row[1:modal:2], of_lag))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -114,7 +120,7 @@ def find_tail_peaks(
     tail
         Of one machine.
     moments
-        z, shape (n_modes + 1,) [N s].
+        z, shape (n_rates,) [N s].
     offset
         y [m].
     level
@@ -136,7 +142,7 @@ def find_tail_peaks(
     weights = tail.gains * moments
     magnitudes = np.abs(weights)
     horizon = _decayed(tail.rates.real, magnitudes, level - abs(offset))
-    if horizon * float(np.abs(tail.rates[:-1]).max(initial=0.0)) > (
+    if horizon * float(np.abs(tail.swinging).max(initial=0.0)) > (
         settings.radians * settings.most_samples
     ):
         raise ComputationError(Outcome.NO_CONVERGENCE, Message("free-motion-rings-on"))

@@ -19,7 +19,7 @@ from mtcommission.plant.plant import Plant
 
 
 def tight_force_bound(problem: BoundedProblem) -> int:
-    """Return the index of a tight bound on the force state; -1 if there is none.
+    """Return the index of a tight bound on a force behind a lag; -1 if there is none.
 
     Parameters
     ----------
@@ -30,10 +30,10 @@ def tight_force_bound(problem: BoundedProblem) -> int:
     -------
     int
     """
-    force = problem.plant.states[problem.plant.force]
+    force = problem.plant.states[problem.plant.lagged]
     for index, limit in enumerate(problem.limits):
         if (
-            limit.bound.name == force
+            limit.bound.name in force
             and limit.bound.value < problem.settings.search.tight_force * problem.force_limit
         ):
             return index

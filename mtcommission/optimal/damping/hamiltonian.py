@@ -174,7 +174,7 @@ def state_scales(plant: Plant, *, force_limit: float, t_f: float) -> Array:
         Static deflection and its rate at resonance for a mode, rigid motion otherwise.
     """
     scales = np.ones(plant.order)
-    scales[plant.force] = force_limit
+    scales[plant.lagged] = force_limit
     scales[plant.velocity] = force_limit * t_f / plant.moving_mass
     scales[plant.position] = scales[plant.velocity] * t_f
     for mode in plant.modes:
@@ -232,9 +232,11 @@ def scale_problem(
     -------
     SaturatedProblem
     """
-    n, T = plant.order, plant.force_lag
+    n = plant.order
+    # Any time will do as the unit of the adjoint; the lag makes that of the force one.
+    T = plant.force_lag or 1.0 / plant.fastest_rate
     scales = state_scales(plant, force_limit=force_limit, t_f=t_f)
-    A = plant.A * scales / scales[:, None]
+    A, B = plant.A * scales / scales[:, None], plant.B * force_limit / scales
     c = np.zeros(n)
     for weight in weights:
         c[plant.states.index(weight.state)] += weight.value
@@ -243,11 +245,10 @@ def scale_problem(
     generators[:, :n, :n] = A
     generators[:, n : 2 * n, :n] = -2.0 / T * np.diag(c)
     generators[:, n : 2 * n, n : 2 * n] = -A.T
-    force = plant.force
-    generators[0, force, -1], generators[2, force, -1] = -1.0 / T, 1.0 / T
-    generators[1, force, n + force] = -0.5 / T
+    generators[0, :n, -1], generators[2, :n, -1] = -B, B
     control_row = np.zeros(2 * n + 1)
-    control_row[n + force] = -0.5
+    control_row[n : 2 * n] = -0.5 * T * B
+    generators[1, :n] += np.outer(B, control_row)
     target, fixed = terminal_target(plant, move)
     rates = np.abs(np.linalg.eigvals(generators[1:])).max(axis=1).tolist()
     rate = float(max(rates))

@@ -39,9 +39,10 @@ def balanced_weights(plant: Plant, reference: TimeOptimum) -> tuple[Weight, ...]
     motion = sample_trajectory(plant, reference.arcs, step=SAMPLING_ANGLE / fastest)
     h = np.diff(motion.t)[:, None]
     x = motion.states
-    # no deflection or rate feels F_set directly, so its derivative has no jump at a switch
-    square, slope = x**2, 2.0 * x * (x @ plant.A.T)
-    corrected = h / 2 * (square[:-1] + square[1:]) + h**2 / 12 * (slope[:-1] - slope[1:])
+    square, free, pushed = x**2, x @ plant.A.T, np.outer(motion.force[:-1], plant.B)
+    # Where F_set acts at once, rates jump at a switch: each cell has slopes of its own.
+    start, end = 2.0 * x[:-1] * (free[:-1] + pushed), 2.0 * x[1:] * (free[1:] + pushed)
+    corrected = h / 2 * (square[:-1] + square[1:]) + h**2 / 12 * (start - end)
     integrals = corrected.sum(axis=0)
     effort = float((h[:, 0] * motion.force[:-1] ** 2).sum())
     places = [mode.deflection for mode in plant.modes] + [mode.rate for mode in plant.modes]

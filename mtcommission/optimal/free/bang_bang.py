@@ -203,8 +203,9 @@ def moments_at(motion: GatheredMoments, since: Array, arc: Index, less_one: Comp
     impulse, push = motion.impulse.take(arc), since * motion.forces.take(arc)
     modal = less_one * motion.turning.take(arc, axis=0)
     modal += motion.gathered.take(arc, axis=0)
-    moments = np.empty((since.size, 2 * modal.shape[1] + 1))
-    moments[:, :-1] = modal.view(np.float64)
+    moments = np.empty((since.size, motion.rows.derivatives.shape[2]))
+    # Of a real rate the imaginary part is void.
+    moments[:, :-2] = modal.view(np.float64)[:, : moments.shape[1] - 2]
     moments[:, -2] = impulse + push
     moments[:, -1] = motion.double.take(arc) + since * (impulse + 0.5 * push)
     return moments
@@ -321,7 +322,7 @@ def _cubics(motion: GatheredMoments, cells: _Cells) -> _Cubics:
     rates, third = both[n_signals:], cells.step / 3.0
     first, last = third * rates[:, :-1], third * rates[:, 1:]
     push = third * motion.forces.take(cells.arc[:-1])
-    # The set force acts on the rate of the drive's force alone, and there it jumps.
+    # A signal on whose rate the set force acts at once has a rate that jumps with it.
     for i in rows.of_force[1].nonzero()[0].tolist():
         by_force = rows.of_force[1, i] * push
         first[i] += by_force

@@ -102,7 +102,7 @@ def integrate_switching(
     t, rates = ends.astype(np.longdouble), problem.rates.astype(np.clongdouble)
     less_one = np.expm1(np.multiply.outer(t, rates))
     grown = less_one + 1.0
-    weights = _complex_multipliers(problem, multipliers)
+    weights = problem.weights(multipliers)
     constant = problem.constant(multipliers)
     polynomial = (0.5 * t - constant) * t if problem.degree else t
     primitive = polynomial - (less_one @ (weights / rates)).real
@@ -122,12 +122,3 @@ def integrate_switching(
         allowance=EXTENDED_ROUNDOFF * sum(terms.tolist()) + 2.0 * float(np.add.reduce(hidden)),
         end_value=abs(float(value[-1])),
     )
-
-
-def _complex_multipliers(problem: MomentProblem, multipliers: Array) -> NDArray[np.clongdouble]:
-    """Return C with Σ c_i φ_i = Re Σ C e^{pτ} (without the constant)."""
-    lag = 2 * problem.rates.size - 2
-    found = np.empty(problem.rates.size, dtype=np.clongdouble)
-    found.real, found.imag[:-1] = multipliers[: lag + 1 : 2], -multipliers[1:lag:2]
-    found.imag[-1] = 0.0
-    return found

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import exp, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,9 @@ from mtcommission.plant.plant import Plant
 Array = NDArray[np.float64]
 
 SIGN_TOLERANCE = 1e-9
-"""|λ_F| against its largest value below which a sign is not judged: there the control switches."""
+"""|λ B| against its largest value below which a sign is not judged: there the control switches."""
 SIGN_ROUNDING = 1e3 * ROUNDOFF
-"""The same against the sum of the magnitudes that λ_F is composed of: rounding of the matrix
+"""The same against the sum of the magnitudes that λ B is composed of: rounding of the matrix
 exponential and its powers (empirical)."""
 RANK_TOLERANCE = 1e-12
 """Singular value against the largest below which the terminal Jacobian counts as singular."""
@@ -57,7 +57,7 @@ class Claim:
 
     @property
     def adjoint_factor(self) -> float:
-        """Factor between -λ_F/T and σ that makes the Hamiltonian vanish at t = 0."""
+        """Factor between -λ B and σ that makes the Hamiltonian vanish at t = 0."""
         _, start = self.point.mesh.problem.combination(self.point.multipliers, self.t_f)
         return 1.0 / (abs(self.first_force) * abs(start))
 
@@ -111,7 +111,7 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
     functions = problem.joint_values(remaining)
     sigma, slopes = values_and_slopes(problem, multipliers, functions)
     factor, rank, condition = 1.0 / abs(claim.first_force * float(sigma[0])), -1, nan
-    unit, rows = factor * flow.plant.force_lag, factor * moment_rows(flow.plant, problem)
+    rows = factor * moment_rows(flow.plant, problem)
     end = multipliers.dot(rows[:-1]) - rows[-1]
     if remaining.size == problem.size + 1:
         values = dgesdd(_scaled(functions), compute_uv=0)[1].tolist()
@@ -123,7 +123,7 @@ def certify(claim: Claim, flow: DyadicFlow) -> Certificate:
         adjoint_initial=_adjoint_weights(claim, claim.t_f).dot(rows),
         switching_slopes=factor * slopes[1:],
         switching_law_holds=_law_holds(
-            claim, flow, end, unit=unit, at_switches=unit * np.abs(sigma[1:])
+            claim, flow, end, unit=factor, at_switches=factor * np.abs(sigma[1:])
         ),
         terminal_jacobian_rank=rank,
         terminal_jacobian_condition=condition,
@@ -155,13 +155,13 @@ def adjoint(plant: Plant, claim: Claim, *, tau: float) -> Array:
 def _adjoint_weights(claim: Claim, tau: float) -> Array:
     """Return the weights of ``moment_rows`` in λ, but for the adjoint factor."""
     problem, multipliers = claim.point.mesh.problem, claim.point.multipliers
-    n_modal = 2 * problem.rates.size - 2
+    n_modes = problem.n_modes
     weights = np.empty(multipliers.size + 1)
     weights[:-1], weights[-1] = multipliers, -1.0
-    pairs = weights[:n_modal].view(np.complex128)
+    pairs = weights[: 2 * n_modes].view(np.complex128)
     # Conjugate: Re C e^{pτ} with C = c_1 - i c_2.
-    pairs *= np.exp(problem.rates[:-1] * tau).conj()
-    weights[n_modal] *= exp(problem.rates[-1].real * tau)
+    pairs *= np.exp(problem.rates[:n_modes] * tau).conj()
+    weights[problem.lag] *= np.exp(problem.rates[n_modes:].real * tau)
     if problem.degree:
         # ψ = τ belongs to a Jordan block: its row gains τ times the row of φ = 1.
         weights[-2] -= tau
@@ -201,9 +201,9 @@ def _scaled(functions: Array) -> Array:
 def _law_holds(
     claim: Claim, flow: DyadicFlow, end: Array, *, unit: float, at_switches: Array
 ) -> bool:
-    """Check F_set = -sign(λ_F) F_max with the adjoint equation integrated on A from λ(t_f) on.
+    """Check F_set = -sign(λ B) F_max with the adjoint equation integrated on A from λ(t_f) on.
 
-    ``unit`` is λ_F per σ, ``at_switches`` |λ_F| there.
+    ``unit`` is |λ B| per σ, ``at_switches`` |λ B| there.
     """
     problem = claim.point.mesh.problem
     samples = adjoint_samples(flow, problem, end)
@@ -212,7 +212,7 @@ def _law_holds(
     last = (1.0 if claim.first_force > 0.0 else -1.0) * (-1.0) ** len(edges)
     signs = np.array([last, -last] * len(counts))[: len(counts)].repeat(counts)
     composed = sum(problem.amplitudes(claim.point.multipliers).tolist()) + claim.t_f**problem.degree
-    signed = signs * samples.force
+    signed = signs * samples.along
     against, largest = float(signed[signed.argmax()]), -float(signed[signed.argmin()])
     zero = SIGN_TOLERANCE * max(against, largest) + SIGN_ROUNDING * unit * composed
     return bool(max([against, *at_switches.tolist()]) <= zero)

@@ -119,7 +119,7 @@ def isolate_owned_zeros(mesh: Mesh, multipliers: Array, times: Array) -> OwnedZe
         owners.append(owner[settled & crossing])
         cells, owner, crossing = cells[:, ~settled], owner[~settled], crossing[~settled]
         c = multipliers[owner]
-        rounding = rounding_bound(mesh.problem, _amplitudes(mesh.problem, c), c, cells)
+        rounding = rounding_bound(mesh.problem, mesh.problem.amplitudes(c), c, cells)
         noise = is_noise(cells, rounding)
         np.add.at(doubt, owner[noise], 4.0 * cells[1, noise] * rounding[noise])
         found.append(cells[:, noise & crossing])
@@ -136,12 +136,6 @@ def isolate_owned_zeros(mesh: Mesh, multipliers: Array, times: Array) -> OwnedZe
     return OwnedZeros(owner=whose[order], tau=tau[order], doubt=doubt)
 
 
-def _amplitudes(problem: MomentProblem, multipliers: Array) -> Array:
-    modal = 2 * problem.rates.size - 2
-    pairs = np.hypot(multipliers[:, 0:modal:2], multipliers[:, 1:modal:2])
-    return np.column_stack([pairs, np.abs(multipliers[:, modal])])
-
-
 def _first_cells(mesh: Mesh, multipliers: Array, times: Array) -> tuple[Array, Index]:
     """Return the cells of all cases, rows as in ``switching``, and whose they are."""
     problem, nodes = mesh.problem, mesh.nodes[:, np.newaxis]
@@ -149,7 +143,7 @@ def _first_cells(mesh: Mesh, multipliers: Array, times: Array) -> tuple[Array, I
     sigma = problem.target_values(nodes) - phi @ multipliers.T
     slope = problem.degree - phi @ (problem.differentiation @ multipliers.T)
     length = np.diff(nodes, axis=0)
-    amplitudes = _amplitudes(problem, multipliers).T
+    amplitudes = problem.amplitudes(multipliers).T
     remainder = mesh.remainder.T @ amplitudes
     starts = np.broadcast_to(nodes[:-1], remainder.shape)
     cells = np.array(
@@ -212,10 +206,7 @@ def _integrate(
     t = tau.astype(np.longdouble)
     rates = problem.rates.astype(np.clongdouble)
     less_one = np.expm1(t[:, np.newaxis] * rates)
-    modal = 2 * rates.size - 2
-    weights = np.column_stack(
-        [c[:, 0:modal:2] - 1j * c[:, 1:modal:2], c[:, modal].astype(complex)]
-    ).astype(np.clongdouble)
+    weights = problem.weights(c)
     constant = (c[:, -1] if problem.degree else np.zeros(t.size)).astype(np.longdouble)
     power = 0.5 * t * t if problem.degree else t
     primitive = power - constant * t - ((less_one / rates) * weights).sum(axis=1).real

@@ -43,7 +43,7 @@ class DyadicSteps:
     doubles
         Transposed flows over 1, 2, 4 ... steps, each of shape (n + 1, n + 1).
     columns
-        Last column of e^{Aτ} at every ``PIECES``th part of a step, for 2^k steps with k half the
+        e^{Aτ} B at every ``PIECES``th part of a step, for 2^k steps with k half the
         number of doublings, shape (PIECES 2^k, n).
     """
 
@@ -103,9 +103,9 @@ def _steps(plant: Plant, unit: float, bits: int) -> DyadicSteps:
     doubles = [series.sum(axis=0).T]
     for _ in range(bits):
         doubles.append(doubles[-1].dot(doubles[-1]))
-    n, force, count, halves = plant.order, plant.force, PIECES, bits // 2
+    n, count, halves = plant.order, PIECES, bits // 2
     columns = np.empty((PIECES << halves, n))
-    PIECES_POWERS.dot(series[:, :n, force], out=columns[:count])
+    PIECES_POWERS.dot(series[:, :n, :n].dot(plant.B), out=columns[:count])
     for double in doubles[:halves]:
         columns[:count].dot(double[:n, :n], out=columns[count : 2 * count])
         count *= 2
@@ -180,22 +180,22 @@ def states_at(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AdjointSamples:
-    """λ_F along a move.
+    """λ B along a move: the switching function, -λ_F/T behind a force lag.
 
     Parameters
     ----------
     tau
         Remaining times, ascending from 0 to t_f, shape (k,) [s].
-    force
-        λ_F, shape (k,).
+    along
+        λ B, shape (k,).
     """
 
     tau: Array
-    force: Array
+    along: Array
 
 
 def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> AdjointSamples:
-    """Return λ_F at steps of at most ``SHORT`` against the fastest pole that has not decayed.
+    """Return λ B at steps of at most ``SHORT`` against the fastest pole that has not decayed.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> Adj
     AdjointSamples
 
     Source: λ(τ) = λ(t_f) e^{Aτ}, integrated from t_f on, the stable direction. With τ = a + b,
-    λ_F is λ(t_f) e^{Aa} times the last column of e^{Ab}: rows for some long steps a and columns
+    λ B is λ(t_f) e^{Aa} times e^{Ab} B: rows for some long steps a and columns
     for some short ones b make all samples. Once fast poles are gone, columns are left out.
     """
     columns = flow.steps.columns
@@ -225,7 +225,7 @@ def adjoint_samples(flow: DyadicFlow, problem: MomentProblem, end: Array) -> Adj
     taus[-1], values[-1] = taus[-1][:inside], values[-1][:inside]
     taus.append(np.array([flow.t_f]))
     values.append(np.array([_adjoint_at_end(flow, rows[-1], (len(rows) - 1) * count * short)]))
-    return AdjointSamples(tau=np.concatenate(taus), force=np.concatenate(values))
+    return AdjointSamples(tau=np.concatenate(taus), along=np.concatenate(values))
 
 
 def _adjoint_rows(flow: DyadicFlow, end: Array, *, every: int) -> Array:
@@ -243,7 +243,7 @@ def _adjoint_rows(flow: DyadicFlow, end: Array, *, every: int) -> Array:
 
 
 def _adjoint_at_end(flow: DyadicFlow, row: Array, start: float) -> float:
-    """Return λ_F at τ = t_f, given λ at the last row's τ."""
+    """Return λ B at τ = t_f, given λ at the last row's τ."""
     n, columns, series = flow.plant.order, flow.steps.columns, flow.steps.series
     pieces = PIECES * (flow.t_f - start) / flow.unit
     whole = min(int(pieces), len(columns) - 1)

@@ -3,7 +3,7 @@
 With the remaining time τ = t_f - t, every terminal condition of an axis is a condition on a
 moment of the set force,
 
-    ∫ φ(τ) F_set dτ = 0        φ = Re e^{pτ}, Im e^{pτ} for each mode, and e^{-τ/T},
+    ∫ φ(τ) F_set dτ = 0        φ = Re e^{pτ}, Im e^{pτ} for each mode, and e^{-τ/T} behind a lag,
     ∫ ψ(τ) F_set dτ = target   ψ = 1 (velocity step, target m Δv)
                                ψ = τ (positioning, target m L; then φ = 1 joins the first line)
 
@@ -25,6 +25,7 @@ from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+ExtendedComplex = NDArray[np.clongdouble]
 
 SAMPLES = 400
 """Where moment functions are compared, enough for moves of some dozen radians; longer ones tell
@@ -41,7 +42,8 @@ class MomentProblem:
     Parameters
     ----------
     rates
-        Poles p of the modes (positive imaginary part), then -1/T; shape (n_modes + 1,) [1/s].
+        Poles p of the modes (positive imaginary part), then -1/T if there is a force lag; shape
+        (n_rates,) [1/s].
     degree
         ψ = τ^degree: 0 for a velocity step, 1 for positioning.
     target
@@ -49,23 +51,26 @@ class MomentProblem:
 
     Attributes
     ----------
+    n_modes
+        How many rates are of modes.
     magnitudes
-        |p| of each rate, shape (n_modes + 1,) [1/s].
+        |p| of each rate, shape (n_rates,) [1/s].
     exponents
-        Real and imaginary parts of all rates, shape (1, 2 n_modes + 2) [1/s].
+        Real and imaginary parts of all rates, shape (1, 2 n_rates) [1/s].
     joint_differentiation
         D with dφ/dτ = φ D as rows, for the functions of all rates, 1 and τ, shape
-        (2 n_modes + 3, 2 n_modes + 3) [1/s].
+        (one + 2, one + 2) [1/s].
     differentiation
         The same for the φ alone, so Σ c_i dφ_i/dτ = φ (D c), shape (size, size) [1/s].
     joint_evaluation, joint_integration
         Take rows of ``table`` to φ and, last, ψ, and to their integrals from 0, each of shape
-        (2 n_modes + 4, size + 1) [-, s].
+        (one + 3, size + 1) [-, s].
     """
 
     rates: Complex
     degree: int
     target: float
+    n_modes: int = field(init=False)
     magnitudes: Array = field(init=False)
     exponents: Array = field(init=False)
     joint_differentiation: Array = field(init=False)
@@ -76,20 +81,21 @@ class MomentProblem:
     def __post_init__(self) -> None:
         """Derive what is needed time and again."""
         object.__setattr__(self, "magnitudes", np.abs(self.rates))
-        count = 2 * self.rates.size
-        D, inverse = np.zeros((count + 1, count + 1)), np.zeros((count + 2, self.size + 1))
-        for i, p in enumerate(self.rates[:-1].tolist()):
+        object.__setattr__(self, "n_modes", int(np.count_nonzero(self.rates.imag)))
+        lag, one = self.lag, self.one
+        D, inverse = np.zeros((one + 2, one + 2)), np.zeros((one + 3, self.size + 1))
+        for i, p in enumerate(self.rates[: self.n_modes].tolist()):
             for matrix, rate in ((D, p), (inverse, 1.0 / p)):
                 matrix[2 * i, 2 * i] = matrix[2 * i + 1, 2 * i + 1] = rate.real
                 matrix[2 * i, 2 * i + 1], matrix[2 * i + 1, 2 * i] = rate.imag, -rate.imag
-        lag = float(self.rates[-1].real)
-        D[-3, -3], D[-2, -1] = lag, 1.0
+        rate = self.rates[self.n_modes :].real
+        D[lag, lag], D[one, one + 1] = rate, 1.0
         # Of the columns of ``table`` τ integrates 1, and τ²/2 integrates τ if that is asked for.
-        inverse[count - 2, count - 2], inverse[count, count - 1] = 1.0 / lag, 1.0
-        inverse[count + 1, count:] = 1.0
+        inverse[lag, lag], inverse[one + 1, one] = 1.0 / rate, 1.0
+        inverse[one + 2, one + 1 :] = 1.0
         # What vanishes at τ = 0 of each Re e^{pτ} - 1 is made up for by the column of ones.
-        evaluation = np.eye(count + 2, self.size + 1)
-        evaluation[count - 1, 0:count:2] = 1.0
+        evaluation = np.eye(one + 3, self.size + 1)
+        evaluation[one, 0:one:2] = 1.0
         object.__setattr__(self, "exponents", self.rates.view(np.float64)[np.newaxis])
         object.__setattr__(self, "joint_differentiation", D)
         object.__setattr__(self, "differentiation", D[: self.size, : self.size])
@@ -97,16 +103,36 @@ class MomentProblem:
         object.__setattr__(self, "joint_integration", inverse)
 
     @property
+    def one(self) -> int:
+        """Index of the function 1: one each for the real rates, two for the complex ones before."""
+        return self.n_modes + self.rates.size
+
+    @property
+    def lag(self) -> slice:
+        """Where the functions are of the force lag; empty without one."""
+        return slice(2 * self.n_modes, self.one)
+
+    @property
     def size(self) -> int:
         """Number of moments that must vanish."""
-        return 2 * self.rates.size - 1 + self.degree
+        return self.one + self.degree
 
     def amplitudes(self, multipliers: Array) -> Array:
-        """Return the magnitude of the multiplier of each rate, shape (n_modes + 1,)."""
-        lag = 2 * self.rates.size - 2
-        found = np.empty(self.rates.size)
-        np.hypot(multipliers[0:lag:2], multipliers[1:lag:2], out=found[:-1])
-        found[-1] = abs(multipliers[lag])
+        """Return the magnitudes of multipliers (..., size) of each rate, shape (..., n_rates)."""
+        modal = 2 * self.n_modes
+        found = np.empty((*multipliers.shape[:-1], self.rates.size))
+        pairs = multipliers[..., 0:modal:2], multipliers[..., 1:modal:2]
+        np.hypot(*pairs, out=found[..., : self.n_modes])
+        np.abs(multipliers[..., self.lag], out=found[..., self.n_modes :])
+        return found
+
+    def weights(self, multipliers: Array) -> ExtendedComplex:
+        """Return C with Σ c_i φ_i = Re Σ C e^{pτ} but for φ = 1, shape (..., n_rates)."""
+        modal = 2 * self.n_modes
+        found = np.zeros((*multipliers.shape[:-1], self.rates.size), dtype=np.clongdouble)
+        found.real[..., : self.n_modes] = multipliers[..., 0:modal:2]
+        found.imag[..., : self.n_modes] = -multipliers[..., 1:modal:2]
+        found.real[..., self.n_modes :] = multipliers[..., self.lag]
         return found
 
     def constant(self, multipliers: Array) -> float:
@@ -122,11 +148,9 @@ class MomentProblem:
         parts = tau[:, np.newaxis].dot(self.exponents)
         modal = parts.view(np.complex128)
         np.exp(modal, out=modal)
-        count = 2 * self.rates.size
         values = np.empty((self.size + 1, tau.size))
-        values[:count] = parts.T
-        # The lag is real, and its void imaginary part makes room for φ or ψ = 1.
-        values[count - 1] = 1.0
+        values[: self.one] = parts.T[: self.one]
+        values[self.one] = 1.0
         if self.degree:
             values[-1] = tau
         return values
@@ -137,18 +161,18 @@ class MomentProblem:
         return values, values @ self.differentiation
 
     def table(self, tau: Array) -> Array:
-        """Return what φ, ψ and their integrals are composed of, shape (k, 2 n_modes + 4).
+        """Return what φ, ψ and their integrals are composed of, shape (k, one + 3).
 
-        The columns are real and imaginary parts of e^{pτ} - 1 for each rate, but 1 for the void
-        imaginary part of the lag, and τ and τ²/2.
+        The columns are real and imaginary parts of e^{pτ} - 1 for each rate, 1, τ and τ²/2.
         """
-        count = 2 * self.rates.size
-        table = np.empty((tau.size, count + 2))
-        modal = table.view(np.complex128)[:, :-1]
-        np.expm1(tau[:, np.newaxis].dot(self.exponents).view(np.complex128), out=modal)
-        table[:, count - 1] = 1.0
-        table[:, count] = tau
-        np.multiply(tau, 0.5 * tau, out=table[:, count + 1])
+        one, parts = self.one, tau[:, np.newaxis].dot(self.exponents)
+        modal = parts.view(np.complex128)
+        np.expm1(modal, out=modal)
+        table = np.empty((tau.size, one + 3))
+        table[:, :one] = parts[:, :one]
+        table[:, one] = 1.0
+        table[:, one + 1] = tau
+        np.multiply(tau, 0.5 * tau, out=table[:, one + 2])
         return table
 
     def integrals(self, tau: Array) -> Array:
@@ -185,13 +209,12 @@ class MomentProblem:
     def columns(self, modal: Complex, constant: Array | float) -> Array:
         """Return one real column for each φ, given one complex column for each rate.
 
-        The lag's pole is real, so its imaginary part is void, or room for φ = 1, whose column is
-        ``constant``; shape (k, n_rates) -> (k, size), a view.
+        The lag's pole is real, so its imaginary part is void; the column of φ = 1 is ``constant``.
+        Shape (k, n_rates) -> (k, size).
         """
-        columns = modal.view(np.float64)
-        if not self.degree:
-            return columns[:, :-1]
-        columns[:, -1] = constant
+        columns = np.empty((len(modal), self.size))
+        columns[:, : self.one] = modal.view(np.float64)[:, : self.one]
+        columns[:, self.one :] = np.reshape(constant, (-1, 1))
         return columns
 
 
@@ -220,7 +243,7 @@ def moment_problem(plant: Plant, move: Move) -> MomentProblem:
     >>> moment_problem(build_plant(machine), machine.moves[0]).size
     5
     """
-    rates = np.array([mode.pole for mode in plant.modes] + [-1.0 / plant.force_lag], dtype=complex)
+    rates = np.array([*(mode.pole for mode in plant.modes), *plant.lag_rates], dtype=complex)
     if isinstance(move, VelocityStep):
         return MomentProblem(rates=rates, degree=0, target=plant.moving_mass * move.velocity_step)
     return MomentProblem(rates=rates, degree=1, target=plant.moving_mass * move.distance)
@@ -295,7 +318,7 @@ def moment_rows(plant: Plant, problem: MomentProblem) -> Array:
 @lru_cache(maxsize=PLANTS)
 def all_moment_rows(plant: Plant) -> Array:
     """Return ``moment_rows`` for the functions of all rates, 1 and τ, shape (n, n)."""
-    T, m, force = plant.force_lag, plant.moving_mass, plant.force
+    T, m = plant.force_lag, plant.moving_mass
     rows = np.zeros((plant.order, plant.order))
     for i, mode in enumerate(plant.modes):
         p = mode.pole
@@ -306,10 +329,9 @@ def all_moment_rows(plant: Plant) -> Array:
             on_deflection.imag,
         )
         rows[2 * i, mode.rate], rows[2 * i + 1, mode.rate] = rate.real, rate.imag
-        rows[2 * i, force] = T
-    lag = 2 * len(plant.modes)
-    rows[lag, force] = T
-    rows[lag + 1, plant.velocity], rows[lag + 1, force] = m, T
-    rows[lag + 2, plant.position], rows[lag + 2, plant.velocity] = m, m * T
+        rows[2 * i, plant.lagged] = T
+    rows[2 * len(plant.modes) : -1, plant.lagged] = T
+    rows[-2, plant.velocity] = m
+    rows[-1, plant.position], rows[-1, plant.velocity] = m, m * T
     rows.setflags(write=False)
     return rows

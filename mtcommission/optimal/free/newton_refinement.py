@@ -167,7 +167,7 @@ class _System:
     differentiation
         Takes the weights to those of dσ/dτ, shape (size + 1, size + 1) [1/s].
     evaluation, integration
-        As those of the moment problem for the scaled functions, shape (2 n_modes + 4, size + 1).
+        As those of the moment problem for the scaled functions, shape (one + 3, size + 1).
     target
         Wanted moments of the scaled functions: 0, and last 1; shape (size + 1,).
     """

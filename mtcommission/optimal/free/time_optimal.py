@@ -89,7 +89,7 @@ def solve_time_optimal(plant: Plant, move: Move, *, force_limit: float) -> TimeO
         accuracy = ROUNDOFF / independence(problem, horizon)
         if accuracy < GAP_TOLERANCE:
             raise
-        slowest = float(problem.magnitudes[:-1].min(initial=inf)) * horizon
+        slowest = float(problem.magnitudes[: problem.n_modes].min(initial=inf)) * horizon
         detail = Message(
             "modes-answer-alike",
             force=force_limit,

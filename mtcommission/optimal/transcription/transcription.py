@@ -285,7 +285,7 @@ def _grid_problem(
     for weight in weights:
         c[plant.states.index(weight.state)] += weight.value
     target, fixed = terminal_target(plant, move)
-    start = _rigid_motion(plant, move, target=target / scales, intervals=intervals)
+    force = _rigid_force(plant, move, target=target / scales, intervals=intervals)
     return GridProblem(
         A=plant.A * scales / scales[:, None],
         B=plant.B * force_limit / scales,
@@ -295,23 +295,28 @@ def _grid_problem(
         aim=aim,
         weights=c * (scales / force_limit) ** 2,
         rows=bounded_rows(plant, bounds, state_scale=scales),
-        start_states=start,
-        start_control=start[1:, plant.force],
+        start_states=_rigid_motion(plant, force),
+        start_control=force[1:],
     )
 
 
-def _rigid_motion(plant: Plant, move: Move, *, target: Array, intervals: int) -> Array:
+def _rigid_force(plant: Plant, move: Move, *, target: Array, intervals: int) -> Array:
+    """Return the scaled force that moves the rigid mass in the guessed time, shape (N + 1,)."""
+    if not isinstance(move, Positioning):
+        return np.full(intervals + 1, target[plant.velocity])
+    tau = np.linspace(0.0, 1.0, intervals + 1)
+    return np.asarray(4.0 * target[plant.position] * np.where(tau < 0.5, 1.0, -1.0))
+
+
+def _rigid_motion(plant: Plant, force: Array) -> Array:
     """Return the scaled motion of the rigid mass in the guessed time, shape (N + 1, n).
 
     A scaled unit of force moves it by a scaled unit of velocity in the guessed time, and
     bends each mode by a scaled unit.
     """
-    tau = np.linspace(0.0, 1.0, intervals + 1)
-    force = np.full(intervals + 1, target[plant.velocity])
-    if isinstance(move, Positioning):
-        force = 4.0 * target[plant.position] * np.where(tau < 0.5, 1.0, -1.0)
-    motion = np.zeros((intervals + 1, plant.order))
-    motion[:, plant.force] = force
+    intervals = force.size - 1
+    motion = np.zeros((force.size, plant.order))
+    motion[:, plant.lagged] = force[:, np.newaxis]
     for mode in plant.modes:
         motion[:, mode.deflection] = np.sign(mode.scale) * force
     motion[1:, plant.velocity] = np.cumsum(force[:-1]) / intervals

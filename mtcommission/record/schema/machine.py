@@ -30,7 +30,10 @@ class ModeEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlantEntry:
-    """The plant: x' = A x + B F_set and its outputs, rows over the states."""
+    """The plant: x' = A x + B F_set and its outputs, rows over the states.
+
+    Where the motor follows its setpoint, F is its acceleration and B the column of its jerk.
+    """
 
     states: list[str]
     units: dict[str, str]

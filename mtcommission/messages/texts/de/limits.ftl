@@ -14,7 +14,6 @@ reserve-used = { $axis ->
 }
 
 # optima; $error: outcome with its remedy
-optimum-with-rise = In den optimalen Steuerungen baut sich die Beschleunigung mit einer Zeitkonstante von { TIME($rise) } auf: was sie durchlässt, kann ein folgender Motor auch, und keiner ist um mehr als die { TIME($slack) } schneller, die vom Bewiesenen abgezogen sind.
 optimum-composed = Die Bewegung fährt lange mit max_velocity; der gezeigte Vergleichswert ist aus zwei zeitoptimalen Geschwindigkeitssprüngen und einer Fahrt ohne Schwingung zusammengesetzt. Nichts ist schneller als { TIME($least, digits: 6) } (bewiesene Schranke, { SHARE($below, digits: 2) } darunter).
 optimum-under-bounds-failed = Optimum mit Höchstwerten: { $error }.
 optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower, digits: 1) } langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.

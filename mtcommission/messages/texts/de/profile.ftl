@@ -110,5 +110,6 @@ curve-does-not-rise = jede Geschwindigkeit muss größer als die vorige sein
 key-without-other = sagt allein nichts: { $other } daneben angeben oder den Schlüssel entfernen
 motor-held-needs-modes = zu drive.kind = "position_source" gehört kind = "modal", mit den Frequenzen der Eigenformen bei festgehaltenem Motor
 no-loop-to-set = drive.kind = "position_source" hat keinen Regelkreis: der Motor folgt dem Sollwert; den Schlüssel entfernen
+acceleration-weighed = das Funktional wichtet das Quadrat der Soll-Beschleunigung schon mit 1, und F ist dieselbe; das Gewicht entfernen und die übrigen durch 1 plus dieses teilen
 payload-of-position-source = ein Motor, der dem Sollwert folgt, bewegt jede Zuladung gleich, aber jede hat eigene Frequenzen: den Schlüssel entfernen und requirements.frequency_spread weiten
 move-beyond-motor = { PLAIN($got, digits: 6) } { $unit } angegeben, der Motor folgt aber nur { PLAIN($limit, digits: 6) } { $unit }, nach drive.max_velocity, step_rate mal step_length oder dem Ende von acceleration_curve

@@ -16,7 +16,6 @@ reserve-used = { $axis ->
 }
 
 # optima; $error: outcome with its remedy
-optimum-with-rise = In the optimal controls the acceleration builds up with a time constant of { TIME($rise) }: whatever passes it a motor that follows can do, too, and none can be sooner by more than the { TIME($slack) } that are taken off what is proved.
 optimum-composed = The move cruises at max_velocity for long; the reference shown is composed of two time-optimal velocity steps and a cruise at rest. Nothing is faster than { TIME($least, digits: 6) } (a proved bound, { SHARE($below, digits: 2) } below).
 optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
 optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.

@@ -125,5 +125,6 @@ curve-does-not-rise = each velocity must be larger than the one before it
 key-without-other = says nothing alone: state { $other } beside it, or remove it
 motor-held-needs-modes = with drive.kind = "position_source" write kind = "modal", with the frequencies that the modes have while the motor is held
 no-loop-to-set = drive.kind = "position_source" has no loop: the motor follows its setpoint; remove the key
+acceleration-weighed = the functional weighs the square of the set acceleration by 1 already, and F is the same; remove the weight, and divide the others by 1 plus it
 payload-of-position-source = a motor that follows its setpoint moves any payload alike, but each has frequencies of its own: remove the key, and widen requirements.frequency_spread
 move-beyond-motor = got { PLAIN($got, digits: 6) } { $unit }, but the motor follows only { PLAIN($limit, digits: 6) } { $unit }, by drive.max_velocity, step_rate times step_length, or the end of acceleration_curve

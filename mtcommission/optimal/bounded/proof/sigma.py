@@ -69,7 +69,7 @@ def integrate_sigma(problem: BoundedProblem, adjoints: Array, lengths: Array) ->
     Source: zeros isolated by the largest possible |σ''| in each cell.
     """
     plant = problem.plant
-    rates = np.array([abs(mode.pole) for mode in plant.modes] + [1.0 / plant.force_lag, 0.0])
+    rates = np.abs([*(mode.pole for mode in plant.modes), *plant.lag_rates, 0.0])
     bend = _terms(problem, adjoints) @ rates**2
     cells = _first_cells(problem, adjoints, lengths)
     for _ in range(problem.settings.proof.halvings):
@@ -120,27 +120,31 @@ def largest_outputs(problem: BoundedProblem, rows: Array, *, t_f: float) -> Arra
     Source: F ∫|row g| ds <= F Σ (magnitude of each exponential) · min(t_f, its time constant).
     """
     plant = problem.plant
-    decays = np.array([-mode.pole.real for mode in plant.modes] + [1.0 / plant.force_lag, 0.0])
+    decays = -np.real([*(mode.pole for mode in plant.modes), *plant.lag_rates, 0.0])
     spans = 1.0 / np.maximum(decays, 1.0 / t_f)
     return np.asarray(problem.force_limit * _terms(problem, rows) @ spans)
 
 
 def _terms(problem: BoundedProblem, adjoint: Array) -> Array:
-    """Return the largest magnitude of each exponential in σ; shape (..., n_modes + 2)."""
+    """Return the largest magnitude of each exponential in σ; shape (..., n_rates + 1)."""
     plant = problem.plant
-    lag, m = -1.0 / plant.force_lag, plant.moving_mass
+    T, m = plant.force_lag, plant.moving_mass
     rigid = np.abs(adjoint[..., plant.velocity]) / m
-    rigid = rigid + np.abs(adjoint[..., plant.position]) * plant.force_lag / m
-    force = np.abs(adjoint[..., plant.force]) * -lag + 2.0 * rigid
+    rigid = rigid + np.abs(adjoint[..., plant.position]) * T / m
     columns = []
     for mode in plant.modes:
         p = mode.pole
-        to_pole = 2.0 * mode.scale * -lag / ((p - p.conjugate()) * (p - lag))
-        to_lag = mode.scale / (lag**2 - 2.0 * p.real * lag + abs(p) ** 2)
+        to_pole = 2.0 * mode.scale / ((p - p.conjugate()) * (T * p + 1.0))
         d, v = adjoint[..., mode.deflection], adjoint[..., mode.rate]
         columns.append(np.abs(to_pole * (d + p * v)))
-        force = force + np.abs(lag * to_lag * (d + lag * v))
-    return np.stack([*columns, force, rigid], axis=-1)
+    for lag in plant.lag_rates:
+        force = np.abs(adjoint[..., plant.force]) * -lag + 2.0 * rigid
+        for mode in plant.modes:
+            to_lag = mode.scale / (lag**2 - 2.0 * mode.pole.real * lag + abs(mode.pole) ** 2)
+            d, v = adjoint[..., mode.deflection], adjoint[..., mode.rate]
+            force = force + np.abs(lag * to_lag * (d + lag * v))
+        columns.append(force)
+    return np.stack([*columns, rigid], axis=-1)
 
 
 def _sigma(

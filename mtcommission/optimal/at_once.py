@@ -1,0 +1,138 @@
+"""Optimal controls of a motor that follows, told in the states of its plant.
+
+They are found on ``plant.driven_at_once``, which has no state for the acceleration: what is set
+acts at once. In the plant's own states the acceleration F is what is set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.optimal.exponential import balanced_expm
+from mtcommission.optimal.solution import Arc, Bound, DampingOptimum, MotionPeaks, TimeOptimum
+from mtcommission.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+SAMPLES = 16
+"""Per arc on which the acceleration changes."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PeaksWithForce:
+    """Peaks of a motion with that of what is set.
+
+    Parameters
+    ----------
+    motion
+        Of ``driven_at_once``.
+    arcs
+        The control.
+    force
+        Index of F among the plant's signals.
+    """
+
+    motion: MotionPeaks
+    arcs: tuple[Arc, ...]
+    force: int
+
+    @property
+    def peaks(self) -> Array:
+        """Largest magnitude of each of ``Plant.signals`` on [0, t_f]."""
+        return np.insert(self.motion.peaks, self.force, _largest(self.arcs))
+
+
+def time_optimum_on(plant: Plant, found: TimeOptimum) -> TimeOptimum:
+    """Return a time-optimal control in the states of the plant.
+
+    Parameters
+    ----------
+    plant
+        From ``build_plant``.
+    found
+        On ``driven_at_once`` of it.
+
+    Returns
+    -------
+    TimeOptimum
+        The same, but that a motor that follows has the set acceleration for its F: at rest at the
+        end, and without an adjoint (nan).
+    """
+    if not plant.follows:
+        return found
+    proof = found.certificate
+    return replace(
+        found,
+        terminal_error=np.append(found.terminal_error, 0.0),
+        motion=PeaksWithForce(motion=found.motion, arcs=found.arcs, force=plant.force),
+        certificate=replace(proof, adjoint_initial=np.append(proof.adjoint_initial, np.nan)),
+    )
+
+
+def damping_optimum_on(plant: Plant, found: DampingOptimum) -> DampingOptimum:
+    """Return a damping-optimal control in the states of the plant.
+
+    Parameters
+    ----------
+    plant, found
+        As for ``time_optimum_on``.
+
+    Returns
+    -------
+    DampingOptimum
+    """
+    if not plant.follows:
+        return found
+    return replace(
+        found,
+        terminal_error=np.append(found.terminal_error, 0.0),
+        peaks=np.insert(found.peaks, plant.force, _largest(found.arcs)),
+        adjoint_initial=np.append(found.adjoint_initial, np.nan),
+    )
+
+
+def least_limit(plant: Plant, force_limit: float, bounds: Iterable[Bound]) -> float:
+    """Return the force limit, or a lower bound on the acceleration of a motor that follows.
+
+    Parameters
+    ----------
+    plant
+        From ``build_plant``.
+    force_limit
+        Force left for motion [N].
+    bounds
+        On states and outputs.
+
+    Returns
+    -------
+    float
+    """
+    return min((force_limit, *(one.value for one in bounds if not _on_state(plant, one))))
+
+
+def on_states(plant: Plant, bounds: Iterable[Bound]) -> tuple[Bound, ...]:
+    """Return the bounds but for those that ``least_limit`` covers."""
+    return tuple(one for one in bounds if _on_state(plant, one))
+
+
+def _on_state(plant: Plant, bound: Bound) -> bool:
+    return not plant.follows or bound.name != plant.states[plant.force]
+
+
+def _largest(arcs: tuple[Arc, ...]) -> float:
+    """Return the largest magnitude of what is set."""
+    return max(float(np.abs(_samples(arc)).max()) for arc in arcs)
+
+
+def _samples(arc: Arc) -> Array:
+    if not arc.generator.any():
+        return np.atleast_1d(arc.output @ arc.initial)
+    step = balanced_expm(arc.generator * ((arc.t_end - arc.t_start) / SAMPLES))
+    z = [arc.initial]
+    for _ in range(SAMPLES):
+        z.append(step @ z[-1])
+    return np.asarray(np.array(z) @ arc.output)

@@ -1,0 +1,278 @@
+"""Optimal controls of a motor that follows: its acceleration acts at once, without any lag."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from itertools import pairwise
+from math import acos, cos, inf, pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from mtcommission.errors import InputError
+from mtcommission.limits.optima import find_damping_optimum, find_optima, find_time_optimum
+from mtcommission.machine.machine import (
+    Drive,
+    Machine,
+    Modes,
+    Positioning,
+    Requirements,
+    VelocityStep,
+)
+from mtcommission.machine.mechanics import FlexibleMode
+from mtcommission.optimal.band.band_optimum import find_band_optimum
+from mtcommission.optimal.band.settings import BandSettings
+from mtcommission.optimal.free.curve import solve_curve
+from mtcommission.optimal.free.moments import moment_problem
+from mtcommission.optimal.solution import Arc, Bound, TimeOptimum, sample_evenly, sample_trajectory
+from mtcommission.optimal.transcription.settings import TranscriptionSettings
+from mtcommission.optimal.transcription.transcription import transcribe_damping_optimal
+from mtcommission.plant.modal import Modal
+from mtcommission.plant.plant import build_plant, driven_at_once
+from mtcommission.profile.read import parse_profile
+from mtcommission.record.optima import optimum_entry
+from mtcommission.record.shape import to_plain
+from mtcommission.sweep.peaks import curve_peaks
+
+HEAD = """schema = 1
+[machine]
+name = "random"
+axis = "X"
+source = "random"
+[plant]
+kind = "modal"
+"""
+REST = """[drive]
+kind = "position_source"
+max_acceleration = {a}
+[[moves]]
+distance = 0.02
+max_velocity = 0.3
+[requirements]
+tcp_deviation = "20 um"
+"""
+
+
+def axis(modes: list[tuple[float, float, float]], a: float, more: str = "") -> Machine:
+    """An axis whose motor follows; modes as (frequency [Hz], damping ratio, gain)."""
+    tables = "".join(
+        f'[[plant.modes]]\nname = "m{n}"\nfrequency = "{f} Hz"\ndamping_ratio = {zeta}\n'
+        f"tcp_gain = {gain}\n"
+        for n, (f, zeta, gain) in enumerate(modes)
+    )
+    return parse_profile(HEAD + tables + REST.format(a=a) + more, where="axis.toml")
+
+
+def random_axis(seed: int) -> tuple[Machine, list[tuple[float, float, float]], float]:
+    rng = np.random.default_rng([23, seed])
+    count, a = int(rng.integers(1, 4)), float(np.exp(rng.uniform(1.0, 4.0)))
+    f = rng.uniform(20.0, 50.0) * np.cumprod(rng.uniform(1.2, 2.5, count))
+    zeta, gain = rng.uniform(0.0, 0.1, count), rng.uniform(0.2, 1.0, count)
+    modes = list(zip(f.tolist(), zeta.tolist(), gain.tolist(), strict=True))
+    return axis(modes, a), modes, a
+
+
+def integrated(arcs: tuple[Arc, ...], modes: list[tuple[float, float, float]]) -> list[float]:
+    """Second program: x, v, then q and q' of each base-excited mode, by constant accelerations."""
+    y = np.zeros(2 + 2 * len(modes))
+    for arc in arcs:
+        a = float(arc.output @ arc.initial)
+        # On an arc at max_velocity the state of the arc moves, what it sets is nothing.
+        assert not arc.generator.any() or not arc.output.any()
+
+        def slope(_: float, y: np.ndarray, a: float = a) -> list[float]:
+            found = [y[1], a]
+            for i, (f, zeta, _gain) in enumerate(modes):
+                omega, q, rate = 2.0 * pi * f, y[2 + 2 * i], y[3 + 2 * i]
+                found += [rate, -a - 2.0 * zeta * omega * rate - omega**2 * q]
+            return found
+
+        y = solve_ivp(
+            slope, (arc.t_start, arc.t_end), y, method="DOP853", rtol=1e-12, atol=1e-16
+        ).y[:, -1]
+    return y.tolist()
+
+
+def is_proved(found: TimeOptimum) -> bool:
+    return found.certificate.relative_gap <= 1e-9 and found.method == "exact"
+
+
+@pytest.mark.parametrize(("distance", "a", "f"), [(1e-3, 20.0, 40.0), (2e-4, 3.0, 90.0)])
+def test_one_undamped_mode_in_closed_form(distance: float, a: float, f: float) -> None:
+    """Antisymmetric about the middle: 2 cos wb = 1 + cos wh, h^2 - 2 b^2 = L/a, t_f = 2 h.
+
+    The sine moment about the middle and the way, for switches at the middle and b about it.
+    """
+    omega = 2.0 * pi * f
+
+    def inner(h: float) -> float:
+        return acos(0.5 * (1.0 + cos(omega * h))) / omega
+
+    h = brentq(
+        lambda h: h**2 - 2.0 * inner(h) ** 2 - distance / a,
+        sqrt(distance / a), sqrt(distance / a) + pi / omega, xtol=1e-16, rtol=1e-15,
+    )  # fmt: skip
+    machine = axis([(f, 0.0, 1.0)], a)
+    found = find_time_optimum(
+        build_plant(machine), Positioning(distance=distance), force_limit=a, bounds=()
+    )
+    b = inner(h)
+    assert found.t_f == pytest.approx(2.0 * h, rel=1e-11)
+    assert found.switching_times == pytest.approx((h - b, h, h + b), rel=1e-9)
+    assert is_proved(found)
+    assert found.certificate.switching_law_holds
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_axes_are_proved_and_end_at_rest(seed: int) -> None:
+    """Else the least time on the sheet is not that of the axis, or leaves it swinging."""
+    machine, modes, a = random_axis(seed)
+    plant = build_plant(machine)
+    moves = (machine.moves[0], Positioning(distance=0.005), VelocityStep(velocity_step=0.1))
+    for move in moves:
+        found = find_time_optimum(plant, move, force_limit=a, bounds=())
+        assert is_proved(found)
+        x, v, *tips = integrated(found.arcs, modes)
+        step = isinstance(move, VelocityStep)
+        assert v == pytest.approx(0.1 if step else 0.0, abs=1e-10)
+        if isinstance(move, Positioning):
+            assert x == pytest.approx(move.distance, rel=1e-10)
+        swing = [abs(value) for value in tips]
+        largest = a / (2.0 * pi * modes[0][0])
+        assert max(swing[0::2]) < 1e-9 * largest
+        assert max(swing[1::2]) < 1e-8 * largest
+
+
+def test_a_vanishing_lag_leads_to_the_same_time() -> None:
+    """A servo of mass 1 with the same modes tends to it from above: what passes a lag can be done.
+
+    Two ways through the solver, with and without the moment of the lag.
+    """
+    machine, modes, a = random_axis(3)
+    move = Positioning(distance=0.004)
+    least = find_time_optimum(build_plant(machine), move, force_limit=a, bounds=()).t_f
+    flexible = tuple(
+        FlexibleMode(name=f"m{n}", natural_frequency=2 * pi * f, damping_ratio=zeta, tcp_gain=gain)
+        for n, (f, zeta, gain) in enumerate(modes)
+    )
+    needs = Requirements(tcp_deviation=1e-5, modes=Modes(surface=4e-6, accuracy=1e-5, speed=4e-5))
+    excess = []
+    for lag in (1e-3, 1e-4, 1e-5, 1e-6):
+        servo = replace(
+            machine,
+            mechanics=Modal(moving_mass=1.0, modes=flexible),
+            drive=Drive(force_lag=lag, max_force=a),
+            requirements=needs,
+        )
+        found = find_time_optimum(build_plant(servo), move, force_limit=a, bounds=())
+        excess.append(found.t_f / least - 1.0)
+    assert all(value > 0.0 for value in excess)
+    assert all(later < 0.2 * earlier for earlier, later in pairwise(excess))
+    assert excess[-1] < 1e-4
+
+
+def test_a_bound_on_the_acceleration_is_a_lower_limit() -> None:
+    """Else bounding F as a peak ends in an error, or is not kept."""
+    machine = axis([(45.0, 0.05, 1.0)], 20.0)
+    plant, move = build_plant(machine), machine.moves[0]
+    bounded = find_time_optimum(plant, move, force_limit=20.0, bounds=(Bound(name="F", value=8.0),))
+    lower = find_time_optimum(plant, move, force_limit=8.0, bounds=())
+    assert bounded.t_f == lower.t_f
+    assert bounded.peaks[plant.force] == pytest.approx(8.0)
+    assert {bound.name for bound in bounded.bounds} == {"v", "F"}
+
+
+def test_sampled_motion_has_the_set_acceleration_for_its_force() -> None:
+    """Else the sheet's plots and the CSV show another acceleration than the one that is set."""
+    machine = axis([(45.0, 0.05, 1.0), (110.0, 0.02, 0.2)], 20.0)
+    plant = build_plant(machine)
+    found = find_time_optimum(plant, machine.moves[0], force_limit=20.0, bounds=())
+    motion = sample_trajectory(plant, found.arcs, step=1e-4)
+    assert motion.states.shape[1] == plant.order
+    assert motion.states[:, plant.force] == pytest.approx(motion.force)
+    even = sample_evenly(plant, found.arcs, step=1e-4, until=found.t_f + 1e-3)
+    assert even[-1, plant.force] == 0.0
+    assert even[-1, plant.position] == pytest.approx(0.02, rel=1e-12)
+    v, a = even[:, plant.velocity], even[:, plant.force]
+    # Between samples without a switch the velocity rises by a h.
+    same = a[1:] == a[:-1]
+    assert np.diff(v)[same] == pytest.approx(1e-4 * a[:-1][same], abs=1e-2)
+    assert np.median(np.abs(np.diff(v) - 1e-4 * a[:-1])) < 1e-12
+
+
+@pytest.mark.parametrize(
+    "move", [Positioning(distance=0.004), VelocityStep(velocity_step=0.1)], ids=["rest", "step"]
+)
+def test_damping_optimum_is_that_of_a_grid(move: Positioning | VelocityStep) -> None:
+    """Exact arcs and a transcription know nothing of each other."""
+    machine, _, a = random_axis(5)
+    plant = build_plant(machine)
+    optima = find_optima(machine, plant, move)
+    assert optima.damping is not None
+    assert optima.damping.t_f == pytest.approx(1.2 * optima.time.t_f)
+    grid = transcribe_damping_optimal(
+        driven_at_once(plant), move, force_limit=a, t_f=optima.damping.t_f,
+        weights=optima.damping.weights, bounds=(), settings=TranscriptionSettings(intervals=800),
+    )  # fmt: skip
+    assert optima.damping.cost == pytest.approx(grid.cost, rel=1e-4)
+    assert optima.damping.law_residual < 1e-9
+    assert np.abs(optima.damping.terminal_error).max() < 1e-9
+    for solution in (optima.time, optima.damping):
+        entry = to_plain(optimum_entry(plant, solution))
+        assert "F" not in entry["certificate"]["adjoint_initial"]
+        assert entry["peaks"]["F"] <= a * (1.0 + 1e-12)
+        json.dumps(entry, allow_nan=False)
+
+
+def test_no_shorter_time_than_least() -> None:
+    machine = axis([(45.0, 0.05, 1.0)], 20.0)
+    plant, move = build_plant(machine), Positioning(distance=0.01)
+    least = find_time_optimum(plant, move, force_limit=20.0, bounds=()).t_f
+    found = find_damping_optimum(machine, plant, move, t_f=1.0001 * least, least=least)
+    assert found.peaks[plant.force] == pytest.approx(20.0)
+
+
+def test_band_is_reached_before_exact_rest() -> None:
+    """With its own proof; a band of nothing is exact rest."""
+    machine, _, a = random_axis(2)
+    moved, move = driven_at_once(build_plant(machine)), Positioning(distance=0.01)
+    at_rest = find_time_optimum(build_plant(machine), move, force_limit=a, bounds=()).t_f
+    settings, times = BandSettings(), []
+    for band in (2e-5, 1e-9):
+        found = find_band_optimum(
+            moved, move, force_limit=a, band=band, at_rest=at_rest, settings=settings
+        )
+        assert found.gap < 1e-4
+        times.append(found.force.t_f)
+    assert times[0] < times[1] < at_rest * (1.0 + 1e-4)
+    assert times[1] == pytest.approx(at_rest, rel=1e-4)
+
+
+def test_many_limits_at_once_are_those_one_by_one() -> None:
+    """Else a sweep over the acceleration shows other times than the sheet."""
+    machine, *_ = random_axis(7)
+    plant, move = build_plant(machine), Positioning(distance=0.01, max_velocity=inf)
+    limits = np.geomspace(3.0, 60.0, 9)
+    problem = moment_problem(driven_at_once(plant), move)
+    points = solve_curve(problem, problem.target / limits)
+    peaks = curve_peaks(driven_at_once(plant), points, limits)
+    for limit, point, row in zip(limits.tolist(), points, peaks, strict=True):
+        alone = find_time_optimum(plant, move, force_limit=limit, bounds=())
+        assert point.is_proved
+        assert point.t_f == pytest.approx(alone.t_f, rel=1e-11)
+        rates = [alone.peaks[mode.rate] for mode in plant.modes]
+        vibration = alone.peaks[plant.signals.index("tcp_vibration")]
+        expected = [*rates, vibration, limit]
+        assert row == pytest.approx(expected, rel=3e-4)
+
+
+def test_a_weight_of_the_acceleration_is_refused_with_the_way_out() -> None:
+    more = "[damping_optimal]\nweights = { q_m0 = 1e9, F = 2.0 }\n"
+    with pytest.raises(InputError) as caught:
+        axis([(45.0, 0.05, 1.0)], 20.0, more)
+    said = str(caught.value)
+    assert "axis.toml:22: damping_optimal.weights.F" in said
+    assert "remove the weight, and divide the others by 1 plus it" in said
