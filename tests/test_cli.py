@@ -87,6 +87,15 @@ def test_help_names_the_way_from_data_sheet_to_control_and_the_exit_codes(run: R
     assert "0 done and all requirements met, 1 a requirement is not met" in out
 
 
+def test_libraries_do_not_write_into_json_on_standard_output() -> None:
+    """HiGHS 1.16 greeted there, past Python's own streams: the JSON could not be piped on."""
+    command = [sys.executable, "-m", "mtcommission", "optimal", "profiles/printer-belt.toml"]
+    done = subprocess.run(
+        [*command, "--kind", "time", "--json", "-"], capture_output=True, text=True, check=True
+    )
+    assert json.loads(done.stdout)["kind"] == "time"
+
+
 def test_optimal_json_is_exact_when_somebody_else_integrates_it(run: Run) -> None:
     """The printed arcs must end at 0.1 m/s and at rest to 1e-9 of each state's peak."""
     from scipy.linalg import expm

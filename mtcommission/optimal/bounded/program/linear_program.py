@@ -168,12 +168,23 @@ def _model(program: Program) -> highspy.HighsLp:
     return model
 
 
+class _Silent(highspy.Highs):
+    """HiGHS that says nothing.
+
+    Since 1.16 it greets on standard output when callbacks are enabled, which its constructor does
+    before any option can be set.
+    """
+
+    def enableCallbacks(self) -> None:
+        self.setOptionValue("output_flag", False)
+        super().enableCallbacks()  # type: ignore[no-untyped-call]
+
+
 def _solver(
     way: Mapping[str, str | int], settings: ProgramSettings, *, steps: int, tolerance: float
 ) -> highspy.Highs:
-    solver = highspy.Highs()  # type: ignore[no-untyped-call]
+    solver = _Silent()  # type: ignore[no-untyped-call]
     options: dict[str, bool | int | float | str] = {
-        "output_flag": False,
         "parallel": "off",
         # Presolving costs more here than it saves, and calls some feasible programs infeasible.
         "presolve": "off",
