@@ -43,7 +43,8 @@ class BaseExcited:
 
     Examples
     --------
-    >>>     >>> head = HeldMode(name="belt", natural_frequency=2 * pi * 45, damping_ratio=0.05)
+    >>> from math import pi
+    >>> head = HeldMode(name="belt", natural_frequency=2 * pi * 45, damping_ratio=0.05)
     >>> driven = BaseExcited(held_modes=(head,)).modes
     >>> [(mode.tcp_gain, round(mode.frequency_hz)) for mode in driven]
     [(-1.0, 45)]
