@@ -80,6 +80,8 @@ class OptimalRequest:
         From ``--limit``.
     transcription
         Grid of the direct transcription.
+    jerk
+        Largest jerk of a motor that follows [m/s³]; inf: not limited.
     """
 
     kind: str
@@ -88,6 +90,7 @@ class OptimalRequest:
     t_f: float | None
     bounds: tuple[Bound, ...]
     transcription: TranscriptionSettings
+    jerk: float = inf
 
 
 SIZES = {"every": True, "listed": False}
@@ -336,6 +339,7 @@ def read_optimal_request(
     move: int,
     scheme: str,
     intervals: int,
+    jerk: str = "",
 ) -> OptimalRequest:
     """Return what ``optimal`` is asked for.
 
@@ -343,7 +347,7 @@ def read_optimal_request(
     ----------
     machine, plant
         Nominal.
-    kind, method, t_f, limits, velocity_step, distance, move, scheme, intervals
+    kind, method, t_f, limits, velocity_step, distance, move, scheme, intervals, jerk
         Texts of the options; "" where one is not given.
 
     Returns
@@ -364,6 +368,9 @@ def read_optimal_request(
             message = Message("option-given-twice", name=name, count=count)
             faults.append(Fault(where="--limit", message=message))
     final = read_positive("--t-f", t_f, TIME, faults) if t_f else None
+    most = read_positive("--jerk", jerk, machine.axis_units.jerk, faults) if jerk else inf
+    if jerk and not (kind == "time" and method == "exact" and machine.drive.follows):
+        faults.append(Fault(where="--jerk", message=Message("option-jerk-of-what-follows")))
     if kind == "time" and t_f:
         faults.append(Fault(where="--t-f", message=Message("option-final-time-is-found")))
     schemes = {item.value: item for item in Scheme}
@@ -384,6 +391,7 @@ def read_optimal_request(
         t_f=final,
         bounds=tuple(bounds),
         transcription=TranscriptionSettings(scheme=schemes[scheme], intervals=intervals),
+        jerk=most,
     )
 
 
@@ -423,6 +431,13 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     force, move = machine.drive.motion_force, request.move
     limit = least_limit(plant, force, request.bounds)
     exact = request.method == "exact"
+    if isfinite(request.jerk):
+        from mtcommission.optimal.bounded.jerk_limited import solve_jerk_limited
+
+        bounds = on_states(plant, request.bounds)
+        return solve_jerk_limited(
+            plant, move, force_limit=limit, jerk_limit=request.jerk, bounds=bounds
+        )
     if request.kind == "time":
         if exact:
             return find_time_optimum(plant, move, force_limit=force, bounds=request.bounds)
