@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from mtcommission.control_kinds.kind import Jerk
 from mtcommission.machine.machine import Machine, Motion
+from mtcommission.machine.shapers import name_shaper
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -178,7 +179,7 @@ def _filter(machine: Machine, item: Candidate, spoken: Catalogue) -> str:
     if used is None:
         return spoken.text("no-setpoint-filter")
     name = spoken.text(
-        "filter-name", kind=used.kind, shaper=used.kind.upper(), count=len(used.taps)
+        "filter-name", kind=used.kind, shaper=name_shaper(used.kind), count=len(used.taps)
     )
     f, times = spoken.format, used.averages or (used.duration,)
     numbers = (

@@ -234,18 +234,24 @@ def shaper(kind: str, f: float, zeta: float) -> tuple[list[float], list[float]]:
     if kind in ("ei", *HUMPS):
         fitted = shape(kind, frequency_hz=f, damping_ratio=zeta)
         return list(fitted.delays), list(fitted.shares)
-    half = 0.5 / (f * sqrt(1 - zeta**2))
-    if kind == "mzv":
-        half, plain = 0.75 * half, [1 - sqrt(0.5), sqrt(2) - 1, 1 - sqrt(0.5)]
-    elif kind.startswith("zv"):
-        order = len(kind) - 1
+    period = 1 / (f * sqrt(1 - zeta**2))
+    apart, fading = 0.5 * period, 0.5 * period
+    name = kind.removeprefix("marlin_")
+    if name == "mzv":
+        apart, plain = 0.375 * period, [1 - sqrt(0.5), sqrt(2) - 1, 1 - sqrt(0.5)]
+    elif name.startswith("zv"):
+        order = len(name) - 1
         plain = [float(comb(order, n)) for n in range(order + 1)]
     else:
-        plain = _with_humps({"e": 1, "2": 2, "3": 3}[kind[0]], 0.05)
-    fade = [exp(-2 * pi * f * zeta * half * n).real for n in range(len(plain))]
+        plain = _with_humps({"e": 1, "2": 2, "3": 3}[name[0]], 0.05)
+    if name == kind:
+        fading = apart
+    else:  # Marlin samples every millisecond; LROUND rounds halves up
+        apart = 1e-3 * int(1e3 * apart + 0.5)
+    fade = [exp(-2 * pi * f * zeta * fading * n).real for n in range(len(plain))]
     total = sum(share * c for share, c in zip(plain, fade, strict=True))
     shares = [share * c / total for share, c in zip(plain, fade, strict=True)]
-    return [n * half for n in range(len(plain))], shares
+    return [n * apart for n in range(len(plain))], shares
 
 
 def _with_humps(count: int, V: float) -> list[float]:

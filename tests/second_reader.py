@@ -254,9 +254,12 @@ def _own(control: str, text: str, machine: Machine) -> tuple[dict[str, Any], dic
             g = re.findall(r"^M(\d+) (?:X ?)?([A-Z]?)([\d.]+) *;", text, re.MULTILINE)
             words = {f"{number}{letter}": value for number, letter, value in g}
             assert words["493S"] == "1"
-            humps = {"5": "ei_classic", "6": "2hump_ei_classic", "7": "3hump_ei_classic"}
-            kinds = {"1": "zv", "2": "zvd", "3": "zvdd", "4": "zvddd", "8": "mzv"} | humps
-            kind = (kinds[words["493C"]], float(words["493A"]), float(words["493I"]))
+            named = "zv", "zvd", "zvdd", "zvddd", "ei", "2hump_ei", "3hump_ei", "mzv"
+            kind = (
+                f"marlin_{named[int(words['493C']) - 1]}",
+                float(words["493A"]),
+                float(words["493I"]),
+            )
             return {"a": (words["201"], 1e-3)}, {"shaper": kind}
         case "ros2":
             tree = yaml.safe_load(text)

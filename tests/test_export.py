@@ -677,7 +677,7 @@ FILTERS_OF_KINDS = [
     ("isg", 'kind = "moving_average", time = "20 ms"'),
     ("fanuc", 'kind = "moving_average", time = "20 ms"'),
     ("klipper", 'kind = "ei", frequency = "48 Hz", damping = 0.03'),
-    ("marlin", 'kind = "mzv", frequency = "48 Hz", damping = 0.03'),
+    ("marlin", 'kind = "marlin_mzv", frequency = "48 Hz", damping = 0.03'),
 ]
 
 
@@ -699,8 +699,7 @@ def test_the_filter_of_a_run_is_written_and_does_what_the_run_promised(
     assert residual == pytest.approx(export.verdict.residual_deviation, rel=5e-3)
     assert not saturates
     other = "klipper" if control != "klipper" else "sinumerik"
-    if control != "marlin":
-        assert "setpoint filter" in " ".join(export_record(case.record, control=other).header)
+    assert "setpoint filter" in " ".join(export_record(case.record, control=other).header)
 
 
 def test_rebuilt_loop_is_the_one_of_the_run(

@@ -15,6 +15,7 @@ from scipy.optimize import linprog
 from mtcommission.commission import commission
 from mtcommission.control_kinds.kinds import KINDS
 from mtcommission.errors import InputError
+from mtcommission.limits.choose import choose_limits
 from mtcommission.limits.every.typed import find_for_every_size
 from mtcommission.limits.optima import find_time_optimum
 from mtcommission.limits.reserve import keep_reserve
@@ -33,6 +34,7 @@ from mtcommission.record.loop import loop_part
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint, plan_within, sample_setpoint
 from mtcommission.study.settings import Settings
+from tests.independent_loop import shaper
 
 PRINTER = """
 schema = 1
@@ -118,6 +120,67 @@ def test_residual_by_a_second_program(item: SetpointFilter | None, acceleration:
     resolution = 0.01 * acceleration / (2.0 * pi * 45.0) ** 2
     assert response.residual_deviation == pytest.approx(residual, abs=resolution)
     assert response.t_end == pytest.approx(end + 0.5e-3, abs=1e-6)
+
+
+def marlin_residual(
+    a: float, move: Positioning, item: SetpointFilter, *, frequency_hz: float, zeta: float
+) -> float:
+    """What Marlin's Fixed-Time Motion leaves, as its source computes it.
+
+    Positions every millisecond, summed with echoes that are whole samples, even steps in between:
+    each sample is a step of velocity, and the mode answers to nothing else. Mean over where the
+    move begins between two samples.
+    """
+    delays, shares = shaper(item.kind, item.frequency_hz, item.damping_ratio)
+    echoes = [round(delay / 1e-3) for delay in delays]
+    v = min(move.max_velocity, sqrt(a * move.distance))
+    corners = np.array([0.0, v / a, move.distance / v, move.distance / v + v / a])
+    pole = 2.0 * pi * frequency_hz * complex(-zeta, sqrt(1.0 - zeta**2))
+    after = corners[-1] + delays[-1] + np.linspace(1e-3, 0.1, 2001)
+    found = []
+    for phase in np.linspace(0.0, 1e-3, 5, endpoint=False):
+        t = np.arange(-100, 400) * 1e-3 - phase
+        position = np.clip(t[:, None] - corners, 0.0, None) ** 2 @ np.array([a, -a, -a, a]) / 2.0
+        shaped = np.zeros_like(t)
+        for share, echo in zip(shares, echoes, strict=True):
+            shaped[echo:] += share * position[: t.size - echo]
+        steps = np.diff(shaped, 2) / 1e-3
+        moved = np.abs(steps) > 1e-12
+        swings = np.exp(pole * (after[:, None] - t[1:-1][moved])).imag / pole.imag
+        found.append(float(np.abs(swings @ steps[moved]).max()))
+    return float(np.mean(found))
+
+
+@pytest.mark.parametrize("kind", ["marlin_zv", "marlin_mzv", "marlin_zvd", "marlin_3hump_ei"])
+@pytest.mark.parametrize("wanted", [41.3, 45.0, 52.0])
+def test_marlin_as_its_source_computes_it(kind: str, wanted: float) -> None:
+    """Else the sheet's promise is not what the samples of the firmware do."""
+    machine, a = printer(), 11.7
+    item = SetpointFilter(kind=kind, frequency_hz=wanted, damping_ratio=0.05)
+    limits = replace(without_jerk_limit(machine, a), setpoint_filter=item)
+    move = machine.moves[0]
+    assert isinstance(move, Positioning)
+    loop = tune_loop(machine).loops[0]
+    response = simulate(loop, plan_setpoint(move, limits), drive=machine.drive, band=20e-6)
+    expected = marlin_residual(a, move, item, frequency_hz=45.0, zeta=0.05)
+    resolution = 0.02 * a / (2.0 * pi * 45.0) ** 2
+    assert response.residual_deviation == pytest.approx(expected, abs=resolution)
+
+
+def test_marlin_s_choice_keeps_the_band_on_its_own_samples() -> None:
+    """Else limits would be promised for shapers that the firmware does not have."""
+    text = PRINTER.replace('kind = "klipper"', 'kind = "marlin"').replace("45 Hz", "47.6 Hz")
+    machine = parse_profile(text, where="marlin.toml")
+    chosen = choose_limits(machine, build_plant(machine), tune_loop(machine), starts=[]).limits
+    item, move = chosen.setpoint_filter, machine.moves[0]
+    assert item is not None
+    assert isinstance(move, Positioning)
+    assert item.kind.startswith("marlin_")
+    samples = np.array(item.impulses.delays) / 1e-3
+    assert samples == pytest.approx(np.round(samples), abs=1e-9)
+    for off in (0.95, 1.0, 1.05):
+        left = marlin_residual(chosen.acceleration, move, item, frequency_hz=47.6 * off, zeta=0.05)
+        assert left < 0.82 * 20e-6
 
 
 def follower(zeta: float, frequency_hz: float, acceleration: float) -> Machine:

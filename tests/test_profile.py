@@ -417,7 +417,7 @@ BROKEN_FILTERS = [
     ),
     (
         "marlin",
-        'kind = "ei_classic", frequency = "12 Hz", damping = 0.1',
+        'kind = "marlin_ei", frequency = "12 Hz", damping = 0.1',
         'frequency: got 12 Hz; kind = "marlin" takes 20 to 500 Hz for a shaper',
     ),
     (

@@ -90,10 +90,11 @@ def believed(parameters: str = "", note: str = "", *, beside: str = "") -> Featu
 MOVING_AVERAGE, TWO_AVERAGES, FIR = "moving_average", "two_moving_averages", "fir"
 SHAPERS = (
     *("zv", "mzv", "zvd", "ei", "2hump_ei", "3hump_ei"),
-    *("zvdd", "zvddd", "ei_classic", "2hump_ei_classic", "3hump_ei_classic"),
+    *("marlin_zv", "marlin_mzv", "marlin_zvd", "marlin_zvdd", "marlin_zvddd"),
+    *("marlin_ei", "marlin_2hump_ei", "marlin_3hump_ei"),
 )
 """Kinds of setpoint filter, as in profiles: averages, taps, and shapers. The EI family without a
-word is Klipper's since September 2025; the classical one is Marlin's, and Klipper's before."""
+word is Klipper's since September 2025; Marlin's, on its grid of samples, is the classical one."""
 
 LONGEST_AVERAGE = 0.2
 """Longest average that is looked for where a control does not bound it [s]: empirical."""

@@ -140,7 +140,7 @@ KLIPPER = _sends_steps(
             "[input_shaper] shaper_type_x, shaper_freq_x [Hz], damping_ratio_x",
             "One shaper per axis. Damping at most 0.99, ei 0.4, 2hump_ei 0.3, 3hump_ei 0.2. The EI "
             "family as of 2025-09-16 (5da026a3), 3hump_ei as of 2026-03-31 (0d1445a7); earlier "
-            "ones were ei_classic and so on. mzv(n, t) and ei(v_tol) of 2026 are not offered.",
+            "ones were the classical EI. mzv(n, t) and ei(v_tol) of 2026 are not offered.",
         ),
         "reference_delay": read(
             KLIPPER_SOURCE, note="None; pulses are centred, so a shaper's delay is not one."
@@ -182,14 +182,14 @@ FLUIDNC = _sends_steps(
 )
 
 MARLIN_SHAPERS: Mapping[str, str] = {
-    "zv": "1",
-    "mzv": "8",
-    "zvd": "2",
-    "zvdd": "3",
-    "zvddd": "4",
-    "ei_classic": "5",
-    "2hump_ei_classic": "6",
-    "3hump_ei_classic": "7",
+    "marlin_zv": "1",
+    "marlin_mzv": "8",
+    "marlin_zvd": "2",
+    "marlin_zvdd": "3",
+    "marlin_zvddd": "4",
+    "marlin_ei": "5",
+    "marlin_2hump_ei": "6",
+    "marlin_3hump_ei": "7",
 }
 """Values of M493 C."""
 
@@ -199,7 +199,7 @@ MARLIN = _sends_steps(
     setpoint_filters=tuple(
         FilterChoice(
             kind=shaper,
-            typed=(f"M493 C{code} (?)", "M493 A{hz:.5g} (?)", "M493 I{zeta:.3f} (?)"),
+            typed=(f"M493 C{code}", "M493 A{hz:.5g}", "M493 I{zeta:.3f}"),
             least_frequency_hz=20.0,
             most_frequency_hz=500.0,
             least_damping=0.01,
@@ -218,9 +218,16 @@ MARLIN = _sends_steps(
             MARLIN_SOURCE,
             "M593 X/Y F [Hz] D; M493 C, A [Hz], I 0.01..0.25; M494 [s]",
             "ZV, or with FT motion ZV to ZVDDD, EI, 2HEI, 3HEI, MZV per axis, 10 or 20 to 500 Hz; "
-            "its EI family is the classical one (shaping.cpp at 195278e4).",
+            "its EI family is the classical one (shaping.cpp at 195278e4). FT motion rounds the "
+            "first copy's delay to whole samples of 1 ms and repeats it, which is simulated; M593 "
+            "delays steps by timer ticks and is not offered.",
         ),
-        "position_cycle": read(MARLIN_SOURCE, "FTM_FS", "FT motion computes at 1000 Hz."),
+        "position_cycle": read(
+            MARLIN_SOURCE,
+            "FTM_FS",
+            "FT motion computes at 1000 Hz unless the build says otherwise; the steps in between "
+            "are evenly spaced.",
+        ),
     },
 )
 

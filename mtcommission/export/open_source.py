@@ -67,7 +67,7 @@ def _jerk(subject: Subject, name: str, meaning: Message, *, section: str = "") -
     )
 
 
-def _shapers(subject: Subject) -> tuple[Values, ...]:
+def _shapers(subject: Subject, kinds: tuple[str, ...]) -> tuple[Values, ...]:
     """Zero-vibration shapers on the mode that a setpoint excites most."""
     mode = subject.mode
     damping = min(max(LEAST_DAMPING, mode.damping_ratio), MOST_DAMPING)
@@ -75,7 +75,7 @@ def _shapers(subject: Subject) -> tuple[Values, ...]:
         write_filter(
             SetpointFilter(kind=kind, frequency_hz=mode.frequency_hz, damping_ratio=damping)
         )
-        for kind in ("zv", "zvd")
+        for kind in kinds
     )
 
 
@@ -230,7 +230,6 @@ def _klipper_notes(subject: Subject, chosen: Chosen) -> tuple[Message, ...]:
 def _marlin(subject: Subject, _loop: Values) -> list[Row]:
     _require_linear(subject, "Marlin")
     letter = _letter(subject, "XYZ", "Marlin")
-    row = partial(Row, is_verified=False)
     of_mode = _of_mode(subject)
     corner, a = _corner_velocity(subject), subject.limits.acceleration
     deviation = 1e3 * corner**2 * (sqrt(2.0) - 1.0) / a
@@ -238,20 +237,20 @@ def _marlin(subject: Subject, _loop: Values) -> list[Row]:
         _acceleration(subject, f"M201 {letter}"),
         *([fixed("M205 J", f"{deviation:.3g}", Message("marlin-corner"))] if corner else []),
         fixed("M493 S", "1", Message("marlin-fixed-time")),
-        row(
+        Row(
             Setting.SHAPER,
             f"M493 {letter} C",
             codes={kind: MARLIN_SHAPERS[kind] for kind in MARLIN_SHAPERS},
             meaning=Message("marlin-shaper"),
         ),
-        row(
+        Row(
             Setting.SHAPER_FREQUENCY,
             f"M493 {letter} A",
             unit="Hz",
             step=FREQUENCY_STEP,
             meaning=of_mode,
         ),
-        row(Setting.SHAPER_DAMPING, f"M493 {letter} I", step=DAMPING_STEP, meaning=of_mode),
+        Row(Setting.SHAPER_DAMPING, f"M493 {letter} I", step=DAMPING_STEP, meaning=of_mode),
     ]
 
 
@@ -288,9 +287,21 @@ def _ros(subject: Subject, loop: Values) -> list[Row]:
 
 OPEN_CONTROLS = (
     Control(key="linuxcnc", rows=_linuxcnc, layout=INI, notes=_linuxcnc_notes),
-    Control(key="klipper", rows=_klipper, layout=CONFIG, shapers=_shapers, notes=_klipper_notes),
+    Control(
+        key="klipper",
+        rows=_klipper,
+        layout=CONFIG,
+        shapers=partial(_shapers, kinds=("zv", "zvd")),
+        notes=_klipper_notes,
+    ),
     Control(key="grblhal", rows=_grblhal, layout=MACHINE_DATA, notes=_grblhal_notes),
     Control(key="fluidnc", rows=_fluidnc, layout=YAML, notes=_fluidnc_notes),
-    Control(key="marlin", rows=_marlin, layout=G_CODE, shapers=_shapers, notes=_marlin_notes),
+    Control(
+        key="marlin",
+        rows=_marlin,
+        layout=G_CODE,
+        shapers=partial(_shapers, kinds=("marlin_zv", "marlin_zvd")),
+        notes=_marlin_notes,
+    ),
     Control(key="ros2", rows=_ros, layout=YAML, in_degrees=False),
 )

@@ -5,20 +5,29 @@ Klipper: klippy/extras/shaper_defs.py at commit 84104bbb (7 August 2026). Its EI
 polynomials of the damping ratio; 3HUMP_EI left a comma out until 31 March 2026 (0d1445a7), so
 older ones leave more vibration than is computed here.
 
-Marlin: Marlin/src/module/ft_motion/shaping.cpp at commit 195278e4 (2025). Its EI family is the
-classical one, as Klipper's was before: shares without damping, each reduced by what the vibration
-has lost until then.
+Marlin's Fixed-Time Motion: Marlin/src/module/ft_motion/shaping.cpp at commit 195278e4 (2025) and
+ft_motion.cpp at 000420e3. It computes the position every ``GRID`` and shapes those samples: the
+first copy's delay is rounded to whole samples, the others are multiples of the rounded one, so a
+shaper is as far off as its first copy (48 Hz: 10.4 ms become 10 ms, the shaper of 50 Hz). Every
+copy, MZV's too, is reduced by what the vibration loses in half a period, and the EI family is the
+classical one, as Klipper's was before 2025. Between two samples the steps are evenly spaced
+(stepping.cpp at 14373a66): the straight lines shrink what a mode at f gets by sinc²(f ``GRID``),
+0.8 % at 50 Hz and 3 % at 100 Hz, all moves alike; that is left out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from math import exp, pi, sqrt
+from math import exp, floor, pi, sqrt
 from typing import NamedTuple
 
 TOLERANCE = 0.05
 """Vibration that the EI shapers leave at the design frequency [-] (the usual 5 %)."""
+
+GRID = 1e-3
+"""Time between two samples of Marlin's Fixed-Time Motion [s]: FTM_FS is 1000 Hz unless a build
+changes it."""
 
 
 class Impulses(NamedTuple):
@@ -61,6 +70,10 @@ def shape(kind: str, *, frequency_hz: float, damping_ratio: float) -> Impulses:
     elif kind in HUMPS:
         times, sizes = HUMPS[kind]
         periods, weights = _each(times, damping_ratio), _each(sizes, damping_ratio)
+    elif kind in MARLIN:
+        apart = GRID * max(floor(_samples(kind, frequency_hz, damping_ratio) + 0.5), 1)
+        weights = _faded(MARLIN[kind][1], 0.5, damping_ratio)
+        periods = [i * apart * frequency_hz for i in range(len(weights))]
     else:
         periods, weights = _even(*EVEN[kind], damping_ratio)
     total = sum(weights)
@@ -70,14 +83,66 @@ def shape(kind: str, *, frequency_hz: float, damping_ratio: float) -> Impulses:
     )
 
 
+def frequencies_told_apart(
+    kind: str, *, frequency_hz: float, damping_ratio: float
+) -> tuple[float, ...]:
+    """Return the frequencies around one that a control tells apart.
+
+    Parameters
+    ----------
+    kind
+        Of the shaper.
+    frequency_hz, damping_ratio
+        What it is wanted for [Hz, -].
+
+    Returns
+    -------
+    tuple of float
+        The same one; on a grid the middles of the ranges that give the nearest spacing of the
+        copies, one sample less and one more [Hz].
+
+    Examples
+    --------
+    >>> frequencies_told_apart("zv", frequency_hz=48.0, damping_ratio=0.0)
+    (48.0,)
+    >>> frequencies_told_apart("marlin_zv", frequency_hz=48.0, damping_ratio=0.0)
+    (55.55555555555556, 50.0, 45.45454545454545)
+    """
+    if kind not in MARLIN:
+        return (frequency_hz,)
+    samples = _samples(kind, frequency_hz, damping_ratio)
+    nearest = floor(samples + 0.5)
+    return tuple(frequency_hz * samples / n for n in (nearest - 1, nearest, nearest + 1) if n > 0)
+
+
+def name_shaper(kind: str) -> str:
+    """Return a kind as a sheet names it.
+
+    Examples
+    --------
+    >>> name_shaper("marlin_2hump_ei")
+    '2HUMP_EI'
+    """
+    return kind.removeprefix(OF_MARLIN).upper()
+
+
+def _samples(kind: str, frequency_hz: float, damping_ratio: float) -> float:
+    """Between two copies on Marlin's grid, not yet rounded."""
+    return MARLIN[kind][0] / (frequency_hz * sqrt(1.0 - damping_ratio**2) * GRID)
+
+
 def _even(
     spacing: float, shares: tuple[float, ...], damping_ratio: float
 ) -> tuple[list[float], list[float]]:
     """Evenly spaced copies; each is reduced by what the vibration of the one before has lost."""
     root = sqrt(1.0 - damping_ratio**2)
-    decay = exp(-2.0 * pi * damping_ratio / root * spacing)
-    weights = [share * decay**i for i, share in enumerate(shares)]
-    return [i * spacing / root for i in range(len(shares))], weights
+    return [i * spacing / root for i in range(len(shares))], _faded(shares, spacing, damping_ratio)
+
+
+def _faded(shares: tuple[float, ...], spacing: float, damping_ratio: float) -> list[float]:
+    """Each share less what a vibration loses over so many periods for each copy before it."""
+    decay = exp(-2.0 * pi * damping_ratio / sqrt(1.0 - damping_ratio**2) * spacing)
+    return [share * decay**i for i, share in enumerate(shares)]
 
 
 def _ei(zeta: float, V: float) -> tuple[list[float], list[float]]:
@@ -123,13 +188,20 @@ EVEN: Mapping[str, tuple[float, tuple[float, ...]]] = {
     "zv": (0.5, (0.5, 0.5)),
     "mzv": (0.375, (_EDGE, 1.0 - 2.0 * _EDGE, _EDGE)),
     "zvd": (0.5, (0.25, 0.5, 0.25)),
-    "zvdd": (0.5, (0.125, 0.375, 0.375, 0.125)),
-    "zvddd": (0.5, (0.0625, 0.25, 0.375, 0.25, 0.0625)),
-    "ei_classic": (0.5, (0.25 * (1.0 + _V), 0.5 * (1.0 - _V), 0.25 * (1.0 + _V))),
-    "2hump_ei_classic": (0.5, _two_humps()),
-    "3hump_ei_classic": (0.5, _three_humps()),
 }
 """Spacing of the impulses in periods of the damped vibration, and their shares without damping."""
+
+OF_MARLIN = "marlin_"
+
+MARLIN: Mapping[str, tuple[float, tuple[float, ...]]] = {
+    **{f"{OF_MARLIN}{kind}": even for kind, even in EVEN.items()},
+    f"{OF_MARLIN}zvdd": (0.5, (0.125, 0.375, 0.375, 0.125)),
+    f"{OF_MARLIN}zvddd": (0.5, (0.0625, 0.25, 0.375, 0.25, 0.0625)),
+    f"{OF_MARLIN}ei": (0.5, (0.25 * (1.0 + _V), 0.5 * (1.0 - _V), 0.25 * (1.0 + _V))),
+    f"{OF_MARLIN}2hump_ei": (0.5, _two_humps()),
+    f"{OF_MARLIN}3hump_ei": (0.5, _three_humps()),
+}
+"""The same for what Marlin's Fixed-Time Motion sends, before its grid."""
 
 HUMPS: Mapping[str, tuple[tuple[tuple[float, ...], ...], tuple[tuple[float, ...], ...]]] = {
     "2hump_ei": (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.machine.requirement import read_requirement
+from mtcommission.machine.shapers import name_shaper
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import join_by_and
 from mtcommission.record.schema.limits import AttainableEntry
@@ -77,7 +78,7 @@ def _name(item: SetpointFilterEntry | None, words: Catalogue) -> str:
     if item is None:
         return words.text("no-setpoint-filter")
     count = len(item.shares)
-    return words.text("filter-name", kind=item.kind, shaper=item.kind.upper(), count=count)
+    return words.text("filter-name", kind=item.kind, shaper=name_shaper(item.kind), count=count)
 
 
 def _numbers(item: SetpointFilterEntry | None, words: Catalogue) -> list[tuple[str, str]]:

@@ -13,6 +13,7 @@ from mtcommission.control_kinds.kind import MOVING_AVERAGE, SHAPERS, TWO_AVERAGE
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.control import Control
 from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.shapers import frequencies_told_apart
 
 TIMES = 8
 """Lengths of a moving average that are tried at first, logarithmic, beside those of ``PERIODS``."""
@@ -79,9 +80,10 @@ def _of_kind(
                 yield SetpointFilter(kind=kind, time=times[-1], second_time=times[0])
     elif kind in SHAPERS:
         for frequency, damping in ringing:
-            if choice.least_frequency_hz <= frequency <= choice.most_frequency_hz:
-                damping = min(max(damping, choice.least_damping), choice.most_damping)
-                yield SetpointFilter(kind=kind, frequency_hz=frequency, damping_ratio=damping)
+            damping = min(max(damping, choice.least_damping), choice.most_damping)
+            for hz in frequencies_told_apart(kind, frequency_hz=frequency, damping_ratio=damping):
+                if choice.least_frequency_hz <= hz <= choice.most_frequency_hz:
+                    yield SetpointFilter(kind=kind, frequency_hz=hz, damping_ratio=damping)
 
 
 def _settable(choice: FilterChoice, control: Control, times: Iterable[float]) -> list[float]:
@@ -118,7 +120,11 @@ def neighbours(control: Control, item: SetpointFilter | None, reach: float) -> l
     if choice is None:
         return []
     if item.frequency_hz:
-        beside = [item.frequency_hz * factor for factor in (1.0 - reach, 1.0 + reach)]
+        wanted = [item.frequency_hz * factor for factor in (1.0 - reach, 1.0 + reach)]
+        told = frequencies_told_apart(
+            item.kind, frequency_hz=item.frequency_hz, damping_ratio=item.damping_ratio
+        )
+        beside = (told[0], told[-1]) if len(told) > 1 else wanted
         low, high = choice.least_frequency_hz, choice.most_frequency_hz
         return [replace(item, frequency_hz=f) for f in beside if low <= f <= high]
     step = choice.step or control.position_cycle

@@ -210,7 +210,7 @@ marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 und 7 EI mit zwei und drei Hoeckern, 8 MZV;
 marlin-jerk = Was Marlin "jerk" nennt (M205), ist ein Geschwindigkeitssprung in mm/s, kein Ruck.
 marlin-corner = Junction Deviation [mm], wenn der Build sie hat (?)
 marlin-corner-bound = M205 J steht für einen Geschwindigkeitssprung am rechten Winkel von höchstens { NUMBER($usual, digits: 3) } mm/s, J = v² (sqrt(2) − 1)/a; bis { NUMBER($most, digits: 3) } mm/s bleibt die Schwingung hinter dem Shaper für sich innerhalb des freigegebenen Anteils am Band. Wie weit der Shaper die Ecke verrundet und ob der Motor so weit springen kann, enthält das Modell nicht.
-marlin-grid = FT Motion legt die Kopien eines Shapers auf ein Raster von 1 ms (FTM_FS, shaping.cpp, Stand 195278e4), was ihn bei 50 Hz um bis zu 5 % verstimmt und darüber um mehr; das ist hier nicht simuliert.
+marlin-grid = FT Motion legt die Kopien eines Shapers um ganze Abtastwerte von 1 ms auseinander (FTM_FS = 1000 Hz, shaping.cpp, Stand 195278e4): alle Frequenzen eines Bereichs ergeben denselben Shaper, geschrieben ist seine Mitte, die daher von der gemessenen abweichen kann. Das ist simuliert; eine Ausgabe mit anderem FTM_FS formt anders.
 marlin-build = M493 braucht eine Ausgabe mit FT_MOTION; M500 speichert die Werte.
 ros-gain = Kv des Trajektorienreglers, Geschwindigkeit als Stellgroesse
 export-no-loop = Der Motor folgt dem Sollwert: hier wird nichts von einem Regelkreis eingestellt.

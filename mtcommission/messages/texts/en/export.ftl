@@ -223,7 +223,7 @@ marlin-shaper = 1 ZV, 2 ZVD, 5 EI, 6 and 7 EI with two and three humps, 8 MZV; l
 marlin-jerk = What Marlin calls "jerk" (M205) is a velocity step in mm/s, not a jerk.
 marlin-corner = junction deviation [mm], for builds with it (?)
 marlin-corner-bound = M205 J stands for a step of velocity at a right angle of at most { NUMBER($usual, digits: 3) } mm/s, J = v² (sqrt(2) − 1)/a; up to { NUMBER($most, digits: 3) } mm/s the vibration that it leaves behind the shaper stays by itself within the reserved share of the band. How far the shaper rounds the corner, and whether the motor can jump so far, are not in the model.
-marlin-grid = FT motion places a shaper's copies on its grid of 1 ms (FTM_FS, shaping.cpp at 195278e4), which detunes it by up to 5 % at 50 Hz and more above; that is not simulated here.
+marlin-grid = FT motion places a shaper's copies whole samples of 1 ms apart (FTM_FS = 1000 Hz, shaping.cpp at 195278e4): every frequency of a range gives the same shaper, here its middle is written, so it may differ from the measured one. This is simulated; a build with another FTM_FS shapes otherwise.
 marlin-build = M493 needs a build with FT_MOTION; M500 keeps the values.
 ros-gain = Kv of the trajectory controller, velocity command interface
 export-no-loop = The motor follows its setpoint: nothing of a loop is set here.
