@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from mtcommission.loop.simulate.decay import find_decay
-from mtcommission.loop.simulate.response import DECAYED, LoopResponse, simulate, steady_state
+from mtcommission.loop.simulate.response import (
+    DECAYED,
+    HORIZON,
+    LoopResponse,
+    simulate,
+    steady_state,
+)
 from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
 from mtcommission.machine.machine import Drive, Move, Positioning, VelocityStep
 from mtcommission.setpoint.motion_limits import MotionLimits
@@ -171,3 +177,21 @@ def test_a_vibration_that_leaves_the_band_even_after_the_horizon_is_not_settled(
     setpoint = plan_setpoint(machine.moves[0], SLOW)
     loop, drive = tuned.loops[0], machine.drive
     assert simulate(loop, setpoint, drive=drive, band=3e-6).settling_time == np.inf
+
+
+@pytest.mark.parametrize("band", [20e-6, 500e-6])
+def test_what_is_followed_no_further_is_judged_as_if_it_were(
+    band: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A vibration of minutes would cost as long, or a swing that is yet to come be missed."""
+    machine = slowly_decaying_machine()
+    loop = tune_loop(machine).loops[0]
+    setpoint = plan_setpoint(machine.moves[0], MotionLimits(acceleration=0.5, jerk=10.0))
+    short = simulate(loop, setpoint, drive=machine.drive, band=band)
+    monkeypatch.setattr("mtcommission.loop.simulate.response.FOLLOWED", HORIZON)
+    whole = simulate(loop, setpoint, drive=machine.drive, band=band)
+    assert short.t[-1] < 0.5 * whole.t[-1]
+    assert short.settling_time == whole.settling_time
+    assert short.residual_deviation == whole.residual_deviation
+    assert short.rms_force == pytest.approx(whole.rms_force, rel=1e-9)
+    assert short.max_force == whole.max_force

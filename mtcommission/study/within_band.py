@@ -15,7 +15,8 @@ import numpy as np
 
 from mtcommission.errors import ComputationError
 from mtcommission.limits.optima import Optima
-from mtcommission.machine.machine import Machine
+from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.message import Message
 from mtcommission.optimal.band.band_optimum import BandOptimum, find_band_optimum
@@ -60,6 +61,11 @@ def find_within_band(
     settings
         Of the search.
     """
+    rigid = least_motion_time(optima.move, machine.drive.motion_force / moving_mass(machine))
+    left = 1.0 - rigid / optima.time.t_f
+    if left < settings.worthwhile:
+        remark = Message("band-saves-nothing", rigid=rigid, share=left)
+        return WithinBand(optimum=None, robust=None, remarks=(remark,))
     remarks: list[Message] = []
     needs = machine.requirements
     force, band = machine.drive.motion_force, needs.tcp_deviation

@@ -100,6 +100,7 @@ def simulate_planned(machine: Machine, tuned: TunedLoop, plan: Plan) -> tuple[Mo
     Returns
     -------
     tuple of MoveResult
+        The plant's states of the first corner only.
     """
     drive, needs = machine.drive, machine.requirements
     follows, noise = isfinite(needs.contour_deviation), _noise(machine, tuned)
@@ -107,12 +108,14 @@ def simulate_planned(machine: Machine, tuned: TunedLoop, plan: Plan) -> tuple[Mo
     for move in machine.moves:
         setpoint, slower = plan(move), slow_to_feed(move, needs.contour_feed)
         path = plan(slower) if follows and slower != move else None
-        responses = []
+        responses: list[LoopResponse] = []
         for loop, own in zip(tuned.loops, noise, strict=True):
             run = partial(simulate, loop, drive=drive, band=needs.tcp_deviation)
             response = replace(run(setpoint), tool_noise=own.tool, force_noise=own.force)
             if path:
                 response = replace(response, contour_deviation=run(path).peak_deviation)
+            if responses:  # a gigabyte, where many corners ring for long
+                response = replace(response, states=response.states[:0].copy())
             responses.append(response)
         found.append(MoveResult(setpoint=setpoint, responses=tuple(responses)))
     return tuple(found)

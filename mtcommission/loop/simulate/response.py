@@ -4,8 +4,8 @@ e(t) = TCP position - x_ref(t - τ); t_e ends the setpoint. Residual deviation: 
 t >= t_e + τ. Settling time: the later of t_e + τ and the last time with |e| above the band.
 Simulated at every velocity cycle until every closed-loop mode has decayed below 1 % of the
 band at the tool, and below 1 % of what the tool still moves: a residual far within the band is
-followed to its peak, too. What takes longer than the horizon to decay so far is settled if it
-can leave the band no more; else it is "not settled".
+followed to its peak, too, and no further where that lasts. What takes longer than the horizon to
+decay so far is settled if it can leave the band no more; else it is "not settled".
 """
 
 from __future__ import annotations
@@ -31,6 +31,10 @@ definition)."""
 HORIZON = 10.0
 """A response that may still leave the band this long after t_e is "not settled" [s] (empirical:
 no commissioning engineer waits longer)."""
+
+FOLLOWED = 2.0
+"""Free motion is followed no longer than that once what is still to come can neither leave the band
+nor exceed what was seen, or leaves it beyond the horizon in any case [s]."""
 
 ROUNDING = 1e-9
 """Relative excess over the force limit that is none."""
@@ -137,7 +141,7 @@ def simulate(loop: SampledLoop, setpoint: Setpoint, *, drive: Drive, band: float
     return LoopResponse(
         t=t,
         deviation=deviation,
-        force=outputs[:, 2],
+        force=outputs[:, 2].copy(),  # a view would keep all outputs
         states=states,
         t_end=until,
         settling_time=_settling_time(judged_t, judged, band) if decayed else inf,
@@ -227,25 +231,32 @@ def _run_free(
         reference = sample_setpoint(setpoint, np.array([cycle * lifted.dt]))[0]
         return np.asarray(X - steady_state(lifted) @ reference[:2])
 
+    def size_of(outputs: Array, cycle: int) -> float:
+        tool = outputs.reshape(-1, len(loop.outputs))[:, 0]
+        own: Array = np.arange(len(tool), dtype=np.float64) * loop.controller.velocity_cycle
+        delayed = cycle * lifted.dt + own - loop.controller.reference_delay
+        return float(np.max(np.abs(tool - sample_setpoint(setpoint, delayed)[:, 0])))
+
     decay = find_decay(lifted, transient(X, start))
-    cycles = decay.cycles(DECAYED * band, longest=HORIZON)
-    middle = stop = start + cycles
-    X, outputs = _advance_linear(lifted, X, setpoint, start, middle)
-    tool = outputs.reshape(-1, len(loop.outputs))[:, 0]
-    cycle: Array = np.arange(len(tool), dtype=np.float64) * loop.controller.velocity_cycle
-    t = start * lifted.dt + cycle
-    delayed = sample_setpoint(setpoint, t - loop.controller.reference_delay)[:, 0]
-    size = max(float(np.max(np.abs(tool - delayed))), LEAST_SIZE * band)
-    if cycles * lifted.dt > HORIZON:
-        # A soft mode with little damping dies out slowly; its largest swing has been seen.
-        decayed = decay.left(cycles) <= min(band, size)
-    else:
-        decayed = True
-        stop = max(start + decay.cycles(DECAYED * size, longest=HORIZON), middle)
-        X, rest = _advance_linear(lifted, X, setpoint, middle, stop)
-        outputs = np.vstack([outputs, rest])
+    until = decay.cycles(DECAYED * band, longest=HORIZON)
+    is_lost = until * lifted.dt > HORIZON and decay.left(until) > band
+    usual = ceil(FOLLOWED / lifted.dt)
+    done, stop, size, pieces = 0, min(until, usual), LEAST_SIZE * band, []
+    while True:
+        X, outputs = _advance_linear(lifted, X, setpoint, start + done, start + stop)
+        pieces.append(outputs)
+        size, done = max(size, size_of(outputs, start + done)), stop
+        if until * lifted.dt <= HORIZON:
+            until = max(until, decay.cycles(DECAYED * size, longest=HORIZON))
+        # No later swing is larger, and none leaves the band.
+        is_seen = decay.left(done) <= min(band, size)
+        if done >= until or (done >= usual and (is_seen or is_lost)):
+            break
+        stop = min(until, max(usual, 2 * done))
     return _Motion(
-        outputs=outputs.reshape(-1, len(loop.outputs)), decayed=decayed, left=transient(X, stop)
+        outputs=np.vstack(pieces).reshape(-1, len(loop.outputs)),
+        decayed=is_seen or until * lifted.dt <= HORIZON,
+        left=transient(X, start + done),
     )
 
 
