@@ -31,6 +31,7 @@ from mtcommission.plant.plant import PlantMode, build_plant, dominant_mode
 from mtcommission.profile.read import parse_profile, profile_text_hash
 from mtcommission.record.data import read_filter
 from mtcommission.record.schema import ModeLimitsEntry, Record
+from mtcommission.record.vocabulary import FORCE_LIMITS
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 REBUILT, ROUNDING = 1e-6, 1e-12
@@ -197,10 +198,6 @@ def build_subject(record: Record, kind: ControlKind) -> Subject:
             setpoint_filter=read_filter(entry) if entry else None,
         ),
     )
-
-
-FORCE_LIMITS = ("drive.max_force", "drive.max_acceleration")
-"""What a record calls the bound of the drive."""
 
 
 def for_mode(machine: Machine, mode: ModeLimitsEntry | None) -> Machine:
