@@ -1,10 +1,12 @@
 """Time of one certified time-optimal control, beside direct transcription with IPOPT.
 
 Run as ``python -m benchmarks.time_optimal [--count N] [--modes N ...] [--passes N]
-[--peer-cells N ...]`` with OMP_NUM_THREADS=1. The cases are the survey of the documentation: 60 for
-each number of modes. With several passes each case counts with its best, which is what it takes on
-a quiet core; every pass builds its plants anew, so that nothing about them is known. The certified
-control does not need the exact peaks of the signals; what reading them adds is printed, too.
+[--peer-cells N ...] [--followers N]`` with OMP_NUM_THREADS=1. The cases are the survey of the
+documentation: 60 for each number of modes. With several passes each case counts with its best,
+which is what it takes on a quiet core; every pass builds its plants anew, so that nothing about
+them is known. The certified control does not need the exact peaks of the signals; what reading them
+adds is printed, too.
+``--followers`` adds that many of the random axes of ``benchmarks.printers``, whose motor follows.
 """
 
 from __future__ import annotations
@@ -17,12 +19,16 @@ from functools import partial
 
 import numpy as np
 
+from benchmarks.printers import random_axis
 from mtcommission.errors import ComputationError
+from mtcommission.limits.optima import find_time_optimum
 from mtcommission.machine.machine import Move, Positioning, VelocityStep
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.solution import TimeOptimum
 from mtcommission.optimal.transcription.settings import TranscriptionSettings
 from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
 from mtcommission.plant.plant import Plant, build_plant
+from mtcommission.profile.read import parse_profile
 from tests.machines import paper_machine, random_modal_machine
 
 
@@ -46,6 +52,7 @@ class Problem:
     plant: Plant
     move: Move
     force_limit: float
+    solve: Callable[..., TimeOptimum] = solve_time_optimal
 
 
 def paper_problems(repeat: int) -> list[Problem]:
@@ -66,6 +73,23 @@ def random_problems(n_modes: int, count: int) -> list[Problem]:
         move = machine.moves[0] if seed % 2 else Positioning(distance=distance)
         force = machine.drive.max_force * 10.0 ** (seed % 5 - 2)
         problems.append(Problem(plant=build_plant(machine), move=move, force_limit=force))
+    return problems
+
+
+def follower_problems(kind: str, count: int) -> list[Problem]:
+    """Axes whose motor follows, by the program's own door; a composed control is none."""
+    problems = []
+    for seed in range(count):
+        axis = random_axis(seed)
+        plant = build_plant(parse_profile(axis.profile, where=f"axis {seed}"))
+        moves: dict[str, Move] = {
+            "follower, v_max": Positioning(distance=axis.distance, max_velocity=axis.velocity),
+            "follower, free": Positioning(distance=axis.distance),
+            "follower, step": VelocityStep(velocity_step=axis.velocity),
+        }
+        solve = partial(find_time_optimum, bounds=())
+        limit = axis.largest
+        problems.append(Problem(plant=plant, move=moves[kind], force_limit=limit, solve=solve))
     return problems
 
 
@@ -93,7 +117,7 @@ def measure_once(case: str, problems: list[Problem]) -> Row:
     for one in problems:
         start = time.process_time()
         try:
-            optimum = solve_time_optimal(one.plant, one.move, force_limit=one.force_limit)
+            optimum = one.solve(one.plant, one.move, force_limit=one.force_limit)
         except ComputationError as error:
             outcomes.append(str(error))
             continue
@@ -104,6 +128,8 @@ def measure_once(case: str, problems: list[Problem]) -> Row:
         errors.append(float(np.max(np.abs(optimum.terminal_error) / peaks)))
         if not optimum.certificate.switching_law_holds:
             outcomes.append("switching law not confirmed")
+        if optimum.method != "exact":
+            outcomes.append(optimum.method)
     return Row(
         case=case,
         times=tuple(times),
@@ -145,6 +171,7 @@ def main() -> None:
     parser.add_argument("--modes", type=int, nargs="*", default=list(range(1, 9)))
     parser.add_argument("--passes", type=int, default=1)
     parser.add_argument("--peer-cells", type=int, nargs="*", default=[1000, 10000])
+    parser.add_argument("--followers", type=int, default=0)
     arguments = parser.parse_args()
     print("CPU time [ms]; gap against t_f; terminal error against each state's peak")
     print(f"{'case':18s} {'cases':>5s} {'median':>8s} {'90 %':>8s} {'most':>8s}", end="")
@@ -156,6 +183,10 @@ def main() -> None:
     for n_modes in arguments.modes:
         build = partial(random_problems, n_modes, arguments.count)
         print_row(measure(f"{n_modes} modes", build, passes=passes))
+    for kind in ("follower, free", "follower, step", "follower, v_max"):
+        build = partial(follower_problems, kind, arguments.followers)
+        if arguments.followers:
+            print_row(measure(kind, build, passes=passes))
     for cells in arguments.peer_cells:
         print_peer(cells, float(np.median(paper.times)))
 

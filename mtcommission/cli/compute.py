@@ -131,6 +131,9 @@ def optimal(
     intervals: Annotated[
         int, typer.Option("--intervals", metavar="N", help="Transcription: intervals.")
     ] = 1000,
+    jerk: Annotated[
+        str, typer.Option("--jerk", metavar="J", help="Jerk limit of a motor that follows.")
+    ] = "",
     language: LanguageOption = ENGLISH,
     json_file: JsonOption = "",
     csv_file: CsvOption = "",
@@ -168,6 +171,7 @@ def optimal(
         move=move,
         scheme=scheme,
         intervals=intervals,
+        jerk=jerk,
     )
     with show_stage() as progress:
         progress(Message(f"stage-{kind}-optimal"))

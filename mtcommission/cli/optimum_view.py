@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
-from math import isnan
+from math import isfinite, isnan
 
 from rich.console import Group
 from rich.text import Text
@@ -19,6 +19,7 @@ from mtcommission.optimal.solution import (
     Boundary,
     DampingOptimum,
     Interior,
+    Ramp,
     TimeOptimum,
     control_text,
     excess_velocity,
@@ -90,7 +91,7 @@ def describe_optimum(
 
 def _say_control(control: ArcControl, spoken: Catalogue) -> str:
     match control:
-        case Bang():
+        case Bang() | Ramp():
             return control_text(control)
         case Boundary(signal, side):
             return spoken.text("terminal-arc-boundary", limit=side_text(signal, side))
@@ -104,6 +105,9 @@ def _ms(spoken: Catalogue, seconds: float) -> str:
 
 def _law_line(solution: TimeOptimum) -> Message:
     """Return whether the force switches with the adjoint, or why that is not to be seen."""
+    if isfinite(solution.jerk_limit):
+        holds = "yes" if solution.certificate.switching_law_holds else "no"
+        return Message("terminal-jerk-law", holds=holds)
     if solution.certificate.switching_law_holds:
         held = any(isinstance(arc.control, Boundary) for arc in solution.arcs)
         return Message(
@@ -169,6 +173,10 @@ def _limit_lines(
             acts = Message("terminal-exceeded", percent=100.0 * share)
         value = spoken.format.quantity(bound.value, plant.unit(bound.name))
         lines.append(Message("terminal-limit", name=bound.name, value=value, acts=acts))
+    if isinstance(solution, TimeOptimum) and isfinite(solution.jerk_limit):
+        value = spoken.format.quantity(solution.jerk_limit, plant.jerk_unit)
+        acts = Message("terminal-reached")
+        lines.append(Message("terminal-limit", name="jerk", value=value, acts=acts))
     return lines
 
 

@@ -9,13 +9,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.plant.plant import Plant, PlantMode
+from mtcommission.plant.plant import Plant, PlantMode, driven_at_once
 
 Array = NDArray[np.float64]
 
 
 def step_response(plant: Plant, tau: Array) -> Array:
-    """Return the states a time τ after a unit step of the set force from rest; 0 for τ <= 0.
+    """Return the states a time τ after a unit step of the input from rest; 0 for τ <= 0.
+
+    The input is the set force, or the jerk of a motor that follows.
 
     Parameters
     ----------
@@ -38,6 +40,8 @@ def step_response(plant: Plant, tau: Array) -> Array:
     >>> [round(float(f), 6) for f in step_response(plant, np.array([-1.0, 2.5e-3]))[:, plant.force]]
     [0.0, 0.632121]
     """
+    if plant.follows:
+        return _ramp_response(plant, np.maximum(np.asarray(tau, dtype=np.float64), 0.0))
     T, after = plant.force_lag, np.maximum(np.asarray(tau, dtype=np.float64), 0.0)
     rise, fall = _rise(plant, after), _fall(plant, after)
     out = np.zeros((*after.shape, plant.order))
@@ -52,6 +56,21 @@ def step_response(plant: Plant, tau: Array) -> Array:
         deflection = mode.natural_frequency**-2.0 - T**2 * left + turn.real
         out[..., mode.deflection] = mode.scale * deflection * started
         out[..., mode.rate] = mode.scale * (T * left + (p * turn).real) * started
+    return out
+
+
+def _ramp_response(plant: Plant, tau: Array) -> Array:
+    """Return the states a time τ after the jerk of a motor that follows has become 1."""
+    moved = step_response(driven_at_once(plant), tau)
+    out = np.empty((*tau.shape, plant.order))
+    out[..., plant.force] = tau
+    out[..., plant.velocity] = tau**2 / 2.0
+    out[..., plant.position] = tau**3 / 6.0
+    for mode in plant.modes:
+        p = mode.pole
+        turn = 2.0 / ((p - p.conjugate()) * p**2) * np.expm1(p * tau)
+        out[..., mode.deflection] = mode.scale * (tau / mode.natural_frequency**2 + turn.real)
+        out[..., mode.rate] = moved[..., mode.deflection]
     return out
 
 
@@ -97,6 +116,9 @@ def impulse_response(plant: Plant, tau: Array) -> Array:
     True
     """
     T, tau = plant.force_lag, np.asarray(tau, dtype=np.float64)
+    if plant.follows:
+        moved = step_response(driven_at_once(plant), tau)
+        return np.concatenate([moved, np.ones((*tau.shape, 1))], axis=-1)
     rise, fall = _rise(plant, tau), _fall(plant, tau)
     out = np.empty((*tau.shape, plant.order))
     out[..., plant.lagged] = fall[..., np.newaxis] / (T or 1.0)
@@ -147,6 +169,7 @@ def transition(plant: Plant, tau: Array) -> Array:
         c, s = decay * np.cos(wave), decay * np.sin(wave) / p.imag
         out[..., d, d], out[..., d, v] = c + zeta * omega * s, s
         out[..., v, d], out[..., v, v] = -(omega**2) * s, c - zeta * omega * s
-    # A force is what an impulse of the set force leaves behind the lag.
-    out[..., plant.lagged] = plant.force_lag * impulse_response(plant, tau)[..., np.newaxis]
+    # A force is what an impulse of the input leaves, behind a lag T times that.
+    if plant.force_lag or plant.follows:
+        out[..., plant.force] = (plant.force_lag or 1.0) * impulse_response(plant, tau)
     return out

@@ -11,6 +11,7 @@ interior arcs of the linear-quadratic problem (Hamiltonian system) alike.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Protocol
 
 import numpy as np
@@ -46,7 +47,14 @@ class Interior:
     """A force between its limits, with no bound held."""
 
 
-ArcControl = Bang | Boundary | Interior
+@dataclass(frozen=True, slots=True)
+class Ramp:
+    """Full jerk, of the sign ``side``."""
+
+    side: int
+
+
+ArcControl = Bang | Boundary | Interior | Ramp
 """What an arc does."""
 
 
@@ -74,6 +82,8 @@ def control_text(control: ArcControl) -> str:
             return f"boundary:{side_text(signal, side)}"
         case Interior():
             return "interior"
+        case Ramp(side):
+            return "+j_max" if side > 0 else "-j_max"
 
 
 def side_text(signal: str, side: int) -> str:
@@ -352,6 +362,8 @@ class TimeOptimum:
         Tells the peaks of all signals.
     certificate
         The proof.
+    jerk_limit
+        Of a motor that follows [m/s³]; inf: the acceleration may jump.
     """
 
     move: Move
@@ -364,6 +376,7 @@ class TimeOptimum:
     terminal_error: Array
     motion: MotionPeaks
     certificate: Certificate
+    jerk_limit: float = inf
 
     @property
     def peaks(self) -> Array:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from math import isfinite
+from math import inf, isfinite
 
 from mtcommission.errors import Fault
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
@@ -64,6 +64,8 @@ class OptimalRequest:
         From ``--limit``.
     transcription
         Grid of the direct transcription.
+    jerk
+        Largest jerk of a motor that follows [m/s³]; inf: not limited.
     """
 
     kind: str
@@ -72,6 +74,7 @@ class OptimalRequest:
     t_f: float | None
     bounds: tuple[Bound, ...]
     transcription: TranscriptionSettings
+    jerk: float = inf
 
 
 def read_optimal_request(
@@ -87,6 +90,7 @@ def read_optimal_request(
     move: int,
     scheme: str,
     intervals: int,
+    jerk: str = "",
 ) -> OptimalRequest:
     """Return what ``optimal`` is asked for.
 
@@ -94,7 +98,7 @@ def read_optimal_request(
     ----------
     machine, plant
         Nominal.
-    kind, method, t_f, limits, velocity_step, distance, move, scheme, intervals
+    kind, method, t_f, limits, velocity_step, distance, move, scheme, intervals, jerk
         Texts of the options; "" where one is not given.
 
     Raises
@@ -111,6 +115,9 @@ def read_optimal_request(
             message = Message("option-given-twice", name=name, count=count)
             faults.append(Fault(where="--limit", message=message))
     final = read_positive("--t-f", t_f, TIME, faults) if t_f else None
+    most = read_positive("--jerk", jerk, machine.axis_units.jerk, faults) if jerk else inf
+    if jerk and not (kind == "time" and method == "exact" and machine.drive.follows):
+        faults.append(Fault(where="--jerk", message=Message("option-jerk-of-what-follows")))
     if kind == "time" and t_f:
         faults.append(Fault(where="--t-f", message=Message("option-final-time-is-found")))
     schemes = {item.value: item for item in Scheme}
@@ -131,6 +138,7 @@ def read_optimal_request(
         t_f=final,
         bounds=tuple(bounds),
         transcription=TranscriptionSettings(scheme=schemes[scheme], intervals=intervals),
+        jerk=most,
     )
 
 
@@ -166,6 +174,13 @@ def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimu
     force, move = machine.drive.motion_force, request.move
     limit = least_limit(plant, force, request.bounds)
     exact = request.method == "exact"
+    if isfinite(request.jerk):
+        from mtcommission.optimal.bounded.jerk_limited import solve_jerk_limited
+
+        bounds = on_states(plant, request.bounds)
+        return solve_jerk_limited(
+            plant, move, force_limit=limit, jerk_limit=request.jerk, bounds=bounds
+        )
     if request.kind == "time":
         if exact:
             return find_time_optimum(plant, move, force_limit=force, bounds=request.bounds)

@@ -151,6 +151,11 @@ class Plant:
         """Where the states hold the force that the lag lets through; empty without a lag."""
         return slice(self.order - 1 if self.force_lag else self.order, self.order)
 
+    @property
+    def jerk_unit(self) -> str:
+        """Of what changes the acceleration of a motor that follows, m/s^3 or rad/s^3."""
+        return self.force_unit.replace("s^2", "s^3")
+
     def unit(self, signal: str) -> str:
         """Return the SI unit of a signal.
 

@@ -89,7 +89,7 @@ def optimum_entry(plant: Plant, solution: TimeOptimum | DampingOptimum) -> Optim
     shared = {
         "f_max": solution.force_limit,
         "move": describe_move(solution.move),
-        "limits": {bound.name: bound.value for bound in solution.bounds},
+        "limits": _limits(solution),
         "arcs": [
             entry_of(ArcEntry, arc, control=control_text(arc.control)) for arc in solution.arcs
         ],
@@ -137,6 +137,14 @@ def _proof_entry(plant: Plant, proof: Certificate) -> ProofEntry:
         adjoint_initial=_adjoint(plant, proof.adjoint_initial),
         terminal_jacobian_rank=rank if rank >= 0 else None,
     )
+
+
+def _limits(solution: TimeOptimum | DampingOptimum) -> dict[str, float]:
+    """Return the bounds by name, that of the jerk among them."""
+    found = {bound.name: bound.value for bound in solution.bounds}
+    if isinstance(solution, TimeOptimum) and isfinite(solution.jerk_limit):
+        found["jerk"] = solution.jerk_limit
+    return found
 
 
 def _adjoint(plant: Plant, values: Array) -> dict[str, float]:

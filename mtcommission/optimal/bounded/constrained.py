@@ -90,7 +90,7 @@ def solve_bounded_time_optimal(
     (0.0436416, [Boundary(signal='v_phi', side=-1)])
     """
     every = all_bounds(plant, move, bounds)
-    _refuse_impossible(plant, move, every)
+    refuse_impossible(plant, move, every)
     free = solve_time_optimal(plant, move, force_limit=force_limit)
     peaks = dict(zip(plant.signals, free.peaks.tolist(), strict=True))
     active = tuple(bound for bound in every if peaks[bound.name] > bound.value)
@@ -105,7 +105,7 @@ def solve_bounded_time_optimal(
         told, unit = describe_bounds(plant, every), plant.force_unit
         detail = Message("bounded-optimum-not-found", bounds=told, force=force_limit, unit=unit)
         raise ComputationError(Outcome.NO_CONVERGENCE, detail)
-    return _optimum(problem, move, every, found)
+    return as_optimum(problem, move, every, found)
 
 
 def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
@@ -114,18 +114,30 @@ def _best(problem: BoundedProblem, *, t_free: float) -> Found | None:
     long = cruise_periods(problem) > settings.many_periods
     cruise = cruise_periods(problem) * slowest_period(problem)
     require_followable(cruise, problem.rate, most=settings.most_cruise_radians)
-    first = lengthened_cruise(problem) if long else _over_all(problem, t_free=t_free)
+    first = lengthened_cruise(problem) if long else over_all(problem, t_free=t_free)
     if first is not None and first.gap <= problem.settings.proof.gap:
         return first
     if long and cruise * problem.rate > settings.most_radians:
         return first
-    second = _over_all(problem, t_free=t_free) if long else lengthened_cruise(problem)
+    second = over_all(problem, t_free=t_free) if long else lengthened_cruise(problem)
     found = [one for one in (first, second) if one is not None]
     return min(found, key=lambda one: one.gap, default=None)
 
 
-def _over_all(problem: BoundedProblem, *, t_free: float) -> Found | None:
-    """Return the optimum from a mesh over the whole move, or None where that does not converge."""
+def over_all(problem: BoundedProblem, *, t_free: float) -> Found | None:
+    """Return the optimum from a mesh over the whole move, or None where that does not converge.
+
+    Parameters
+    ----------
+    problem
+        Any bounded problem.
+    t_free
+        Optimum without bounds, or less [s].
+
+    Returns
+    -------
+    Found or None
+    """
     try:
         grid = solve_grid_time(problem, t_free=t_free)
         require_followable(grid.t_f, problem.rate, most=problem.settings.search.most_radians)
@@ -152,8 +164,14 @@ def _under_force_bound(problem: BoundedProblem, move: Move) -> Found | None:
     return solve_exactly(problem, force_sequence(problem, index, swift.arcs))
 
 
-def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:
-    """Refuse what the target itself breaks, and bounds that forbid any motion."""
+def refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> None:
+    """Raise BOUND_CANNOT_HOLD where the target breaks a bound, or one forbids any motion.
+
+    Parameters
+    ----------
+    plant, move, bounds
+        Of the problem.
+    """
     target = np.zeros(plant.order)
     if isinstance(move, VelocityStep):
         target[plant.velocity] = move.velocity_step
@@ -171,9 +189,22 @@ def _refuse_impossible(plant: Plant, move: Move, bounds: tuple[Bound, ...]) -> N
             raise ComputationError(Outcome.BOUND_CANNOT_HOLD, detail)
 
 
-def _optimum(
+def as_optimum(
     problem: BoundedProblem, move: Move, bounds: tuple[Bound, ...], found: Found
 ) -> TimeOptimum:
+    """Return what was found as an optimum with its proof.
+
+    Parameters
+    ----------
+    problem, move, bounds
+        What was asked for.
+    found
+        What keeps it.
+
+    Returns
+    -------
+    TimeOptimum
+    """
     error = np.zeros(problem.plant.order)
     error[problem.fixed] = (found.motion.final - problem.target)[problem.fixed]
     touches = [

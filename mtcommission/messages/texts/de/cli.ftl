@@ -8,6 +8,7 @@ option-no-such-move = erhalten { $got }, das Profil hat die Bewegungen 1 bis { $
 option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
 option-final-time-is-found = gehört zu --kind damping; eine zeitoptimale Steuerung findet ihre Endzeit selbst
+option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.kind = "position_source"; hinter einem Regelkreis begrenzt die Zeitkonstante der Kraft den Ruck
 option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
 option-step-or-distance = verträgt sich nicht mit --velocity-step; eines von beiden angeben
 option-no-bound = erhalten { $got }, muss NAME=WERT sein

@@ -85,6 +85,10 @@ terminal-head-tool-per-force = { $axis ->
     [rotary] Werkzeug je Moment, statisch
    *[linear] Werkzeug je Kraft, statisch
 }
+terminal-jerk-law = Schaltgesetz Ruck = -sign(lambda_F) j_max: { $holds ->
+    [yes] gilt, wo keine Schranke gehalten wird
+   *[no] nicht bestätigt
+}.
 terminal-law-holds = { -switching-law }: erfüllt{ $grid ->
     [yes] { " " }bis auf einen Schritt des Gitters
    *[no] { "" }

@@ -11,6 +11,7 @@ option-no-such-move = got { $got }, the profile has moves 1 to { $count }
 option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above what static load and friction take, { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } is given { $count } times; give each state or output once
 option-final-time-is-found = goes with --kind damping; a time-optimal control finds its own final time
+option-jerk-of-what-follows = goes with --kind time, --method exact and drive.kind = "position_source"; behind a loop the force lag limits the jerk
 option-bounds-need-transcription = bounds on a damping-optimal control need --method transcription
 option-step-or-distance = cannot go with --velocity-step; give one of them
 option-no-bound = got { $got }, must be NAME=VALUE

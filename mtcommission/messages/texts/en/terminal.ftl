@@ -88,6 +88,10 @@ terminal-head-tool-per-force = { $axis ->
    *[linear] Tool per force, static
 }
 # $grid, $boundary: yes or no
+terminal-jerk-law = Switching law jerk = -sign(lambda_F) j_max: { $holds ->
+    [yes] holds where no bound is kept
+   *[no] not confirmed
+}.
 terminal-law-holds = { -switching-law }: holds{ $grid ->
     [yes] { " " }within a step of the grid
    *[no] { "" }

@@ -69,8 +69,8 @@ def integrate_sigma(problem: BoundedProblem, adjoints: Array, lengths: Array) ->
     Source: zeros isolated by the largest possible |σ''| in each cell.
     """
     plant = problem.plant
-    rates = np.abs([*(mode.pole for mode in plant.modes), *plant.lag_rates, 0.0])
-    bend = _terms(problem, adjoints) @ rates**2
+    rates = np.abs([*(mode.pole for mode in plant.modes), *plant.lag_rates])
+    bend = _terms(problem, adjoints) @ rates**2 + _powers(problem, adjoints)[:, 2]
     cells = _first_cells(problem, adjoints, lengths)
     for _ in range(problem.settings.proof.halvings):
         unsure = _may_hide_zeros(cells, bend)
@@ -98,7 +98,8 @@ def integrate_sigma(problem: BoundedProblem, adjoints: Array, lengths: Array) ->
 
 def sigma_magnitude(problem: BoundedProblem, adjoints: Array, lengths: Array) -> float:
     """Return ∫ of the summed magnitudes of the terms of σ: what rounding is relative to."""
-    return float(_terms(problem, adjoints).sum(axis=1) @ lengths)
+    powers = _powers(problem, adjoints) * lengths[:, np.newaxis] ** (1, 2, 3) / (1, 2, 6)
+    return float(_terms(problem, adjoints).sum(axis=1) @ lengths + powers.sum())
 
 
 def largest_outputs(problem: BoundedProblem, rows: Array, *, t_f: float) -> Array:
@@ -117,24 +118,24 @@ def largest_outputs(problem: BoundedProblem, rows: Array, *, t_f: float) -> Arra
     -------
     ndarray, shape (k,)
 
-    Source: F ∫|row g| ds <= F Σ (magnitude of each exponential) · min(t_f, its time constant).
+    Source: F ∫|row g| ds <= F Σ (magnitude of each exponential) · min(t_f, its time constant), and
+    for powers their integrals.
     """
     plant = problem.plant
-    decays = -np.real([*(mode.pole for mode in plant.modes), *plant.lag_rates, 0.0])
+    decays = -np.real([*(mode.pole for mode in plant.modes), *plant.lag_rates])
     spans = 1.0 / np.maximum(decays, 1.0 / t_f)
-    return np.asarray(problem.force_limit * _terms(problem, rows) @ spans)
+    powers = _powers(problem, rows) @ (t_f ** np.array([1, 2, 3]) / (1, 2, 6))
+    return np.asarray(problem.force_limit * (_terms(problem, rows) @ spans + powers))
 
 
 def _terms(problem: BoundedProblem, adjoint: Array) -> Array:
-    """Return the largest magnitude of each exponential in σ; shape (..., n_rates + 1)."""
+    """Return the largest magnitude of each exponential in σ; shape (..., n_rates)."""
     plant = problem.plant
-    T, m = plant.force_lag, plant.moving_mass
-    rigid = np.abs(adjoint[..., plant.velocity]) / m
-    rigid = rigid + np.abs(adjoint[..., plant.position]) * T / m
-    columns = []
+    rigid, columns = _powers(problem, adjoint)[..., 0], []
     for mode in plant.modes:
         p = mode.pole
-        to_pole = 2.0 * mode.scale / ((p - p.conjugate()) * (T * p + 1.0))
+        passed = p if plant.follows else plant.force_lag * p + 1.0
+        to_pole = 2.0 * mode.scale / ((p - p.conjugate()) * passed)
         d, v = adjoint[..., mode.deflection], adjoint[..., mode.rate]
         columns.append(np.abs(to_pole * (d + p * v)))
     for lag in plant.lag_rates:
@@ -144,7 +145,20 @@ def _terms(problem: BoundedProblem, adjoint: Array) -> Array:
             d, v = adjoint[..., mode.deflection], adjoint[..., mode.rate]
             force = force + np.abs(lag * to_lag * (d + lag * v))
         columns.append(force)
-    return np.stack([*columns, rigid], axis=-1)
+    return np.stack(columns, axis=-1)
+
+
+def _powers(problem: BoundedProblem, adjoint: Array) -> Array:
+    """Return the largest magnitudes of what 1, τ and τ²/2 have in σ; shape (..., 3)."""
+    plant, m = problem.plant, problem.plant.moving_mass
+    x, v = np.abs(adjoint[..., plant.position]) / m, np.abs(adjoint[..., plant.velocity]) / m
+    if not plant.follows:
+        return np.stack([v + x * plant.force_lag, x, np.zeros_like(x)], axis=-1)
+    still = np.abs(adjoint[..., plant.force])
+    for mode in plant.modes:
+        bent = mode.scale / mode.natural_frequency**2
+        still = still + np.abs(bent * adjoint[..., mode.deflection])
+    return np.stack([still, v, x], axis=-1)
 
 
 def _sigma(
