@@ -24,6 +24,9 @@ __all__ = ["__version__", "make_record", "run"]
 def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> Commissioning:
     """Return optima, recommended limits, their response and the verdict.
 
+    Like the commands in one thread of BLAS, whatever the process allows: the order of summation
+    changes with their number, and so would the last digits.
+
     Parameters
     ----------
     profile
@@ -43,19 +46,23 @@ def run(profile: Path | str | Machine, *, settings: Settings | None = None) -> C
     ComputationError
         A stage ended with a named outcome; the message tells the remedy.
     """
+    from threadpoolctl import threadpool_limits
+
     from mtcommission.commission import commission
     from mtcommission.machine.machine import Machine
     from mtcommission.profile.read import parse_profile, read_source
 
     if isinstance(profile, Machine):
-        return commission(profile, settings=settings)
-    source = read_source(profile)
-    machine = parse_profile(source.text, where=str(profile))
-    return commission(machine, profile=source, settings=settings)
+        source, machine = None, profile
+    else:
+        source = read_source(profile)
+        machine = parse_profile(source.text, where=str(profile))
+    with threadpool_limits(limits=1, user_api="blas"):
+        return commission(machine, profile=source, settings=settings)
 
 
 def make_record(found: Commissioning) -> Record:
-    """Return the record of a machine that was run from its profile.
+    """Return the record of a machine that was run from its profile; in one thread, like ``run``.
 
     Parameters
     ----------
@@ -72,7 +79,10 @@ def make_record(found: Commissioning) -> Record:
     InputError
         If it was run from a machine instead.
     """
+    from threadpoolctl import threadpool_limits
+
     from mtcommission.clock import now
     from mtcommission.record.build import record_run
 
-    return record_run(found, created=now())
+    with threadpool_limits(limits=1, user_api="blas"):
+        return record_run(found, created=now())

@@ -166,7 +166,7 @@ def unsettled_record() -> Json:
     shape["settling_time"] = [[None for _ in row] for row in shape["settling_time"]]
     loop = record["loop"]
     loop["gain_margin_db"] = loop["phase_margin_deg"] = loop["bandwidth_hz"] = None
-    loop["worst_corner"] = dict.fromkeys(loop["worst_corner"])
+    loop["worst_corner"] |= dict.fromkeys(("gain_margin_db", "phase_margin_deg", "bandwidth_hz"))
     for move in record["moves"]:
         for response in (move["response"], *move["corners"]):
             response["settling_time"] = response["residual_deviation"] = None

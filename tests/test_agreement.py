@@ -33,6 +33,17 @@ def sealed(record, path: Path) -> Path:
         (lambda r: r["moves"].clear(), "moves: has lengths"),
         (lambda r: r["plant"].update(moving_mass=1e200), "plant.moving_mass: got 1e+200"),
         (lambda r: r["limits"]["rule"]["steps"][0].update(formula=[1]), "expected a formula"),
+        (lambda r: r["moves"][0]["response"].update(max_force=None), "max_force: got null, exp"),
+        (lambda r: r["moves"][0].update(move={}), "moves[1].move: must have either velocity_step"),
+        (lambda r: r["moves"][0]["series"]["signals"].pop("deviation"), "signals: deviation miss"),
+        (lambda r: r["plant"]["modes"][0].update(name="x"), "mode_damping: x missing"),
+        (lambda r: r["loop"].update(position_loop="x"), "loop.position_loop: got x, must be one"),
+        (
+            lambda r: r["optima"][0]["time"].update(t_f=0),
+            "optima[1].time.t_f: got 0, must be at least",
+        ),
+        (lambda r: r["data"].clear(), "data: must not be empty"),
+        (lambda r: r["data"].__delitem__(slice(1, None)), "data: drive.max_force / drive.max_acc"),
     ],
 )
 def test_entries_that_do_not_belong_together_are_named(break_it, place, tmp_path: Path) -> None:

@@ -32,6 +32,8 @@ Modes = tuple[tuple[float, float, float], ...]
 """Frequency [Hz], damping ratio and share at the tool of each."""
 
 LINES = np.arange(0.0, 200.1, 1.5625)
+PROFILES = Path(__file__).parent.parent / "profiles"
+
 ONE: Modes = ((45.0, 0.05, 1.0),)
 TWO: Modes = ((36.0, 0.06, 0.8), (92.0, 0.04, 0.2))
 
@@ -191,6 +193,23 @@ def test_two_axes_become_two_profiles(
     code, _, said = _run(monkeypatch, capsys, belt)
     assert code == 2
     assert "AXIS=X" in " ".join(said.split())
+
+
+def test_klippers_choice_is_no_word_on_an_axis_that_turns(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its smoothing in mm stood in the profile of a rotary axis, which nobody could read then."""
+    file, new = write(tmp_path, "resonances_x_1.csv", ONE), tmp_path / "new.toml"
+    rotary = [
+        "--input",
+        "current",
+        "--output",
+        "velocity",
+        "--profile",
+        PROFILES / "rotary-table.toml",
+    ]
+    assert _run(monkeypatch, capsys, f"{file}@tcp", *rotary, "-o", new)[0] == 0
+    assert "calibrate_shaper" not in tomllib.loads(new.read_text())["identified"]
 
 
 def test_the_sheet_puts_klippers_choice_beside_ours(tmp_path: Path) -> None:

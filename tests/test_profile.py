@@ -798,6 +798,27 @@ def test_all_faults_come_at_once_and_in_order() -> None:
     ]
 
 
+def test_a_filter_tells_all_that_is_wrong_with_it_at_once() -> None:
+    """Keys that its kind lacks or does not know were told only when everything else was right."""
+    filters = (
+        'setpoint_filter = { kind = "fir", taps = [0.5, 0.4], frequency = "1 m", zzz = 1 }\n'
+        'position_gain = "5 kg"\n[today]\nacceleration = 1\njerk = "1 kg"\n'
+        'setpoint_filter = { kind = "moving_average", damping = 7 }\n'
+    )
+    text = changed(MANIPULATOR, '"5 um"', f'"5 um"\n[control]\n{filters}')
+    said = [(line.split(": ")[1], line.split(": ")[2][:7]) for line in faults_in(text)]
+    assert sorted(said) == [
+        ("control.position_gain", 'got "5 '),
+        ("control.setpoint_filter.frequency", "means n"),
+        ("control.setpoint_filter.spacing", "missing"),
+        ("control.setpoint_filter.taps", "got tap"),
+        ("control.setpoint_filter.zzz", "unknown"),
+        ("today.jerk", 'got "1 '),
+        ("today.setpoint_filter.damping", "means n"),
+        ("today.setpoint_filter.time", "missing"),
+    ]
+
+
 def test_a_misspelt_table_is_one_fault() -> None:
     """Unknown and missing would send the user to two places for one slip."""
     assert faults_in(changed(MANIPULATOR, "[drive]", "[driver]")) == [

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import mtcommission
 from mtcommission.commission import Commissioning
@@ -149,3 +150,22 @@ def test_the_documented_lines_run(
     delayed = np.interp(response.t - tau, response.t, sent[:, 0])
     np.testing.assert_allclose(tool - delayed, response.deviation, atol=2e-7)
     assert (folder / "sheet.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_run_uses_one_thread_whatever_the_process_allows(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The commands set it from outside: in a notebook the digits came from other orders of sums."""
+    seen: list[set[int]] = []
+
+    def look(*_: object, **__: object) -> None:
+        seen.append({one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"})
+
+    monkeypatch.setattr("mtcommission.commission.commission", look)
+    monkeypatch.setattr("mtcommission.record.build.record_run", look)
+    with threadpool_limits(limits=3, user_api="blas"):
+        look()
+        mtcommission.run(folder / "axis.toml")
+        mtcommission.make_record(None)
+        look()
+    assert seen == [{3}, {1}, {1}, {3}]

@@ -1139,11 +1139,34 @@ def _wait_for_port(port: int) -> None:
         time.sleep(0.1)
 
 
+TLS_KEYS = ("ca-file", "client.cert", "client.key")
+
+
 def test_encrypted_address_without_certificate_is_wrong_input(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     engine = Engine(scheduler="tls://127.0.0.1:1")
     with pytest.raises(InputError, match=r"needs a certificate.*ca-file"):
         run_sweep(plan_of(), folder=tmp_path, engine=engine)
+
+
+@pytest.mark.parametrize("file", ["nothing.pem", "no.pem"])
+def test_certificates_of_no_use_are_said(file: str, tmp_path: Path) -> None:
+    """It said that no scheduler answers, and to start one that was running."""
+    dask = pytest.importorskip("dask")
+    pytest.importorskip("distributed")
+    (tmp_path / "no.pem").write_text("no certificate", "utf-8")
+    settings = {f"distributed.comm.tls.{key}": str(tmp_path / file) for key in TLS_KEYS}
+    engine, said = Engine(scheduler="tls://127.0.0.1:1"), r"tls://.* certificates.*no use.*ca-file"
+    with dask.config.set(settings), pytest.raises(InputError, match=said):
+        run_sweep(plan_of(), folder=tmp_path / "out", engine=engine)
+
+
+@pytest.mark.parametrize("address", ["ucx://127.0.0.1:1", "http://127.0.0.1:1", "://"])
+def test_addresses_of_other_kinds_are_refused(address: str, tmp_path: Path) -> None:
+    """Dask's abstract transport UCX was said to need a certificate."""
+    pytest.importorskip("distributed")
+    with pytest.raises(InputError, match=r"must be an address.*tcp://HOST:PORT or tls://"):
+        run_sweep(plan_of(), folder=tmp_path, engine=Engine(scheduler=address))
 
 
 def test_cluster_that_does_not_answer_is_wrong_input(tmp_path: Path) -> None:

@@ -51,7 +51,8 @@ def identified_part(
     """
     bands = [fit.band_hz for fit in found.fits]
     misfits = [fit.misfit for fit in found.fits]
-    proposals = propose_shapers(judged_by_klipper(found.evidence))
+    # Its smoothing is a length: it means nothing to an axis that turns.
+    proposals = () if found.rotary else propose_shapers(judged_by_klipper(found.evidence))
     return IdentifiedPart(
         created=created,
         rotary=found.rotary,

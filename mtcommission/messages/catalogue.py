@@ -54,6 +54,10 @@ ACCELERATION_FOR_FORCE: Mapping[str, tuple[tuple[re.Pattern[str], str], ...]] = 
 for it. Both are feminine in German, so the words around them stay."""
 
 
+LONGEST = 2000
+"""Letters of a part of a text; Fluent refuses 2500."""
+
+
 class Catalogue:
     """The texts of one language for one kind of axis.
 
@@ -149,13 +153,13 @@ class Catalogue:
     def _spoken(self, value: Value) -> float | str | FluentNumber | FluentNone:
         """A value as Fluent takes it; messages inside are said, several joined by commas."""
         if isinstance(value, Message):
-            return self.say(value)
+            return _shortened(self.say(value))
         if isinstance(value, tuple):
-            return ", ".join(str(self._spoken(inner)) for inner in value)
+            return _shortened(", ".join(str(self._spoken(inner)) for inner in value))
         if isinstance(value, int):
             return fluent_number(value, useGrouping=False)
         if isinstance(value, str):
-            return printable(value)
+            return _shortened(printable(value))
         return "" if value is None else value
 
     def _worded(self, kind: str) -> str:
@@ -178,6 +182,11 @@ class Catalogue:
             self._bundle.add_resource(FluentResource(f"{name} = {self._worded(name)}"))
             self._loaded.add(name)
             waiting += [other for other in _REFERENCE.findall(known[name]) if other in known]
+
+
+def _shortened(text: str) -> str:
+    """A part of a text as long as Fluent takes it, e.g. of a column's name of a whole page."""
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
 
 
 @cache

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from math import fsum, pi
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+)
 
 from mtcommission.control_kinds.kind import (
     FIR,
@@ -21,7 +28,7 @@ from mtcommission.machine.mechanics import Misfit
 from mtcommission.machine.ranges import FILTER_DAMPINGS, FILTER_TIMES, FREQUENCIES, TAPS
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
-from mtcommission.profile.table import Table, optional, raise_all, required
+from mtcommission.profile.table import Table, optional, required
 from mtcommission.profile.values import Faults, Read, describe, one_of
 
 KEYS: Mapping[str, tuple[str, ...]] = {
@@ -45,7 +52,9 @@ Tap = Annotated[float, Read(TAPS)]
 
 
 class SetpointFilterTable(Table):
-    """setpoint_filter of [control] and [today]."""
+    """setpoint_filter of [control] and [today]; a key that is left out is validated, too."""
+
+    model_config = ConfigDict(validate_default=True)
 
     kind: FilterName = required("Kind of filter.", f'"{MOVING_AVERAGE}"')
     time: Annotated[float | None, Read(FILTER_TIMES)] = optional(
@@ -74,19 +83,24 @@ class SetpointFilterTable(Table):
             raise Faults([("", Message("filter-without-end", got=describe(value)))])
         return value
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        faults = list[Misfit]()
-        for key in (key for key in type(self).model_fields if key != "kind"):
-            is_given, is_needed = getattr(self, key) is not None, key in KEYS[self.kind]
-            if is_needed and not is_given:
-                faults.append((key, Message("filter-key-missing", kind=self.kind)))
-            if is_given and not is_needed:
-                faults.append((key, Message("filter-key-unused", kind=self.kind)))
-        if self.taps is not None and abs(fsum(self.taps) - 1.0) > WHOLE:
-            faults.append(("taps", Message("filter-taps-sum", got=fsum(self.taps))))
-        raise_all(faults)
-        return self
+    @field_validator("time", "second_time", "frequency", "damping", "taps", "spacing", mode="wrap")
+    @classmethod
+    def _belongs_to_kind(
+        cls, value: object, read: ValidatorFunctionWrapHandler, info: ValidationInfo
+    ) -> object:
+        kind = info.data.get("kind")  # None where it is wrong itself
+        is_given, is_needed = value is not None, info.field_name in KEYS.get(kind or "", ())
+        if kind and is_given != is_needed:
+            said = "filter-key-unused" if is_given else "filter-key-missing"
+            raise Faults([("", Message(said, kind=kind))])
+        return read(value) if is_given else None
+
+    @field_validator("taps")
+    @classmethod
+    def _sum_up(cls, taps: list[float] | None) -> list[float] | None:
+        if taps is not None and abs(fsum(taps) - 1.0) > WHOLE:
+            raise Faults([("", Message("filter-taps-sum", got=fsum(taps)))])
+        return taps
 
     def build(self) -> SetpointFilter | None:
         """Return the filter, in SI; None for none."""

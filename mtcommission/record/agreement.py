@@ -6,9 +6,8 @@ e.g. a series with fewer values than instants. Every printer would meet that som
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
 from itertools import pairwise
 from math import isfinite
 from pathlib import Path
@@ -17,6 +16,12 @@ from mtcommission.errors import Fault, InputError, MtcommissionError
 from mtcommission.messages.message import Message
 from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.values import Series
+from mtcommission.record.vocabulary import (
+    find_missing_names,
+    find_too_small,
+    find_unknown_words,
+    walk,
+)
 
 FOREIGN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RuntimeError)
 """What the libraries and our own code raise on numbers that cannot be."""
@@ -62,16 +67,37 @@ def find_contradictions(record: Record) -> Iterator[Message]:
     Message
         The key, and what is wrong there.
     """
+    yield from find_unknown_words(record)
+    yield from find_missing_names(record)
+    yield from find_too_small(record)
+    for key, entries in _needed(record):
+        if not entries:
+            yield Message("record-empty", key=key)
     for key, lengths in _alike(record):
         if len(set(lengths)) > 1:
             counts = ", ".join(map(str, sorted(set(lengths))))
             yield Message("record-lengths-differ", key=key, counts=counts)
-    for key, entry in _walk("", record):
+    for key, entry in walk("", record):
         # A motor that follows has no disturbance and no Bode plot: these series are empty.
         if isinstance(entry, Series) and not (record.machine.follows and not entry.t):
             steps = [after - before for before, after in pairwise(entry.t)]
             if not steps or not all(step >= 0.0 and isfinite(step) for step in steps):
                 yield Message("record-times-fall", key=f"{key}.t")
+
+
+def _needed(record: Record) -> Iterator[tuple[str, Sequence[object]]]:
+    """Key and entries of what must not be empty."""
+    yield "data", record.data
+    yield "moves", record.moves
+    yield "plant.states", record.plant.states
+    yield "limits.landscape.acceleration", record.limits.landscape.acceleration
+    yield "limits.landscape.jerk_time", record.limits.landscape.jerk_time
+    for i, move in enumerate(record.moves, start=1):
+        yield f"moves[{i}].corners", move.corners
+    if record.what_if:
+        yield "what_if.limits", record.what_if.limits
+        yield "what_if.corners", record.what_if.corners
+        yield "what_if.plant.signals", record.what_if.plant.signals
 
 
 def _alike(record: Record) -> Iterator[tuple[str, Sequence[int]]]:
@@ -91,6 +117,9 @@ def _alike(record: Record) -> Iterator[tuple[str, Sequence[int]]]:
     yield "loop.observer.C", [len(observer.states), *map(len, observer.C)]
     yield "loop.observer.L", [len(observer.states), len(observer.B), len(observer.L)]
     yield "moves", [len(record.moves), len(record.optima), len(record.comparisons)]
+    yield "limits.recommended.valid_for", [len(record.moves), len(limits.recommended.valid_for)]
+    if record.what_if:
+        yield "what_if.moves", [len(record.moves), len(record.what_if.moves)]
     seen = limits.landscape
     rows, columns = len(seen.acceleration), len(seen.jerk_time)
     for name in ("settling_time", "residual_deviation", "usage"):
@@ -103,21 +132,6 @@ def _alike(record: Record) -> Iterator[tuple[str, Sequence[int]]]:
     error = record.robustness.frequency_error
     counts = [len(error.factor), len(error.settling_time), len(error.residual_deviation)]
     yield "robustness.frequency_error", counts
-    for key, entry in _walk("", record):
+    for key, entry in walk("", record):
         if isinstance(entry, Series):
             yield key, [len(entry.t), *map(len, entry.signals.values())]
-
-
-def _walk(key: str, value: object) -> Iterator[tuple[str, object]]:
-    """Every entry in a record, with its key."""
-    if is_dataclass(value):
-        yield key, value
-        for field in fields(value):
-            below = f"{key}.{field.name}" if key else field.name
-            yield from _walk(below, getattr(value, field.name))
-    elif isinstance(value, Mapping):
-        for name, inner in value.items():
-            yield from _walk(f"{key}.{name}", inner)
-    elif isinstance(value, list) and value and not isinstance(value[0], float):
-        for i, inner in enumerate(value, start=1):
-            yield from _walk(f"{key}[{i}]", inner)

@@ -1,7 +1,8 @@
 """Entries of the record <-> JSON, by cattrs; every place of another form is found at once.
 
 JSON is read strictly: a text is no number, and an array is no object. JSON knows no infinity:
-a number that is not finite is written as null, and is nan where the entry must have a number.
+a number that is not finite is written as null, which is read as nan in an array of numbers (a gap
+in a curve) and refused elsewhere, unless the entry may be null.
 """
 
 from __future__ import annotations
@@ -216,9 +217,11 @@ def _english() -> Catalogue:
     return Catalogue()
 
 
+def _number_or_gap(value: object, form: Any) -> float:
+    return nan if value is None else _number(value, form)
+
+
 def _number(value: object, _: Any) -> float:
-    if value is None:
-        return nan
     if not isinstance(value, float | int) or isinstance(value, bool) or abs(value) > LARGEST:
         raise _wrong(value, "json-number")
     return value
@@ -261,6 +264,11 @@ def _is_a(form: type) -> Callable[[Any], bool]:
 
 
 def _converter() -> Converter:
+    gaps = Converter()
+    gaps.register_structure_hook(float, _number_or_gap)
+    gaps.register_structure_hook_factory(
+        _is_a(list), _strictly(list, "json-array", list_structure_factory)
+    )
     made = Converter()
     made.register_unstructure_hook(float, lambda value: value if isfinite(value) else None)
     made.register_unstructure_hook(Message, to_json)
@@ -290,6 +298,7 @@ def _converter() -> Converter:
     made.register_structure_hook_factory(
         _is_a(list), _strictly(list, "json-array", list_structure_factory)
     )
+    made.register_structure_hook_func(lambda form: form == list[float], gaps.structure)
     return made
 
 

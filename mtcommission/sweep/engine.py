@@ -25,6 +25,7 @@ from concurrent.futures import (
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from ssl import SSLError
 from typing import Any
 
 from mtcommission.errors import ComputationError, Fault, InputError, Outcome
@@ -169,8 +170,8 @@ def _complete_pieces(
                 raise ComputationError(Outcome.WORKER_LOST, detail) from error
         except _NoSchedulerError as error:
             if not losses:
-                message = Message("sweep-no-scheduler", address=engine.scheduler)
-                raise InputError([Fault(where="--scheduler", message=message)]) from error
+                why = str(error)
+                raise _wrong_address("sweep-no-scheduler", engine.scheduler, why=why) from error
             detail = Message(
                 "sweep-scheduler-gone",
                 address=engine.scheduler,
@@ -249,7 +250,7 @@ class Lane:
 
 
 class _NoSchedulerError(Exception):
-    """A cluster's scheduler does not answer."""
+    """A cluster's scheduler does not answer; the text says why."""
 
 
 @contextmanager
@@ -306,15 +307,20 @@ def _open_cluster(address: str) -> Iterator[Lane]:
     except ImportError as error:
         message = Message("sweep-no-cluster-extra")
         raise InputError([Fault(where="--scheduler", message=message)]) from error
+    scheme, separator, _ = address.partition("://")
+    if separator and scheme not in ("tcp", "tls"):
+        raise _wrong_address("sweep-other-scheme", address)
     _hush()
     try:
         client = Client(address, timeout=10)
     except TypeError as error:
         # What Dask says where tls:// finds no certificate among its settings.
-        message = Message("sweep-no-certificate", address=address)
-        raise InputError([Fault(where="--scheduler", message=message)]) from error
+        raise _wrong_address("sweep-no-certificate", address) from error
     except (OSError, ValueError) as error:
-        raise _NoSchedulerError from error
+        why = _last_words(error)
+        if any(isinstance(cause, SSLError | FileNotFoundError) for cause in _chain(error)):
+            raise _wrong_address("sweep-certificate-refused", address, why=why) from error
+        raise _NoSchedulerError(why) from error
 
     def width() -> int:
         try:
@@ -330,6 +336,24 @@ def _open_cluster(address: str) -> Iterator[Lane]:
             raise BrokenExecutor(str(error)) from error
         finally:
             executor.shutdown(wait=False)  # else Ctrl-C waits for what no worker computes
+
+
+def _wrong_address(kind: str, address: str, **values: str) -> InputError:
+    message = Message(kind, address=address, **values)
+    return InputError([Fault(where="--scheduler", message=message)])
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An error, what caused it, and so on."""
+    while error is not None:
+        yield error
+        error = error.__cause__ or error.__context__
+
+
+def _last_words(error: BaseException) -> str:
+    """What the innermost cause that says anything says."""
+    said = [getattr(cause, "strerror", None) or str(cause) for cause in _chain(error)]
+    return next(filter(None, reversed(said)), type(error).__name__)
 
 
 def _hush() -> None:

@@ -37,4 +37,6 @@ sweep-waits = der Rechnerverbund hat keinen Prozess; es wird auf einen gewartet 
 sweep-scheduler-gone = { $address } antwortet nicht mehr; { PLAIN($done, digits: 12) } von { PLAIN($count, digits: 12) } Fällen sind gespeichert
 sweep-no-certificate = { $address } braucht ein Zertifikat, und Dask kennt keines: distributed.comm.tls.ca-file und distributed.comm.tls.client.cert und .key in seinen Einstellungen angeben (~/.config/dask) oder tcp:// nehmen
 sweep-no-cluster-extra = braucht den Zusatz für Rechnerverbünde: pip install "mtcommission[cluster]"
-sweep-no-scheduler = unter { $address } antwortet kein Scheduler; ihn starten mit: dask scheduler
+sweep-no-scheduler = unter { $address } antwortet kein Scheduler ({ $why }); ihn starten mit: dask scheduler, und die Adresse so angeben, wie er sie nennt: tcp:// oder tls://
+sweep-certificate-refused = bei { $address } taugen die Zertifikate aus den Einstellungen von Dask nicht ({ $why }): die Dateien distributed.comm.tls.ca-file und distributed.comm.tls.client.cert und .key prüfen (~/.config/dask)
+sweep-other-scheme = { $address } angegeben, muss eine Adresse sein, wie dask scheduler sie nennt, tcp://RECHNER:PORT oder tls://RECHNER:PORT

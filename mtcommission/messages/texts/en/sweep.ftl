@@ -39,4 +39,6 @@ sweep-waits = the cluster has no worker; waiting for one (start it with: dask wo
 sweep-scheduler-gone = { $address } answers no more; { PLAIN($done, digits: 12) } of { PLAIN($count, digits: 12) } cases are on disk
 sweep-no-certificate = { $address } needs a certificate, and Dask knows none: state distributed.comm.tls.ca-file and distributed.comm.tls.client.cert and .key in its settings (~/.config/dask), or use tcp://
 sweep-no-cluster-extra = needs the cluster extra: pip install "mtcommission[cluster]"
-sweep-no-scheduler = no scheduler answers at { $address }; start it with: dask scheduler
+sweep-no-scheduler = no scheduler answers at { $address } ({ $why }); start it with: dask scheduler, and give its address as it prints it: tcp:// or tls://
+sweep-certificate-refused = with { $address } the certificates among Dask's settings are of no use ({ $why }): check the files distributed.comm.tls.ca-file and distributed.comm.tls.client.cert and .key (~/.config/dask)
+sweep-other-scheme = got { $address }, must be an address as dask scheduler prints it, tcp://HOST:PORT or tls://HOST:PORT
