@@ -13,6 +13,7 @@ from mtcommission.profile.read import parse_profile
 from mtcommission.record.schema.limits import LimitsEntry
 from mtcommission.record.schema.record import Record
 from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
+from mtcommission.record.vocabulary import FORCE_LIMITS
 from mtcommission.setpoint.motion_limits import MotionLimits
 
 
@@ -20,7 +21,7 @@ def read_machine(record: Record) -> Machine:
     """Return the machine of a record's profile, with the force limit of the run."""
     machine = parse_profile(record.profile.text, where=record.profile.name)
     data = {row.key: row.value for row in record.data}
-    force = data["drive.max_acceleration" if machine.drive.follows else "drive.max_force"]
+    force = data[FORCE_LIMITS[machine.drive.follows]]
     return replace(machine, drive=replace(machine.drive, max_force=float(force)))
 
 
