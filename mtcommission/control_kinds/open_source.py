@@ -130,7 +130,7 @@ KLIPPER = _sends_steps(
     features={
         "acceleration": read(
             KLIPPER_SOURCE,
-            "[printer] max_accel [mm/s^2], float; max_z_accel",
+            "[printer] max_accel (z: max_z_accel) [mm/s^2]",
             "minimum_cruise_ratio lowers the velocity of short moves.",
         ),
         "jerk": read(KLIPPER_SOURCE, note="None; square_corner_velocity is a step of velocity."),

@@ -10,7 +10,7 @@ from mtcommission.loop.simulate.response import LoopResponse
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Reserve
 from mtcommission.machine.variations import Corner
-from mtcommission.plant.plant import Plant
+from mtcommission.plant.plant import Plant, longest_period
 from mtcommission.record.data import describe_move, filter_entry
 from mtcommission.record.optima import series_entry
 from mtcommission.record.schema.moves import (
@@ -31,7 +31,10 @@ PLOT_STEP = 0.25e-3
 """Spacing of the samples of a response for its plot [s]; all judgements use every cycle."""
 
 PLOT_TAIL = 0.15
-"""What a plot shows after the end of the setpoint [s]."""
+"""What a plot shows after the end of the setpoint at most [s]."""
+
+LEAST_TAIL = 0.4
+"""The least of it, as a share of the move [-]; and two periods of the slowest mode."""
 
 
 def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
@@ -51,7 +54,9 @@ def move_entry(plant: Plant, tuned: TunedLoop, result: MoveResult) -> MoveEntry:
     """
     setpoint, nominal = result.setpoint, result.responses[0]
     every = max(1, round(PLOT_STEP / tuned.controller.velocity_cycle))
-    shown = nominal.t <= nominal.t_end + PLOT_TAIL
+    late = nominal.settling_time - nominal.t_end
+    tail = max(LEAST_TAIL * nominal.t_end, 2.0 * longest_period(plant), 1.2 * late)
+    shown = nominal.t <= nominal.t_end + min(tail, PLOT_TAIL)
     shown[:] &= np.arange(len(shown)) % every == 0
     t = nominal.t[shown]
     delayed = sample_setpoint(setpoint, t - tuned.controller.reference_delay)

@@ -599,5 +599,5 @@ improvements-none = Weniger oder nichts bringen: { $changes }.
 improvement = Änderung
 improvement-saved = Gespart
 improvement-share = Zeitänderung
-no-position-loop = keiner: der Motor folgt dem Sollwert, vorgegeben alle { $position_cycle }
+no-position-loop = der Motor folgt dem Sollwert, vorgegeben alle { $position_cycle }
 setpoint-spacing = Abstand der Sollwerte

@@ -590,5 +590,5 @@ improvements-none = Less or nothing is gained by: { $changes }.
 improvement = Change
 improvement-saved = Saved
 improvement-share = Change of time
-no-position-loop = none: the motor follows its setpoint, given every { $position_cycle }
+no-position-loop = the motor follows its setpoint, given every { $position_cycle }
 setpoint-spacing = Spacing of the setpoints
