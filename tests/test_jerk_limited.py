@@ -204,6 +204,12 @@ def test_command_line_says_the_limit_and_where_it_belongs(
     assert "t_f = 11.153294 ms" in said
     assert "Limit |jerk| <= 20000 m/s³: reached." in said
     assert "+j_max" in said
+    code, said = call("printer-belt.toml", "--jerk", "1e12")
+    assert code == 2
+    assert "leave --jerk out, which lets it jump" in said
+    code, said = call("printer-belt.toml", "--limit", "F=5 m/s^2", "--move", "2")
+    assert not code
+    assert "Limit |F| <= 5 m/s²: reached." in said
     code, said = call("ball-screw.toml", "--jerk", "9")
     assert code == 2
     assert "--jerk: goes with" in said

@@ -16,7 +16,9 @@ from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSet
 from mtcommission.options.texts import raise_all, read_positive, require_move, require_one_of
 from mtcommission.plant.plant import Plant, driven_at_once
 from mtcommission.units.quantities import (
+    ACCELERATION,
     ANGLE,
+    ANGULAR_ACCELERATION,
     ANGULAR_VELOCITY,
     FORCE,
     LENGTH,
@@ -32,8 +34,10 @@ from mtcommission.units.quantities import (
 BY_UNIT = {
     "m": LENGTH,
     "m/s": VELOCITY,
+    "m/s^2": ACCELERATION,
     "rad": ANGLE,
     "rad/s": ANGULAR_VELOCITY,
+    "rad/s^2": ANGULAR_ACCELERATION,
     "N": FORCE,
     "N m": TORQUE,
     "N s^2": MODAL_DEFLECTION,
@@ -118,6 +122,8 @@ def read_optimal_request(
     most = read_positive("--jerk", jerk, machine.axis_units.jerk, faults) if jerk else inf
     if jerk and not (kind == "time" and method == "exact" and machine.drive.follows):
         faults.append(Fault(where="--jerk", message=Message("option-jerk-of-what-follows")))
+    if isfinite(most) and machine.drive.follows:
+        faults += _all_but_jumps(machine, plant, most, bounds)
     if kind == "time" and t_f:
         faults.append(Fault(where="--t-f", message=Message("option-final-time-is-found")))
     schemes = {item.value: item for item in Scheme}
@@ -140,6 +146,20 @@ def read_optimal_request(
         transcription=TranscriptionSettings(scheme=schemes[scheme], intervals=intervals),
         jerk=most,
     )
+
+
+def _all_but_jumps(
+    machine: Machine, plant: Plant, jerk: float, bounds: Sequence[Bound]
+) -> list[Fault]:
+    """Return the fault of a jerk with which the acceleration reaches its limit all but at once."""
+    from mtcommission.optimal.at_once import least_limit
+    from mtcommission.optimal.bounded.jerk_limited import SHORTEST_RAMP
+
+    ramp = least_limit(plant, machine.drive.motion_force, bounds) / jerk
+    if ramp * plant.fastest_rate >= SHORTEST_RAMP:
+        return []
+    message = Message("option-jerk-all-but-jumps", jerk=jerk, unit=plant.jerk_unit, ramp=ramp)
+    return [Fault(where="--jerk", message=message)]
 
 
 def solve(machine: Machine, plant: Plant, request: OptimalRequest) -> TimeOptimum | DampingOptimum:

@@ -23,6 +23,10 @@ from mtcommission.plant.plant import Plant, driven_at_once
 
 Array = NDArray[np.float64]
 
+SHORTEST_RAMP = 1e-4
+"""Of the acceleration from 0 to its limit, times the fastest mode [rad]: proofs of 1e-8 there, and
+searches that do not end below (measured)."""
+
 
 def solve_jerk_limited(
     plant: Plant,
@@ -43,7 +47,7 @@ def solve_jerk_limited(
     force_limit
         Largest acceleration [m/s²], > 0.
     jerk_limit
-        Largest jerk [m/s³], > 0.
+        Largest jerk [m/s³], > 0; for ramps of at least ``SHORTEST_RAMP``.
     bounds
         On states or outputs besides.
 

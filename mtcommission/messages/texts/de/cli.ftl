@@ -9,6 +9,7 @@ option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
 option-final-time-is-found = gehört zu --kind damping; eine zeitoptimale Steuerung findet ihre Endzeit selbst
 option-jerk-of-what-follows = gehört zu --kind time, --method exact und drive.kind = "position_source"; hinter einem Regelkreis begrenzt die Zeitkonstante der Kraft den Ruck
+option-jerk-all-but-jumps = mit { PLAIN($jerk, digits: 6) } { $unit } erreicht die Beschleunigung ihre Grenze in { TIME($ramp) }, so gut wie sofort; ohne --jerk springt sie
 option-bounds-need-transcription = Schranken an einer dämpfungsoptimalen Steuerung brauchen --method transcription
 option-step-or-distance = verträgt sich nicht mit --velocity-step; eines von beiden angeben
 option-no-bound = erhalten { $got }, muss NAME=WERT sein

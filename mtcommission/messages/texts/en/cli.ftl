@@ -12,6 +12,7 @@ option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, mus
 option-given-twice = { $name } is given { $count } times; give each state or output once
 option-final-time-is-found = goes with --kind damping; a time-optimal control finds its own final time
 option-jerk-of-what-follows = goes with --kind time, --method exact and drive.kind = "position_source"; behind a loop the force lag limits the jerk
+option-jerk-all-but-jumps = with { PLAIN($jerk, digits: 6) } { $unit } the acceleration reaches its limit within { TIME($ramp) }, all but at once; leave --jerk out, which lets it jump
 option-bounds-need-transcription = bounds on a damping-optimal control need --method transcription
 option-step-or-distance = cannot go with --velocity-step; give one of them
 option-no-bound = got { $got }, must be NAME=VALUE
