@@ -130,15 +130,20 @@ def test_max_acceleration_rounds_a_corner_by_klippers_target() -> None:
 
 
 def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None:
-    """If it failed, every frequency would be off by up to 0.05 Hz, and Klipper's choice with it."""
+    """If it failed, every frequency of the fit would be off by up to 0.05 Hz.
+
+    The script takes them as printed: what it would choose is judged on those.
+    """
     evidence = gather([str(write(tmp_path, "a.csv", ONE))], Given())
     (spectrum,) = evidence.spectra
     assert isinstance(spectrum, Spectrum)
     assert spectrum.frequency_hz == pytest.approx(LINES[1:], abs=0.01)
     assert spectrum.all_directions is not None
+    assert spectrum.all_directions.frequency_hz == pytest.approx(np.round(LINES, 1), abs=1e-12)
     (best,) = [p for p in propose_shapers([spectrum.all_directions]) if p.is_recommended]
     assert best.shaper == "mzv"
-    assert best.frequency_hz == pytest.approx(46.8, abs=0.01)
+    assert best.frequency_hz == pytest.approx(47.0, abs=0.01)  # by the script, of the same file
+    assert best.max_acceleration == pytest.approx(6.507561, abs=1e-6)
 
 
 @pytest.mark.parametrize(
