@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.printers import Axis, residual, steps_of
 from mtcommission import cli
+from mtcommission.errors import InputError
 from mtcommission.identify.axes import by_axis
 from mtcommission.identify.calibrate_shaper import CORNER_VELOCITY, propose_shapers
 from mtcommission.identify.document import Writing, write_profile
@@ -24,8 +25,9 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.shapers import shape
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile
+from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.study.shapers import compare_shapers
+from tests.test_wizard import from_answers
 
 Result = tuple[int, str, str]
 Modes = tuple[tuple[float, float, float], ...]
@@ -158,6 +160,19 @@ def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None
 def test_axes_are_told_by_klippers_names(names: list[str], axes: list[str]) -> None:
     """If it failed, a payload of Y would widen the spread of X."""
     assert list(by_axis(names)) == axes
+
+
+def test_the_wizard_takes_the_axis_from_klippers_names_and_one_axis_only(tmp_path: Path) -> None:
+    """If it failed, Enter would make X of Y, and two axes would be one whose frequency varies."""
+    y = write(tmp_path, "resonances_y_1.csv", ONE)
+    x = write(tmp_path, "resonances_x_1.csv", TWO)
+    answers = 'wizard.measured = ["{}"]\n'
+    said = from_answers(tmp_path / "y.toml", answers.format(y))
+    assert read_profile(tmp_path / "y.toml").axis == "Y"
+    assert "at full acceleration" in said
+    with pytest.raises(InputError, match=r"measured on several axes \(X, Y\)"):
+        from_answers(tmp_path / "both.toml", answers.format(f'{x}", "{y}'))
+    assert not (tmp_path / "both.toml").exists()
 
 
 def _run(
