@@ -162,6 +162,35 @@ def test_axes_are_told_by_klippers_names(names: list[str], axes: list[str]) -> N
     assert list(by_axis(names)) == axes
 
 
+@pytest.mark.parametrize("order", [(24.0, 30.0, 36.0), (24.0, 36.0, 30.0)])
+def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(
+    order: tuple[float, ...], tmp_path: Path
+) -> None:
+    """If it failed, the bed would have three modes at once, each three times too large: their
+    peaks hide what lies beside them, so only the sum of the shares tells how large they are."""
+    noise = np.random.default_rng(5).lognormal(sigma=0.15, size=(3, LINES.size))
+    files = []
+    for state, (hertz, scatter) in enumerate(zip(order, noise, strict=True)):
+        file = write(
+            tmp_path, f"resonances_x_{state}.csv", ((hertz, 0.055, 0.92), (62.0, 0.05, 0.08))
+        )
+        head, *rows = file.read_text().splitlines()
+        cells = [row.split(",") for row in rows]
+        noisy = [
+            ",".join([f, *(f"{float(one) * by:.3e}" for one in power)])
+            for (f, *power), by in zip(cells, scatter, strict=True)
+        ]
+        file.write_text("\n".join([head, *noisy]) + "\n")
+        files.append(str(file))
+    found = identify(gather(files, Given()))
+    assert len(found.modes) == 2
+    slow = found.modes[0]
+    assert slow.frequency_hz.value == pytest.approx(30.0, rel=0.01)
+    assert slow.tcp_gain is not None
+    assert slow.tcp_gain.value == pytest.approx(0.92, abs=0.08)
+    assert 0.2 <= found.spread.frequency <= 0.22
+
+
 def test_the_wizard_takes_the_axis_from_klippers_names_and_one_axis_only(tmp_path: Path) -> None:
     """If it failed, Enter would make X of Y, and two axes would be one whose frequency varies."""
     y = write(tmp_path, "resonances_y_1.csv", ONE)
