@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.printers import Axis, residual, steps_of
 from mtcommission import cli
+from mtcommission.errors import InputError
 from mtcommission.identify.axes import by_axis
 from mtcommission.identify.calibrate_shaper import CORNER_VELOCITY, propose_shapers
 from mtcommission.identify.document import Writing, write_profile
@@ -24,8 +25,9 @@ from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.shapers import shape
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.plant.plant import build_plant
-from mtcommission.profile.read import parse_profile
+from mtcommission.profile.read import parse_profile, read_profile
 from mtcommission.study.shapers import compare_shapers
+from tests.test_wizard import from_answers
 
 Result = tuple[int, str, str]
 Modes = tuple[tuple[float, float, float], ...]
@@ -132,15 +134,20 @@ def test_max_acceleration_rounds_a_corner_by_klippers_target() -> None:
 
 
 def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None:
-    """If it failed, every frequency would be off by up to 0.05 Hz, and Klipper's choice with it."""
+    """If it failed, every frequency of the fit would be off by up to 0.05 Hz.
+
+    The script takes them as printed: what it would choose is judged on those.
+    """
     evidence = gather([str(write(tmp_path, "a.csv", ONE))], Given())
     (spectrum,) = evidence.spectra
     assert isinstance(spectrum, Spectrum)
     assert spectrum.frequency_hz == pytest.approx(LINES[1:], abs=0.01)
     assert spectrum.all_directions is not None
+    assert spectrum.all_directions.frequency_hz == pytest.approx(np.round(LINES, 1), abs=1e-12)
     (best,) = [p for p in propose_shapers([spectrum.all_directions]) if p.is_recommended]
     assert best.shaper == "mzv"
-    assert best.frequency_hz == pytest.approx(46.8, abs=0.01)
+    assert best.frequency_hz == pytest.approx(47.0, abs=0.01)  # by the script, of the same file
+    assert best.max_acceleration == pytest.approx(6.507561, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -155,6 +162,48 @@ def test_lines_printed_with_one_decimal_are_evened_again(tmp_path: Path) -> None
 def test_axes_are_told_by_klippers_names(names: list[str], axes: list[str]) -> None:
     """If it failed, a payload of Y would widen the spread of X."""
     assert list(by_axis(names)) == axes
+
+
+@pytest.mark.parametrize("order", [(24.0, 30.0, 36.0), (24.0, 36.0, 30.0)])
+def test_three_payloads_of_a_slow_bed_are_one_mode_of_share_one(
+    order: tuple[float, ...], tmp_path: Path
+) -> None:
+    """If it failed, the bed would have three modes at once, each three times too large: their
+    peaks hide what lies beside them, so only the sum of the shares tells how large they are."""
+    noise = np.random.default_rng(5).lognormal(sigma=0.15, size=(3, LINES.size))
+    files = []
+    for state, (hertz, scatter) in enumerate(zip(order, noise, strict=True)):
+        file = write(
+            tmp_path, f"resonances_x_{state}.csv", ((hertz, 0.055, 0.92), (62.0, 0.05, 0.08))
+        )
+        head, *rows = file.read_text().splitlines()
+        cells = [row.split(",") for row in rows]
+        noisy = [
+            ",".join([f, *(f"{float(one) * by:.3e}" for one in power)])
+            for (f, *power), by in zip(cells, scatter, strict=True)
+        ]
+        file.write_text("\n".join([head, *noisy]) + "\n")
+        files.append(str(file))
+    found = identify(gather(files, Given()))
+    assert len(found.modes) == 2
+    slow = found.modes[0]
+    assert slow.frequency_hz.value == pytest.approx(30.0, rel=0.01)
+    assert slow.tcp_gain is not None
+    assert slow.tcp_gain.value == pytest.approx(0.92, abs=0.08)
+    assert 0.2 <= found.spread.frequency <= 0.22
+
+
+def test_the_wizard_takes_the_axis_from_klippers_names_and_one_axis_only(tmp_path: Path) -> None:
+    """If it failed, Enter would make X of Y, and two axes would be one whose frequency varies."""
+    y = write(tmp_path, "resonances_y_1.csv", ONE)
+    x = write(tmp_path, "resonances_x_1.csv", TWO)
+    answers = 'wizard.measured = ["{}"]\n'
+    said = from_answers(tmp_path / "y.toml", answers.format(y))
+    assert read_profile(tmp_path / "y.toml").axis == "Y"
+    assert "at full acceleration" in said
+    with pytest.raises(InputError, match=r"measured on several axes \(X, Y\)"):
+        from_answers(tmp_path / "both.toml", answers.format(f'{x}", "{y}'))
+    assert not (tmp_path / "both.toml").exists()
 
 
 def _run(

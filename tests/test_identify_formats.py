@@ -218,10 +218,17 @@ def test_klipper_spectra_of_three_versions() -> None:
         ",".join([*heads, "shapers:", "zv(59.0)", "mzv(52.8)"]) + "\n" + newer,
         "#" + ",".join([*heads, "zv(59.0)", "mzv(52.8)"]) + "\n" + older,
     ]
-    for text in versions:
+    for text, is_divided in zip(versions, (False, True, True), strict=True):
         (found,), _ = read_file(text.encode(), Given(), name="a")
         assert isinstance(found, Spectrum)
         assert found.source.label == "psd_y"
+        # Klipper judges the numbers as they stand there; those beside shapers' columns are
+        # divided by the frequency already, before and since 21 November 2025 (2aff840f).
+        judged = found.all_directions
+        assert judged is not None
+        assert judged.is_divided == is_divided
+        assert judged.frequency_hz == pytest.approx(f, abs=1e-12)
+        assert judged.density == pytest.approx(1.11 * peak, rel=1e-4)
         assert found.frequency_hz[np.argmax(found.density)] == pytest.approx(60, abs=1.7)
     chips = made.table(["freq", "adxl345 hotend", "adxl345 bed"], [f, peak, 2 * peak])
     found_, _ = read_file(chips, Given(), name="a")

@@ -1197,9 +1197,9 @@ def test_the_filter_is_entered_by_the_names_of_the_control_beside_todays():
     record["limits"]["recommended"]["setpoint_filter"] = shaper
     record["loop"]["kind"] = "klipper"
     rows = {row[0]: row[1:] for row in table_of(record, "verdict").rows}
-    assert rows["Setpoint filter"] == ("shaper_type = zv", "moving average", "shaper ZV")
-    assert rows["Filter frequency"] == ("shaper_freq = 48", "", f"48{gap}Hz")
-    assert rows["Filter damping ratio"] == ("damping_ratio = 0.030", "", "ζ 0.03")
+    assert rows["Setpoint filter"] == ("shaper_type_x = zv", "moving average", "shaper ZV")
+    assert rows["Filter frequency"] == ("shaper_freq_x = 48.00", "", f"48{gap}Hz")
+    assert rows["Filter damping ratio"] == ("damping_ratio_x = 0.030", "", "ζ 0.03")
 
 
 def test_an_unstable_loop_of_today_is_said_and_has_no_numbers():

@@ -33,7 +33,11 @@ def describe_identified(part: IdentifiedPart) -> Group:
         + (f" ({say('identify-head-held-back')})" if one.held_back else "")
         for one in part.checks
     ]
-    parts: list[RenderableType] = [heading(say("identify-title")), *map(Text, lines)]
+    files = ", ".join(source.name for source in part.sources)
+    parts: list[RenderableType] = [
+        heading(say("identify-title-of", files=files)),
+        *map(Text, lines),
+    ]
     if part.modes:
         parts += [Text(), modes]
     doubts, notes = doubts_and_notes(part)

@@ -138,9 +138,15 @@ class FilterChoice:
     most_damping: float = 0.99
 
     def enter(
-        self, *, time: float, second_time: float, frequency_hz: float, damping_ratio: float
+        self,
+        *,
+        time: float,
+        second_time: float,
+        frequency_hz: float,
+        damping_ratio: float,
+        axis: str = "X",
     ) -> tuple[str, ...]:
-        """Return what is typed in, by the control's own names.
+        """Return what is typed in for an axis, by the control's own names.
 
         Examples
         --------
@@ -150,8 +156,10 @@ class FilterChoice:
         """
         s = (time, second_time)
         ms, us = ([factor * one for one in s] for factor in (1e3, 1e6))
+        upper = axis.upper() if len(axis) == 1 else f"<{axis}>"
+        axes = {"axis": upper.lower(), "AXIS": upper}
         return tuple(
-            part.format(s=s, ms=ms, us=us, hz=frequency_hz, zeta=damping_ratio)
+            part.format(s=s, ms=ms, us=us, hz=frequency_hz, zeta=damping_ratio, **axes)
             for part in self.typed
         )
 

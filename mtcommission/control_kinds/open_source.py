@@ -119,9 +119,9 @@ KLIPPER = _sends_steps(
         FilterChoice(
             kind=shaper,
             typed=(
-                f"shaper_type = {shaper}",
-                "shaper_freq = {hz:.5g}",
-                "damping_ratio = {zeta:.3f}",
+                f"shaper_type_{{axis}} = {shaper}",
+                "shaper_freq_{axis} = {hz:.2f}",
+                "damping_ratio_{axis} = {zeta:.3f}",
             ),
             most_damping=MOST_DAMPING.get(shaper, 0.99),
         )
@@ -199,7 +199,11 @@ MARLIN = _sends_steps(
     setpoint_filters=tuple(
         FilterChoice(
             kind=shaper,
-            typed=(f"M493 C{code}", "M493 A{hz:.5g}", "M493 I{zeta:.3f}"),
+            typed=(
+                f"M493 {{AXIS}} C{code}",
+                "M493 {AXIS} A{hz:.2f}",
+                "M493 {AXIS} I{zeta:.3f}",
+            ),
             least_frequency_hz=20.0,
             most_frequency_hz=500.0,
             least_damping=0.01,

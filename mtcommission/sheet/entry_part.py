@@ -34,7 +34,7 @@ def entries(record: Record, words: Catalogue) -> Table:
     ]
     has_names = any(own)
     return Table(
-        caption=text("entry-caption"),
+        caption=text("entry-caption", jerk=record.loop.jerk),
         columns=(
             Column(head=text("parameter"), width=1.6),
             *([Column(head=text("control-parameters"), width=3.0)] if has_names else []),
@@ -77,8 +77,7 @@ def entry_rows(record: Record, words: Catalogue) -> list[Row]:
             for name, value in filter_rows(limits.setpoint_filter, words)
         ]
     if part.Kv is None:  # the motor follows its setpoint: nothing of a loop is typed in
-        spacing = f.quantity(part.position_cycle, "s")
-        return [*rows, (text("setpoint-spacing"), "position_cycle", spacing)]
+        return rows
     rows += [
         (words.name("Kv"), "position_gain", _gain(part.Kv, words)),
         (
@@ -154,6 +153,7 @@ def _typed_filter(record: Record) -> tuple[str, ...]:
         second_time=item.second_time,
         frequency_hz=item.frequency_hz,
         damping_ratio=item.damping_ratio,
+        axis=record.machine.axis,
     )
 
 

@@ -136,7 +136,7 @@ def _improvements(record: Record, words: Catalogue) -> tuple[Block, ...]:
         ),
         rows=tuple(_improvement(item, words) for item in gains),
     )
-    told = text("improvements-note")
+    told = text("improvements-note", loop="none" if record.machine.follows else "tuned")
     if rest:
         told = f"{told} {text('improvements-none', changes=', '.join(rest))}"
     return (*([table] if gains else []), Paragraph(text=told, tone=Tone.NOTE))

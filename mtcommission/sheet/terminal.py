@@ -117,19 +117,21 @@ def summary_rows(record: Record, words: Catalogue) -> list[tuple[str, ...]]:
     today = record.limits.today
     has_filter = limits.setpoint_filter or (today and today.setpoint_filter)
 
+    timed = () if record.loop.jerk == "none" else ("jerk-time",)
+
     def values(item: LimitsEntry | TodayEntry) -> tuple[str, ...]:
         j = None if record.loop.jerk == "none" else item.jerk
         return (
             f.axis(item.acceleration, "m/s^2"),
             f.axis(j, "m/s^3", missing=text("no-jerk-limit")),
-            f.quantity(item.jerk_time, "s"),
+            *([f.quantity(item.jerk_time, "s")] if timed else []),
             *([say_filter(item.setpoint_filter, words)] if has_filter else []),
             settling(item.settling_time, words),
             residual(item.residual_deviation, words),
         )
 
     filtered = ("setpoint-filter",) if has_filter else ()
-    names = ("acceleration", "jerk", "jerk-time", *filtered, "settling-time", "residual")
+    names = ("acceleration", "jerk", *timed, *filtered, "settling-time", "residual")
     columns = [[text(name) for name in names], values(limits)]
     if today:
         *typed, settled, left = values(today)

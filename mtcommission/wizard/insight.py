@@ -87,7 +87,8 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
         )
         found.append(Insight(text=text))
         if mode.tcp_gain is not None and force is not None and force > 0.0:
-            found.append(_deflection(mode, force))
+            by = "acceleration" if follows(answers) else "force"
+            found.append(_deflection(mode, force, by))
     mass = _moving_mass(answers)
     unit = axis_units(answers)
     if force is not None and force <= 0.0:
@@ -128,9 +129,9 @@ def _moving_mass(answers: Answers) -> float | None:
     return None if motor is None or load is None else motor + load
 
 
-def _deflection(mode: _Mode, force: float) -> Insight:
+def _deflection(mode: _Mode, force: float, by: str) -> Insight:
     deflection = abs(mode.tcp_gain or 0.0) * force / mode.omega**2
-    return Insight(text=Message("insight-deflection", mode=mode.name, deflection=deflection))
+    return Insight(text=Message("insight-deflection", mode=mode.name, deflection=deflection, by=by))
 
 
 def _modes(answers: Answers) -> list[_Mode]:

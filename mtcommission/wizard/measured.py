@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 
+from mtcommission.errors import Fault, InputError
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.profile.read import parse_profile
@@ -73,6 +74,7 @@ def identify_files(
     InputError
         A file cannot be read, or leaves open what its columns are; or the profile is not valid.
     """
+    from mtcommission.identify.axes import by_axis
     from mtcommission.identify.check import check_records
     from mtcommission.identify.document import Writing, merge_profile, write_profile
     from mtcommission.identify.entry import identified_json, identified_part
@@ -85,14 +87,18 @@ def identify_files(
 
     if before:
         parse_profile(before, where=str(output))
-    names = [name.strip().strip("'\"") for name in re.split("[;,]", typed)]
+    names = [name.strip().strip("'\"") for name in re.split("[;,]", typed) if name.strip()]
+    axes = list(by_axis([name.partition("@")[0] for name in names]))
+    if len(axes) > 1:
+        message = Message("wizard-several-axes", axes=", ".join(axes))
+        raise InputError([Fault(where=typed, message=message)])
     lead = si_value(answers, "drive.lead", LENGTH)
     gear = si_value(answers, "drive.gear", RATIO) or 1.0
     given = Given(
         rotary=is_rotary(answers) if before else None,
         motor_turn=2.0 * pi * gear / lead if lead and not is_rotary(answers) else 0.0,
     )
-    found = identify(gather([name for name in names if name], given))
+    found = identify(gather(names, given))
     motion = "rotary" if found.rotary else "linear"
     checks = check_records(found, force_per_unit=None, band_hz=None, count=None)
     part = identified_part(found, checks=checks, created=date)
@@ -104,6 +110,7 @@ def identify_files(
         words=words({"machine.motion": motion}),
         part=part,
         evidence=Path(evidence).name,
+        axis=(axes and axes[0]) or "X",
     )
     text = merge_profile(before, found, how) if before else write_profile(found, how)
     return Measured(

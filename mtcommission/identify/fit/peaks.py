@@ -6,6 +6,10 @@ of a sweep is smooth over frequency. What an accelerometer on the tool sees has 
     P(f) = C f^α |1 - Σ γ_k s²/(s² + 2 ζ_k ω_k s + ω_k²)|²
 
 smeared by the window. Neighbouring lines scatter in proportion to P, so that ln P is fitted.
+
+Far above its modes a tool stands still, so the shares γ_k of all of them add up to 1. Where lines
+beside the peaks rise above what says nothing, they decide; those of a slow bed do not, and any
+share would do: then the sum is what is known.
 """
 
 from __future__ import annotations
@@ -42,6 +46,9 @@ two lines (empirical: simulated sweeps of 1 and 2 Hz/s)."""
 SHARE_BIAS = 0.025
 """Standard error of a share by what the window smears while the sweep goes on (empirical: in
 simulated sweeps shares come out lower by up to 0.046)."""
+SUM_OF_SHARES = 0.8
+"""Weight of the shares' sum being 1, against one line: the scatter of a line, about 0.25, by how
+far the sum may be off, about 0.3 (empirical: 0.9 to 1.1 where measured printers decide)."""
 MOST = 5
 """Peaks of a spectrum."""
 UNKNOWN_CORRELATION = 2.0
@@ -198,7 +205,8 @@ def _least_squares(grid: _Grid, modes: Array, size: float, slope: float) -> _Fit
         return logs
 
     def residual(theta: Array) -> Array:
-        return model(theta) - grid.y
+        off = SUM_OF_SHARES * (float(theta[2:-2:3].sum()) - 1.0) if count else 0.0
+        return np.append(model(theta) - grid.y, off)
 
     found = least_squares(
         residual,
@@ -207,7 +215,9 @@ def _least_squares(grid: _Grid, modes: Array, size: float, slope: float) -> _Fit
         x_scale="jac",
         max_nfev=40,
     )
-    return _Fit(*_unpack(found.x), model(found.x), 2.0 * float(found.cost), np.asarray(found.jac))
+    fitted = model(found.x)
+    cost = float(np.sum((fitted - grid.y) ** 2))
+    return _Fit(*_unpack(found.x), fitted, cost, np.asarray(found.jac))
 
 
 def _largest_misfits(grid: _Grid, fit: _Fit) -> list[float]:

@@ -33,7 +33,8 @@ RESPONSE_WORDS = frozenset({"re", "im", "real", "imag", "magnitude", "mag", "pha
 """Words of another table that begins with a frequency."""
 
 _AXES = ("psd_x", "psd_y", "psd_z")
-_NO_SPECTRA = ("psd_xyz", "accel_per_hz")
+_SUM = "psd_xyz"
+_NO_SPECTRA = (_SUM, "accel_per_hz")
 
 
 def header_of(lines: Sequence[str]) -> str:
@@ -100,9 +101,9 @@ def _power(lines: Sequence[str], names: Sequence[str], *, where: str) -> FileCon
             resolution_hz=HALF_POWER_BINS * spacing if axes else None,
             lines=table.lines,
             all_directions=AllDirections(
-                frequency_hz=frequency,
-                density=power[:, [spectra.index(one) for one in axes or [name]]].sum(axis=1),
-                is_divided="shapers:" in names,
+                frequency_hz=table.values[:, 0],
+                density=power[:, spectra.index(_SUM if _SUM in spectra else name)],
+                is_divided=bool(ends),
             ),
         )
         for name in spectra_kept

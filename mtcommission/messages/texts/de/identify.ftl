@@ -73,6 +73,8 @@ identify-document-too-many = Nur die { $most } Eigenformen mit den größten Ver
 
 # Seite und Terminal
 identify-title = Identifizierte Achse
+# $files: by name
+identify-title-of = Identifizierte Achse: { $files }
 identify-verdict = { $modes ->
     [one] Eine Eigenform
    *[other] { $modes } Eigenformen

@@ -568,7 +568,11 @@ measure-field-2 = Zustand der Maschine (Stellung der anderen Achsen, Zuladung, T
 
 ## Entry and signature
 
-entry-caption = Einzugebende Werte (vor Gebrauch prüfen; den Ruck nie auf-, die Ruckzeit nie abrunden)
+# $jerk: how the control takes it, or none
+entry-caption = Einzugebende Werte (vor Gebrauch prüfen; { $jerk ->
+    [none] die Beschleunigung nie aufrunden)
+   *[other] den Ruck nie auf-, die Ruckzeit nie abrunden)
+}
 parameter = Parameter
 entry-above = wie oben
 old-value = Alt
@@ -594,10 +598,13 @@ compared-with-other-motion = die Achse ist { $got ->
 ## What would bring more
 
 improvements-caption = Was mehr brächte: langsamste Bewegung, ungünstigste Ecke, mit einer Änderung
-improvements-note = Alles gerechnet: Regelkreis neu eingestellt (Verhältnisse von Kv und Tn zu Kp wie zuvor), Grenzwerte mit der gröberen Suche. Änderungen addieren sich nicht.
+# $loop: none where the motor follows its setpoint
+improvements-note = Alles gerechnet: { $loop ->
+    [none] Grenzwerte mit der gröberen Suche.
+   *[other] Regelkreis neu eingestellt (Verhältnisse von Kv und Tn zu Kp wie zuvor), Grenzwerte mit der gröberen Suche.
+} Änderungen addieren sich nicht.
 improvements-none = Weniger oder nichts bringen: { $changes }.
 improvement = Änderung
 improvement-saved = Gespart
 improvement-share = Zeitänderung
-no-position-loop = der Motor folgt dem Sollwert, vorgegeben alle { $position_cycle }
-setpoint-spacing = Abstand der Sollwerte
+no-position-loop = kein Lageregler: der Motor folgt dem Sollwert; simuliert alle { $position_cycle }

@@ -282,12 +282,20 @@ reply-percent-is = , das sind { $percent } %
 reply-percent-meant = ; sind „{ $meant } %“ gemeint?
 reply-unusual = { $got } ist ungewöhnlich; üblich sind { $common }. Zahl und Einheit prüfen, < zum Ändern.
 
+wizard-several-axes = an mehreren Achsen gemessen ({ $axes }), von denen jede ihr eigenes Profil hat: die Dateien von einer angeben, oder alle Profile auf einmal schreiben: mtcommission identify DATEI... -o NEU.toml
+
 insight-mode = Eigenform { $mode } bei { PLAIN($frequency) } Hz
 insight-mode-damped = Eigenform { $mode } bei { PLAIN($frequency) } Hz, Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) }
 insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($deflection, unit: "us") } { $axis ->
-    [rotary] urad bei vollem Drehmoment
-   *[linear] um bei voller Kraft
-}, statisch
+    [rotary] urad
+   *[linear] um
+} { $by ->
+    [acceleration] bei voller Beschleunigung
+   *[force] { $axis ->
+        [rotary] bei vollem Drehmoment, statisch
+       *[linear] bei voller Kraft, statisch
+    }
+}
 insight-no-force = Gewicht oder Prozesskraft lassen { PLAIN($force) } { $unit } von der Kraft des Antriebs: die Achse kann sich nicht bewegen; mit < zurückgehen und eines von beiden berichtigen
 insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } an { PLAIN($mass) } { $mass_unit })
 insight-contradiction = { $part }: Masse und Steifigkeit ergeben { PLAIN($expected) } Hz, gemessen sind { PLAIN($measured) } Hz; das Profil nimmt den gemessenen Wert, aber eines der drei ist falsch

@@ -73,6 +73,8 @@ identify-document-too-many = Only the { $most } modes with the largest gains are
 
 # Page and terminal
 identify-title = Identified axis
+# $files: by name
+identify-title-of = Identified axis: { $files }
 identify-verdict = { $modes ->
     [one] One mode
    *[other] { $modes } modes

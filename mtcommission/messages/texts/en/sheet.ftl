@@ -565,7 +565,11 @@ measure-field-2 = State of the machine (position of the other axes, payload, tem
 
 ## Entry and signature
 
-entry-caption = Values to enter (verify before use; never round the jerk up or the jerk time down)
+# $jerk: how the control takes it, or none
+entry-caption = Values to enter (verify before use; never round { $jerk ->
+    [none] the acceleration up)
+   *[other] the jerk up or the jerk time down)
+}
 parameter = Parameter
 entry-above = as above
 old-value = Old
@@ -585,10 +589,13 @@ compared-with-other-motion = got a { $got } axis, must be { $wanted } like the r
 ## What would bring more
 
 improvements-caption = What would bring more: slowest move, worst corner, with one thing changed
-improvements-note = Each computed: loop tuned again (same ratios of Kv and Tn to Kp), limits by the coarser search. Changes do not add up.
+# $loop: none where the motor follows its setpoint
+improvements-note = Each computed: { $loop ->
+    [none] limits by the coarser search.
+   *[other] loop tuned again (same ratios of Kv and Tn to Kp), limits by the coarser search.
+} Changes do not add up.
 improvements-none = Less or nothing is gained by: { $changes }.
 improvement = Change
 improvement-saved = Saved
 improvement-share = Change of time
-no-position-loop = the motor follows its setpoint, given every { $position_cycle }
-setpoint-spacing = Spacing of the setpoints
+no-position-loop = no position loop: the motor follows its setpoint; simulated every { $position_cycle }

@@ -294,13 +294,18 @@ reply-percent-meant = ; did you mean "{ $meant } %"?
 # $common: span
 reply-unusual = { $got } is unusual; common are { $common }. Check number and unit, type < to change it.
 
+wizard-several-axes = measured on several axes ({ $axes }), each of which has a profile of its own: give the files of one, or write all profiles at once by mtcommission identify FILE... -o NEW.toml
+
 # What follows from the answers; $frequency [Hz].
 insight-mode = mode { $mode } at { PLAIN($frequency) } Hz
 insight-mode-damped = mode { $mode } at { PLAIN($frequency) } Hz, damping ratio { PLAIN($damping_ratio, digits: 3) }
 insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit: "us") } { $axis ->
     [rotary] urad
    *[linear] um
-} at full force, statically
+} at { $by ->
+    [acceleration] full acceleration
+   *[force] full force, statically
+}
 insight-no-force = weight or process force leave { PLAIN($force) } { $unit } of the drive's force: the axis cannot move; go back with < and correct one of the two
 insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } on { PLAIN($mass) } { $mass_unit })
 insight-contradiction = { $part }: mass and stiffness give { PLAIN($expected) } Hz, measured are { PLAIN($measured) } Hz; the profile takes the measured value, but one of the three is wrong
