@@ -36,7 +36,11 @@ from mtcommission.machine.control import TcpSensor
 from mtcommission.machine.machine import Machine
 from mtcommission.profile.read import read_profile
 
-PROFILES = sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
+PROFILES = [
+    path
+    for path in sorted((Path(__file__).parent.parent / "profiles").glob("*.toml"))
+    if not read_profile(path).drive.follows  # no loop to tune
+]
 LADDER = (2.0, 1.0, 0.5, 0.2)
 SETTINGS = TuningSettings()
 
