@@ -69,6 +69,9 @@ WORDS: Mapping[type, Mapping[str, Sequence[str]]] = {
 }
 """What each word of an entry may be."""
 
+LOOPS = ("without-state-feedback", "with-state-feedback")
+"""Whose answer to a disturbance there may be."""
+
 ABOVE_ZERO: Mapping[type, Sequence[str]] = {
     PlantEntry: ("moving_mass",),
     OptimumEntry: ("f_max", "t_f"),
@@ -130,8 +133,14 @@ def find_unknown_words(record: Record) -> Iterator[Message]:
         for name, words in WORDS.get(type(entry), {}).items():
             got = getattr(entry, name)
             if got not in words:
-                said = ", ".join(words)
-                yield Message("record-word-unknown", key=f"{key}.{name}", got=got, words=said)
+                yield _unknown(f"{key}.{name}", got, words)
+    for name in record.loop.disturbance.signals:
+        if name not in LOOPS:
+            yield _unknown("loop.disturbance.signals", name, LOOPS)
+
+
+def _unknown(key: str, got: str, words: Sequence[str]) -> Message:
+    return Message("record-word-unknown", key=key, got=got, words=", ".join(words))
 
 
 def find_too_small(record: Record) -> Iterator[Message]:
