@@ -22,25 +22,34 @@ from mtcommission.machine.machine import DriveKind, FilterKind, Motion
 from mtcommission.messages.message import Message
 from mtcommission.plant.kinds import KINDS as PLANT_KINDS
 from mtcommission.record.schema import (
+    Alternative,
     BandEntry,
+    CandidateEntry,
     FeatureEntry,
     ForceFilterEntry,
+    FrequencyErrorEntry,
     KnownLimitsEntry,
+    Landscape,
     LimitsEntry,
+    ListedEntry,
     LoopCornerEntry,
     LoopPart,
     MachineEntry,
+    MeasuredResponseEntry,
     ModeLimitsEntry,
     MoveEntry,
+    MoveSizesEntry,
     NeedsEntry,
     OptimumEntry,
     PlantEntry,
     Record,
     ResponseEntry,
     RobustEntry,
+    RuleResult,
     RuleText,
     SampledEntry,
     SetpointFilterEntry,
+    TodayEntry,
     VariantEntry,
     WhatIfPart,
 )
@@ -72,18 +81,28 @@ WORDS: Mapping[type, Mapping[str, Sequence[str]]] = {
 LOOPS = ("without-state-feedback", "with-state-feedback")
 """Whose answer to a disturbance there may be."""
 
+LIMITS = ("acceleration", "jerk", "settling_time")
+
 ABOVE_ZERO: Mapping[type, Sequence[str]] = {
     PlantEntry: ("moving_mass",),
     OptimumEntry: ("f_max", "t_f"),
     BandEntry: ("t_f", "band"),
     RobustEntry: ("t_f", "band"),
-    LimitsEntry: ("acceleration", "jerk", "jerk_time"),
+    LimitsEntry: (*LIMITS, "jerk_time"),
+    CandidateEntry: ("settling_time", "dynamic_stiffness"),
     RuleText: ("acceleration", "jerk", "jerk_time"),
     LoopPart: ("position_cycle", "velocity_cycle", "motion_force"),
     SampledEntry: ("velocity_cycle", "cycles"),
     NeedsEntry: ("tcp_deviation", "motion_force"),
+    **dict.fromkeys((Alternative, RuleResult, ListedEntry), LIMITS),
+    KnownLimitsEntry: ("acceleration", "jerk"),
+    TodayEntry: ("acceleration", "jerk_time"),
+    Landscape: ("acceleration", "jerk_time"),
+    MoveSizesEntry: ("acceleration", "own", "size"),
+    FrequencyErrorEntry: ("factor",),
+    MeasuredResponseEntry: ("frequency_hz", "curve_hz"),
 }
-"""Numbers by which something is divided, or whose logarithm is drawn."""
+"""Numbers, and arrays of them, by which something is divided, or whose logarithm is drawn."""
 
 LEAST = 1e-30
 """Of such a number: far below anything that a run writes, far above what overflows when divided."""
@@ -147,8 +166,9 @@ def find_too_small(record: Record) -> Iterator[Message]:
     """Yield each number that is next to nothing, or less, where something is divided by it."""
     for key, entry in walk("", record):
         for name in ABOVE_ZERO.get(type(entry), ()):
-            got = getattr(entry, name)
-            if not got >= LEAST:
+            value = getattr(entry, name)
+            got = min(value, default=LEAST) if isinstance(value, list) else value
+            if got is not None and not got >= LEAST:
                 yield Message("record-too-small", key=f"{key}.{name}", got=got, least=LEAST)
 
 
