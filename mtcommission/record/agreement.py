@@ -23,8 +23,8 @@ from mtcommission.record.vocabulary import (
     walk,
 )
 
-FOREIGN = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RuntimeError)
-"""What the libraries and our own code raise on numbers that cannot be."""
+FOREIGN = (ArithmeticError, LookupError, ValueError)
+"""What numbers that cannot be raise; anything else is a fault of ours, and ends as one."""
 
 SHOWN = 160
 """Characters of such an error that a message shows."""

@@ -16,7 +16,7 @@ from cattrs import BaseValidationError
 from mtcommission.errors import Fault, InputError
 from mtcommission.files import read_bytes
 from mtcommission.messages.message import STEERING, Message
-from mtcommission.record.agreement import find_contradictions, trusting
+from mtcommission.record.agreement import find_contradictions
 from mtcommission.record.schema.record import SCHEMA, Record
 from mtcommission.record.shape import WrongFormError, find_faults, to_entry, to_plain
 
@@ -94,8 +94,7 @@ def load_record(path: Path) -> Record:
         raise _fault(path, _named("record-edited", wrong), "checksum")
     if record is None:
         raise _fault(path, _named("record-of-other-version", wrong))
-    with trusting(path):
-        contradictions = list(islice(find_contradictions(record), MOST_NAMED + 1))
+    contradictions = list(islice(find_contradictions(record), MOST_NAMED + 1))
     if contradictions:
         raise _fault(path, _named("record-disagrees", contradictions))
     return record

@@ -22,12 +22,30 @@ from mtcommission.machine.control import FilterKind
 from mtcommission.machine.machine import DriveKind, Motion
 from mtcommission.messages.message import Message
 from mtcommission.plant.kinds import KINDS as PLANT_KINDS
-from mtcommission.record.schema.limits import LimitsEntry, ModeLimitsEntry, RuleText
-from mtcommission.record.schema.loop import FeatureEntry, LoopCornerEntry, LoopPart, VariantEntry
+from mtcommission.record.schema.identified import MeasuredResponseEntry
+from mtcommission.record.schema.limits import (
+    Alternative,
+    Landscape,
+    LimitsEntry,
+    ListedEntry,
+    ModeLimitsEntry,
+    MoveSizesEntry,
+    RuleResult,
+    RuleText,
+    TodayEntry,
+)
+from mtcommission.record.schema.loop import (
+    CandidateEntry,
+    FeatureEntry,
+    LoopCornerEntry,
+    LoopPart,
+    VariantEntry,
+)
 from mtcommission.record.schema.machine import MachineEntry, PlantEntry
 from mtcommission.record.schema.moves import MoveEntry, ResponseEntry
 from mtcommission.record.schema.optima import BandEntry, OptimumEntry, RobustEntry
 from mtcommission.record.schema.record import Record
+from mtcommission.record.schema.robustness import FrequencyErrorEntry
 from mtcommission.record.schema.values import ForceFilterEntry, SetpointFilterEntry
 from mtcommission.record.schema.what_if import (
     KnownLimitsEntry,
@@ -60,18 +78,31 @@ WORDS: Mapping[type, Mapping[str, Sequence[str]]] = {
 }
 """What each word of an entry may be."""
 
+LOOPS = ("without-state-feedback", "with-state-feedback")
+"""Whose answer to a disturbance there may be."""
+
+LIMITS = ("acceleration", "jerk", "settling_time")
+
 ABOVE_ZERO: Mapping[type, Sequence[str]] = {
     PlantEntry: ("moving_mass",),
     OptimumEntry: ("f_max", "t_f"),
     BandEntry: ("t_f", "band"),
     RobustEntry: ("t_f", "band"),
-    LimitsEntry: ("acceleration", "jerk", "jerk_time"),
+    LimitsEntry: (*LIMITS, "jerk_time"),
+    CandidateEntry: ("settling_time", "dynamic_stiffness"),
     RuleText: ("acceleration", "jerk", "jerk_time"),
     LoopPart: ("position_cycle", "velocity_cycle", "motion_force"),
     SampledEntry: ("velocity_cycle", "cycles"),
     NeedsEntry: ("tcp_deviation", "motion_force"),
+    **dict.fromkeys((Alternative, RuleResult, ListedEntry), LIMITS),
+    KnownLimitsEntry: ("acceleration", "jerk"),
+    TodayEntry: ("acceleration", "jerk_time"),
+    Landscape: ("acceleration", "jerk_time"),
+    MoveSizesEntry: ("acceleration", "own", "size"),
+    FrequencyErrorEntry: ("factor",),
+    MeasuredResponseEntry: ("frequency_hz", "curve_hz"),
 }
-"""Numbers by which something is divided, or whose logarithm is drawn."""
+"""Numbers, and arrays of them, by which something is divided, or whose logarithm is drawn."""
 
 LEAST = 1e-30
 """Of such a number: far below anything that a run writes, far above what overflows when divided."""
@@ -121,16 +152,23 @@ def find_unknown_words(record: Record) -> Iterator[Message]:
         for name, words in WORDS.get(type(entry), {}).items():
             got = getattr(entry, name)
             if got not in words:
-                said = ", ".join(words)
-                yield Message("record-word-unknown", key=f"{key}.{name}", got=got, words=said)
+                yield _unknown(f"{key}.{name}", got, words)
+    for name in record.loop.disturbance.signals:
+        if name not in LOOPS:
+            yield _unknown("loop.disturbance.signals", name, LOOPS)
+
+
+def _unknown(key: str, got: str, words: Sequence[str]) -> Message:
+    return Message("record-word-unknown", key=key, got=got, words=", ".join(words))
 
 
 def find_too_small(record: Record) -> Iterator[Message]:
     """Yield each number that is next to nothing, or less, where something is divided by it."""
     for key, entry in walk("", record):
         for name in ABOVE_ZERO.get(type(entry), ()):
-            got = getattr(entry, name)
-            if not got >= LEAST:
+            value = getattr(entry, name)
+            got = min(value, default=LEAST) if isinstance(value, list) else value
+            if got is not None and not got >= LEAST:
                 yield Message("record-too-small", key=f"{key}.{name}", got=got, least=LEAST)
 
 
