@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from math import isfinite
 
 import numpy as np
@@ -22,7 +22,7 @@ from mtcommission.machine.machine import Machine, Move, Positioning, VelocitySte
 from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.messages.message import Message
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.pieces import cut
+from mtcommission.setpoint.pieces import Pieces, cut
 
 Array = NDArray[np.float64]
 
@@ -210,12 +210,18 @@ def sample_setpoint(setpoint: Setpoint, times: Array) -> Array:
     >>> sample_setpoint(setpoint, np.array([-1.0, 0.06, 0.16])).round(6)[:, :2].tolist()
     [[0.0, 0.0], [0.003, 0.1], [0.013, 0.1]]
     """
+    return _pieces(setpoint).sample(times[:, None], derivatives=4)[:, :, 0].T
+
+
+@lru_cache(maxsize=64)
+def _pieces(setpoint: Setpoint) -> Pieces:
+    """The pieces of a setpoint, once for all that is sampled of it, with its exact end."""
     pieces = cut(setpoint.knot_times[None], setpoint.knot_steps[None], order=setpoint.order)
     if isinstance(setpoint.move, Positioning):
         pieces.values[-1, :2, 0] = setpoint.move.distance, 0.0
     else:
         pieces.values[-1, 1, 0] = setpoint.move.velocity_step
-    return pieces.sample(times[:, None], derivatives=4)[:, :, 0].T
+    return pieces
 
 
 def jerk_steps(
