@@ -344,11 +344,6 @@ class Explorer:
             self.known[key] = self._find(item, jerk_time)
         return self.known[key]
 
-    def duration_of(self, found: Found) -> float:
-        """Return t_e of what is known by now where something was found [s]."""
-        latest = self.known[found.setpoint_filter, found.jerk_time]
-        return latest.duration if latest else inf
-
     def climb(self, begin: Found) -> Found:
         """Look for a larger acceleration with the same filter and jerk time that is allowed."""
         largest = min(self.largest, self.largest_jerk * begin.jerk_time)

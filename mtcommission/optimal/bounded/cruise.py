@@ -11,7 +11,6 @@ from dataclasses import replace
 from math import isfinite, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Positioning, VelocityStep
@@ -29,8 +28,6 @@ from mtcommission.optimal.solution import (
     constant_arc,
 )
 from mtcommission.plant.plant import Plant
-
-Array = NDArray[np.float64]
 
 
 def compose_cruise(plant: Plant, move: Positioning, *, force_limit: float) -> TimeOptimum:

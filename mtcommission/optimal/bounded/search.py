@@ -10,9 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import inf
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mtcommission.optimal.bounded.mesh.exchange import exchange, later
 from mtcommission.optimal.bounded.mesh.finish import on_mesh
 from mtcommission.optimal.bounded.mesh.forms import MeshOptimum, solve_mesh, solve_relaxation
@@ -28,8 +25,6 @@ from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.proof.accepted import Found
 from mtcommission.optimal.bounded.proof.dual_point import stretches
 from mtcommission.optimal.bounded.proof.dual_value import dual_value, lower_bound
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

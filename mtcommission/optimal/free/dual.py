@@ -23,8 +23,6 @@ from mtcommission.optimal.free.switching import SAME, isolate_zeros, values_and_
 
 Array = NDArray[np.float64]
 
-MARGIN = 1.25
-"""Length of a mesh against the time that it must hold (empirical)."""
 LEAST_DAMPING = 1e-9
 DAMPING_LIMIT = 1e12
 """Levenberg damping, against the scaled Hessian: below the first it is dropped, beyond the

@@ -5,15 +5,12 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded.mesh.forms import MeshOptimum
 from mtcommission.optimal.bounded.mesh.rows import Segment
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.structure.arcs import boundary_arc
 from mtcommission.optimal.solution import Arc, ArcControl, Bang, Interior, constant_arc
-
-Array = NDArray[np.float64]
 
 
 def mesh_arcs(problem: BoundedProblem, found: MeshOptimum) -> tuple[Arc, ...]:

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mtcommission.optimal.bounded.mesh.arcs import mesh_arcs
 from mtcommission.optimal.bounded.mesh.exchange import later
 from mtcommission.optimal.bounded.mesh.forms import MeshOptimum, solve_mesh
@@ -16,8 +13,6 @@ from mtcommission.optimal.bounded.places import FORCE, ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.proof.accepted import Found, peak_levels, proved
 from mtcommission.optimal.bounded.proof.motion import follow_control
-
-Array = NDArray[np.float64]
 
 
 def on_mesh(

@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mtcommission.optimal.bounded.places import ConstraintPoint
 from mtcommission.optimal.bounded.problem import BoundedProblem
 from mtcommission.optimal.bounded.proof.dual_point import Measure
 from mtcommission.optimal.bounded.proof.dual_value import lower_bound
 from mtcommission.optimal.bounded.proof.motion import FollowedMotion
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
