@@ -234,3 +234,16 @@ def test_a_band_optimum_that_is_not_found_leaves_a_remark_and_no_number() -> Non
     )
     assert found.optimum is None
     assert [remark.kind for remark in found.remarks] == ["band-optimum-failed"]
+
+
+def test_what_a_band_saves_is_not_asked_of_a_move_of_hundreds_of_periods() -> None:
+    """It would take minutes for less than a hundredth of the move."""
+    machine = read_shipped("printer-belt").machine
+    long = Positioning(distance=1.0, max_velocity=0.2)
+    machine = replace(machine, moves=(long,))
+    plant = build_plant(machine)
+    optima = find_optima(machine, plant, long)
+    found = find_within_band(machine, plant, optima, settings=STANDARD)
+    assert [remark.kind for remark in found.remarks] == ["band-saves-nothing"]
+    assert found.optimum is None
+    assert optima.time.t_f < 1.01 * (1.0 / 0.2 + 0.2 / machine.drive.motion_force)

@@ -22,7 +22,7 @@ from mtcommission.messages.message import Message
 from mtcommission.optimal.band.band_optimum import BandOptimum, find_band_optimum
 from mtcommission.optimal.band.robust import RobustForce, find_robust_force
 from mtcommission.optimal.band.settings import BandSettings
-from mtcommission.plant.plant import Plant, build_plant, driven_at_once
+from mtcommission.plant.plant import Plant, build_plant, driven_at_once, longest_period
 
 Found = TypeVar("Found")
 
@@ -63,7 +63,8 @@ def find_within_band(
     """
     rigid = least_motion_time(optima.move, machine.drive.motion_force / moving_mass(machine))
     left = 1.0 - rigid / optima.time.t_f
-    if left < settings.worthwhile:
+    is_long = optima.time.t_f > settings.many_periods * longest_period(plant)
+    if is_long and left < settings.worthwhile:
         remark = Message("band-saves-nothing", rigid=rigid, share=left)
         return WithinBand(optimum=None, robust=None, remarks=(remark,))
     remarks: list[Message] = []

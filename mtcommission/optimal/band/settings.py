@@ -9,9 +9,12 @@ from dataclasses import dataclass
 class BandSettings:
     """How a force that is constant on cells approaches the optimum."""
 
+    many_periods: float = 60.0
+    """Of the slowest mode, from which on cells that show every switch take minutes: there it is
+    asked what a band saves only if that may be worth while."""
     worthwhile: float = 0.01
-    """Share of the optimum with exact rest by which it exceeds the rigid axis's, from which on it
-    is asked what a band saves: below, nothing to speak of, and in long moves at great cost."""
+    """Share of the optimum with exact rest by which it exceeds the rigid axis's, from there on: no
+    band saves more [-]."""
     cells: int = 120
     """Cells at first: enough to show every switch of a move of some dozen radians (empirical)."""
     parts: int = 6
