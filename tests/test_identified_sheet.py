@@ -234,3 +234,21 @@ def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile: Path) -> 
     assert freed.least == pytest.approx(least.candidate.settling_time, rel=0.03)
     known = replace(machine, assumed=())
     assert value_tool_sensor(known, tuned, choice, settings=SEARCH) is None
+
+
+def test_what_calibrate_shaper_would_choose_stands_beside_ours_though_it_misses(
+    profile: Path,
+) -> None:
+    """Else a printer's owner sees only the shapers that suit, not the one that he has now."""
+    record = _record(_part(profile))
+    name = Message("shaper-of-calibration", shaper="MZV", frequency=47.2)
+    rule = replace(record.limits.rules[0], name=name, meets_requirements=False)
+    limits = replace(record.limits, rules=[rule], alternatives=[])
+    words = Catalogue()
+    tables = [
+        block
+        for block in responses(replace(record, limits=limits), words).blocks
+        if isinstance(block, Table) and block.caption == words.text("alternatives-caption")
+    ]
+    rows = {row[0]: row[-1] for row in tables[0].rows}
+    assert rows[words.say(name)] == words.text("no")

@@ -75,7 +75,7 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
     ...     "plant.base_stiffness": "50 N/m"})[0].text.kind
     'insight-mode'
     """
-    force = _motion_force(answers)
+    force, at = _motion_force(answers), "held" if follows(answers) else "free"
     found = []
     for mode in _modes(answers):
         kind = "insight-mode-damped" if mode.damping_ratio else "insight-mode"
@@ -87,7 +87,7 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
         )
         found.append(Insight(text=text))
         if mode.tcp_gain is not None and force is not None and force > 0.0:
-            found.append(_deflection(mode, force))
+            found.append(_deflection(mode, force, at=at))
     mass = _moving_mass(answers)
     unit = axis_units(answers)
     if force is not None and force <= 0.0:
@@ -128,9 +128,10 @@ def _moving_mass(answers: Answers) -> float | None:
     return None if motor is None or load is None else motor + load
 
 
-def _deflection(mode: _Mode, force: float) -> Insight:
+def _deflection(mode: _Mode, force: float, *, at: str) -> Insight:
     deflection = abs(mode.tcp_gain or 0.0) * force / mode.omega**2
-    return Insight(text=Message("insight-deflection", mode=mode.name, deflection=deflection))
+    text = Message("insight-deflection", mode=mode.name, deflection=deflection, at=at)
+    return Insight(text=text)
 
 
 def _modes(answers: Answers) -> list[_Mode]:

@@ -594,10 +594,13 @@ compared-with-other-motion = die Achse ist { $got ->
 ## What would bring more
 
 improvements-caption = Was mehr brächte: langsamste Bewegung, ungünstigste Ecke, mit einer Änderung
-improvements-note = Alles gerechnet: Regelkreis neu eingestellt (Verhältnisse von Kv und Tn zu Kp wie zuvor), Grenzwerte mit der gröberen Suche. Änderungen addieren sich nicht.
+improvements-note = Alles gerechnet: { $loop ->
+    [none] Grenzwerte
+   *[tuned] Regelkreis neu eingestellt (Verhältnisse von Kv und Tn zu Kp wie zuvor), Grenzwerte
+} mit der gröberen Suche. Änderungen addieren sich nicht.
 improvements-none = Weniger oder nichts bringen: { $changes }.
 improvement = Änderung
 improvement-saved = Gespart
 improvement-share = Zeitänderung
-no-position-loop = keiner: der Motor folgt dem Sollwert, vorgegeben alle { $position_cycle }
+no-position-loop = kein Regelkreis: der Motor folgt dem Sollwert, vorgegeben alle { $position_cycle }
 setpoint-spacing = Abstand der Sollwerte

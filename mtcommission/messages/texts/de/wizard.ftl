@@ -211,14 +211,17 @@ ask-plant-modes-name = Name der Eigenform { $number }
 ask-plant-modes-name-where = Was sich bewegt: column, ram, table, ...; Buchstaben, Ziffern und _.
 ask-plant-modes-frequency = Ihre Eigenfrequenz
 ask-plant-modes-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
+ask-plant-modes-frequency-held-where = Bei gehaltenem Motor: die Spitze eines Beschleunigungsaufnehmers am Werkzeug (resonances_x.csv), oder nach Anklopfen.
 ask-plant-modes-damping-ratio = Dämpfungsgrad dieser Eigenform
 ask-plant-modes-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-plant-modes-tcp-gain = Ihr Anteil an der Werkzeuglage, mit Vorzeichen
 ask-plant-modes-tcp-gain-where = Residuum des Frequenzgangs von Kraft zu Werkzeug; 1/modale Masse, wenn die Eigenform an Kraft und Werkzeug 1 ist.
+ask-plant-modes-tcp-gain-held-where = Wie weit das Werkzeug schwingt, wenn die Beschleunigung des Motors diese Eigenform anregt; 1, wenn sie die einzige ist. Die Anteile aller ergeben zusammen 1.
 ask-plant-modes-measured-gain = Ihr Anteil an der Geberlage, mit Vorzeichen
 ask-plant-modes-measured-gain-where = Dasselbe von Kraft zu Lagegeber; 0, wenn der Geber die Eigenform nicht sieht.
 ask-plant-modes-more = Noch eine Eigenform
 ask-plant-modes-more-where = Bis zu acht; die über der Bandbreite des Regelkreises machen kaum etwas aus.
+ask-plant-modes-more-held-where = Bis zu acht; jede weitere Spitze, die der Aufnehmer zeigt.
 
 ask-or-leave-empty = { $text } (leer: { $meaning })
 ask-wizard-run = Die Grenzwerte jetzt berechnen
@@ -285,8 +288,14 @@ reply-unusual = { $got } ist ungewöhnlich; üblich sind { $common }. Zahl und E
 insight-mode = Eigenform { $mode } bei { PLAIN($frequency) } Hz
 insight-mode-damped = Eigenform { $mode } bei { PLAIN($frequency) } Hz, Dämpfungsgrad { PLAIN($damping_ratio, digits: 3) }
 insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($deflection, unit: "us") } { $axis ->
-    [rotary] urad bei vollem Drehmoment
-   *[linear] um bei voller Kraft
+    [rotary] urad
+   *[linear] um
+} { $at ->
+    [held] bei größter Beschleunigung
+   *[free] { $axis ->
+        [rotary] bei vollem Drehmoment
+       *[linear] bei voller Kraft
+    }
 }, statisch
 insight-no-force = Gewicht oder Prozesskraft lassen { PLAIN($force) } { $unit } von der Kraft des Antriebs: die Achse kann sich nicht bewegen; mit < zurückgehen und eines von beiden berichtigen
 insight-acceleration = Beschleunigung des starren Körpers höchstens { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } an { PLAIN($mass) } { $mass_unit })

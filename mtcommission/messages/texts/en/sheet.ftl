@@ -585,10 +585,13 @@ compared-with-other-motion = got a { $got } axis, must be { $wanted } like the r
 ## What would bring more
 
 improvements-caption = What would bring more: slowest move, worst corner, with one thing changed
-improvements-note = Each computed: loop tuned again (same ratios of Kv and Tn to Kp), limits by the coarser search. Changes do not add up.
+improvements-note = Each computed: { $loop ->
+    [none] limits
+   *[tuned] loop tuned again (same ratios of Kv and Tn to Kp), limits
+} by the coarser search. Changes do not add up.
 improvements-none = Less or nothing is gained by: { $changes }.
 improvement = Change
 improvement-saved = Saved
 improvement-share = Change of time
-no-position-loop = none: the motor follows its setpoint, given every { $position_cycle }
+no-position-loop = no loop: the motor follows its setpoint, given every { $position_cycle }
 setpoint-spacing = Spacing of the setpoints
