@@ -19,6 +19,7 @@ from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
@@ -30,6 +31,8 @@ from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified_part import identified
+from mtcommission.sheet.model import Table
+from mtcommission.sheet.responses_part import responses
 from mtcommission.study.tool_sensor import value_tool_sensor
 from tests.sheet_record import example_record
 from tests.test_cli import Run, run
@@ -234,3 +237,21 @@ def test_a_sensor_at_the_tool_frees_what_the_worst_case_costs(profile: Path) -> 
     assert freed.least == pytest.approx(least.candidate.settling_time, rel=0.03)
     known = replace(machine, assumed=())
     assert value_tool_sensor(known, tuned, choice, settings=SEARCH) is None
+
+
+def test_what_calibrate_shaper_would_choose_stands_beside_ours_though_it_misses(
+    profile: Path,
+) -> None:
+    """Else a printer's owner sees only the shapers that suit, not the one that he has now."""
+    record = _record(_part(profile))
+    name = Message("shaper-of-calibration", shaper="MZV", frequency=47.2)
+    rule = replace(record.limits.rules[0], name=name, meets_requirements=False)
+    limits = replace(record.limits, rules=[rule], alternatives=[])
+    words = Catalogue()
+    tables = [
+        block
+        for block in responses(replace(record, limits=limits), words).blocks
+        if isinstance(block, Table) and block.caption == words.text("alternatives-caption")
+    ]
+    rows = {row[0]: row[-1] for row in tables[0].rows}
+    assert rows[words.say(name)] == words.text("no")

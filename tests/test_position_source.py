@@ -30,9 +30,11 @@ from mtcommission.messages.catalogue import Catalogue, entries_of
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
 from mtcommission.record.data import list_data
+from mtcommission.record.limits import limits_part
 from mtcommission.record.loop import loop_part
 from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.setpoint import plan_setpoint, plan_within, sample_setpoint
+from mtcommission.sheet.limits_part import shown_jerk
 from mtcommission.study.settings import Settings
 from tests.independent_loop import shaper
 
@@ -456,6 +458,14 @@ def test_record_tells_no_loop_but_lets_anyone_simulate() -> None:
     assert drive["drive.kind"] == "position_source"
     assert drive["drive.max_acceleration"] == 20.0
     assert "drive.force_lag" not in drive
+    # A rule tried with ramps of many cycles is not "no limit": its times come from that jerk.
+    rules = limits_part(found).rules
+    words, cycle = Catalogue(follows=True), part.position_cycle
+    tried = {shown_jerk(r.acceleration, r.jerk, part, words) == "no limit" for r in rules
+             if r.acceleration > 1.5 * cycle * r.jerk}  # fmt: skip
+    stepped = {shown_jerk(r.acceleration, r.jerk, part, words) == "no limit" for r in rules
+               if r.acceleration <= 1.0001 * cycle * r.jerk}  # fmt: skip
+    assert (tried, stepped) == ({False}, {True})
 
 
 @pytest.mark.parametrize(

@@ -948,3 +948,10 @@ def test_a_motor_that_simply_follows_is_asked_for_no_mass_and_no_loop(tmp_path: 
     told = [item.text.kind for item in find_insights(to_answers(tomllib.loads(FOLLOWS_TOML)))]
     assert "insight-deflection" not in told  # its share is a default nobody accepted yet
     assert "insight-mode-damped" in told
+    asked_for = {q.key: q for q in list_questions({"drive.kind": "position_source"})}
+    for language, held in (("en", "motor held"), ("de", "gehaltenem Motor")):
+        words = Catalogue(language)
+        assert held in words.say(asked_for["plant.modes.0.frequency"].where)
+        for name in ("frequency", "tcp_gain", "more"):  # no force and no loop to speak of
+            said = words.say(asked_for[f"plant.modes.0.{name}"].where)
+            assert not re.search("force|loop|kg|Kraft|Regelkreis", said), said

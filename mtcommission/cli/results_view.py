@@ -23,6 +23,7 @@ from mtcommission.record.schema.limits import (
     TodayEntry,
 )
 from mtcommission.record.schema.moves import AssessmentPart, SimulationPart
+from mtcommission.sheet.limits_part import ROUNDED
 from mtcommission.sheet.values import say_limiting, say_requirement
 from mtcommission.sheet.verdict_part import share_used, verdict_on
 
@@ -49,11 +50,14 @@ def describe_limits(
     for other in (*part.alternatives, *part.rules):
         entries.append((said(other.name), other, other.meets_requirements))
     for name, entry, keeps in entries:
+        is_step = _is_step(machine, entry.acceleration, entry.jerk)
         table.add_row(
             escape(name),
             printed.quantity(entry.acceleration, f"{length}/s^2"),
             printed.quantity(
-                entry.jerk, f"{length}/s^3", missing=no_limit if entry is today else "–"
+                None if is_step else entry.jerk,
+                f"{length}/s^3",
+                missing=no_limit if is_step or entry is today else "–",
             ),
             printed.quantity(entry.settling_time, "s", missing=unsettled),
             printed.quantity(entry.residual_deviation, length),
@@ -93,6 +97,13 @@ def describe_limits(
         _assumed(machine, spoken),
         *warn(spoken, warnings),
     )
+
+
+def _is_step(machine: Machine, acceleration: float | None, jerk: float | None) -> bool:
+    """Whether a jerk limits nothing: the control has none, and the ramp takes one cycle."""
+    if acceleration is None or jerk is None or machine.control.kind.has_jerk_limit:
+        return False
+    return acceleration < ROUNDED * machine.control.position_cycle * jerk
 
 
 def _assumed(machine: Machine, spoken: Catalogue) -> Text:

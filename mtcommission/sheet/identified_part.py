@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import Message
 from mtcommission.record.schema.identified import (
     IdentifiedPart,
     ToolSensorEntry,
@@ -29,7 +28,7 @@ from mtcommission.sheet.model import (
     Table,
     Tone,
 )
-from mtcommission.sheet.values import say_filter
+from mtcommission.sheet.values import is_of_calibration, say_filter
 
 CHANGED = 1e-3
 """Relative difference beyond which the profile no longer says what was measured."""
@@ -128,9 +127,7 @@ def _beside_klipper(part: IdentifiedPart, record: Record, words: Catalogue) -> t
     )
     ours = record.limits.recommended
     simulated = [
-        (words.say(one.name), one)
-        for one in record.limits.rules
-        if isinstance(one.name, Message) and one.name.kind == "shaper-of-calibration"
+        (words.say(one.name), one) for one in record.limits.rules if is_of_calibration(one)
     ]
     own = text("identified-klipper-ours", filter=say_filter(ours.setpoint_filter, words))
     verdict = "yes" if record.assessment.met else "no"

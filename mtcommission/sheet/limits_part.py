@@ -16,6 +16,7 @@ from mtcommission.record.schema.limits import (
     RuleResult,
     TodayEntry,
 )
+from mtcommission.record.schema.loop import LoopPart
 from mtcommission.record.schema.record import Record
 from mtcommission.sheet.model import (
     Block,
@@ -43,6 +44,9 @@ RESIDUAL_BORDER, USAGE_BORDER = 1, 4
 UNSEEN = 0.1
 """Share of a velocity cycle below which a ramp is a step to the drive."""
 
+ROUNDED = 1.001
+"""A ramp of one position cycle, with acceleration and jerk as rounded to what is typed."""
+
 SMALLEST = 1e-12
 """Stands for zero in a logarithm; far below any share of a limit that matters."""
 
@@ -60,7 +64,7 @@ def attainable_table(record: Record, words: Catalogue) -> tuple[Table, ...]:
             f.quantity(item.limit, item.unit),
             f.quantity(item.value, item.unit),
             f.axis(item.acceleration, "m/s^2"),
-            f.axis(item.jerk, "m/s^3"),
+            shown_jerk(item.acceleration, item.jerk, record.loop, words),
         )
         for item in record.limits.attainable
     )
@@ -106,7 +110,9 @@ def machining_modes(record: Record, words: Catalogue) -> Table:
                 words.known(f"machining-{mode.name}", mode.name),
                 f.axis(mode.band, "m"),
                 f.axis(mode.acceleration, "m/s^2"),
-                f.axis(mode.jerk, "m/s^3"),
+                shown_jerk(mode.acceleration, mode.jerk, record.loop, words)
+                if mode.acceleration is not None
+                else f.axis(mode.jerk, "m/s^3"),
                 f.quantity(mode.jerk_time, "s"),
                 settling(mode.settling_time, words),
                 _mode_bound(mode, words),
@@ -325,12 +331,17 @@ def number_columns(words: Catalogue) -> tuple[Column, ...]:
     return (*columns, Column(head=text("meets"), width=1.15))
 
 
-def shown_jerk(acceleration: float, jerk: float, cycle: float, words: Catalogue) -> str:
-    """Return a jerk limit; in words where its ramp is far shorter than a velocity cycle [s].
+def shown_jerk(acceleration: float, jerk: float | None, loop: LoopPart, words: Catalogue) -> str:
+    """Return a jerk limit; in words where its ramp is far shorter than a velocity cycle.
 
-    Shapers and steps of acceleration stand in the record with a jerk that limits nothing.
+    Shapers and steps of acceleration stand in the record with a jerk that limits nothing. Where
+    the control has no jerk limit, that is a ramp of a position cycle; a rule that was tried with a
+    longer one shows the jerk that it was tried with.
     """
-    if acceleration < UNSEEN * cycle * jerk:
+    shortest = UNSEEN * loop.velocity_cycle
+    if loop.jerk == "none":
+        shortest = ROUNDED * loop.position_cycle
+    if jerk is None or acceleration < shortest * jerk:
         return words.text("no-jerk-limit")
     return words.format.axis(jerk, "m/s^3")
 
@@ -340,12 +351,9 @@ def limits_numbers(
 ) -> tuple[str, ...]:
     """Return acceleration, jerk, settling time, residual and peak deviation of limits."""
     f = words.format
-    cycle = record.loop.velocity_cycle
     return (
         f.axis(item.acceleration, "m/s^2"),
-        words.text("no-jerk-limit")
-        if item.jerk is None or record.loop.jerk == "none"
-        else shown_jerk(item.acceleration, item.jerk, cycle, words),
+        shown_jerk(item.acceleration, item.jerk, record.loop, words),
         settling(item.settling_time, words),
         residual(item.residual_deviation, words),
         f.axis(item.peak_deviation, "m"),

@@ -11,7 +11,7 @@ from mtcommission.sheet.limits_part import limits_numbers, number_columns
 from mtcommission.sheet.model import Block, Column, Paragraph, Table, Tone, name_and_numbers
 from mtcommission.sheet.motion_part import response_plot
 from mtcommission.sheet.sizes_part import size_plot
-from mtcommission.sheet.values import settling
+from mtcommission.sheet.values import is_of_calibration, settling
 from mtcommission.sheet.verdict_part import (
     keeps_reserve,
     met_at_all,
@@ -101,10 +101,14 @@ def _other_limits(record: Record, words: Catalogue) -> tuple[Block, ...]:
         rows.append((text("listed-short"), *limits_numbers(alone, record, words), judged))
     others = [*part.alternatives, *part.rules]
     for item in others:
-        if item.meets_requirements:
-            judged = met_at_all(True, item.keeps_reserve, words)
+        if item.meets_requirements or is_of_calibration(item):
+            judged = met_at_all(item.meets_requirements, item.keeps_reserve, words)
             rows.append((words.say(item.name), *limits_numbers(item, record, words), judged))
-    missed = [words.say(item.name) for item in others if not item.meets_requirements]
+    missed = [
+        words.say(item.name)
+        for item in others
+        if not item.meets_requirements and not is_of_calibration(item)
+    ]
     table = Table(
         caption=text("alternatives-caption"),
         columns=(Column(head=text("limits-name"), width=2.3), *number_columns(words)),

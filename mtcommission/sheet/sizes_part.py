@@ -67,7 +67,6 @@ def _unit(entry: MoveSizesEntry, words: Catalogue) -> str:
 
 def _table(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalogue) -> Table:
     text, f = words.text, words.format
-    cycle = record.loop.velocity_cycle
 
     def row(entry: MoveSizesEntry) -> tuple[str, ...]:
         a, j, unit = entry.acceleration, entry.jerk, _unit(entry, words)
@@ -75,7 +74,7 @@ def _table(record: Record, ways: list[MoveSizesEntry], title: str, words: Catalo
         return (
             words.say(entry.way),
             f.axis(a, "m/s^2"),
-            text("no-jerk-limit") if j is None else shown_jerk(a, j, cycle, words),
+            shown_jerk(a, j, record.loop, words),
             f.quantity(entry.setpoint_filter.duration if entry.setpoint_filter else None, "s"),
             f.quantity(entry.full_from, unit, missing=text("never")),
             _end(low, entry.size[0], "or-less", unit, words),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from mtcommission.machine.requirement import read_requirement
 from mtcommission.machine.shapers import name_shaper
 from mtcommission.messages.catalogue import Catalogue
-from mtcommission.messages.message import join_by_and
-from mtcommission.record.schema.limits import AttainableEntry
+from mtcommission.messages.message import Message, join_by_and
+from mtcommission.record.schema.limits import Alternative, AttainableEntry, RuleResult
 from mtcommission.record.schema.values import SetpointFilterEntry
 
 
@@ -30,6 +30,11 @@ def degree(value: float | None, words: Catalogue) -> str:
     """Return a phase margin [degrees]; None means that the curve never crosses."""
     shown = None if value is None else round(value, 1)
     return words.format.quantity(shown, "°", missing=words.text("unlimited"))
+
+
+def is_of_calibration(item: RuleResult | Alternative) -> bool:
+    """Return whether limits are those that ``calibrate_shaper`` would choose."""
+    return isinstance(item.name, Message) and item.name.kind == "shaper-of-calibration"
 
 
 def say_requirement(name: str, words: Catalogue) -> str:

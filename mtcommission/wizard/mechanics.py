@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from mtcommission.plant.modal import MOST_MODES
 from mtcommission.units.quantities import (
     DAMPING,
@@ -31,6 +33,9 @@ from mtcommission.wizard.axis_units import (
     is_rotary,
 )
 from mtcommission.wizard.question import Answers, Question
+
+HELD = "held"
+"""How the modes of a motor that follows are measured."""
 
 
 def ask_mechanics(answers: Answers) -> tuple[Question, ...]:
@@ -151,10 +156,10 @@ def _held(answers: Answers) -> tuple[Question, ...]:
         place = f"plant.modes.{i}"
         found += [
             Question(key=f"{place}.name", default=f"mode{i + 1}"),
-            ask(f"{place}.frequency", FREQUENCY, "48 Hz", 1.0, 2e3),
+            replace(ask(f"{place}.frequency", FREQUENCY, "48 Hz", 1.0, 2e3), measured=HELD),
             damping_ratio(f"{place}.damping_ratio"),
-            Question(key=f"{place}.tcp_gain", dimension=RATIO, default="1"),
-            Question(key=f"{place}.more", choices=(NO, YES), default=NO),
+            Question(key=f"{place}.tcp_gain", dimension=RATIO, default="1", measured=HELD),
+            Question(key=f"{place}.more", choices=(NO, YES), default=NO, measured=HELD),
         ]
         if answers.get(f"{place}.more") != YES:
             break

@@ -51,6 +51,9 @@ class Question:
         negative values are refused.
     is_optional
         Whether an empty reply leaves the value out.
+    measured
+        Under which circumstances the value is found, where that changes where to look; ""
+        otherwise.
     """
 
     key: str
@@ -61,6 +64,7 @@ class Question:
     low: float = -inf
     high: float = inf
     is_optional: bool = False
+    measured: str = ""
 
     @property
     def plain(self) -> Message:
@@ -77,7 +81,7 @@ class Question:
     @property
     def where(self) -> Message:
         """Where to find the value."""
-        return self._message("-where")
+        return self._message(f"-{self.measured}-where" if self.measured else "-where")
 
     def _message(self, ending: str) -> Message:
         """A text of the catalogue, by the key without the numbers of elements."""

@@ -197,4 +197,4 @@ identified-klipper-smoothing = Verrundung bei 5 m/s²
 identified-klipper-max-accel = max_accel
 identified-klipper-chosen = { $shaper } (empfohlen)
 identified-klipper-ours = unsere: { $filter }
-identified-klipper-simulated = Seine Empfehlung und unsere, an dieser Achse simuliert: ungünstigster Fall über Bewegungen, alle kleineren und Ecken
+identified-klipper-simulated = Seine Empfehlung und unsere, an dieser Achse simuliert: ungünstigster Fall der genannten Bewegungen und Ecken; das Urteil gilt für jede Größe, der die Grenzwerte dienen

@@ -211,14 +211,17 @@ ask-plant-modes-name = Name der Eigenform { $number }
 ask-plant-modes-name-where = Was sich bewegt: column, ram, table, ...; Buchstaben, Ziffern und _.
 ask-plant-modes-frequency = Ihre Eigenfrequenz
 ask-plant-modes-frequency-where = Frequenzgang von Kraft zu Beschleunigung, oder Anklopfen mit Beschleunigungsaufnehmer: die Spitze.
+ask-plant-modes-frequency-held-where = Bei gehaltenem Motor: die Spitze eines Beschleunigungsaufnehmers am Werkzeug (resonances_x.csv), oder nach Anklopfen.
 ask-plant-modes-damping-ratio = Dämpfungsgrad dieser Eigenform
 ask-plant-modes-damping-ratio-where = Die halbe relative 3-dB-Breite der Spitze; Maschinengestelle zeigen 0,01 bis 0,1.
 ask-plant-modes-tcp-gain = Ihr Anteil an der Werkzeuglage, mit Vorzeichen
 ask-plant-modes-tcp-gain-where = Residuum des Frequenzgangs von Kraft zu Werkzeug; 1/modale Masse, wenn die Eigenform an Kraft und Werkzeug 1 ist.
+ask-plant-modes-tcp-gain-held-where = Wie weit das Werkzeug schwingt, wenn die Beschleunigung des Motors diese Eigenform anregt; 1, wenn sie die einzige ist. Die Anteile aller ergeben zusammen 1.
 ask-plant-modes-measured-gain = Ihr Anteil an der Geberlage, mit Vorzeichen
 ask-plant-modes-measured-gain-where = Dasselbe von Kraft zu Lagegeber; 0, wenn der Geber die Eigenform nicht sieht.
 ask-plant-modes-more = Noch eine Eigenform
 ask-plant-modes-more-where = Bis zu acht; die über der Bandbreite des Regelkreises machen kaum etwas aus.
+ask-plant-modes-more-held-where = Bis zu acht; jede weitere Spitze, die der Aufnehmer zeigt.
 
 ask-or-leave-empty = { $text } (leer: { $meaning })
 ask-wizard-run = Die Grenzwerte jetzt berechnen

@@ -197,4 +197,4 @@ identified-klipper-smoothing = Smoothing at 5 m/s²
 identified-klipper-max-accel = max_accel
 identified-klipper-chosen = { $shaper } (recommended)
 identified-klipper-ours = ours: { $filter }
-identified-klipper-simulated = Its recommendation and ours, simulated on this axis: worst over moves, all smaller moves and corners
+identified-klipper-simulated = Its recommendation and ours, simulated on this axis: worst of the listed moves and corners; the verdict is on every size that the limits serve

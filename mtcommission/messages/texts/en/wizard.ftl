@@ -214,14 +214,17 @@ ask-plant-modes-name = Name of mode { $number }
 ask-plant-modes-name-where = What moves: column, ram, table, ...; letters, digits and _.
 ask-plant-modes-frequency = Its eigenfrequency
 ask-plant-modes-frequency-where = Frequency response from force to acceleration, or a tap with an accelerometer: the peak.
+ask-plant-modes-frequency-held-where = With the motor held: the peak of an accelerometer at the tool (resonances_x.csv), or after a tap.
 ask-plant-modes-damping-ratio = Damping ratio of this mode
 ask-plant-modes-damping-ratio-where = Half the relative 3 dB width of the peak; machine structures show 0.01 to 0.1.
 ask-plant-modes-tcp-gain = Its share in the tool position, signed
 ask-plant-modes-tcp-gain-where = Residue of the frequency response force to tool; 1/modal mass for the mode shape 1 at force and tool.
+ask-plant-modes-tcp-gain-held-where = How far the tool swings where the acceleration of the motor excites this mode; 1 where it is the only one. The shares of all modes add up to 1.
 ask-plant-modes-measured-gain = Its share in the encoder position, signed
 ask-plant-modes-measured-gain-where = The same from force to encoder; 0 if the encoder does not see the mode.
 ask-plant-modes-more = Another mode
 ask-plant-modes-more-where = Up to eight; those above the bandwidth of the loop hardly matter.
+ask-plant-modes-more-held-where = Up to eight; each further peak that the accelerometer shows.
 
 # $text: a question; $meaning: its -empty
 ask-or-leave-empty = { $text } (empty: { $meaning })
