@@ -19,6 +19,7 @@ from mtcommission.limits.choose import SearchSettings, choose_limits
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
 from mtcommission.profile.read import parse_profile
@@ -30,6 +31,8 @@ from mtcommission.sheet.bode_part import bode
 from mtcommission.sheet.content import compose
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified_part import identified
+from mtcommission.sheet.model import Table
+from mtcommission.sheet.responses_part import response_blocks
 from mtcommission.study.tool_sensor import value_tool_sensor
 from tests.sheet_record import example_record
 from tests.test_cli import Run, run
@@ -247,7 +250,7 @@ def test_what_calibrate_shaper_would_choose_stands_beside_ours_though_it_misses(
     words = Catalogue()
     tables = [
         block
-        for block in responses(replace(record, limits=limits), words).blocks
+        for block in response_blocks(replace(record, limits=limits), words)
         if isinstance(block, Table) and block.caption == words.text("alternatives-caption")
     ]
     rows = {row[0]: row[-1] for row in tables[0].rows}
