@@ -32,7 +32,7 @@ from mtcommission.sheet.content import compose
 from mtcommission.sheet.html import set_html
 from mtcommission.sheet.identified_part import identified
 from mtcommission.sheet.model import Table
-from mtcommission.sheet.responses_part import responses
+from mtcommission.sheet.responses_part import response_blocks
 from mtcommission.study.tool_sensor import value_tool_sensor
 from tests.sheet_record import example_record
 from tests.test_cli import Run, run
@@ -250,7 +250,7 @@ def test_what_calibrate_shaper_would_choose_stands_beside_ours_though_it_misses(
     words = Catalogue()
     tables = [
         block
-        for block in responses(replace(record, limits=limits), words).blocks
+        for block in response_blocks(replace(record, limits=limits), words)
         if isinstance(block, Table) and block.caption == words.text("alternatives-caption")
     ]
     rows = {row[0]: row[-1] for row in tables[0].rows}
