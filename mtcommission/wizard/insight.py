@@ -87,7 +87,7 @@ def find_insights(answers: Answers) -> tuple[Insight, ...]:
         )
         found.append(Insight(text=text))
         if mode.tcp_gain is not None and force is not None and force > 0.0:
-            by = "acceleration" if follows(answers) else "force"
+            by = "held" if follows(answers) else "free"
             found.append(_deflection(mode, force, by))
     mass = _moving_mass(answers)
     unit = axis_units(answers)

@@ -293,8 +293,8 @@ insight-deflection = Eigenform { $mode } verformt das Werkzeug um { PLAIN($defle
     [rotary] urad
    *[linear] um
 } { $by ->
-    [acceleration] bei voller Beschleunigung
-   *[force] { $axis ->
+    [held] bei voller Beschleunigung
+   *[free] { $axis ->
         [rotary] bei vollem Drehmoment, statisch
        *[linear] bei voller Kraft, statisch
     }

@@ -306,8 +306,8 @@ insight-deflection = mode { $mode } bends the tool by { PLAIN($deflection, unit:
     [rotary] urad
    *[linear] um
 } at { $by ->
-    [acceleration] full acceleration
-   *[force] full force, statically
+    [held] full acceleration
+   *[free] full force, statically
 }
 insight-no-force = weight or process force leave { PLAIN($force) } { $unit } of the drive's force: the axis cannot move; go back with < and correct one of the two
 insight-acceleration = rigid-body acceleration at most { PLAIN($acceleration) } { $rate } ({ PLAIN($force) } { $unit } on { PLAIN($mass) } { $mass_unit })
