@@ -954,7 +954,7 @@ def retuned(record: Json) -> Json:
     for item in later["data"]:
         if item["key"] == "requirements.tcp_deviation":
             item["value"] *= 2.0
-    later["data"] = [item for item in later["data"] if item["key"] != "drive.max_force"]
+    later["data"] = [item for item in later["data"] if item["key"] != "plant.base_mass"]
     later["data"].append(
         {"key": "plant.tcp_height", "value": 0.2, "unit": "m", "source": "measured"}
     )

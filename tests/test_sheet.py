@@ -1091,7 +1091,7 @@ def test_two_records_show_what_changed_and_by_how_much():
     assert spaced["Acceleration"] == ("2.41 m/s²", "2.892 m/s²", "+20 %")
     assert spaced["Position gain Kv"] == ("42.79 1/s", "38.51 1/s", "−10 %")
     assert spaced["Permitted TCP deviation (band)"] == ("5.1 µm", "10.2 µm", "+100 %")
-    assert spaced["Max force"] == ("2.01 kN", "not stated", "changed")
+    assert spaced["Base mass"] == ("451 kg", "not stated", "changed")
     assert spaced["TCP height h, signed"] == ("not stated", "200 mm", "changed")
     assert spaced["Bound by"] == ("residual deviation", "set force", "changed")
     assert spaced["Settling time"] == ("105.6 ms", "not settled", "changed")
