@@ -541,3 +541,15 @@ def test_a_wrong_epoch_is_named(run: Run, tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "garbage")
     code, _, err = run("sweep", PAPER, "--f-max", "1kN,2kN", "-o", tmp_path / "out")
     assert (code, err.partition(":")[0]) == (2, "SOURCE_DATE_EPOCH")
+
+
+def test_a_control_without_jerk_limit_is_simulated_without_one(run: Run) -> None:
+    """Its engineer has no jerk to enter; whoever has one must say which."""
+    code, out, _ = run(
+        "simulate", PROFILES / "printer-belt.toml", "--acceleration", "50", "--filter", "none"
+    )
+    assert code == 1
+    assert "residual deviation" in out
+    code, out, error = run("simulate", PROFILES / "ball-screw.toml", "--acceleration", "5")
+    assert (code, out) == (2, "")
+    assert "--jerk" in error

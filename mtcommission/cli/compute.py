@@ -259,7 +259,12 @@ def _page_of(found: Commissioning | Recommendation, source: ProfileSource, *, la
 def simulate(
     profile: ProfileArgument,
     acceleration: Annotated[str, typer.Option("--acceleration", metavar="A", help="E.g. 2m/s^2.")],
-    jerk: Annotated[str, typer.Option("--jerk", metavar="J", help="E.g. 100m/s^3.")],
+    jerk: Annotated[
+        str,
+        typer.Option(
+            "--jerk", metavar="J", help="E.g. 100m/s^3; needed where the control limits it."
+        ),
+    ] = "",
     setpoint_filter: Annotated[
         str,
         typer.Option(
@@ -325,11 +330,8 @@ def simulate(
         notes.append(Message("simulated-without-filter"))
     if asked.jerk_time < machine.control.position_cycle:
         chosen = without_jerk_limit(machine, asked.acceleration)
-        notes.append(
-            f"The ramp a/j = {1e3 * asked.jerk_time:.3g} ms is shorter than the position cycle, in "
-            f"which a control sends its setpoint: simulated with a ramp of one cycle, "
-            f"{1e3 * chosen.jerk_time:.3g} ms."
-        )
+        ramps = {"ramp": asked.jerk_time, "cycle": chosen.jerk_time}
+        notes.append(Message("simulated-ramp-of-a-cycle", **ramps))
     plant = build_plant(machine)
     with show_stage() as progress:
         progress(Message("stage-feedback-loop"))

@@ -62,6 +62,9 @@ _LADDERS: dict[str, tuple[Scale, ...]] = {
 }
 """Units by SI unit, largest first; a value takes the first that it fills."""
 
+SMALLEST = 0.1e-9
+"""Lengths below that are not told apart: an atom's radius [m]."""
+
 _CUT = frozenset({"m/s^2", "m/s^3", "rad/s^2", "rad/s^3"})
 """Found by the search to three digits of SI, never stated in a profile: integers are cut, too."""
 
@@ -115,9 +118,13 @@ class Formatter:
         ['4.583', 'µm']
         >>> Formatter(rotary=True).quantity(1810.0, "rad/s^3")
         '103700°/s³'
+        >>> linear.quantity(2.4e-12, "m").replace(THIN_SPACE, " ")
+        '< 0.1 nm'
         """
         if value is None or not isfinite(value):
             return missing
+        if unit == "m" and 0.0 < abs(value) < SMALLEST:
+            return f"< {self.with_unit(self.number(SMALLEST / 1e-9), 'nm')}"
         scale = self.scale(abs(value), unit)
         shown = value / scale.size
         if unit in _CUT:

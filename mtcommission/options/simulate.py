@@ -13,7 +13,7 @@ from mtcommission.machine.setpoint_filter import SetpointFilter
 from mtcommission.machine.variations import Corner
 from mtcommission.messages.message import Message
 from mtcommission.options.texts import raise_all, read_positive, read_within
-from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
 from mtcommission.setpoint.smaller_moves import resize
 from mtcommission.units.quantities import (
     FREQUENCY,
@@ -27,7 +27,7 @@ the run of a usual machine, and well below a GB)."""
 
 
 def read_limits(machine: Machine, *, acceleration: str, jerk: str) -> MotionLimits:
-    """Return limits from ``--acceleration`` and ``--jerk``.
+    """Return limits from ``--acceleration`` and ``--jerk``; "" where the control has no jerk limit.
 
     Raises
     ------
@@ -36,7 +36,12 @@ def read_limits(machine: Machine, *, acceleration: str, jerk: str) -> MotionLimi
     """
     faults: list[Fault] = []
     a = read_positive("--acceleration", acceleration, machine.axis_units.acceleration, faults)
-    j = read_positive("--jerk", jerk, machine.axis_units.jerk, faults)
+    if not jerk and not machine.control.kind.has_jerk_limit:
+        raise_all(faults)
+        return without_jerk_limit(machine, a)
+    if not jerk:
+        faults.append(Fault(where="--jerk", message=Message("option-jerk-needed")))
+    j = read_positive("--jerk", jerk, machine.axis_units.jerk, faults) if jerk else 1.0
     raise_all(faults)
     return MotionLimits(acceleration=a, jerk=j)
 
