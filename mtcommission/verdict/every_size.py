@@ -66,6 +66,9 @@ LEAST_FORCED = 0.01
 KEPT_TABLES = 96
 """Tables of loops that are kept for the next limits: some corners, lengths and orders."""
 
+LARGE, KEPT_LARGE = 300_000, 18
+"""Numbers in a table of transients from which on fewer are kept: some hundred megabytes."""
+
 LONGEST_TAIL = 0.2
 """Period of a mode that still counts for how long they are looked at after the setpoint [s]."""
 
@@ -179,11 +182,19 @@ def _worst_residual(
     return replace(worst, bound=worst.value + between)
 
 
-@lru_cache(maxsize=KEPT_TABLES)
 def _tables(loop: SampledLoop, longest: float, order: int) -> ResponseTables:
     """The tables of one loop, once for all limits that are judged on it."""
+    numbers = longest / loop.lifted.dt * (order + 1) * len(loop.lifted.A)
+    return (_large_tables if numbers > LARGE else _small_tables)(loop, longest, order)
+
+
+def _build(loop: SampledLoop, longest: float, order: int) -> ResponseTables:
     tables = build_tables(loop, longest=longest, order=order)
     return sketch_tables(tables, loop.plant, samples=SAMPLES)
+
+
+_small_tables = lru_cache(maxsize=KEPT_TABLES)(_build)
+_large_tables = lru_cache(maxsize=KEPT_LARGE)(_build)
 
 
 def _rounded_up(duration: float) -> float:
