@@ -78,7 +78,7 @@ WORDS: Mapping[type, Mapping[str, Sequence[str]]] = {
 }
 """What each word of an entry may be."""
 
-LOOPS = ("without-state-feedback", "with-state-feedback")
+LOOPS = ("without-state-feedback", "with-state-feedback", "loop-in-use")
 """Whose answer to a disturbance there may be."""
 
 LIMITS = ("acceleration", "jerk", "settling_time")

@@ -66,8 +66,8 @@ LEAST_FORCED = 0.01
 KEPT_TABLES = 96
 """Tables of loops that are kept for the next limits: some corners, lengths and orders."""
 
-LARGE, KEPT_LARGE = 300_000, 18
-"""Numbers in a table of transients from which on fewer are kept: some hundred megabytes."""
+LARGE, KEPT_LARGE = 400_000, 18
+"""Numbers in a loop's tables from which on fewer are kept: all together some hundred megabytes."""
 
 LONGEST_TAIL = 0.2
 """Period of a mode that still counts for how long they are looked at after the setpoint [s]."""
@@ -184,8 +184,15 @@ def _worst_residual(
 
 def _tables(loop: SampledLoop, longest: float, order: int) -> ResponseTables:
     """The tables of one loop, once for all limits that are judged on it."""
-    numbers = longest / loop.lifted.dt * (order + 1) * len(loop.lifted.A)
-    return (_large_tables if numbers > LARGE else _small_tables)(loop, longest, order)
+    samples = longest / loop.lifted.dt * (order + 1) + _samples_of_free_motion(loop)
+    is_large = samples * len(loop.lifted.A) > LARGE
+    return (_large_tables if is_large else _small_tables)(loop, longest, order)
+
+
+@lru_cache(maxsize=KEPT_TABLES)
+def _samples_of_free_motion(loop: SampledLoop) -> float:
+    fastest = max((mode.frequency_hz for mode in loop.plant.modes), default=0.0)
+    return search_horizon(loop.lifted) * SAMPLES * fastest
 
 
 def _build(loop: SampledLoop, longest: float, order: int) -> ResponseTables:
