@@ -94,3 +94,11 @@ def test_letters_that_the_font_lacks_are_named() -> None:
     assert on_json(remark_on_print)(record) == (Message("print-boxes", characters="机床"),)
     record["machine"]["name"] = "Fräse Φ"
     assert on_json(remark_on_print)(record) == ()
+
+
+def test_the_loop_in_use_alone_may_be_disturbed(tmp_path: Path) -> None:
+    """An axis whose loop has no variants writes its answer under that name: export refused it."""
+    record = json.loads(json.dumps(example_record()))
+    signals = record["loop"]["disturbance"]["signals"]
+    record["loop"]["disturbance"]["signals"] = {"loop-in-use": next(iter(signals.values()))}
+    load_record(sealed(record, tmp_path / "record.json"))
