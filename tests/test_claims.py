@@ -56,7 +56,7 @@ def why_not(machine: Machine, residual: float) -> list[str]:
         (999.96e-6, "1 mm."),
         (0.7e-3, "700 µm."),
         (42e-9, "42 nm."),
-        (3e-13, "3×10⁻⁴ nm."),
+        (3e-13, "< 0.1 nm."),
         (0.0, "0 m."),
     ],
 )
