@@ -2,6 +2,7 @@
 
     python -m benchmarks.fuzz --count 10000 --command check
     python -m benchmarks.fuzz --count 200 --command limits --values --second
+    python -m benchmarks.fuzz --count 500 --command limits --machines --seconds 90
 
 Each case is a shipped profile, broken by its seed alone; for ``export``, ``sheet`` and ``verify`` a
 record, mostly changed and sealed again; for ``sweep`` a table of cases. Costly commands run in a
@@ -10,6 +11,8 @@ code 0 to 3, prints a traceback, a warning of Python, an internal error, or a ch
 a terminal, prints nan or inf as a number, holds more than a gigabyte, or takes longer than
 ``--longest`` times the whole run of the profile that was broken.
 ``--values`` only moves numbers, and skips what ``check`` refuses, so that every case is computed.
+``--machines`` makes machines of its own instead, from 1 g to 100 t and 0.1 Hz to 5 kHz, none of
+which may take more than a minute.
 ``--second`` lets the second program of the tests judge what ``limits`` recommends.
 """
 
@@ -39,6 +42,7 @@ import numpy as np
 
 from benchmarks.mutations import (
     dice_of,
+    extreme_machine,
     mutated,
     mutated_table,
     mutated_values,
@@ -76,6 +80,9 @@ GOOD = "milling-manipulator"
 
 ALWAYS_ALLOWED = 1.0
 """CPU time that is not compared [s]: every shipped profile's run takes several times as long."""
+
+LONGEST = 60.0
+"""CPU time of any machine [s]."""
 
 LARGEST = 1024.0
 """Memory that a command may hold [MB]."""
@@ -243,7 +250,7 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
             rmtree(folder / "swept", ignore_errors=True)
         if command == "verify":
             _write_trace(folder / "trace.csv", json.loads(texts[base]))
-        if options.values and call("check", str(case))[0]:
+        if (options.values or options.machines) and call("check", str(case))[0]:
             skipped += 1
             continue
         arguments = arguments_of(command, case, dice)
@@ -252,7 +259,11 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
         codes[ending.code] += 1
         times.append(ending.processor)
         is_long = ending.processor > ALWAYS_ALLOWED
-        longest = options.longest * runs.time_of(names[base]) if is_long else ALWAYS_ALLOWED
+        longest = ALWAYS_ALLOWED
+        if options.machines:
+            longest = LONGEST
+        elif is_long:
+            longest = options.longest * runs.time_of(names[base])
         fault = fault_of(command, ending, longest=longest)
         if not fault and options.second and ending.code == 0:
             fault = second_opinion(case)
@@ -272,6 +283,8 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
 def _broken(text: str, dice: np.random.Generator, options: argparse.Namespace, seed: int) -> str:
     if options.command == "sweep":
         return text
+    if options.machines:
+        return extreme_machine(dice)
     if options.command in RECORDS and seed % 8:
         return resealed(json.loads(text), dice)
     return (mutated_values if options.values else mutated)(text, dice)
@@ -317,6 +330,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--series", type=int, default=23, help="another series of dice")
     parser.add_argument("--values", action="store_true", help="only move numbers")
+    parser.add_argument("--machines", action="store_true", help="machines of all sizes instead")
     parser.add_argument("--second", action="store_true", help="judge limits by a second program")
     parser.add_argument(
         "--longest", type=float, default=1.0, help="in runs of the unbroken profile"

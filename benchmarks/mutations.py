@@ -115,6 +115,57 @@ def mutated_values(text: str, dice: np.random.Generator) -> str:
     return text
 
 
+def extreme_machine(dice: np.random.Generator) -> str:
+    """A machine that nobody built, but that ``check`` mostly accepts.
+
+    From 1 g to 100 t, one to eight modes from 0.1 Hz to 5 kHz, damped by 1e-4 to 0.3; drives from
+    one step of a stepper to servos, moves from 2 um to 10 m.
+    """
+
+    def power(low: float, high: float) -> float:
+        return float(10.0 ** dice.uniform(low, high))
+
+    is_follower = dice.random() < 0.25
+    mass = power(-3.0, 5.0)
+    force = max(mass * power(-2.0, 2.5), 0.002)
+    lines = ["schema = 1", "[machine]", f'name = "{mass:.3g} kg"', 'axis = "X"']
+    lines += ['source = "dice"', "[plant]", 'kind = "modal"']
+    if not is_follower:
+        lines.append(f'moving_mass = "{mass:.4g} kg"')
+    for k, hertz in enumerate(sorted(power(-1.0, 3.7) for _ in range(int(dice.integers(1, 9))))):
+        gain = float(dice.choice([-1.0, 1.0])) * power(-1.5, 0.3)
+        shown = f"{gain:.4g}" if is_follower else f'"{gain / mass:.4g} 1/kg"'
+        lines += ["[[plant.modes]]", f'name = "mode_{k + 1}"', f'frequency = "{hertz:.4g} Hz"']
+        lines += [f"damping_ratio = {power(-4.0, -0.5):.3g}", f"tcp_gain = {shown}"]
+        if not is_follower:
+            lines.append(f'measured_gain = "{power(-2.5, -0.2) / mass:.4g} 1/kg"')
+    lines.append("[drive]")
+    if is_follower:
+        lines.append('kind = "position_source"')
+        lines.append(f'max_acceleration = "{force / mass:.4g} m/s^2"')
+    else:
+        lines.append(f'force_lag = "{power(-1.0, 1.0):.3g} ms"')
+        lines.append(f'max_force = "{force:.4g} N"')
+        lines.append(f'continuous_force = "{0.6 * force:.4g} N"')
+    for _ in range(int(dice.integers(1, 4))):
+        distance = power(-5.7, 1.0)
+        velocity = min(max(distance / power(-2.3, 1.3), 1e-3), 10.0)
+        lines += ["[[moves]]", f'distance = "{distance:.4g} m"', f'dwell = "{power(-1, 0):.3g} s"']
+        lines.append(f'max_velocity = "{velocity:.4g} m/s"')
+    lines += ["[requirements]", f'tcp_deviation = "{power(-7.0, -3.5):.3g} m"']
+    lines.append(f'max_settling_time = "{power(-1.3, 1.0):.3g} s"')
+    if dice.random() < 0.7:
+        lines.append(f"frequency_spread = {dice.choice([0.0, 0.02, 0.05, 0.1])}")
+    if not is_follower and dice.random() < 0.5:
+        lines.append(f'payload = ["0 kg", "{mass * power(-2.0, 0.0):.3g} kg"]')
+    lines += ["[control]", 'kind = "klipper"' if is_follower else 'kind = "generic"']
+    if not is_follower:
+        cycle = float(dice.choice([0.0625, 0.125, 0.25, 1.0]))
+        ratio = int(dice.choice([1, 2, 4, 8, 16]))
+        lines += [f'velocity_cycle = "{cycle} ms"', f'position_cycle = "{cycle * ratio} ms"']
+    return "\n".join(lines) + "\n"
+
+
 def _replace_some(pattern: str, new: str, text: str, dice: np.random.Generator) -> str:
     places = list(re.finditer(pattern, text, re.MULTILINE))
     for place in reversed(places):

@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
+from mtcommission.allowance import allow_whole, find_part
 from mtcommission.glance import plot_moves, say_verdict, show_html
 from mtcommission.limits.choose import Choice, choose_for_listed, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
@@ -33,6 +34,7 @@ from mtcommission.study.machining_modes import ModeLimits, find_limits_by_mode
 from mtcommission.study.move_sizes import MoveSizes, compare_move_sizes
 from mtcommission.study.robustness import Robustness, examine_robustness
 from mtcommission.study.settings import Settings
+from mtcommission.study.shapers import compare_shapers
 from mtcommission.study.today import TodaysValues, judge_today
 from mtcommission.study.tool_sensor import ToolSensor, value_tool_sensor
 from mtcommission.study.within_band import WithinBand, find_within_band
@@ -43,6 +45,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Progress = Callable[[Message], None]
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -93,6 +97,8 @@ class Commissioning:
         What measuring at the tool could free; None where nothing was measured, or all of it.
     profile
         The profile that the machine came from; None: another source, so no record.
+    left_out
+        What would have been too much to compute; without it the part is empty.
     improve
         Finds what single changes would bring, when it is first asked for: a sweep never does.
     """
@@ -118,6 +124,7 @@ class Commissioning:
     today: TodaysValues | None
     tool_sensor: ToolSensor | None
     profile: ProfileSource | None
+    left_out: tuple[Message, ...]
     improve: Callable[[], tuple[Improvement, ...]]
 
     @property
@@ -191,6 +198,7 @@ class Recommendation:
     today: TodaysValues | None
 
 
+@allow_whole()
 def recommend(
     machine: Machine, *, settings: Settings | None = None, progress: Progress = lambda _: None
 ) -> Recommendation:
@@ -228,6 +236,28 @@ def recommend(
     )
 
 
+class _Dispensable:
+    """Finds what the recommendation does not hang on, and notes what was too much to compute."""
+
+    def __init__(self) -> None:
+        self._missing: list[Message] = []
+
+    @property
+    def left_out(self) -> tuple[Message, ...]:
+        """One message that names all of it; none where nothing was left out."""
+        return (Message("left-out", parts=tuple(self._missing)),) if self._missing else ()
+
+    def find(self, kind: str, find: Callable[[], Found], *, otherwise: Found) -> Found:
+        """Return what is found; else what stands for it, and a message of that kind is noted."""
+
+        def leave_out(_: Message) -> Found:
+            self._missing.append(Message(kind))
+            return otherwise
+
+        return find_part(find, otherwise=leave_out)
+
+
+@allow_whole()
 def commission(
     machine: Machine,
     *,
@@ -270,22 +300,44 @@ def commission(
     tuned = loop.tuned
     progress(Message("stage-limits"))
     choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
+    dispensable = _Dispensable()
     listed = None
     if machine.requirements.every_size and choice.meets_requirements:
-        listed = choose_for_listed(machine, plant, tuned, settings=settings.comparison)
+        listed = dispensable.find(
+            "left-out-listed",
+            lambda: choose_for_listed(machine, plant, tuned, settings=settings.comparison),
+            otherwise=None,
+        )
     progress(Message("stage-responses"))
     alternatives = tuple(
         evaluate(machine, plant, tuned, limits, name=name) for name, limits in condensed
     )
     rule = apply_commissioning_rule(machine, plant, tuned)
-    rules = evaluate_rules(machine, plant, tuned, rule)
+    rules = dispensable.find(
+        "left-out-rules",
+        lambda: evaluate_rules(machine, plant, tuned, rule),
+        otherwise=tuple[Candidate, ...](),
+    )
+    shapers = dispensable.find(
+        "left-out-shapers",
+        lambda: compare_shapers(machine, plant, tuned),
+        otherwise=tuple[Candidate, ...](),
+    )
     attainable: tuple[Attainable, ...] = ()
     if not choice.meets_requirements:
         progress(Message("stage-attainable"))
-        attainable = find_attainable(machine, plant, tuned, choice, settings=settings.comparison)
+        attainable = dispensable.find(
+            "left-out-attainable",
+            lambda: find_attainable(machine, plant, tuned, choice, settings=settings.comparison),
+            otherwise=tuple[Attainable, ...](),
+        )
     progress(Message("stage-machining-modes"))
-    modes = find_limits_by_mode(
-        machine, plant, tuned, choice, starts=starts, settings=settings.search
+    modes = dispensable.find(
+        "left-out-modes",
+        lambda: find_limits_by_mode(
+            machine, plant, tuned, choice, starts=starts, settings=settings.search
+        ),
+        otherwise=tuple[ModeLimits, ...](),
     )
     progress(Message("stage-comparison"))
     triples = zip(optima, within_band, choice.moves, strict=True)
@@ -303,7 +355,11 @@ def commission(
     move_sizes = compare_move_sizes(
         machine, tuned, choice.limits, listed.limits if listed else None, rule.limits
     )
-    tool_sensor = value_tool_sensor(machine, tuned, choice, settings=settings.comparison)
+    tool_sensor = dispensable.find(
+        "left-out-tool-sensor",
+        lambda: value_tool_sensor(machine, tuned, choice, settings=settings.comparison),
+        otherwise=None,
+    )
     return Commissioning(
         machine=machine,
         plant=plant,
@@ -315,7 +371,7 @@ def commission(
         choice=choice,
         listed=listed,
         alternatives=alternatives,
-        rules=rules,
+        rules=(*rules, *shapers),
         comparisons=comparisons,
         modes=modes,
         rule=rule,
@@ -326,5 +382,6 @@ def commission(
         today=today,
         tool_sensor=tool_sensor,
         profile=profile,
+        left_out=dispensable.left_out,
         improve=cache(partial(find_improvements, machine, loop, choice, comparisons, settings)),
     )

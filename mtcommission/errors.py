@@ -2,7 +2,9 @@
 
 MtcommissionError
 ├── InputError           exit code 2: what the user gave cannot be used; all faults at once
-└── ComputationError     exit code 3: a named outcome of a computation, with its remedy
+└── NamedOutcome         exit code 3: how a computation ended, with its remedy
+    ├── ComputationError     of any part; whoever can do without it says so and goes on
+    └── TooMuchError         of the whole: nothing more is computed
 
 A failed assessment is neither: it is a result (exit code 1).
 """
@@ -128,9 +130,10 @@ class Outcome(Enum):
     SCHEDULER_LOST = "outcome-scheduler-lost"
     STOPPED = "outcome-stopped"
     PRINTING_FAILED = "outcome-printing-failed"
+    TOO_MUCH_TO_COMPUTE = "outcome-too-much-to-compute"
 
 
-class ComputationError(MtcommissionError):
+class NamedOutcome(MtcommissionError):
     """A computation ended with a named outcome other than success.
 
     Parameters
@@ -157,6 +160,14 @@ class ComputationError(MtcommissionError):
     def text(self, catalogue: Catalogue) -> str:
         """Return outcome, detail and remedy."""
         return catalogue.say(self.message)
+
+
+class ComputationError(NamedOutcome):
+    """One of any part; whoever can do without it says so and goes on."""
+
+
+class TooMuchError(NamedOutcome):
+    """The command has used up what it may compute: nobody goes on (see ``allowance``)."""
 
 
 def _english() -> Catalogue:

@@ -225,6 +225,33 @@ def test_without_spread_there_is_no_robust_force() -> None:
     assert found.remarks == ()
 
 
+def test_damping_known_to_a_spread_alone_asks_for_a_robust_force() -> None:
+    """Three machines are fewer than are looked at first otherwise."""
+    machine = paper_machine()
+    needs = replace(machine.requirements, frequency_spread=0.0, damping_spread=0.3)
+    machine = replace(machine, requirements=needs)
+    optima = find_optima(machine, build_plant(machine), machine.moves[0])
+    found = find_within_band(machine, build_plant(machine), optima, settings=STANDARD)
+    assert found.robust is not None
+    for factor in (0.7, 1.0, 1.3):
+        moved = vary(machine, Corner(damping_factor=factor))
+        assert follow(moved, found.robust.force, after=0.6)[0] <= needs.tcp_deviation
+
+
+def test_a_band_wider_than_the_move_has_no_optimum() -> None:
+    """Standing still keeps it: the least time is none, and is not searched for."""
+    machine = read_shipped("modal-two-modes").machine
+    move = replace(machine.moves[0], distance=5e-6)
+    needs = replace(machine.requirements, tcp_deviation=1e-5)
+    machine = replace(machine, moves=(move,), requirements=needs)
+    plant = build_plant(machine)
+    optima = find_optima(machine, plant, move)
+    found = find_within_band(machine, plant, optima, settings=STANDARD)
+    assert found.optimum is None
+    assert found.robust is None
+    assert [remark.kind for remark in found.remarks] == ["band-wider-than-move"]
+
+
 def test_a_band_optimum_that_is_not_found_leaves_a_remark_and_no_number() -> None:
     machine = paper_machine()
     plant = build_plant(machine)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from mtcommission.allowance import allow_whole
 from mtcommission.cli.arguments import (
     AppendixOption,
     CsvOption,
@@ -173,7 +174,7 @@ def optimal(
         intervals=intervals,
         jerk=jerk,
     )
-    with show_stage() as progress:
+    with show_stage() as progress, allow_whole():
         progress(Message(f"stage-{kind}-optimal"))
         begun = perf_counter()
         solution = solve(machine, plant, request)
@@ -333,7 +334,7 @@ def simulate(
         ramps = {"ramp": asked.jerk_time, "cycle": chosen.jerk_time}
         notes.append(Message("simulated-ramp-of-a-cycle", **ramps))
     plant = build_plant(machine)
-    with show_stage() as progress:
+    with show_stage() as progress, allow_whole():
         progress(Message("stage-feedback-loop"))
         tuned = settle_on_loop(machine, plant, Settings()).tuned
         if tried.place:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor, isfinite, log10
 
+from mtcommission.allowance import allow_part
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.condense import condense
 from mtcommission.machine.machine import Machine, Move, Positioning
@@ -98,7 +99,8 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     bounds = tuple(Bound(name=p.name, value=p.bound) for p in machine.requirements.peaks)
     if bounds:
         try:
-            constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
+            with allow_part():
+                constrained = find_time_optimum(plant, move, force_limit=force, bounds=bounds)
         except ComputationError as error:
             remarks.append(Message("optimum-under-bounds-failed", error=error.message))
     if constrained and constrained.certificate.relative_gap > TIGHT_GAP:
@@ -108,7 +110,8 @@ def find_optima(machine: Machine, plant: Plant, move: Move) -> Optima:
     t_f = wanted.t_f or (constrained.t_f if constrained else DAMPING_TIME_FACTOR * time.t_f)
     damping = None
     try:
-        damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
+        with allow_part():
+            damping = find_damping_optimum(machine, plant, move, t_f=t_f, least=time.t_f)
     except ComputationError as error:
         remarks.append(Message("damping-optimum-failed", error=error.message))
     excess = excess_velocity(plant, damping) if damping else 0.0
@@ -161,9 +164,10 @@ def _search(
     if not bounds and cruise is None:
         return solve_time_optimal(plant, move, force_limit=force_limit)
     try:
-        return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
+        with allow_part():
+            return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
     except ComputationError as error:
-        ends = (Outcome.NO_CONVERGENCE, Outcome.MOVE_TOO_LONG)
+        ends = (Outcome.NO_CONVERGENCE, Outcome.MOVE_TOO_LONG, Outcome.TOO_MUCH_TO_COMPUTE)
         if bounds or cruise is None or error.outcome not in ends:
             raise
         return compose_cruise(plant, cruise, force_limit=force_limit)

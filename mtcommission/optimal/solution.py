@@ -17,6 +17,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import require_room, spend
 from mtcommission.machine.machine import Move, Positioning, Weight
 from mtcommission.optimal.exponential import balanced_expm
 from mtcommission.plant.plant import Plant, driven_at_once
@@ -253,6 +254,8 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length / step)))
+        require_room(4.0 * count * (n + arc.initial.size), array="allowance-motion")
+        spend(count * (n + arc.initial.size) ** 2, calls=0.6 * count)
         transition = balanced_expm(joint_system(moved, arc) * (length / count))
         motion = np.empty((count + 1, n + arc.initial.size))
         motion[0] = np.concatenate([x, arc.initial])

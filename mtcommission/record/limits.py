@@ -95,7 +95,11 @@ def limits_part(
             usage=_plotted(seen.usage),
         ),
         search={"evaluations": choice.evaluations},
-        warnings=[*choice.warnings, *([today.failure] if today and today.failure else [])],
+        warnings=[
+            *choice.warnings,
+            *([today.failure] if today and today.failure else []),
+            *commissioning.left_out,
+        ],
         would_bring=[_improvement_entry(item, before=best.settling_time) for item in improvements],
     )
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, sqrt
 
+from mtcommission.allowance import allow_part
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.errors import ComputationError
 from mtcommission.limits.choose import Choice, choose_limits
@@ -33,6 +34,10 @@ KNOWN_SPREAD = 0.02
 """Frequency spread of a machine whose modes were measured [-] (empirical)."""
 PART = 0.1
 """Share by which the machine is made stiffer or lighter: what a redesign may reach."""
+
+
+COMPUTED = 12.0
+"""What all changes together may take, about that many seconds of processor time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,10 +95,11 @@ def find_improvements(
     shape = trial.shape if trial else CLASSIC
     # The classic rule begins with the symmetrical optimum, all other loops with more.
     largest = settings.tuning.largest_fraction if trial else 1.0
-    found = [_computed(change, shape, largest, choice, settings) for change in _changes(machine)]
     has_filters = machine.control.kind.force_filters and not machine.drive.follows
-    if has_filters and not machine.control.seeks_force_filters:
-        found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
+    with allow_part(COMPUTED):  # what comes after that is named as too much
+        found = [_computed(item, shape, largest, choice, settings) for item in _changes(machine)]
+        if has_filters and not machine.control.seeks_force_filters:
+            found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
     for variant in loop.variants:
         if variant.name == WITH and not variant.is_used:
             candidate = variant.candidate

@@ -1,4 +1,4 @@
-"""What the rules of makers and textbooks, and input shapers, do in the same loop."""
+"""What the rules of makers and textbooks do in the same loop."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
-from mtcommission.study.shapers import compare_shapers
 from mtcommission.verdict.evaluate import Candidate, evaluate
 
 
@@ -27,7 +26,7 @@ def evaluate_rules(
     Returns
     -------
     tuple of Candidate
-        First the commissioning rule, then the others, then shapers and the jerk filter.
+        First the commissioning rule, then the others.
     """
     known = [
         (item.name, item.source, item.limits)
@@ -35,10 +34,7 @@ def evaluate_rules(
     ]
     name = Message("commissioning-rule-with", chosen=rule.best.name)
     source = Message("source-commissioning-rule")
-    return (
-        *(
-            evaluate(machine, plant, tuned, limits, name=name, source=source)
-            for name, source, limits in ((name, source, rule.limits), *known)
-        ),
-        *compare_shapers(machine, plant, tuned),
+    return tuple(
+        evaluate(machine, plant, tuned, limits, name=name, source=source)
+        for name, source, limits in ((name, source, rule.limits), *known)
     )

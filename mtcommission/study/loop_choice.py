@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from math import inf, pi
 
+from mtcommission.allowance import find_part
 from mtcommission.loop.tuning.cascade import CLASSIC
 from mtcommission.loop.tuning.family import LoopFamily, cascade_family, feedback_family
 from mtcommission.loop.tuning.force_filters import find_filters
@@ -91,8 +93,15 @@ def show_alternatives(
     if machine.drive.follows:
         return choice
     if not machine.control.seeks_force_filters:
-        choice = _with_filters(machine, plant, choice, settings)
-    return show_state_feedback(machine, plant, choice, settings)
+        show = partial(_with_filters, machine, plant, choice, settings)
+        choice = find_part(show, otherwise=partial(_left_out, choice, "loop-filters-left-out"))
+    show = partial(show_state_feedback, machine, plant, choice, settings)
+    return find_part(show, otherwise=partial(_left_out, choice, "loop-feedback-left-out"))
+
+
+def _left_out(choice: LoopChoice, kind: str, _: Message) -> LoopChoice:
+    """The choice with a remark on what would have been too much to compute."""
+    return replace(choice, remarks=(*choice.remarks, Message(kind)))
 
 
 def _with_filters(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite
 from typing import Any
 
+from mtcommission.allowance import find_part
 from mtcommission.limits.choose import choose_limits
 from mtcommission.loop.tuning.cascade import Shape
 from mtcommission.loop.tuning.proposals import Proposal, Proposals, propose_near
@@ -18,6 +19,9 @@ from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import Settings
 from mtcommission.verdict.evaluate import Candidate
+
+TRIED = 15.0
+"""What trying loops after the first may take, about that many seconds of processor time."""
 
 LATER = 0.03
 """What a stiffer tool may cost in settling time (design choice)."""
@@ -104,10 +108,13 @@ class LoopSearch:
     ----------
     proposals, trials
         All of the proposals were tried, and those near the best of them.
+    remarks
+        That this is not so where it was too much to compute.
     """
 
     proposals: Proposals
     trials: tuple[LoopTrial, ...]
+    remarks: tuple[Message, ...] = ()
 
     @property
     def best(self) -> LoopTrial | None:
@@ -119,7 +126,9 @@ class LoopSearch:
         listed = [replace(item, is_used=item is trial) for item in (*self.trials, *among)]
         listed.sort(key=lambda item: item.candidate.settling_time)
         tuned = finish(self.proposals.family, trial.tuned)
-        return LoopChoice(tuned=tuned, trials=tuple(listed), remarks=_explain(trial, listed))
+        return LoopChoice(
+            tuned=tuned, trials=tuple(listed), remarks=(*_explain(trial, listed), *self.remarks)
+        )
 
 
 def pick_loop(trials: Sequence[LoopTrial]) -> LoopTrial | None:
@@ -156,13 +165,23 @@ def try_all(machine: Machine, plant: Plant, settings: Settings, proposals: Propo
             LoopTrial(shape=proposal.shape, tuned=tuned, candidate=found, is_classic=is_classic)
         )
 
-    for proposal in proposals.loops:
-        attempt(proposal)
-    best = pick_loop(trials)
-    if best is not None:
-        for proposal in propose_near(proposals, best.shape):
+    def attempt_others() -> tuple[Message, ...]:
+        for proposal in proposals.loops[1:]:
             attempt(proposal)
-    return LoopSearch(proposals=proposals, trials=tuple(trials))
+        best = pick_loop(trials)
+        if best is not None:
+            for proposal in propose_near(proposals, best.shape):
+                attempt(proposal)
+        return ()
+
+    for proposal in proposals.loops[:1]:
+        attempt(proposal)
+    remarks = find_part(
+        attempt_others,
+        seconds=TRIED,
+        otherwise=lambda _: (Message("loop-trials-left-out"),),
+    )
+    return LoopSearch(proposals=proposals, trials=tuple(trials), remarks=remarks)
 
 
 def best_limits(

@@ -13,9 +13,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from mtcommission.allowance import allow_part
 from mtcommission.errors import ComputationError
 from mtcommission.limits.optima import Optima
-from mtcommission.machine.machine import Machine, moving_mass
+from mtcommission.machine.machine import Machine, Positioning, moving_mass
 from mtcommission.machine.rigid_body import least_motion_time
 from mtcommission.machine.variations import Corner, vary
 from mtcommission.messages.message import Message
@@ -23,6 +24,7 @@ from mtcommission.optimal.band.band_optimum import BandOptimum, find_band_optimu
 from mtcommission.optimal.band.robust import RobustForce, find_robust_force
 from mtcommission.optimal.band.settings import BandSettings
 from mtcommission.plant.plant import Plant, build_plant, driven_at_once, longest_period
+from mtcommission.setpoint.smaller_moves import size_of
 
 Found = TypeVar("Found")
 
@@ -61,6 +63,10 @@ def find_within_band(
     settings
         Of the search.
     """
+    size, needs = size_of(optima.move), machine.requirements
+    if isinstance(optima.move, Positioning) and size <= needs.tcp_deviation:
+        remark = Message("band-wider-than-move", distance=size, band=needs.tcp_deviation)
+        return WithinBand(optimum=None, robust=None, remarks=(remark,))
     rigid = least_motion_time(optima.move, machine.drive.motion_force / moving_mass(machine))
     left = 1.0 - rigid / optima.time.t_f
     is_long = optima.time.t_f > settings.many_periods * longest_period(plant)
@@ -68,7 +74,6 @@ def find_within_band(
         remark = Message("band-saves-nothing", rigid=rigid, share=left)
         return WithinBand(optimum=None, robust=None, remarks=(remark,))
     remarks: list[Message] = []
-    needs = machine.requirements
     force, band = machine.drive.motion_force, needs.tcp_deviation
 
     def optimum() -> BandOptimum:
@@ -85,7 +90,7 @@ def find_within_band(
     if found is None or not (needs.frequency_spread or needs.damping_spread):
         return WithinBand(optimum=found, robust=None, remarks=tuple(remarks))
     places = spread_places(machine, settings)
-    every = (len(places) - 1) // (settings.frequencies - 1)
+    every = max((len(places) - 1) // (settings.frequencies - 1), 1)
 
     def robust() -> RobustForce:
         return find_robust_force(
@@ -130,7 +135,8 @@ def spread_places(machine: Machine, settings: BandSettings) -> list[Corner]:
 def _tried(find: Callable[[], Found], kind: str, remarks: list[Message]) -> Found | None:
     """Return what is found, or None and a remark that tells why not."""
     try:
-        return find()
+        with allow_part():
+            return find()
     except ComputationError as error:
         remarks.append(Message(kind, error=error.message))
         return None

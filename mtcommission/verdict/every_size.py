@@ -63,11 +63,8 @@ FORCED_SIZES = 24
 LEAST_FORCED = 0.01
 """The least of them, as a share of the listed one [-]."""
 
-KEPT_TABLES = 96
-"""Tables of loops that are kept for the next limits: some corners, lengths and orders."""
-
-LARGE, KEPT_LARGE = 400_000, 18
-"""Numbers in a loop's tables from which on fewer are kept: all together some hundred megabytes."""
+KEPT_BYTES = 150_000_000
+"""Tables of loops that are kept for the next limits, all together [bytes]."""
 
 LONGEST_TAIL = 0.2
 """Period of a mode that still counts for how long they are looked at after the setpoint [s]."""
@@ -184,24 +181,18 @@ def _worst_residual(
 
 def _tables(loop: SampledLoop, longest: float, order: int) -> ResponseTables:
     """The tables of one loop, once for all limits that are judged on it."""
-    samples = longest / loop.lifted.dt * (order + 1) + _samples_of_free_motion(loop)
-    is_large = samples * len(loop.lifted.A) > LARGE
-    return (_large_tables if is_large else _small_tables)(loop, longest, order)
+    key = (loop, longest, order)
+    found = _kept.pop(key, None)
+    if found is None:
+        tables = build_tables(loop, longest=longest, order=order)
+        found = sketch_tables(tables, loop.plant, samples=SAMPLES)
+    _kept[key] = found  # those asked for last come last, and go last
+    while len(_kept) > 1 and sum(item.nbytes for item in _kept.values()) > KEPT_BYTES:
+        del _kept[next(iter(_kept))]
+    return found
 
 
-@lru_cache(maxsize=KEPT_TABLES)
-def _samples_of_free_motion(loop: SampledLoop) -> float:
-    fastest = max((mode.frequency_hz for mode in loop.plant.modes), default=0.0)
-    return search_horizon(loop.lifted) * SAMPLES * fastest
-
-
-def _build(loop: SampledLoop, longest: float, order: int) -> ResponseTables:
-    tables = build_tables(loop, longest=longest, order=order)
-    return sketch_tables(tables, loop.plant, samples=SAMPLES)
-
-
-_small_tables = lru_cache(maxsize=KEPT_TABLES)(_build)
-_large_tables = lru_cache(maxsize=KEPT_LARGE)(_build)
+_kept: dict[tuple[SampledLoop, float, int], ResponseTables] = {}
 
 
 def _rounded_up(duration: float) -> float:

@@ -21,7 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
+from mtcommission.allowance import spend
+
 Array = NDArray[np.float64]
+
+
+KEPT_RAMPS = 15_000_000
+"""Numbers in the ramps that are kept for other times, all together."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,9 +63,12 @@ class Judged:
             self._ramps[0] = np.hstack([np.zeros((len(y), self.longest)), y, later])
         if k not in self._ramps:
             step = self._ramps[0]
+            spend(3.0 * step.size)
             found = step.copy()
             found[:, k:] -= step[:, :-k]
             self._ramps[k] = found
+            while len(self._ramps) * step.size > KEPT_RAMPS and len(self._ramps) > 2:
+                del self._ramps[list(self._ramps)[1]]  # the oldest behind the step itself
         return self._ramps[k]
 
     def worst(self, y: Array, lags: dict[int, float], *, length: int) -> float:
@@ -83,9 +92,18 @@ class Judged:
             return 0.0
         begin = self.longest + (length + self.wait if self.wait >= 0 else 0)
         end = self.longest + length + self.answers.shape[1]
+        if begin >= end:
+            return 0.0  # judged from when all has come to rest
         total = np.zeros((len(y), end - begin))
+        spend(total.size * (0.3 * len(lags) + 0.8), calls=len(lags))
         for lag, weight in lags.items():
-            total += weight * y[:, begin - lag : end - lag]
+            part = y[:, begin - lag : end - lag]
+            if weight == 1.0:  # without an array in between: most of the search is spent here
+                total += part
+            elif weight == -1.0:
+                total -= part
+            else:
+                total += weight * part
         return float(max(total.max(initial=0.0), -total.min(initial=0.0)))
 
     def worst_difference(self, y: Array, *, length: int, least: int, most: int) -> float:
@@ -105,6 +123,7 @@ class Judged:
         float
             [share per m/s³].
         """
+        spend(12.0 * y.size)
         worst = 0.0
         most = min(most, self.longest)
         if self.wait < 0:

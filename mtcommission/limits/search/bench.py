@@ -11,6 +11,7 @@ from math import isfinite, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import require_room
 from mtcommission.loop.analysis.quantisation import SIGMAS, encoder_noise
 from mtcommission.loop.batch.extremes import find_extremes
 from mtcommission.loop.batch.settling import Settling, settle
@@ -85,9 +86,10 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
     """
     given = machine.control.setpoint_filter
     order = 3 + len(given.averages) if given else 3
-    tables = tuple(
-        build_tables(loop, longest=ROUNDING * longest, order=order) for loop in tuned.loops
-    )
+    tables: list[ResponseTables] = []
+    for loop in tuned.loops:
+        tables.append(build_tables(loop, longest=ROUNDING * longest, order=order))
+        require_room(sum(item.nbytes for item in tables) / 8, array="allowance-transients")
     needs, n = machine.requirements, plant.order
     outputs = np.vstack([np.zeros((3, n)), np.eye(n)])  # tcp, encoder, force, then the states
     rows = [np.eye(n + 3)[2], *(outputs @ plant.row(peak.name) for peak in needs.peaks)]
@@ -103,7 +105,7 @@ def build_bench(machine: Machine, plant: Plant, tuned: TunedLoop, *, longest: fl
     return Bench(
         machine=machine,
         tuned=tuned,
-        tables=tables,
+        tables=tuple(tables),
         sketches=tuple(map(sketch_tables, tables, (loop.plant for loop in tuned.loops))),
         signals=np.array(rows),
         bounds=np.array([set_force, *(peak.bound for peak in needs.peaks)]),

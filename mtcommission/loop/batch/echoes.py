@@ -15,6 +15,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import require_room, spend
 from mtcommission.loop.batch.tables import following_states, search_horizon
 from mtcommission.loop.model.assembly import SampledLoop
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -163,6 +164,9 @@ def _listen(loop: SampledLoop, signals: Array, seen: Sequence[int]) -> Array:
     C = rows @ lifted.C.reshape(N, signals.shape[1], -1)  # (N, n_rows, n)
     S = following_states(lifted, 3)
     within = T_v * np.arange(N)
+    values = float(count * N * len(rows))
+    require_room(4.0 * values, array="allowance-echoes")
+    spend(values * 2.0 * (len(lifted.A) + 10.0 * N), calls=0.5 * count)
     # Steady answers to the k-th derivative of the position, (4, N, n_rows).
     steady = np.einsum("irn,kn->kir", C, S)
     for k in range(4):

@@ -14,6 +14,7 @@ from math import inf, log
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import spend
 from mtcommission.loop.batch.tables import following_states
 from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
 from mtcommission.loop.simulate.mean_force import rms_force, sum_free_force, window_shares
@@ -99,6 +100,9 @@ def find_extremes(
     pieces = cut(steps.times, steps.steps, order=steps.order)
     for stretch in _move(lifted, pieces, lag=loop.controller.reference_delay, tail=tail):
         # What a position cycle computes acts in the next one, so no reference feeds through.
+        cells, n = stretch.times.size, len(lifted.A)
+        each = 120.0 + 0.17 * n * (n + len(C_s) + rows) + rows * (2.0 * len(signals) + 10.0)
+        spend(cells * (each + 50.0 * rows * with_deviation), calls=0.5 * len(stretch.times) + 10)
         motion, instants = C_s @ stretch.states, stretch.times[:, None, :] + before
         np.maximum(largest, np.abs(motion, out=motion).max(axis=0), out=largest)
         if with_deviation:

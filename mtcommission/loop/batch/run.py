@@ -12,6 +12,7 @@ from math import ceil, inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import spend
 from mtcommission.loop.analysis.quantisation import SIGMAS, encoder_noise
 from mtcommission.loop.batch.loops import hand_down_setpoint
 from mtcommission.loop.model.assembly import SampledLoop
@@ -233,6 +234,7 @@ def _advance(run: BatchRun, course: _Course, rows: Array, start: int, stop: int)
     tips = []
     for begin in range(start, stop, BLOCK):
         count = min(BLOCK, stop - begin)
+        spend(0.5 * count * rows.size, calls=0.5 * count + 10)
         seen = np.empty((len(rows), count, rows.shape[1] - n))
         for k in range(count):
             Y = rows @ run.X

@@ -8,6 +8,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import spend
 from mtcommission.loop.batch.tables import ResponseTables
 from mtcommission.setpoint.pieces import INSTANT
 from mtcommission.setpoint.setpoint import JerkSteps
@@ -68,6 +69,7 @@ def _settle_chunk(
     T, t_e = tables.dt, times[:, -1]
     end = np.ceil((t_e - INSTANT) / T).astype(np.int64)
     free, instants = tables.free_motion, tables.instants
+    spend(len(times) * (free.size / 24.0 + 1.4 * free.shape[1] + steps.shape[1] * len(free)))
     e = _motion_from(tables, times, steps, end).astype(free.dtype) @ free
     if tables.reference_delay < T:
         # The judgement begins in the position cycle in which the setpoint ends. What the
@@ -89,19 +91,18 @@ def _settle_chunk(
     head = int(begin.max()) + 1
     e[:, :head][np.arange(e.shape[1])[:head] < begin[:, None]] = 0.0
     e[rows, prior] = np.where(begin > 0, np.abs(at_end), e[rows, prior])
-    residual = e.max(axis=1)
-    outside = e > band
+    residual, settling = e.max(axis=1), until.copy()
+    late = np.flatnonzero(residual > band)
     n = e.shape[1]
-    last = n - 1 - np.argmax(outside[:, ::-1], axis=1)
-    settled = ~outside.any(axis=1)
+    last = n - 1 - np.argmax((e[late] > band)[:, ::-1], axis=1)
     following = np.minimum(last + 1, n - 1)
-    here, there = e[rows, last], e[rows, following]
-    start = np.where(last == begin - 1, until - end * T, instants[last])
+    here, there = e[late, last], e[late, following]
+    ended, ends = end[late] * T, until[late]
+    start = np.where(last == begin[late] - 1, ends - ended, instants[last])
     with np.errstate(divide="ignore", invalid="ignore"):
         share = (here - band) / (here - there)
-        crossing = end * T + start + share * (instants[following] - start)
-    settling = np.where(settled, until, np.maximum(until, crossing))
-    settling[~settled & (last == n - 1)] = np.inf
+        crossing = ended + start + share * (instants[following] - start)
+    settling[late] = np.where(last == n - 1, np.inf, np.maximum(ends, crossing))
     return settling, residual
 
 

@@ -18,6 +18,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import require_room, spend
 from mtcommission.loop.model.assembly import LiftedLoop, SampledLoop
 from mtcommission.plant.plant import Plant
 
@@ -71,6 +72,11 @@ class ResponseTables:
     transients: Array
     free_motion: NDArray[np.floating]
 
+    @property
+    def nbytes(self) -> int:
+        """What the tables take [bytes]."""
+        return self.transients.nbytes + self.free_motion.nbytes + self.instants.nbytes
+
 
 def build_tables(loop: SampledLoop, *, longest: float, order: int = 3) -> ResponseTables:
     """Return the tables of one loop, with the free motion at every velocity cycle.
@@ -109,6 +115,9 @@ def build_tables(loop: SampledLoop, *, longest: float, order: int = 3) -> Respon
 
 def _free_motion(lifted: LiftedLoop, rows: Array, *, cycles: int) -> Array:
     """``rows`` of the loop state so many cycles ago, shape (cycles, n_rows, n)."""
+    values = float(cycles * rows.size)
+    require_room(values, array="allowance-free-motion")
+    spend(values * (0.08 * len(lifted.A) + 0.6))
     found = np.empty((cycles, *rows.shape))
     found[0], known, power = rows, 1, lifted.A
     while known < cycles:  # twice as many in each product
@@ -124,6 +133,8 @@ def _transients(lifted: LiftedLoop, start: Array, *, count: int) -> Array:
     powers = _free_motion(lifted, lifted.A, cycles=min(BLOCK, count)).transpose(0, 2, 1)
     while left > 0:
         last = blocks[-1][-1]
+        require_room(float(BLOCK * len(blocks) * last.size), array="allowance-transients")
+        spend(BLOCK * last.size * (0.2 * len(lifted.A) + 5.0), calls=4)
         block = np.concatenate([last[None], last @ powers[:left]])
         size = np.abs(block)
         size[0] = largest

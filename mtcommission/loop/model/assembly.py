@@ -23,6 +23,7 @@ from math import exp, inf
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import spend
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.model.discrete import (
     Stage,
@@ -334,8 +335,9 @@ def advance_cycle(
     outputs = np.empty((loop.controller.cycles, len(loop.outputs), X.shape[1]))
     # One product a velocity cycle: a saturated simulation spends its time here.
     rows = np.vstack([loop.observation, loop.demand, loop.integration, loop.step])
-    seen = len(loop.observation)
-    for i in range(loop.controller.cycles):
+    seen, cycles = len(loop.observation), loop.controller.cycles
+    spend(0.3 * cycles * rows.size * X.shape[1], calls=2.0 + 3.0 * cycles)
+    for i in range(cycles):
         Y = rows @ X
         outputs[i] = Y[:seen]
         demand, increment, X = Y[seen], Y[seen + 1], Y[seen + 2 :]

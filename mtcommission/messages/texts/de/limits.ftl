@@ -19,6 +19,7 @@ optimum-under-bounds-failed = Optimum mit Höchstwerten: { $error }.
 optimum-not-exact = Das Optimum mit Höchstwerten ist höchstens { SHARE($slower, digits: 1) } langsamer als die schnellste Steuerung; genaue Bögen wurden nicht gefunden.
 damping-optimum-failed = Dämpfungsoptimale Steuerung: { $error }.
 band-saves-nothing = Optimum mit dem Band statt exakter Ruhe: nicht berechnet, denn es spart höchstens { SHARE($share, digits: 2) } der Zeit: selbst eine starre Achse braucht { TIME($rigid, digits: 6) }.
+band-wider-than-move = Optimum mit dem Band statt exakter Ruhe: keines, denn das Band, { SI($band, "LENGTH", digits: 3) }, ist nicht kleiner als die Bewegung, { SI($distance, "LENGTH", digits: 3) }: Stillstand hält es ein.
 band-optimum-failed = Optimum mit dem Band statt exakter Ruhe: { $error }.
 robust-force-failed = { $axis ->
     [rotary] Drehmomentverlauf für die ganze Streuung: { $error }.

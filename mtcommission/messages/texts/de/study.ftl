@@ -35,6 +35,12 @@ loop-filters-suggested = Vorgeschlagen, nicht verwendet (force_filters = "auto" 
 loop-filters-used = Verwendet wegen force_filters = "auto": { $filters }. So steigen Kp von { SI($Kp, "DAMPING", digits: 3) } auf { SI($higher, "DAMPING", digits: 3) } und die dynamische Steifigkeit von { STIFFNESS($stiffness, digits: 3) } auf { STIFFNESS($stiffer, digits: 3) } (ungünstigster Eckfall), und die Bewegungen schwingen in { $settling_after } statt { $settling } ein (grobe Suche).
 loop-filter-notch = Bandsperre bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) } zu Breite { NUMBER($width, digits: 3) }
 loop-filter-low-pass = Tiefpass bei { FREQUENCY($frequency) }, Dämpfung { NUMBER($damping, digits: 3) }
+loop-filters-left-out = Filter im { $axis ->
+    [rotary] Drehmoment-Sollwert
+   *[linear] Kraft-Sollwert
+} wurden nicht gesucht: das dauerte zu lange.
+loop-feedback-left-out = Was eine Zustandsregelung brächte, wurde nicht berechnet: das dauerte zu lange.
+loop-trials-left-out = Nicht alle Regelkreise wurden versucht, weil das zu lange dauerte: Ein besserer kann bestehen.
 loop-no-filters = Keine Bandsperre und kein Tiefpass im { $axis ->
     [rotary] Momentensollwert
    *[linear] Kraftsollwert
@@ -132,3 +138,12 @@ glance-force = { $axis ->
    *[linear] Sollkraft in { $unit }
 }
 glance-time = Zeit in ms
+
+# was zu lange dauerte; $parts: eines oder mehrere der folgenden
+left-out = Nicht berechnet, weil es zu lange dauerte (in Schritten gezählt, auf jedem Rechner gleich): { $parts }. Weniger oder kürzere Bewegungen, weniger Zuladungen oder ein längerer velocity_cycle schaffen Raum.
+left-out-listed = was den genannten Weiten allein diente
+left-out-rules = die Regeln von Herstellern und Lehrbüchern
+left-out-shapers = Eingangsformer und Ruckfilter neben der Empfehlung
+left-out-attainable = was stattdessen einzuhalten wäre
+left-out-modes = Grenzwerte für die Bearbeitungsarten
+left-out-tool-sensor = was eine Messung am Werkzeug freigäbe

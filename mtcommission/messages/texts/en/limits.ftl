@@ -21,6 +21,7 @@ optimum-under-bounds-failed = Optimum under the bounds on peaks: { $error }.
 optimum-not-exact = The optimum under the bounds on peaks is at most { SHARE($slower, digits: 1) } slower than the fastest control; exact arcs were not found.
 damping-optimum-failed = Damping-optimal control: { $error }.
 band-saves-nothing = Optimum with the band instead of exact rest: not computed, since it saves { SHARE($share, digits: 2) } of the time at most: even a rigid axis takes { TIME($rigid, digits: 6) }.
+band-wider-than-move = Optimum with the band instead of exact rest: none, since the band, { SI($band, "LENGTH", digits: 3) }, is no smaller than the move, { SI($distance, "LENGTH", digits: 3) }: standing still keeps it.
 band-optimum-failed = Optimum with the band instead of exact rest: { $error }.
 robust-force-failed = { $axis ->
     [rotary] Torque profile for the whole spread: { $error }.

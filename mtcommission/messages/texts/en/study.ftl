@@ -39,6 +39,12 @@ loop-filters-suggested = Suggested, not used (force_filters = "auto" uses it): {
 loop-filters-used = Used, since force_filters = "auto": { $filters }. So Kp rises from { SI($Kp, "DAMPING", digits: 3) } to { SI($higher, "DAMPING", digits: 3) }, dynamic stiffness from { STIFFNESS($stiffness, digits: 3) } to { STIFFNESS($stiffer, digits: 3) } (worst corner), and the moves settle in { $settling_after } instead of { $settling } (coarse search).
 loop-filter-notch = notch at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) } over width { NUMBER($width, digits: 3) }
 loop-filter-low-pass = low-pass at { FREQUENCY($frequency) }, damping { NUMBER($damping, digits: 3) }
+loop-filters-left-out = Filters of the set { $axis ->
+    [rotary] torque
+   *[linear] force
+} were not looked for: that would take too long.
+loop-feedback-left-out = What state feedback would add was not computed: that would take too long.
+loop-trials-left-out = Not all loops were tried, since that would take too long: a better one may exist.
 loop-no-filters = No notch or low-pass in the { $axis ->
     [rotary] torque
    *[linear] force
@@ -136,3 +142,12 @@ glance-force = { $axis ->
    *[linear] set force in { $unit }
 }
 glance-time = time in ms
+
+# what would have taken too long; $parts: one or more of those that follow
+left-out = Not computed, since it would take too long (counted in steps, the same on every computer): { $parts }. Fewer or shorter moves, fewer payloads or a longer velocity_cycle make room.
+left-out-listed = what would serve the listed sizes alone
+left-out-rules = the rules of makers and textbooks
+left-out-shapers = input shapers and jerk filters beside the recommendation
+left-out-attainable = what could be met instead
+left-out-modes = limits for the machining modes
+left-out-tool-sensor = what measuring at the tool would free

@@ -11,6 +11,7 @@ from highspy import HighsBasisStatus, HighsModelStatus, cb
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from mtcommission.allowance import CALL, left, spend
 from mtcommission.optimal.bounded.settings import ProgramSettings
 
 Array = NDArray[np.float64]
@@ -138,11 +139,14 @@ def solve_program(
     model = _model(program)
     for way in WAYS:
         allowed = max(tolerance, settings.forgiving) if way is WAYS[-1] else tolerance
-        solver = _solver(way, settings, steps=steps, tolerance=allowed)
+        # A step looks at each coefficient a few times.
+        each = 1.1 * program.rows.size + CALL
+        solver = _solver(way, settings, steps=int(min(steps, 1 + left() / each)), tolerance=allowed)
         solver.passModel(model)
         if start is not None:
             solver.setBasis(_highs_basis(start, rows=model.num_row_))
         solver.run()
+        spend(each * solver.getInfo().simplex_iteration_count, calls=100)
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
             return _solution(solver, equations=program.right.size)

@@ -1,0 +1,137 @@
+"""What may be computed: the same count everywhere, parts left out by name, an end of the whole."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from benchmarks.fuzz import LONGEST, call, fault_of, in_place
+from benchmarks.mutations import dice_of, extreme_machine
+from mtcommission import allowance
+from mtcommission.allowance import (
+    LARGEST,
+    SECOND,
+    WHOLE,
+    allow_part,
+    allow_whole,
+    find_part,
+    left,
+    require_room,
+    spend,
+)
+from mtcommission.commission import commission
+from mtcommission.errors import ComputationError, Outcome, TooMuchError
+from mtcommission.machine.machine import Machine, Positioning
+from mtcommission.messages.message import Message
+from mtcommission.profile.shipped import read_shipped
+
+
+def say(error: Message) -> str:
+    return error.kind
+
+
+def test_a_part_that_is_too_much_is_named_and_the_whole_goes_on() -> None:
+    def find() -> str:
+        spend(2.0 * SECOND)
+        return "found"
+
+    with allow_whole(40.0):
+        assert find_part(find, seconds=3.0, otherwise=say) == "found"
+        assert find_part(find, seconds=1.0, otherwise=say) == "outcome-too-much-to-compute"
+        assert left() == pytest.approx(36.0 * SECOND, rel=1e-4)
+
+
+def test_the_whole_ends_even_where_failures_of_parts_are_caught() -> None:
+    def find() -> str:
+        spend(2.0 * SECOND)
+        return "found"
+
+    with pytest.raises(TooMuchError) as caught, allow_whole(1.0):
+        find_part(find, seconds=5.0, otherwise=say)
+    assert caught.value.outcome is Outcome.TOO_MUCH_TO_COMPUTE
+    assert caught.value.exit_code == 3
+    assert not isinstance(caught.value, ComputationError)
+    spend(1e3 * SECOND)  # outside nothing is counted
+
+
+def test_parts_leave_what_cannot_be_done_without() -> None:
+    with allow_whole(40.0):
+        spend(30.0 * SECOND)
+        with pytest.raises(ComputationError, match="too much"), allow_part(5.0):
+            spend(1.0 * SECOND)
+        assert left() > 8.0 * SECOND
+
+
+def test_other_outcomes_of_a_part_are_not_swallowed() -> None:
+    def find() -> str:
+        raise ComputationError(Outcome.UNSTABLE_LOOP, Message("allowance-mesh"))
+
+    with pytest.raises(ComputationError, match="unstable"):
+        find_part(find, otherwise=say)
+
+
+def test_an_array_that_is_too_large_is_refused_before_it_is_made() -> None:
+    require_room(LARGEST, array="allowance-mesh")
+    with pytest.raises(ComputationError, match="would have"):
+        require_room(LARGEST + 1, array="allowance-mesh")
+
+
+def test_the_count_is_the_same_each_time() -> None:
+    """Not a clock: two runs of one machine end with the same number of steps left."""
+    machine = read_shipped("honing-z").machine
+    used = [steps_of(machine) for _ in range(2)]
+    assert used[0] == used[1] < WHOLE * SECOND / 2.0
+
+
+def steps_of(machine: Machine) -> float:
+    """What a commissioning counts."""
+    before = 1e3
+    with allow_whole(before):
+        commission(machine)
+        return before * SECOND - left()
+
+
+def test_without_room_for_parts_limits_are_found_and_the_sheet_says_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Limits and verdict of a whole run, less what stands beside them."""
+    monkeypatch.setattr(allowance, "KEPT", 1e3)
+    monkeypatch.setattr(allowance, "LEAST", 1e-3)
+    profile, out = tmp_path / "honing.toml", tmp_path / "out"
+    profile.write_text(read_shipped("honing-z").text, "utf-8")
+    code, said = call("run", str(profile), "-o", str(out))
+    assert code == 0, said
+    record = json.loads((out / "record.json").read_text("utf-8"))
+    assert record["assessment"]["met"]
+    assert record["limits"]["rules"] == record["limits"]["modes"] == []
+    page = (out / "sheet.html").read_text("utf-8")
+    for missing in (
+        "Not computed, since it would take too long",
+        "the rules of makers and textbooks",
+        "limits for the machining modes",
+        "Not all loops were tried",
+        "Filters of the set force were not looked for",
+    ):
+        assert missing in page
+    code, said = call("export", str(out / "record.json"), "--control", "sinumerik")
+    assert code == 0, said
+
+
+def test_a_shorter_move_and_fewer_payloads_take_less() -> None:
+    """The remedies that the outcome names are true."""
+    machine = read_shipped("modal-two-modes").machine
+    light = replace(machine, requirements=replace(machine.requirements, payload=(0.0, 0.0)))
+    twice = replace(machine, moves=(*machine.moves, Positioning(distance=0.2, max_velocity=0.5)))
+    assert steps_of(light) < steps_of(machine) < steps_of(twice)
+
+
+@pytest.mark.parametrize("seed", [6, 7, 9])
+def test_machines_that_nobody_built_end_with_an_outcome(seed: int, tmp_path: Path) -> None:
+    profile = tmp_path / "dice.toml"
+    profile.write_text(extreme_machine(dice_of(99, seed)), "utf-8")
+    ending = in_place(partial(call, "limits", str(profile)))
+    assert not fault_of("limits", ending, longest=LONGEST), ending
