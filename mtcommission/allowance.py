@@ -23,13 +23,13 @@ Found = TypeVar("Found")
 SECOND = 1e9
 """Steps that take about a second of processor time (calibrated on shipped and random machines)."""
 
-WHOLE = 40.0
+WHOLE = 46.0
 """What a command may take, about that many seconds."""
 
-PART = 5.0
+PART = 8.0
 """The same of a part that it can do without."""
 
-KEPT, LEAST = 20.0, 0.3
+KEPT, LEAST = 8.0, 0.3
 """What such parts leave of the whole, and what each gets all the same, in seconds."""
 
 CALL = 4e3

@@ -26,7 +26,7 @@ from mtcommission.allowance import spend
 Array = NDArray[np.float64]
 
 
-KEPT_RAMPS = 15_000_000
+KEPT_RAMPS = 5_000_000
 """Numbers in the ramps that are kept for other times, all together."""
 
 
@@ -70,6 +70,10 @@ class Judged:
             while len(self._ramps) * step.size > KEPT_RAMPS and len(self._ramps) > 2:
                 del self._ramps[list(self._ramps)[1]]  # the oldest behind the step itself
         return self._ramps[k]
+
+    def forget_ramps(self) -> None:
+        """Free what can be computed again."""
+        self._ramps.clear()
 
     def worst(self, y: Array, lags: dict[int, float], *, length: int) -> float:
         """Return the largest magnitude of a sum of delayed echoes where it is judged.

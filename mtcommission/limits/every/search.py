@@ -303,10 +303,13 @@ class Explorer:
         self, item: SetpointFilter | None, a: float, jerk_time: float, *, enough: float
     ) -> float:
         """Return the largest share of any bound at any size, or one beyond ``enough`` [-]."""
-        if item not in self.cases:
-            self.cases[item] = _cases(self.machine, self.heard, item)
+        cases = self.cases.pop(item, None) or _cases(self.machine, self.heard, item)
+        if self.cases:  # the filter that was looked at before may never be looked at again
+            for sizes, _ in self.cases[next(reversed(self.cases))]:
+                sizes.judged.forget_ramps()
+        self.cases[item] = cases
         found = 0.0
-        for sizes, moves in self.cases[item]:
+        for sizes, moves in cases:
             for move in moves:
                 found = max(found, sizes.worst(move, a, jerk_time, enough=enough))
                 if found > enough:
