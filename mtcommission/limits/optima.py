@@ -163,12 +163,14 @@ def _search(
     cruise = move if isinstance(move, Positioning) and isfinite(move.max_velocity) else None
     if not bounds and cruise is None:
         return solve_time_optimal(plant, move, force_limit=force_limit)
+    if bounds or cruise is None:
+        return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
     try:
         with allow_part():
-            return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
+            return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=())
     except ComputationError as error:
         ends = (Outcome.NO_CONVERGENCE, Outcome.MOVE_TOO_LONG, Outcome.TOO_MUCH_TO_COMPUTE)
-        if bounds or cruise is None or error.outcome not in ends:
+        if error.outcome not in ends:
             raise
         return compose_cruise(plant, cruise, force_limit=force_limit)
 

@@ -134,7 +134,7 @@ def mesh_segments(problem: BoundedProblem, plan: MeshPlan, *, relaxed: bool) -> 
     jumps = sum(problem.limits[interior.limit].order for interior in interiors) if relaxed else 0
     lengths = np.array([start - end for start, end, _ in spans])
     values = float(len(spans) * plant.order * (cells + jumps + 2))
-    require_room(values, array="allowance-mesh")
+    require_room(2.0 * values, array="allowance-mesh")
     spend(values * (0.25 * plant.order + 1.0), calls=2 * len(spans))
     flows = transition(plant, lengths)
     pushes = step_response(plant, lengths) * problem.force_limit
