@@ -210,6 +210,13 @@ def test_copies_between_samples_are_those_of_the_exact_answer() -> None:
     exact = sum(share * answer(t - late) for late, share in zip(delays, shares, strict=True))
     (found,) = behind_filter(answer(t)[None, :], item, dt=dt)
     assert np.abs(found - exact)[60:].max() < 2e-5
+    # An answer that has ended before the last copy begins goes on as it was.
+    ended = answer(t[:40])[None, :]
+    (longer,) = behind_filter(ended, replace(item, frequency_hz=0.1), dt=dt)
+    slope = ended[0, -1] - ended[0, -2]
+    last = ended[0, -1] + slope * (longer.size - 1 - 39)
+    late, share = delays[1] * 45.0 / 0.1, shares[1]
+    assert longer[-1] == pytest.approx(last - share * slope * late / dt, rel=1e-6)
     square = (t < 0.02).astype(float)[None, :]
     assert behind_filter(square, item, dt=dt, between=linear).max() <= 1.0 + 1e-12
     assert behind_filter(square, item, dt=dt).max() > 1.0

@@ -251,10 +251,11 @@ def sample_trajectory(plant: Plant, arcs: tuple[Arc, ...], *, step: float) -> Tr
     moved = driven_at_once(plant)
     n = moved.order
     x, times, forces, states = np.zeros(n), [], [], []
+    room = (arcs[-1].t_end - arcs[0].t_start) / step * (n + arcs[0].initial.size)
+    require_room(8.0 * room, array="allowance-motion")  # whoever asks computes with them
     for arc in arcs:
         length = arc.t_end - arc.t_start
         count = max(1, int(np.ceil(length / step)))
-        require_room(4.0 * count * (n + arc.initial.size), array="allowance-motion")
         spend(count * (n + arc.initial.size) ** 2, calls=0.6 * count)
         transition = balanced_expm(joint_system(moved, arc) * (length / count))
         motion = np.empty((count + 1, n + arc.initial.size))

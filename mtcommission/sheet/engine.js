@@ -3,7 +3,8 @@
 // SI throughout; matrices are arrays of rows. A "model" is the record's `what_if`.
 
 const engine = (() => {
-  const TAYLOR_TERMS = 18;   // as loop/batch/loops.py: converged at the velocity cycle
+  const TAYLOR_TERMS = 18;   // as loop/batch/loops.py: converged up to
+  const LARGEST_ANGLE = 2;   // pole times step; longer steps are halved, and the result squared
   const INSTANT = 1e-9;      // times closer than this are one instant [s]
   const HORIZON = 10;        // what may still leave the band so long after t_e is not settled [s]
   const DECAYED = 0.1;       // share of band and motion below which the last swings must stay
@@ -120,19 +121,24 @@ const engine = (() => {
     return A;
   }
 
-  function discretise(A, B, step) {
-    const n = A.length, joint = [...A.map((row, i) => Float64Array.from([...row, B[i]], value => value * step)), new Float64Array(n + 1)];
+  function discretise(plant, A, step) {
+    const B = plant.B, n = A.length, rates = plant.modes.map(({deflection, rate}) => Math.sqrt(Math.abs(A[rate][deflection])));
+    const fastest = Math.max(Math.abs(A[n - 1][n - 1]), ...rates);  // the force lag's, and the modes'
+    const halvings = Math.max(Math.ceil(Math.log2(fastest * step / LARGEST_ANGLE)), 0);
+    step /= 2 ** halvings;
+    const joint = [...A.map((row, i) => Float64Array.from([...row, B[i]], value => value * step)), new Float64Array(n + 1)];
     let result = identity(n + 1);
     for (let k = TAYLOR_TERMS; k > 0; k--) {
       result = product(joint.map(row => row.map(value => value / k)), result);
       for (let i = 0; i <= n; i++) result[i][i] += 1;
     }
+    for (let k = 0; k < halvings; k++) result = product(result, result);
     return result;
   }
 
   // The loop's state one velocity cycle later, with the machine as it is at a place.
   function cycleAt(plant, loop, place) {
-    const n = plant.A.length, transition = discretise(vary(plant, place), plant.B, loop.velocity_cycle);
+    const n = plant.A.length, transition = discretise(plant, vary(plant, place), loop.velocity_cycle);
     // A motor that follows: position, velocity and acceleration in the modes are handed down.
     const modal = plant.modes.flatMap(({deflection, rate}) => [deflection, rate]), slaves = [plant.position, plant.velocity, n - 1];
     return loop.cycle.map((row, i) => {

@@ -135,10 +135,14 @@ def behind_filter(
     Returns
     -------
     ndarray
-        Lengths of averages are rounded to samples, delays of impulses are not.
+        Lengths of averages are rounded to samples, delays of impulses are not. Longer by the
+        filter's duration where the answers are not much longer than that.
     """
     if item is None:
         return answers
+    length = int(np.ceil(item.duration / dt)) + 3
+    if 2 * length > answers.shape[1]:  # the filter is still moving when the answer has ended
+        answers = _extended(answers, answers.shape[1] + length)
     for time in item.averages:
         lag = max(round(time / dt), 1)
         total = np.cumsum(answers, axis=1)

@@ -1,9 +1,12 @@
 """What the machines of a batch do not share, and what they do: their plants, and one setpoint.
 
-The plants are discretised in one go (Taylor series, converged to rounding at the velocity cycle).
+The plants are discretised in one go (Taylor series, scaled and squared where a pole is faster than
+the velocity cycle).
 """
 
 from __future__ import annotations
+
+from math import ceil, log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +19,9 @@ from mtcommission.setpoint.setpoint import Setpoint, sample_setpoint
 
 Array = NDArray[np.float64]
 
-TAYLOR_TERMS = 18
-"""Of the matrix exponential: poles times velocity cycle stay below 2, and 2^18/18! < 1e-10;
-typical axes (below 0.5) reach rounding."""
+TAYLOR_TERMS, LARGEST_ANGLE = 18, 2.0
+"""Of the matrix exponential: up to a pole times the step of 2 its series ends below 2^18/18! <
+1e-10; typical axes (below 0.5) reach rounding. Longer steps are halved, and the result squared."""
 
 
 def discretise_variations(
@@ -53,11 +56,16 @@ def discretise_variations(
         joint[:, mode.rate, mode.deflection] *= s**2 * loosened
         joint[:, mode.rate, mode.rate] *= s * d * loosened
         joint[:, mode.rate, plant.force] *= loosened
-    joint *= step
+    squares = [np.abs(joint[:, mode.rate, mode.deflection]).max() for mode in plant.modes]
+    fastest = max([np.sqrt(max(squares, default=0.0)), *(-rate for rate in plant.lag_rates)])
+    halvings = max(ceil(log2(max(fastest * step / LARGEST_ANGLE, 1.0))), 0)
+    joint *= step / 2.0**halvings
     eye = np.eye(n + 1)
     result = np.broadcast_to(eye, joint.shape)
     for k in range(TAYLOR_TERMS, 0, -1):
         result = eye + (joint / k) @ result
+    for _ in range(halvings):
+        result = result @ result
     return result[:, :n, :n], result[:, :n, n]
 
 

@@ -34,6 +34,9 @@ Array = NDArray[np.float64]
 EARLIEST_STOP = 0.02
 """Shortest stretch of free motion after which a sample may count as decayed [s]."""
 
+GROWN = 1e9
+"""Bands beyond which a sample is given up: its loop is unstable."""
+
 BLOCK = 16
 """Position cycles whose signals are looked at together (measured: more leave the cache)."""
 
@@ -150,6 +153,7 @@ class _Course:
     fed: Array
 
 
+@np.errstate(over="ignore", invalid="ignore")  # an unstable loop grows beyond all numbers
 def run_batch(
     machine: Machine,
     loop: SampledLoop,
@@ -196,7 +200,9 @@ def run_batch(
         _note_contour(run, course, tip, start)
         t, e = _deviation(course, tip, start, until=until)
         size = _note(run, t, np.abs(e), band=band)
-        moving = size > DECAYED * band
+        grown = ~(size <= GROWN * band)  # not a number any more, too
+        _give_up(run, run.alive[grown])
+        moving = (size > DECAYED * band) & ~grown
         run.alive, run.X, run.last = (
             run.alive[moving],
             run.X[moving],
@@ -208,6 +214,13 @@ def run_batch(
     lost = run.alive[size[moving] > band]
     run.settling[lost], run.residual[lost] = inf, inf
     return run
+
+
+def _give_up(run: BatchRun, lost: NDArray[np.intp]) -> None:
+    """Note that some samples keep nothing: their loops are unstable."""
+    for values in (run.settling, run.residual, run.peaks, run.contour, run.square):
+        values[lost] = inf
+    run.first[lost] = 0.0
 
 
 def _at_rest(rows: Array, signals: Signals, *, until: float) -> BatchRun:
@@ -334,7 +347,8 @@ def _note(run: BatchRun, t: Array, e: Array, *, band: float) -> Array:
     final = e.shape[1] - 1 - np.argmax(outside[row, ::-1], axis=1)
     following = np.minimum(final + 1, e.shape[1] - 1)
     here, there = e[row, final], e[row, following]
-    share = np.where(following > final, (here - band) / np.maximum(here - there, 1e-300), 0.0)
+    crosses = following > final
+    share = np.where(crosses, (here - band) / np.where(crosses, here - there, 1.0), 0.0)
     run.settling[alive[row]] = t[final] + (t[following] - t[final]) * share
     run.last = e[:, -1]
     return np.asarray(e.max(axis=1))

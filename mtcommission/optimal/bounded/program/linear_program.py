@@ -146,7 +146,7 @@ def solve_program(
         if start is not None:
             solver.setBasis(_highs_basis(start, rows=model.num_row_))
         solver.run()
-        spend(each * solver.getInfo().simplex_iteration_count, calls=100)
+        spend(each * solver.getInfo().simplex_iteration_count, calls=250)
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
             return _solution(solver, equations=program.right.size)

@@ -167,7 +167,7 @@ def _sigma(
 ) -> tuple[Array, Array]:
     """Return σ and dσ/dτ at times before the ends of stretches."""
     n, modes = problem.plant.order, len(problem.plant.modes)
-    spend(tau.size * (3.0 * n + 40.0 * modes + 50.0), calls=4 + 2 * modes)
+    spend(tau.size * (4.0 * n + 50.0 * modes + 60.0), calls=6 + 3 * modes)
     response, adjoint = impulse_response(problem.plant, tau), adjoints[stretch]
     slopes = np.sum(response * (adjoint @ problem.plant.A), axis=1)
     return np.sum(response * adjoint, axis=1), slopes
@@ -223,7 +223,7 @@ def _halved(
 
 def _may_hide_zeros(cells: _Cells, bend: Array) -> NDArray[np.bool_]:
     """Return which cells may hold zeros that the signs at their ends do not show."""
-    spend(80.0 * cells.left.size, calls=3)
+    spend(110.0 * cells.left.size, calls=6)
     widths, most = cells.right - cells.left, bend[cells.stretch]
     monotone = np.abs(cells.slopes).max(axis=1) >= most * widths
     # Between its ends σ deviates from the chord by at most bend widths² / 8.
