@@ -95,7 +95,7 @@ def test_a_broken_profile_may_take_as_long_as_the_same_one_unbroken(
     monkeypatch.setattr(fuzz, "in_place", lambda _work: ending)
     count = len(times)
     options = {"command": "check", "count": count, "first": 0, "series": 1, "keep": tmp_path}
-    options |= {"values": False, "second": False, "longest": 1.0, "seconds": 1}
+    options |= {"values": False, "machines": False, "second": False, "longest": 1.0, "seconds": 1}
     assert fuzz.fuzz(Namespace(**options), tmp_path) == 1
     said = capsys.readouterr().out
     bad = re.findall(r"BAD seed (\d+): .*3\.0 s of CPU, more than 2\.0 s", said)

@@ -144,6 +144,9 @@ def _out_of_reach(problem: BoundedProblem, longest: GridOptimum, t_free: float) 
     named = describe_bounds(problem.plant, problem.bounds)
     if longest.t_f <= settings.horizon * t_free:
         least = smallest_factor(problem, t_free=t_free)
+        if least <= 0.0:  # the program knows no digit of it: nothing is proved against the bounds
+            detail = Message("grid-search-stopped", t_f=longest.t_f)
+            return ComputationError(Outcome.NO_CONVERGENCE, detail)
         if least < 1.0:
             detail = Message("bounds-near-least", bounds=named, above=1.0 / least - 1.0)
             return ComputationError(Outcome.BEYOND_HORIZON, detail)

@@ -137,16 +137,20 @@ def solve_program(
     2.0
     """
     model = _model(program)
+    # A step looks at each coefficient about once, a new factorisation many times.
+    each, again = 1.1 * program.rows.size + CALL, 8.0 * program.rows.size + CALL
     for way in WAYS:
         allowed = max(tolerance, settings.forgiving) if way is WAYS[-1] else tolerance
-        # A step looks at each coefficient a few times.
-        each = 1.1 * program.rows.size + CALL
-        solver = _solver(way, settings, steps=int(min(steps, 1 + left() / each)), tolerance=allowed)
+        most = int(min(steps, 1 + left() / each))
+        solver = _solver(way, settings, steps=most, tolerance=allowed)
+        more = min((settings.checks_per_step - 1) * most, left() / again)
+        checks = _stop_circles(solver, most=most + int(more))
         solver.passModel(model)
         if start is not None:
             solver.setBasis(_highs_basis(start, rows=model.num_row_))
         solver.run()
-        spend(each * solver.getInfo().simplex_iteration_count, calls=250)
+        done = solver.getInfo().simplex_iteration_count
+        spend(each * done + again * max(most + int(more) - checks.left - done, 0), calls=250)
         status = solver.getModelStatus()
         if status == HighsModelStatus.kOptimal:
             return _solution(solver, equations=program.right.size)
@@ -201,17 +205,23 @@ def _solver(
     }
     for name, value in options.items():
         solver.setOptionValue(name, value)
-    _stop_circles(solver, most=settings.checks_per_step * steps)
     return solver
 
 
-def _stop_circles(solver: highspy.Highs, *, most: int) -> None:
+@dataclass(slots=True)
+class _Checks:
+    """How often a simplex method may still ask whether it shall go on."""
+
+    left: int
+
+
+def _stop_circles(solver: highspy.Highs, *, most: int) -> _Checks:
     """Stop a simplex method that has asked too often whether it shall go on.
 
     It asks at each step, and again at each new factorisation: one that turns in circles without
     counting its steps goes on asking.
     """
-    left = iter(range(most))
+    checks = _Checks(left=most)
 
     def answer(
         kind: cb.HighsCallbackType,
@@ -220,10 +230,12 @@ def _stop_circles(solver: highspy.Highs, *, most: int) -> None:
         told: cb.HighsCallbackInput,
         data: object,
     ) -> None:
-        told.user_interrupt = next(left, None) is None
+        checks.left -= 1
+        told.user_interrupt = checks.left < 0
 
     solver.setCallback(answer, None)
     solver.startCallback(cb.HighsCallbackType.kCallbackSimplexInterrupt)
+    return checks
 
 
 def _solution(solver: highspy.Highs, *, equations: int) -> Solution:
