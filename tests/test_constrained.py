@@ -17,7 +17,6 @@ from benchmarks.constrained_survey import largest_excess
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Positioning, VelocityStep
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.bounded.cruise import compose_cruise
 from mtcommission.optimal.bounded.lengthened_cruise import cruise_periods, lengthened_cruise
 from mtcommission.optimal.bounded.mesh.observe import hidden, steepness_of_zeros
 from mtcommission.optimal.bounded.newton.extremal import solve_sequence
@@ -29,6 +28,7 @@ from mtcommission.optimal.bounded.structure.arcs import arc_piece
 from mtcommission.optimal.bounded.structure.detection import place_touches
 from mtcommission.optimal.bounded.structure.sequence import Piece, Sequence, Touch
 from mtcommission.optimal.closed_form import impulse_response, step_response, transition
+from mtcommission.optimal.composed import compose_time_optimum
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
 from mtcommission.optimal.solution import Bound, Boundary, TimeOptimum, propagate, sample_trajectory
 from mtcommission.plant.plant import Plant, build_plant
@@ -392,7 +392,7 @@ def test_long_cruise_is_reached_by_lengthening_a_short_one() -> None:
     assert followed is not None
     assert followed.exact
     assert followed.t_f == pytest.approx(optimum.t_f, rel=1e-10)
-    composed = compose_cruise(paper_plant(), move, force_limit=600.0)
+    composed = compose_time_optimum(paper_plant(), move, force_limit=600.0)
     assert optimum.t_f < composed.t_f
 
 

@@ -18,7 +18,7 @@ from mtcommission.optimal.at_once import (
     time_optimum_on,
 )
 from mtcommission.optimal.bounded.constrained import solve_bounded_time_optimal
-from mtcommission.optimal.bounded.cruise import compose_cruise
+from mtcommission.optimal.composed import compose_time_optimum
 from mtcommission.optimal.damping.damping_optimal import solve_damping_optimal
 from mtcommission.optimal.damping.weights import balanced_weights
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
@@ -32,6 +32,14 @@ from mtcommission.optimal.solution import (
 )
 from mtcommission.plant.plant import Plant, driven_at_once
 from mtcommission.setpoint.motion_limits import MotionLimits
+
+NOT_FOUND = (
+    Outcome.NO_CONVERGENCE,
+    Outcome.MOVE_TOO_LONG,
+    Outcome.BEYOND_HORIZON,
+    Outcome.TOO_MUCH_TO_COMPUTE,
+)
+"""Ends of a search for which a composed control stands in."""
 
 DAMPING_TIME_FACTOR = 1.2
 """Default t_f of the damping-optimal control over t_f,min where no peaks are bounded
@@ -131,8 +139,8 @@ def find_time_optimum(
 ) -> TimeOptimum:
     """Return the time-optimal control, bounded or free, whichever the move and bounds ask for.
 
-    Where the exact search under max_velocity does not end, the composed control of
-    ``compose_cruise`` stands in: its method says so, and its gap is that of its proof.
+    Where the exact search does not end, and no states are bounded, the composed control of
+    ``compose_time_optimum`` stands in: its method says so, and its gap is that of its proof.
 
     Parameters
     ----------
@@ -160,19 +168,18 @@ def _search(
     plant: Plant, move: Move, *, force_limit: float, bounds: tuple[Bound, ...]
 ) -> TimeOptimum:
     """The optimum of a plant of ``driven_at_once``."""
-    cruise = move if isinstance(move, Positioning) and isfinite(move.max_velocity) else None
-    if not bounds and cruise is None:
-        return solve_time_optimal(plant, move, force_limit=force_limit)
-    if bounds or cruise is None:
+    if bounds:
         return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=bounds)
+    cruises = isinstance(move, Positioning) and isfinite(move.max_velocity)
     try:
         with allow_part():
-            return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=())
+            if cruises:
+                return solve_bounded_time_optimal(plant, move, force_limit=force_limit, bounds=())
+            return solve_time_optimal(plant, move, force_limit=force_limit)
     except ComputationError as error:
-        ends = (Outcome.NO_CONVERGENCE, Outcome.MOVE_TOO_LONG, Outcome.TOO_MUCH_TO_COMPUTE)
-        if error.outcome not in ends:
+        if error.outcome not in NOT_FOUND:
             raise
-        return compose_cruise(plant, cruise, force_limit=force_limit)
+        return compose_time_optimum(plant, move, force_limit=force_limit)
 
 
 def find_damping_optimum(

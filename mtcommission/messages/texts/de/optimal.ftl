@@ -23,11 +23,6 @@ free-motion-rings-on = die freie Bewegung nach dem Ende klingt zu langsam ab, um
 band-program-gave-up = das lineare Programm des Optimums mit dem Band kam zu keinem Ende
 band-exchange-goes-on = weitere Spitzen der freien Bewegung verlassen das Band, so viele auch gehalten werden
 band-exceeds-velocity = zwischen den überwachten Punkten erreicht die Geschwindigkeit das { PLAIN($times, digits: 6) }-fache von max_velocity
-cruise-needs-velocity = eine Fahrt mit konstanter Geschwindigkeit braucht eine max_velocity
-too-short-to-cruise = der { $axis ->
-    [rotary] Winkel
-   *[linear] Weg
-} von { PLAIN($distance, digits: 6) } { $unit } ist zu kurz für eine Fahrt mit { PLAIN($velocity, digits: 6) } { $unit }/s
 
 damping-needs-force = t_f = { PLAIN($t_f, digits: 6) } s braucht mehr als { PLAIN($needed, digits: 9) } { $unit }, vorhanden sind { PLAIN($force, digits: 6) } { $unit }
 damping-not-solved = dämpfungsoptimale Steuerung für t_f = { PLAIN($t_f, digits: 6) } s und { PLAIN($force, digits: 6) } { $unit }: nur bis zu einer Grenze von { PLAIN($solved, digits: 6) } { $unit } gelöst

@@ -115,7 +115,7 @@ robust-force = { $axis ->
    *[linear] Ein Kraftverlauf, der das Band bei jeder Frequenz und Dämpfung der Streuung einhält, braucht { $optimum } (empfohlen: { $change }).
 }
 reference-bounded = Mit Höchstwerten braucht der Vergleichswert { $optimum }; die Empfehlung: { $change }.
-reference-composed = { $optimum } (mit Konstantfahrt zusammengesetzt; bewiesen: nicht unter { $bound })
+reference-composed = { $optimum } (zusammengesetzt, das Optimum wurde nicht gefunden; bewiesen: nicht unter { $bound })
 checks-caption = Anforderungen
 warning-count = Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.
 further-warnings = Weitere Warnungen: { $count }, siehe Anhang, Nachweise und Annahmen.

@@ -23,11 +23,6 @@ free-motion-rings-on = the free motion after the end takes too long to decay to 
 band-program-gave-up = the linear program of the optimum with the band did not end
 band-exchange-goes-on = further peaks of the free motion leave the band however many are held
 band-exceeds-velocity = between the points at which it is watched the velocity reaches { PLAIN($times, digits: 6) } times max_velocity
-cruise-needs-velocity = a cruise needs a max_velocity
-too-short-to-cruise = the { $axis ->
-    [rotary] angle
-   *[linear] distance
-} of { PLAIN($distance, digits: 6) } { $unit } is too short to cruise at { PLAIN($velocity, digits: 6) } { $unit }/s
 
 damping-needs-force = t_f = { PLAIN($t_f, digits: 6) } s takes more than { PLAIN($needed, digits: 9) } { $unit }, there are { PLAIN($force, digits: 6) } { $unit }
 damping-not-solved = damping-optimal control for t_f = { PLAIN($t_f, digits: 6) } s and { PLAIN($force, digits: 6) } { $unit }: solved down to a limit of { PLAIN($solved, digits: 6) } { $unit } only

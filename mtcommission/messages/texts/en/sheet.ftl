@@ -115,7 +115,7 @@ robust-force = { $axis ->
    *[linear] A force profile that keeps the band at every frequency and damping of the spread takes { $optimum } (recommended: { $change }).
 }
 reference-bounded = With its peaks bounded the reference takes { $optimum }; the recommendation: { $change }.
-reference-composed = { $optimum } (composed with a cruise; proved: not below { $bound })
+reference-composed = { $optimum } (composed, the optimum was not found; proved: not below { $bound })
 checks-caption = Requirements
 warning-count = Warnings: { $count }, see the appendix, certificates and assumptions.
 further-warnings = Further warnings: { $count }, see the appendix, certificates and assumptions.

@@ -1,0 +1,186 @@
+"""A control that does the move whatever the machine, where the optimum is not found.
+
+Force steps of a rigid axis, shaped by two impulses for every mode and for the force lag, leave
+nothing behind: exact, without a search or a mesh. It is not optimal; a proved lower bound says how
+far from it. docs/optimal-control-bounds.md derives it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import exp, isfinite, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.allowance import spend
+from mtcommission.errors import ComputationError
+from mtcommission.machine.machine import Move, Positioning
+from mtcommission.optimal.bounded.proof.motion import follow_control, require_followable
+from mtcommission.optimal.bounded.settings import STANDARD
+from mtcommission.optimal.free.time_optimal import solve_time_optimal
+from mtcommission.optimal.solution import (
+    Arc,
+    Bound,
+    Certificate,
+    Interior,
+    TimeOptimum,
+    constant_arc,
+)
+from mtcommission.plant.plant import Plant
+
+Array = NDArray[np.float64]
+
+LAG_TIMES = 8.0
+"""Distance of the impulses for the force lag, in lags: 3e-4 of force and velocity are left over."""
+
+MOST_RADIANS = 3e5
+"""Fastest rate times duration of what is composed: some two seconds to follow (measured)."""
+
+COARSE = replace(STANDARD.proof, radians_per_cell=0.15)
+"""Peaks of what is not optimal: to a millionth."""
+
+ARC_STEPS, RADIAN_STEPS = 3.5e6, 2e3
+"""What following takes for each arc, and for each radian and state [ns] (measured)."""
+
+
+def compose_time_optimum(plant: Plant, move: Move, *, force_limit: float) -> TimeOptimum:
+    """Return full force on and off, shaped so that the axis ends at rest.
+
+    Parameters
+    ----------
+    plant
+        The axis, at rest at t = 0.
+    move
+        Velocity step or positioning.
+    force_limit
+        Force left for motion [N].
+
+    Returns
+    -------
+    TimeOptimum
+        ``method`` is ``"composed"``. Its lower bound is the larger of the free optimum and the
+        rigid bound (both drop constraints, so no admissible control is faster); adjoint and
+        switching law do not apply.
+
+    Raises
+    ------
+    ComputationError
+        MOVE_TOO_LONG where it would have too many samples to follow.
+
+    Source: shaping by two impulses: Singer and Seering 1990, here with a pair for a real pole.
+
+    Examples
+    --------
+    >>> from mtcommission.profile.shipped import read_shipped
+    >>> from mtcommission.plant.plant import build_plant
+    >>> move = Positioning(distance=0.02, max_velocity=0.1)
+    >>> plant = build_plant(read_shipped("milling-manipulator").machine)
+    >>> found = compose_time_optimum(plant, move, force_limit=2e3)
+    >>> found.certificate.t_f_lower_bound < found.t_f < 0.4
+    True
+    """
+    most = force_limit / plant.moving_mass
+    times, shares = _impulses(plant)
+    forward = float(shares[shares > 0.0].sum())  # what the velocity swings up to
+    acceleration = most / float(np.abs(shares).sum())
+    if isinstance(move, Positioning):
+        length = min(move.max_velocity / forward / acceleration, sqrt(move.distance / acceleration))
+        apart = move.distance / (acceleration * length)
+        base = np.array([0.0, length, apart, apart + length])
+        signs = np.array([1.0, -1.0, -1.0, 1.0])
+        least = _rigid_time(move.distance, move.max_velocity, most)
+    else:
+        base, signs = np.array([0.0, move.velocity_step / acceleration]), np.array([1.0, -1.0])
+        least = move.velocity_step / most
+    require_followable(float(base[-1] + times[-1]), plant.fastest_rate, most=MOST_RADIANS)
+    force = acceleration * plant.moving_mass
+    arcs = _arcs(
+        np.add.outer(base, times).ravel(), force * np.multiply.outer(signs, shares).ravel()
+    )
+    spend(ARC_STEPS * len(arcs) + RADIAN_STEPS * plant.order * arcs[-1].t_end * plant.fastest_rate)
+    motion = follow_control(plant, arcs, rate=plant.fastest_rate, settings=COARSE)
+    error = motion.final.copy()
+    if isinstance(move, Positioning):
+        error[plant.position] -= move.distance
+    else:
+        error[plant.position] = 0.0
+        error[plant.velocity] -= move.velocity_step
+    least = max(least, _free_time(plant, move, force_limit))
+    return TimeOptimum(
+        move=move,
+        force_limit=force_limit,
+        bounds=_velocity_bound(plant, move),
+        method="composed",
+        t_f=arcs[-1].t_end,
+        arcs=arcs,
+        touch_points=(),
+        terminal_error=error,
+        motion=motion,
+        certificate=Certificate(
+            t_f_lower_bound=least,
+            relative_gap=(arcs[-1].t_end - least) / arcs[-1].t_end,
+            adjoint_initial=np.full(plant.order, np.nan),
+            switching_slopes=np.zeros(0),
+            switching_law_holds=False,
+            terminal_jacobian_rank=-1,
+            terminal_jacobian_condition=float("nan"),
+        ),
+    )
+
+
+def _impulses(plant: Plant) -> tuple[Array, Array]:
+    """Times [s], ascending, and shares of impulses that no pole but the rigid ones answers.
+
+    Both poles e^{st} of a mode vanish under 1 and e^{ζω/ω_d π} half a damped period apart, that of
+    the force lag under 1 and -e^{-d/T}; the shares add up to 1, so the rigid motion stays.
+    """
+    times, shares = np.zeros(1), np.ones(1)
+    pairs = [
+        (pi / mode.pole.imag, exp(pi * mode.pole.real / mode.pole.imag)) for mode in plant.modes
+    ]
+    if plant.force_lag:
+        pairs.append((LAG_TIMES * plant.force_lag, -exp(-LAG_TIMES)))
+    for later, ratio in pairs:
+        times = np.add.outer(times, [0.0, later]).ravel()
+        shares = np.multiply.outer(shares, np.array([1.0, ratio]) / (1.0 + ratio)).ravel()
+    order = np.argsort(times, kind="stable")
+    return times[order], shares[order]
+
+
+def _arcs(times: Array, steps: Array) -> tuple[Arc, ...]:
+    """Arcs of constant force from the times [s] and heights [N] of its steps."""
+    order = np.argsort(times, kind="stable")
+    times, force = times[order], np.cumsum(steps[order])
+    return tuple(
+        constant_arc(start, end, control=Interior(), force=height)
+        for start, end, height in zip(
+            times[:-1].tolist(), times[1:].tolist(), force[:-1].tolist(), strict=True
+        )
+        if end > start
+    )
+
+
+def _velocity_bound(plant: Plant, move: Move) -> tuple[Bound, ...]:
+    if not isinstance(move, Positioning) or not isfinite(move.max_velocity):
+        return ()
+    return (Bound(name=plant.states[plant.velocity], value=move.max_velocity),)
+
+
+def _free_time(plant: Plant, move: Move, force_limit: float) -> float:
+    """Proved lower bound of the optimum without max_velocity; 0 where it is not found [s]."""
+    try:
+        return solve_time_optimal(
+            plant,
+            Positioning(distance=move.distance) if isinstance(move, Positioning) else move,
+            force_limit=force_limit,
+        ).certificate.t_f_lower_bound
+    except ComputationError:
+        return 0.0
+
+
+def _rigid_time(distance: float, velocity: float, acceleration: float) -> float:
+    """Least time of a rigid mass without force lag [s]."""
+    if distance * acceleration >= velocity**2:
+        return distance / velocity + velocity / acceleration
+    return 2.0 * sqrt(distance / acceleration)
