@@ -12,7 +12,8 @@ a terminal, prints nan or inf as a number, holds more than a gigabyte, or takes 
 ``--longest`` times the whole run of the profile that was broken.
 ``--values`` only moves numbers, and skips what ``check`` refuses, so that every case is computed.
 ``--machines`` makes machines of its own instead, from 1 g to 100 t and 0.1 Hz to 5 kHz, none of
-which may take more than a minute.
+which may take more than a minute of the machine at its fastest: a fixed piece of work before and
+after each case tells how much slower a shared one is just then.
 ``--second`` lets the second program of the tests judge what ``limits`` recommends.
 """
 
@@ -29,7 +30,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -104,6 +105,16 @@ class Ending:
     processor: float
     said: str
     memory: float = 0.0
+
+
+def pace() -> float:
+    """CPU time of a fixed piece of work much like a simulation [s]."""
+    dice = np.random.default_rng(0)
+    A, X = dice.normal(size=(14, 14)), dice.normal(size=(14, 40))
+    begun = time.process_time()
+    for _ in range(12000):
+        np.abs(A @ X).max()
+    return time.process_time() - begun
 
 
 def call(*arguments: str) -> tuple[int, str]:
@@ -238,7 +249,9 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
     case = folder / ("case.json" if reads_record else "case.toml")
     codes: Counter[int] = Counter()
     times: list[float] = []
+    ends: Counter[str] = Counter()
     bad = skipped = 0
+    fastest = pace() if options.machines else 1.0
     seed = options.first - 1
     while len(times) < options.count:
         seed += 1
@@ -255,7 +268,14 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
             continue
         arguments = arguments_of(command, case, dice)
         work = partial(call, *arguments)
+        before = pace() if options.machines else fastest
         ending = in_place(work) if command in QUICK else in_child(work, seconds=options.seconds)
+        if options.machines:
+            after = pace()
+            fastest = min(fastest, before, after)
+            own = ending.processor * 2.0 * fastest / (before + after)
+            ending = replace(ending, processor=own)
+            ends[_outcome(ending)] += 1
         codes[ending.code] += 1
         times.append(ending.processor)
         is_long = ending.processor > ALWAYS_ALLOWED
@@ -272,12 +292,20 @@ def fuzz(options: argparse.Namespace, folder: Path) -> int:
             (options.keep / f"{command}-{seed}{case.suffix}").write_bytes(case.read_bytes())
             last = ending.said.strip().splitlines()[-1:] or [""]
             print(f"BAD seed {seed}: {arguments[2:]}: {fault}: {last[0][:200]}", flush=True)
-    ends = ", ".join(f"exit {code}: {number}" for code, number in sorted(codes.items()))
+    exits = ", ".join(f"exit {code}: {number}" for code, number in sorted(codes.items()))
     seeds = f"seeds {options.first} to {seed} of series {options.series}, {skipped} left out"
-    print(f"{command}: {len(times)} cases, {seeds}; {ends}")
+    print(f"{command}: {len(times)} cases, {seeds}; {exits}")
     shares = ", ".join(f"{t:.3g} s" for t in np.quantile(times, [0.5, 0.9, 0.99, 1.0]))
     print(f"CPU median, 90 %, 99 %, largest: {shares}; {bad} bad")
+    for outcome, number in ends.most_common():
+        print(f"  {number:4d}  {outcome}")
     return 1 if bad else 0
+
+
+def _outcome(ending: Ending) -> str:
+    """The name of an outcome: how its message begins; else the exit code."""
+    last = (ending.said.strip().splitlines() or [""])[-1]
+    return last.split(":", 1)[0][:60] if ending.code == 3 else f"exit {ending.code}"
 
 
 def _broken(text: str, dice: np.random.Generator, options: argparse.Namespace, seed: int) -> str:

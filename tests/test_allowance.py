@@ -25,6 +25,7 @@ from mtcommission.allowance import (
 )
 from mtcommission.commission import recommend
 from mtcommission.errors import ComputationError, Outcome, TooMuchError
+from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning
 from mtcommission.messages.message import Message
 from mtcommission.profile.shipped import read_shipped
@@ -78,6 +79,17 @@ def test_an_array_that_is_too_large_is_refused_before_it_is_made() -> None:
     require_room(LARGEST, array="allowance-mesh")
     with pytest.raises(ComputationError, match="would have"):
         require_room(LARGEST + 1, array="allowance-mesh")
+
+
+def test_a_loop_that_keeps_thousands_of_setpoints_is_refused() -> None:
+    """A long delay at a short cycle took 1.1 GB."""
+    machine = read_shipped("modal-two-modes").machine
+    control = replace(
+        machine.control, reference_delay=0.1, position_cycle=125e-6, velocity_cycle=125e-6
+    )
+    with pytest.raises(ComputationError, match="setpoints that it keeps") as caught:
+        tune_loop(replace(machine, control=control))
+    assert caught.value.outcome is Outcome.TOO_MUCH_TO_COMPUTE
 
 
 def test_the_count_is_the_same_each_time() -> None:

@@ -17,6 +17,7 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import spend
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep
 from mtcommission.machine.setpoint_filter import SetpointFilter
@@ -249,6 +250,7 @@ def jerk_steps(
     Source: the seven-segment profile, e.g. Biagiotti & Melchiorri, Trajectory Planning for
     Automatic Machines and Robots, 2008, sec. 3.4.
     """
+    spend(300.0 * len(jerk), calls=10)
     if isinstance(move, VelocityStep):
         velocity = np.full_like(jerk, move.velocity_step) if size is None else size
         times = _ramp_times(velocity, acceleration, jerk)

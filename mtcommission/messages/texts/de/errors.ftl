@@ -39,6 +39,7 @@ allowance-echoes = was der Regelkreis auf einen Ruckschritt antwortet
 allowance-free-motion = die freie Bewegung des Regelkreises
 allowance-motion = die Bewegung unter einer optimalen Steuerung
 allowance-transients = die Antwort des Regelkreises auf jeden Schritt des Sollwerts
+allowance-loop = der Regelkreis mit den Sollwerten, die er behält
 allowance-mesh = das Netz der optimalen Steuerung
 
 # what another program says, in its own words

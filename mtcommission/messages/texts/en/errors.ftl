@@ -42,6 +42,7 @@ allowance-echoes = what the loop answers to a step of the jerk
 allowance-free-motion = the free motion of the loop
 allowance-motion = the motion under an optimal control
 allowance-transients = the answer of the loop to each step of the setpoint
+allowance-loop = the loop with the setpoints that it keeps
 allowance-mesh = the mesh of the optimal control
 
 # what another program says, in its own words
