@@ -28,6 +28,9 @@ from mtcommission.errors import ComputationError, Outcome, TooMuchError
 from mtcommission.loop.tuning.tuning import tune_loop
 from mtcommission.machine.machine import Machine, Positioning
 from mtcommission.messages.message import Message
+from mtcommission.optimal.transcription.settings import TranscriptionSettings
+from mtcommission.optimal.transcription.transcription import transcribe_time_optimal
+from mtcommission.plant.plant import build_plant
 from mtcommission.profile.shipped import read_shipped
 
 
@@ -148,3 +151,15 @@ def test_machines_that_nobody_built_end_with_an_outcome(seed: int, tmp_path: Pat
     profile.write_text(extreme_machine(dice_of(99, seed)), "utf-8")
     ending = in_place(partial(call, "limits", str(profile)))
     assert not fault_of("limits", ending, longest=LONGEST), ending
+
+
+def test_a_transcription_ends_with_what_it_is_allowed() -> None:
+    """IPOPT with 20000 intervals took more than two minutes."""
+    machine = read_shipped("modal-two-modes").machine
+    plant, move = build_plant(machine), machine.moves[0]
+    force = machine.drive.motion_force
+    for intervals, seconds in ((2000, 0.5), (40000, WHOLE)):
+        settings = TranscriptionSettings(intervals=intervals)
+        with pytest.raises((ComputationError, TooMuchError)) as end, allow_whole(seconds):
+            transcribe_time_optimal(plant, move, force_limit=force, bounds=(), settings=settings)
+        assert end.value.outcome is Outcome.TOO_MUCH_TO_COMPUTE

@@ -59,7 +59,7 @@ def test_too_small_a_force_is_refused_at_once_with_reason_and_remedy(force: floa
     assert caught.value.outcome is Outcome.MOVE_TOO_LONG
     text = str(caught.value)
     assert f"with {Formatter().number(force)} N on 750 kg" in text
-    assert "velocity cycles of 125 µs, followed are 200000 at most" in text
+    assert "velocity cycles of 125 µs, followed are 2×10⁵ at most" in text
     assert "check the unit of max_force, or state a shorter move" in text
 
 

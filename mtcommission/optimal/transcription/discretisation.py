@@ -23,6 +23,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import left, require_room, spend
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.messages.message import Message
 from mtcommission.optimal.solution import Bound
@@ -30,6 +31,10 @@ from mtcommission.optimal.transcription.settings import Scheme, TranscriptionSet
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
+
+HELD, ITERATION, FIRST = 140.0, 6e3, 10.0
+"""For each interval and state: numbers that IPOPT holds, and what an iteration takes [ns]; and how
+many iterations are made up by what comes before them (all measured)."""
 
 LONGEST = 100.0
 """Longest final time that is searched, in units of its first guess."""
@@ -147,11 +152,17 @@ def solve_grid(problem: GridProblem, settings: TranscriptionSettings) -> GridSol
     ------
     ComputationError
         FINAL_TIME_TOO_SHORT if IPOPT finds a move with given t_f infeasible,
-        BOUND_CANNOT_HOLD if one with free t_f, NO_CONVERGENCE for its other failures.
+        BOUND_CANNOT_HOLD if one with free t_f, NO_CONVERGENCE for its other failures,
+        TOO_MUCH_TO_COMPUTE where it is.
     """
     n, N = problem.target.size, settings.intervals
+    require_room(HELD * N * n, array="allowance-transcription")
+    each = ITERATION * N * n
+    spend(FIRST * each)
     program = _program(problem, settings)
-    solver = ca.nlpsol("transcription", "ipopt", program, _options(problem, settings, program))
+    most = int(min(settings.max_iterations, left() / each))
+    options = _options(problem, settings, program) | {"ipopt.max_iter": most}
+    solver = ca.nlpsol("transcription", "ipopt", program, options)
     low, high = _box(problem, N)
     equal = np.zeros(n * N + _end_rows(problem).size)
     limit = np.ones(problem.rows.shape[0] * N)
@@ -163,7 +174,10 @@ def solve_grid(problem: GridProblem, settings: TranscriptionSettings) -> GridSol
         lbg=np.concatenate([equal, -limit]),
         ubg=np.concatenate([equal, limit]),
     )
-    _check(problem, settings, solver.stats())
+    stats = solver.stats()
+    cut_short = stats["iter_count"] >= most < settings.max_iterations
+    spend(left() + each if cut_short else each * stats["iter_count"])
+    _check(problem, settings, stats)
     point = np.asarray(answer["x"]).ravel()
     last, reach_rate, unit = float(point[-1]), nan, 1.0 / _weight(problem, N)
     t_f = problem.t_guess * (last if problem.aim is Aim.TIME else 1.0)
@@ -268,7 +282,6 @@ def _options(
         "ipopt.tol": settings.tolerance * _weight(problem, settings.intervals),
         # not scaled with the objective: errors of all intervals add up at t_f
         "ipopt.constr_viol_tol": settings.tolerance,
-        "ipopt.max_iter": settings.max_iterations,
         "ipopt.acceptable_iter": 0,
         "ipopt.honor_original_bounds": "yes",
     }

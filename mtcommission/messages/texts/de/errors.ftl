@@ -31,7 +31,7 @@ outcome-worker-lost = Prozess verloren: { $detail }: Prozesse der Reihenrechnung
 outcome-scheduler-lost = Scheduler verloren: { $detail }: ihn und seine Prozesse neu starten und mit --resume fortsetzen
 outcome-stopped = angehalten: { $detail }: die Reihenrechnung wurde unterbrochen; mit --resume fortsetzen
 outcome-printing-failed = Druck gescheitert: { $detail }: das PDF konnte nicht gesetzt werden; --no-pdf verwenden und die Meldung einsenden
-outcome-too-much-to-compute = zu viel zu rechnen: { $detail }: weniger oder kürzere Bewegungen, weniger Zuladungen, keine Eigenform, die weder Werkzeug noch Geber bemerkt, oder einen längeren velocity_cycle angeben
+outcome-too-much-to-compute = zu viel zu rechnen: { $detail }: weniger oder kürzere Bewegungen, weniger Zuladungen, keine Eigenform, die weder Werkzeug noch Geber bemerkt, oder einen längeren velocity_cycle angeben; für eine Transkription weniger --intervals
 allowance-whole = das Ganze braucht mehr als etwa { ROUND($seconds) } s Prozessorzeit (in Schritten gezählt, auf jedem Rechner gleich)
 allowance-part = dieser Teil braucht mehr als etwa { ROUND($seconds) } s Prozessorzeit (in Schritten gezählt, auf jedem Rechner gleich)
 allowance-array = { $what } hätte { ROUND($values, digits: 2) } Zahlen, höchstens { ROUND($most, digits: 2) } werden gehalten
@@ -40,6 +40,7 @@ allowance-free-motion = die freie Bewegung des Regelkreises
 allowance-motion = die Bewegung unter einer optimalen Steuerung
 allowance-transients = die Antwort des Regelkreises auf jeden Schritt des Sollwerts
 allowance-loop = der Regelkreis mit den Sollwerten, die er behält
+allowance-transcription = die Transkription mit so vielen Intervallen (--intervals)
 allowance-mesh = das Netz der optimalen Steuerung
 
 # what another program says, in its own words

@@ -55,8 +55,8 @@ loop-observer-failed = Beobachter: { $error }
 loop-gains-failed = Verstärkungen: { $error }
 
 budget-dear = Das dauert länger als meist: jede Simulation verfolgt { $moves } Bewegung(en) in { $corners } Ecke(n) über { ROUND($cycles, digits: 2) } Geschwindigkeitstakte von { TIME($cycle) }, { ROUND($ratio, digits: 2) }-mal das längste Beispiel. Weniger Bewegungen oder kürzere derselben Art geben fast dieselben Grenzen früher.
-budget-full-force = Bewegung { $move } dauert mindestens { PLAIN($time, digits: 3) } s mit { SI($force, "FORCE") } an { SI($mass, "MASS") }; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { NUMBER($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }
-budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } und eine Rampe von { PLAIN($jerk_time) } s, womit eine Bewegung { PLAIN($time) } s dauert; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { PLAIN($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { PLAIN($most, digits: 9) }; { $remedy }
+budget-full-force = Bewegung { $move } dauert mindestens { PLAIN($time, digits: 3) } s mit { SI($force, "FORCE") } an { SI($mass, "MASS") }; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { ROUND($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { ROUND($most, digits: 3) }
+budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } und eine Rampe von { PLAIN($jerk_time) } s, womit eine Bewegung { PLAIN($time) } s dauert; in { $corners } Eckfall(en) sind alle Bewegungen zusammen { ROUND($cycles, digits: 3) } Geschwindigkeitsreglertakte von { TIME($cycle) }, verfolgt werden höchstens { ROUND($most, digits: 3) }; { $remedy }
 budget-rule-asks = für ein Band von { SI($band, "LENGTH", digits: 3) } verlangt die Inbetriebnahmeregel
 budget-check-band = die Einheit von tcp_deviation prüfen
 budget-asked-for = verlangt sind

@@ -34,7 +34,7 @@ outcome-worker-lost = worker lost: { $detail }: processes of the sweep ended aga
 outcome-scheduler-lost = scheduler lost: { $detail }: start it and its workers again, and continue with --resume
 outcome-stopped = stopped: { $detail }: the sweep was interrupted; continue with --resume
 outcome-printing-failed = printing failed: { $detail }: the PDF could not be set; use --no-pdf and report the message
-outcome-too-much-to-compute = too much to compute: { $detail }: state fewer or shorter moves, fewer payloads, no mode that neither tool nor encoder notices, or a longer velocity_cycle
+outcome-too-much-to-compute = too much to compute: { $detail }: state fewer or shorter moves, fewer payloads, no mode that neither tool nor encoder notices, or a longer velocity_cycle; for a transcription fewer --intervals
 allowance-whole = the whole takes more than about { ROUND($seconds) } s of processor time (counted in steps, the same on every computer)
 allowance-part = this part takes more than about { ROUND($seconds) } s of processor time (counted in steps, the same on every computer)
 allowance-array = { $what } would have { ROUND($values, digits: 2) } numbers, { ROUND($most, digits: 2) } are held at most
@@ -43,6 +43,7 @@ allowance-free-motion = the free motion of the loop
 allowance-motion = the motion under an optimal control
 allowance-transients = the answer of the loop to each step of the setpoint
 allowance-loop = the loop with the setpoints that it keeps
+allowance-transcription = the transcription with so many intervals (--intervals)
 allowance-mesh = the mesh of the optimal control
 
 # what another program says, in its own words

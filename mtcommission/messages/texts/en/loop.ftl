@@ -69,8 +69,8 @@ loop-gains-failed = gains: { $error }
 
 # What a move costs: more velocity cycles than are followed
 budget-dear = This takes longer than most: each simulation follows { $moves } move(s) in { $corners } corner(s) for { ROUND($cycles, digits: 2) } velocity cycles of { TIME($cycle) }, { ROUND($ratio, digits: 2) } times the longest example. Fewer moves, or shorter ones of the same kind, give nearly the same limits sooner.
-budget-full-force = move { $move } takes at least { PLAIN($time, digits: 3) } s with { SI($force, "FORCE") } on { SI($mass, "MASS") }; in { $corners } corner(s) all moves together are { NUMBER($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most
-budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } and a ramp of { PLAIN($jerk_time) } s, with which a move takes { PLAIN($time) } s; in { $corners } corner(s) all moves together are { PLAIN($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { PLAIN($most, digits: 9) } at most; { $remedy }
+budget-full-force = move { $move } takes at least { PLAIN($time, digits: 3) } s with { SI($force, "FORCE") } on { SI($mass, "MASS") }; in { $corners } corner(s) all moves together are { ROUND($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { ROUND($most, digits: 3) } at most
+budget-limits = { $reason } { SI($acceleration, "ACCELERATION") } and a ramp of { PLAIN($jerk_time) } s, with which a move takes { PLAIN($time) } s; in { $corners } corner(s) all moves together are { ROUND($cycles, digits: 3) } velocity cycles of { TIME($cycle) }, followed are { ROUND($most, digits: 3) } at most; { $remedy }
 budget-rule-asks = to keep a band of { SI($band, "LENGTH", digits: 3) } the commissioning rule asks for
 budget-check-band = check the unit of tcp_deviation
 budget-asked-for = asked for are
