@@ -62,6 +62,8 @@ def run(
     from mtcommission.cli.csv_texts import setpoint_csv
     from mtcommission.cli.terminal import show
     from mtcommission.commission import commission
+    from mtcommission.control_kinds.kinds import GENERIC
+    from mtcommission.export.catalogue import CONTROL_KEYS
     from mtcommission.record.build import record_run
     from mtcommission.record.files import dump_json
     from mtcommission.sheet import print_html, print_pdf, remark_on_print, summarise
@@ -89,9 +91,13 @@ def run(
         print_note(note)
     print_written(output, files)
     file = shlex.quote(str(output / "record.json"))
-    following = say("cli-next-export", record=file)
-    indent = " " * (following.index(":") + 2)
-    sys.stdout.write(f"{following}\n{indent}{say('cli-list-of-controls')}\n")
+    kind = machine.control.kind.key
+    is_known = kind in CONTROL_KEYS and kind != GENERIC.key
+    following = say("cli-next-export", record=file, control=kind if is_known else "NAME")
+    sys.stdout.write(f"{following}\n")
+    if not is_known:
+        indent = " " * (following.index(":") + 2)
+        sys.stdout.write(f"{indent}{say('cli-list-of-controls')}\n")
     raise typer.Exit(0 if record.assessment.met else 1)
 
 

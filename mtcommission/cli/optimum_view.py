@@ -92,7 +92,8 @@ def describe_optimum(
 def _say_control(control: ArcControl, spoken: Catalogue) -> str:
     match control:
         case Bang() | Ramp():
-            return control_text(control)
+            text = control_text(control)
+            return text.replace("F_max", "a_max") if spoken.follows else text
         case Boundary(signal, side):
             return spoken.text("terminal-arc-boundary", limit=side_text(signal, side))
         case Interior():

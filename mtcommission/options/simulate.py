@@ -135,7 +135,10 @@ def _read_filter(machine: Machine, text: str, faults: list[Fault]) -> SetpointFi
     wanted = {MOVING_AVERAGE: [("time", TIME, *times)], TWO_AVERAGES: [("time", TIME, *times)] * 2}
     ranges = wanted.get(name, [frequency, damping])
     if len(numbers) != len(ranges) or name == FIR:
-        faults.append(Fault(where=where, message=Message("option-filter-form", got=text.strip())))
+        form = "times" if name == TWO_AVERAGES else "time" if name == MOVING_AVERAGE else "mode"
+        form = FIR if name == FIR else form
+        message = Message("option-filter-form", got=text.strip(), kind=name, numbers=form)
+        faults.append(Fault(where=where, message=message))
         return None
     values = []
     for number, (key, unit, low, high) in zip(numbers, ranges, strict=True):

@@ -23,7 +23,7 @@ from math import exp, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.allowance import require_room, spend
+from mtcommission.allowance import spend
 from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.model.discrete import (
     Stage,
@@ -37,9 +37,6 @@ from mtcommission.plant.plant import Plant
 Array = NDArray[np.float64]
 
 INPUTS = ("x_ref", "v_ref", "a_ref", "j_ref")
-
-MATRICES = 4.0
-"""Square ones of a loop that are held at once, about."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -160,7 +157,6 @@ def build_loop(plant: Plant, controller: Controller, *, model: Plant) -> Sampled
     held = len(names)
     names += handed_down.names
     names += [f"{name}[-{k}]" for k in range(1, delays + 1) for name in INPUTS]
-    require_room(MATRICES * len(names) ** 2, array="allowance-loop")
     if controller.follows:
         step, demand, integration = _followed_cycle(plant, controller, handed_down, size=len(names))
     else:

@@ -16,12 +16,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mtcommission.allowance import require_room
 from mtcommission.control_kinds.kind import PositionLoop
 from mtcommission.loop.model.controller import Controller, reference_state
 from mtcommission.loop.model.interpolation import delay_weights, kept_samples, motion_between
 from mtcommission.plant.plant import Plant
 
 Array = NDArray[np.float64]
+
+MATRICES = 4.0
+"""Square ones of a loop that are held at once, about."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,7 +69,14 @@ def hand_down(controller: Controller, model: Plant) -> HandedDown:
         All gains.
     model
         The machine as the controller believes it to be, for its reference state.
+
+    Raises
+    ------
+    ComputationError
+        TOO_MUCH_TO_COMPUTE where the loop would keep thousands of setpoints.
     """
+    kept = 4.0 * kept_samples(controller)  # states of the loop, nearly all where there are many
+    require_room(MATRICES * kept**2, array="allowance-loop")
     if controller.position_loop is PositionLoop.CONTROL:
         return _held(controller, model)
     return _interpolated(controller, model)

@@ -3,7 +3,12 @@ either = { $first } oder { $last }
 option-one-of = erhalten { $got }, muss { $allowed } sein
 option-between = erhalten { $got }, muss zwischen { $least } und { PLAIN($most, digits: 12) } liegen
 option-not-positive = erhalten { $got }, muss > 0 { $unit } sein
-option-filter-form = erhalten: { $got }; erlaubt sind none oder eine Art mit ihren Zahlen: moving_average:ZEIT, two_moving_averages:ZEIT:ZEIT, zv:FREQUENZ:DÄMPFUNG (und ähnliche)
+option-filter-form = erhalten: { $got }; { $numbers ->
+    [time] erlaubt ist { $kind }:ZEIT, z. B. { $kind }:8ms
+    [times] erlaubt ist { $kind }:ZEIT:ZEIT, z. B. { $kind }:8ms:4ms
+    [fir] seine Koeffizienten passen nicht in eine Zeile; im Profil angeben
+   *[mode] erlaubt ist { $kind }:FREQUENZ:DÄMPFUNG, z. B. { $kind }:45Hz:0.02
+}
 option-no-such-move = erhalten { $got }, das Profil hat die Bewegungen 1 bis { $count }
 option-force-below-static-load = erhalten { PLAIN($force, digits: 6) } { $unit }, muss über dem liegen, was statische Last und Reibung nehmen: { PLAIN($load, digits: 6) } { $unit }
 option-given-twice = { $name } ist { $count }-mal angegeben; jeden Zustand oder Ausgang einmal angeben
@@ -40,7 +45,7 @@ cli-no-epoch = erhalten "{ $got }", muss Sekunden seit 1970 sein; sonst die Vari
 cli-file-system = Dateisystem
 cli-internal-error = interner Fehler, bitte mit dem Profil einsenden: { $error }
 cli-written = geschrieben: { $files }
-cli-next-export = weiter: mtcommission export { $record } --control NAME
+cli-next-export = weiter: mtcommission export { $record } --control { $control }
 cli-list-of-controls = (--control ? nennt die Steuerungen)
 cli-failed-cases = { $count } gescheitert
 

@@ -5,7 +5,12 @@ either = { $first } or { $last }
 option-one-of = got { $got }, must be { $allowed }
 option-between = got { $got }, must be { $least } to { PLAIN($most, digits: 12) }
 option-not-positive = got { $got }, must be > 0 { $unit }
-option-filter-form = got { $got }, must be none, or a kind with its numbers: moving_average:TIME, two_moving_averages:TIME:TIME, zv:FREQUENCY:DAMPING (and the like)
+option-filter-form = got { $got }, { $numbers ->
+    [time] must be { $kind }:TIME, e.g. { $kind }:8ms
+    [times] must be { $kind }:TIME:TIME, e.g. { $kind }:8ms:4ms
+    [fir] its coefficients do not fit on a line; state it in the profile
+   *[mode] must be { $kind }:FREQUENCY:DAMPING, e.g. { $kind }:45Hz:0.02
+}
 option-no-such-move = got { $got }, the profile has moves 1 to { $count }
 # $force, $load: SI, printed as typed
 option-force-below-static-load = got { PLAIN($force, digits: 6) } { $unit }, must be above what static load and friction take, { PLAIN($load, digits: 6) } { $unit }
@@ -43,7 +48,7 @@ cli-no-epoch = got "{ $got }", must be seconds since 1970, or unset it
 cli-file-system = file system
 cli-internal-error = internal error, please report it with the profile: { $error }
 cli-written = written: { $files }
-cli-next-export = next: mtcommission export { $record } --control NAME
+cli-next-export = next: mtcommission export { $record } --control { $control }
 cli-list-of-controls = (--control ? lists the controls)
 cli-failed-cases = { $count } failed
 
