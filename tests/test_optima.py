@@ -10,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from benchmarks.fuzz import call
 from benchmarks.mutations import dice_of, extreme_machine
 from mtcommission.errors import ComputationError, Outcome
 from mtcommission.limits.optima import find_optima, find_time_optimum
@@ -139,6 +140,10 @@ def test_reference_that_had_to_be_composed_says_so(monkeypatch: pytest.MonkeyPat
     found = find_optima(machine, build_plant(machine), move)
     assert found.time.method == "composed"
     assert "Nothing is faster than" in Catalogue().say(found.remarks[0])
+    code, said = call("optimal", str(PROFILES / "rack-gantry.toml"), "--kind", "time")
+    assert code == 0
+    assert "The time-optimal control was not found" in said
+    assert "Switching law" not in said
 
 
 def test_damping_control_that_exceeds_max_velocity_says_so() -> None:

@@ -71,22 +71,26 @@ def describe_optimum(
     )
     lines = [first, *_limit_lines(plant, solution, spoken)]
     if isinstance(solution, TimeOptimum):
-        proof = solution.certificate
-        bound = _ms(spoken, proof.t_f_lower_bound)
-        lines += [
-            Message("terminal-grid-proves-nothing")
-            if isnan(proof.relative_gap)
-            else Message("terminal-lower-bound", bound=bound, gap=proof.relative_gap),
-            _law_line(solution),
-        ]
-        if proof.relative_gap > TIGHT_GAP:
-            lines.append(Message("terminal-loose-proof", percent=100.0 * proof.relative_gap))
-        lines += _touch_lines(solution)
+        lines += _proof_lines(solution, spoken)
     else:
         lines += _damping_lines(machine, plant, solution, origin)
     kind = "time" if isinstance(solution, TimeOptimum) else "damping"
     title = heading(spoken.text(f"terminal-{kind}-optimal"))
     return Group(title, *(Text(spoken.say(line)) for line in lines), arcs, peaks)
+
+
+def _proof_lines(solution: TimeOptimum, spoken: Catalogue) -> list[Message]:
+    """Return what is proved of a control, and how."""
+    proof = solution.certificate
+    least, gap = proof.t_f_lower_bound, proof.relative_gap
+    if solution.method == "composed":
+        return [Message("optimum-composed", least=least, below=gap)]
+    proves_nothing = Message("terminal-grid-proves-nothing")
+    bound = Message("terminal-lower-bound", bound=_ms(spoken, least), gap=gap)
+    lines = [proves_nothing if isnan(gap) else bound, _law_line(solution)]
+    if gap > TIGHT_GAP:
+        lines.append(Message("terminal-loose-proof", percent=100.0 * gap))
+    return lines + _touch_lines(solution)
 
 
 def _say_control(control: ArcControl, spoken: Catalogue) -> str:
