@@ -330,6 +330,17 @@ def test_the_acceleration_is_reached_and_the_band_predicted(seed: int) -> None:
     assert found.predicted_settling_time >= shortest
 
 
+@pytest.mark.parametrize("seed", [0, 2, 5, 16])
+def test_a_tiny_move_beside_it_does_not_slow_the_long_one(seed: int) -> None:
+    """A step of 1 um beside a stroke of 50 mm once asked for a fortieth of the acceleration."""
+    machine = random_machine(seed)
+    (move,) = machine.moves
+    both = replace(machine, moves=(resize(move, 1e-3 * size_of(move)), move))
+    alone, (found, tuned) = apply(machine)[0], apply(both)
+    assert found.limits.acceleration == pytest.approx(alone.limits.acceleration, rel=1e-12)
+    assert evaluate(both, build_plant(both), tuned, found.limits).assessment.is_met
+
+
 def test_a_wider_band_is_never_slower() -> None:
     """If it failed, roughing limits could be lower than finishing limits."""
     machine = random_machine(12)

@@ -80,7 +80,7 @@ class Tried:
     by_force
         What the force allows at that jerk [m/s²].
     bound_by
-        What bounds the acceleration: the force, or the reach (a is just reached).
+        What bounds the acceleration: the force, or the reach (a is just reached by a move).
     duration
         Of the slowest move, filter included, t_e [s].
     residual_deviation

@@ -158,7 +158,7 @@ def _try_filter(axis: AxisEstimate, item: SetpointFilter | None) -> Tried:
         jerk = min(jerk, JERK_SHARE * axis.machine.drive.motion_force / fed)
     bounds = {
         "rule-force": force_acceleration(axis, jerk),
-        "rule-reach": min(_reach(move, jerk) for move in moves),
+        "rule-reach": max(_reach(move, jerk) for move in moves),
     }
     bound_by = min(bounds, key=lambda key: bounds[key])
     acceleration = bounds[bound_by]
@@ -183,7 +183,10 @@ def _try_filter(axis: AxisEstimate, item: SetpointFilter | None) -> Tried:
 
 
 def _reach(move: Move, jerk: float) -> float:
-    """Largest acceleration that a move still reaches with ramps of this jerk [m/s²]."""
+    """Largest acceleration that a move reaches with ramps of this jerk [m/s²].
+
+    Of several moves the largest counts: those that do not reach it have the same jerk.
+    """
     if isinstance(move, VelocityStep):
         return REACHED * sqrt(move.velocity_step * jerk)
     return REACHED * min(sqrt(move.max_velocity * jerk), cbrt(move.distance * jerk**2 / 2.0))
