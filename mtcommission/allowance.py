@@ -29,7 +29,7 @@ WHOLE = 43.0
 PART = 8.0
 """The same of a part that it can do without."""
 
-KEPT, LEAST = 8.0, 0.3
+KEPT, LEAST = 5.0, 0.3
 """What such parts leave of the whole, and what each gets all the same, in seconds."""
 
 CALL = 4e3

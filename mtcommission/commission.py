@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING, TypeVar
 
-from mtcommission.allowance import allow_whole, find_part
+from mtcommission.allowance import SECOND, allow_whole, find_part, left
 from mtcommission.glance import plot_moves, say_verdict, show_html
 from mtcommission.limits.choose import Choice, choose_for_listed, choose_limits
 from mtcommission.limits.commissioning_rule.rule import RuleResult, apply_commissioning_rule
@@ -383,5 +383,15 @@ def commission(
         tool_sensor=tool_sensor,
         profile=profile,
         left_out=dispensable.left_out,
-        improve=cache(partial(find_improvements, machine, loop, choice, comparisons, settings)),
+        improve=cache(
+            partial(
+                find_improvements,
+                machine,
+                loop,
+                choice,
+                comparisons,
+                settings,
+                spare=left() / SECOND,
+            )
+        ),
     )

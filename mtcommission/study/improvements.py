@@ -35,9 +35,9 @@ KNOWN_SPREAD = 0.02
 PART = 0.1
 """Share by which the machine is made stiffer or lighter: what a redesign may reach."""
 
-
-COMPUTED = 16.0
-"""What all changes together may take, about that many seconds of processor time."""
+COMPUTED, BEYOND = 16.0, 9.0
+"""What they may take, about that many seconds of processor time; and what of it where nothing is
+left of what the recommendation was allowed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +71,7 @@ def find_improvements(
     choice: Choice,
     comparisons: Sequence[MoveComparison],
     settings: Settings,
+    spare: float = inf,
 ) -> tuple[Improvement, ...]:
     """Return what each single change would bring, the most first.
 
@@ -84,6 +85,8 @@ def find_improvements(
         One for each move; they know the robust force fed forward.
     settings
         Numerical settings; limits are chosen by the coarser search.
+    spare
+        What the recommendation left of its allowance [s].
 
     Returns
     -------
@@ -96,7 +99,7 @@ def find_improvements(
     # The classic rule begins with the symmetrical optimum, all other loops with more.
     largest = settings.tuning.largest_fraction if trial else 1.0
     has_filters = machine.control.kind.force_filters and not machine.drive.follows
-    with allow_part(COMPUTED):  # what comes after that is named as too much
+    with allow_part(min(COMPUTED, BEYOND + spare)):  # what comes after that is named as too much
         found = [_computed(item, shape, largest, choice, settings) for item in _changes(machine)]
         if has_filters and not machine.control.seeks_force_filters:
             found.append(_with_force_filters(machine, shape, loop.tuned, choice, settings))
