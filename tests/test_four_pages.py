@@ -13,6 +13,7 @@ import pypdfium2
 import pytest
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.profile.shipped import shipped_names
 from mtcommission.record.schema.record import Record
 from mtcommission.record.shape import to_entry, to_plain
@@ -22,7 +23,7 @@ from mtcommission.sheet.content import compose
 from mtcommission.sheet.entry_part import entry_rows
 from mtcommission.sheet.plot_model import LinePlot
 
-from .sheet_record import example_record, not_met, on_json, shipped_record, with_today
+from .sheet_record import example_record, not_met, on_json, said, shipped_record, with_today
 
 compose, print_html, print_pdf = map(on_json, (compose, print_html, print_pdf))
 
@@ -157,3 +158,19 @@ def test_gain_and_inertia_stand_at_the_shaft_too_where_the_lead_is_known() -> No
     assert inertia in rows["acceleration_feedforward"]
     without = to_entry(shipped_record("milling-manipulator"), Record)
     assert not any("shaft" in value for *_, value in entry_rows(without, Catalogue()))
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_dash_among_the_least_times_has_its_reason_beside_it(language):
+    """The reason stood in the appendix only, that the paper does not have."""
+    words = Catalogue(language)
+    remark = said("band-saves-nothing", rigid=0.61, share=0.0123)
+    record = shipped_record("rack-gantry")
+    first = record["optima"][0]
+    first |= {"band": None, "robust": None, "remarks": [*first["remarks"], remark]}
+    pages = read(print_pdf(record, language=language))
+    assert len(pages) == 4
+    text = " ".join(pages[1].get_textpage().get_text_bounded().split())
+    reason = words.say(Message("band-saves-nothing", rigid=0.61, share=0.0123))
+    assert f"{words.text('move', number=1)}: {reason}"[:60] in text
+    assert f"{words.text('move', number=2)}: {reason}"[:60] not in text

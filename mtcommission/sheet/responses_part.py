@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mtcommission.messages.catalogue import Catalogue
+from mtcommission.messages.message import Message
 from mtcommission.record.schema.limits import ImprovementEntry
 from mtcommission.record.schema.moves import MoveEntry
 from mtcommission.record.schema.optima import OptimaEntry
@@ -23,11 +24,16 @@ MOST_CHANGES = 5
 """Changes that are listed; those that bring less are named."""
 
 
+NO_BAND = ("band-saves-nothing", "band-wider-than-move", "band-optimum-failed")
+"""Remarks on why there is no optimum with the band in place of exact rest."""
+
+
 def response_blocks(record: Record, words: Catalogue) -> tuple[Block, ...]:
     """Return the slowest move, all moves beside their optima, sizes, other limits, what helps."""
     number = slowest_move(record)
     return (
         _yardsticks(record, words),
+        *_missing_yardsticks(record, words),
         response_plot(record, number, words),
         *size_plot(record, number, words),
         *_other_limits(record, words),
@@ -56,6 +62,17 @@ def _yardsticks(record: Record, words: Catalogue) -> Table:
             )
         ),
     )
+
+
+def _missing_yardsticks(record: Record, words: Catalogue) -> tuple[Block, ...]:
+    """Return why a least time within the band is a dash; nothing where none is."""
+    reasons = [
+        f"{words.text('move', number=number)}: {words.say(remark)}"
+        for number, optima in enumerate(record.optima, start=1)
+        for remark in optima.remarks
+        if optima.band is None and isinstance(remark, Message) and remark.kind in NO_BAND
+    ]
+    return (Paragraph(text=" ".join(reasons), tone=Tone.NOTE),) if reasons else ()
 
 
 def _yardstick(
