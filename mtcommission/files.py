@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import select
 import stat
 import sys
@@ -230,6 +231,12 @@ def replace_file(path: Path, content: bytes | Callable[[BinaryIO], object]) -> N
         If it cannot be written; what was there before is unchanged.
     """
     fill = content if callable(content) else lambda file: file.write(content)
+    if (own := _own_stream(path)) >= 0:
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        with os.fdopen(os.dup(own), "wb") as file:
+            fill(file)
+        return
     if _is_stream(path):
         with os.fdopen(_open_stream(path), "wb") as file:
             fill(file)
@@ -253,7 +260,20 @@ def replace_file(path: Path, content: bytes | Callable[[BinaryIO], object]) -> N
 
 def _is_stream(path: Path) -> bool:
     """Whether a name stands for a device, a pipe or a socket, which nothing may replace."""
+    if _own_stream(path) >= 0:
+        return True
     return path.exists() and not path.is_file() and not path.is_dir()
+
+
+def _own_stream(path: Path) -> int:
+    """The descriptor that a name such as ``/dev/stdout`` stands for, else -1.
+
+    It may lead into a file that holds more than what is written now, and must not replace it.
+    """
+    found = re.fullmatch(r"/dev/(stdout|stderr)|(?:/dev|/proc/self)/fd/(\d+)", str(path))
+    if found is None or not path.exists():
+        return -1
+    return {"stdout": 1, "stderr": 2}[found[1]] if found[1] else int(found[2])
 
 
 def _open_stream(path: Path) -> int:

@@ -32,9 +32,11 @@ def render_page(folder: Path, *, style: str, script: str, **values: object) -> s
         "default-src 'none'; base-uri 'none'; form-action 'none'; "
         f"style-src {_hash_source(style)}; script-src {_hash_source(script)}"
     )
-    return environment.get_template("page.html").render(
+    page = environment.get_template("page.html").render(
         policy=policy, style=Markup(style), script=Markup(script), **values
     )
+    # A file name may hold bytes that are no letters: they must not lose the whole page.
+    return page.encode(errors="replace").decode()
 
 
 def _hash_source(text: str) -> str:

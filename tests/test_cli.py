@@ -19,6 +19,7 @@ import pytest
 from rich.console import Console
 
 from mtcommission import cli
+from mtcommission.__main__ import main as start
 from mtcommission.cli.optimum_view import describe_optimum
 from mtcommission.cli.terminal import show
 from mtcommission.machine.machine import Machine
@@ -429,7 +430,7 @@ def test_simulate_refuses_what_would_take_for_ever(run: Run) -> None:
     code, _, err = run("simulate", PAPER, "--acceleration", "1e-6", "--jerk", "1e-3")
     assert code == 3
     # 0.1 m/s at 1e-6 m/s^2 and a ramp of 1 ms are 100 000 s, in cycles of 125 us.
-    assert "takes 1e+05 s; in 5 corner(s) all moves together are 4e+09 velocity cycles" in err
+    assert "takes 1e+05 s; in 5 corner(s) all moves together are 4×10⁹ velocity cycles" in err
     assert "check the units of --acceleration and --jerk" in err
 
 
@@ -553,3 +554,46 @@ def test_a_control_without_jerk_limit_is_simulated_without_one(run: Run) -> None
     code, out, error = run("simulate", PROFILES / "ball-screw.toml", "--acceleration", "5")
     assert (code, out) == (2, "")
     assert "--jerk" in error
+
+
+def test_an_own_stream_that_leads_into_a_file_keeps_what_is_in_it(tmp_path: Path) -> None:
+    """``-o /dev/stdout >> log`` replaced the log."""
+    log = tmp_path / "log"
+    log.write_text("kept\n", "utf-8")
+    begin = [sys.executable, "-m", "mtcommission", "optimal", str(PAPER), "--kind", "time"]
+    with log.open("ab") as out:
+        subprocess.run([*begin, "--csv", "/dev/stdout"], stdout=out, check=True)
+    text = log.read_text("utf-8")
+    assert text.startswith("kept\nt,F_set,")
+    assert "Time-optimal control" in text  # the table, behind it
+
+
+def test_an_empty_epoch_is_none(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "")
+    assert run("optimal", PAPER, "--kind", "time")[0] == 0
+
+
+def test_a_terminal_without_columns_shows_all(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "0")
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    _, out, _ = run("check", PAPER)
+    assert "milling" in out.lower()
+
+
+def test_ctrl_c_while_the_program_loads_is_no_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Interrupted:
+        def find_spec(self, name: str, *_: object) -> None:
+            if name == "mtcommission.cli":
+                raise KeyboardInterrupt
+
+    for name in [name for name in sys.modules if name.startswith("mtcommission.cli")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setattr(sys, "meta_path", [Interrupted(), *sys.meta_path])
+    monkeypatch.delattr("mtcommission.cli")
+    with pytest.raises(SystemExit) as stopped:
+        start()
+    assert stopped.value.code == 130
+    assert capsys.readouterr().err == "interrupted before anything began\n"

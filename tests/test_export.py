@@ -460,7 +460,7 @@ def test_machining_mode_without_limits_is_left_out_and_said(
     export = export_record(record, control=control)
     assert not export.meets_requirements
     header = " ".join(export.header)
-    assert "REQUIREMENTS NOT MET: no limits for machining mode surface" in header
+    assert "requirements met, BUT INCOMPLETE: no limits for machining mode surface" in header
     assert "LEFT OUT: no limits keep the tool within the band" in header
     assert "machining mode surface, 2 um (3.21 um could be met)" in header
     names = {entry.row.name for entry in export.entries}

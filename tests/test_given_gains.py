@@ -20,6 +20,7 @@ from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
 from mtcommission.plant.modal import Modal
 from mtcommission.plant.plant import build_plant
+from mtcommission.profile.shipped import read_shipped
 from mtcommission.study.loop_choice import settle_on_loop
 from mtcommission.study.loop_trials import LoopChoice
 from mtcommission.study.settings import Settings
@@ -89,6 +90,34 @@ def test_low_given_gains_are_used_without_warning() -> None:
 def test_gains_that_no_single_change_cures_are_said_so() -> None:
     tuned = tune_loop(cascade(position_gain=95.0, velocity_gain=150e3, integral_time=15e-3))
     assert Message("loop-no-cure") in [item.values.get("cure") for item in tuned.warnings]
+
+
+@pytest.mark.parametrize(
+    ("gains", "cured"),
+    [
+        ({"position_gain": 50.0, "velocity_gain": 1.1e5, "integral_time": 10e-3}, "loop-cure-tn"),
+        (
+            {"position_gain": 1e3, "velocity_gain": 194800.0, "integral_time": 62.09e-3},
+            "loop-cure-kv",
+        ),
+        ({"position_gain": 1e3}, "loop-cure-kv"),
+        ({"integral_time": 1e-3}, "loop-cure-tn"),
+    ],
+)
+def test_a_single_change_that_cures_is_found_however_far_it_is(
+    gains: dict[str, float], cured: str
+) -> None:
+    """None was said to be found where a tenth of Kv, or another Tn, does."""
+    machine = quiet_copy(read_shipped("ball-screw").machine, **gains)
+    with pytest.raises(ComputationError) as caught:
+        tune_loop(machine)
+    cure = caught.value.detail.values["cure"]
+    assert isinstance(cure, Message)
+    named = cure.values["gains"]
+    assert isinstance(named, Message)
+    assert named.kind == cured
+    key = {"loop-cure-kv": "position_gain", "loop-cure-tn": "integral_time"}[cured]
+    assert tune_loop(quiet_copy(machine, **{key: named.values["value"]})).warnings == ()
 
 
 def test_poor_gains_never_hide_behind_a_sooner_settling_loop() -> None:

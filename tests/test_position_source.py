@@ -488,8 +488,10 @@ def test_words_for_acceleration_leave_every_text_valid(language: str) -> None:
     """Keys, placeholders and functions inside a text must survive the change of the word."""
     plain, changed = Catalogue(language), Catalogue(language, follows=True)
     places = re.compile(r"\$[\w-]+|\[[\w-]+\]|[A-Z]{3,}\(|\{ [a-z][\w-]*|[a-z_]+\.[a-z_]+")
+    mass = re.compile(r' (?:on|an) \{ SI\(\$mass, "MASS"\) \}')  # nothing pushes one here
     for kind in entries_of(language):
-        assert places.findall(changed._worded(kind)) == places.findall(plain._worded(kind)), kind
+        wanted = mass.sub("", plain._worded(kind))
+        assert places.findall(changed._worded(kind)) == places.findall(wanted), kind
 
 
 def test_the_model_for_python_control_moves_as_the_setpoint_says() -> None:

@@ -13,6 +13,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 import tomllib
 from collections.abc import Sequence
@@ -1238,3 +1239,34 @@ def test_an_element_of_an_array_of_tables_is_no_value() -> None:
     """It ended as an internal error."""
     with pytest.raises(InputError, match="there is no such key"):
         vary_profile(TEXT, (("moves.0", "1"),), where="machine.toml")
+
+
+@pytest.mark.parametrize(
+    "said", [b"HTTP/1.1 400 Bad Request\r\n\r\nno Dask here at all", b"\0" * 64, b""]
+)
+def test_what_is_no_scheduler_is_said_to_be_none(
+    said: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Foreign answers were internal errors, and silence was waited for without end."""
+    monkeypatch.setattr("mtcommission.sweep.engine.PATIENCE", 5.0)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port, held = server.getsockname()[1], []
+
+        def answer() -> None:
+            with suppress(OSError):
+                while True:
+                    held.append(server.accept()[0])
+                    held[-1].sendall(said)
+
+        threading.Thread(target=answer, daemon=True).start()
+        plan = plan_of(read_axis("drive.max_force=1kN,2kN", where=""))
+        with pytest.raises(InputError, match="does not speak as Dask"):
+            run_sweep(plan, folder=tmp_path, engine=Engine(scheduler=f"tcp://127.0.0.1:{port}"))
+        for one in held:
+            one.close()
+
+
+def test_a_table_of_thousands_of_columns_is_refused_at_once() -> None:
+    head = ",".join(["f_max"] * 60000)
+    with pytest.raises(InputError, match="60000 columns"):
+        read_cases(f"{head}\n{head}\n", where="cases.csv")

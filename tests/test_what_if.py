@@ -439,7 +439,10 @@ def test_what_is_tried_can_be_simulated() -> None:
     ("changed", "said"),
     [
         ({"setpoint_filter": "hum:4"}, '--filter: got "hum"'),
-        ({"setpoint_filter": "moving_average"}, "--filter: got moving_average, must be none"),
+        (
+            {"setpoint_filter": "moving_average"},
+            "--filter: got moving_average, must be moving_average:TIME",
+        ),
         ({"setpoint_filter": "moving_average:99s"}, "--filter: "),
         ({"move": 7}, "--move: got 7, the profile has moves 1 to"),
         ({"size": "3kg"}, '--size: got "3kg", which is a mass'),

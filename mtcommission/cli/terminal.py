@@ -24,6 +24,8 @@ WIDTH = 80
 def show(content: RenderableType) -> None:
     """Print to standard output: styled on a terminal, plain when piped."""
     console = Console(highlight=False, emoji=False)
+    if console.is_terminal and not console.width:  # COLUMNS=0, with which nothing would be shown
+        console = Console(highlight=False, emoji=False, width=WIDTH)
     if not console.is_terminal:
         console = Console(highlight=False, emoji=False, width=WIDTH, no_color=True)
     console.print(content)

@@ -144,12 +144,16 @@ def _verdict(subject: Subject, control: Control, judged: Judged) -> Message:
         for check in verdict.assessment.checks
         if not check.is_met
     ]
-    missed += [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out]
     missed += [judged.lost_margins] if judged.lost_margins else []
-    if not missed:
+    without = [Message("export-mode-missed", mode=name_mode(mode.name)) for mode in judged.left_out]
+    if not missed and not without:
         return Message("export-all-met", judged=said)
-    told = reduce(lambda first, then: Message("record-both", first=first, then=then), missed)
-    return Message("export-not-all-met", judged=said, missed=told)
+    told = reduce(
+        lambda first, then: Message("record-both", first=first, then=then), missed + without
+    )
+    return Message(
+        "export-not-all-met" if missed else "export-incomplete", judged=said, missed=told
+    )
 
 
 def _corners(subject: Subject) -> Message:

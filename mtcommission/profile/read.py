@@ -260,7 +260,7 @@ def _misspelt(data: dict[str, Any]) -> Iterator[tuple[KeyPath, Message]]:
     """Keys in machine.assumed that the profile does not state, and what is wrong with each."""
     machine = data.get("machine")
     named = machine.get("assumed") if isinstance(machine, dict) else None
-    stated = [show_key(path) for path in _paths(data)]
+    stated = [show_key(path) for path in _paths(data) if path[:2] != ("machine", "assumed")]
     for place, key in enumerate(named[:MOST_ASSUMED] if isinstance(named, list) else ()):
         if isinstance(key, str) and key not in stated:
             close = find_close(key, stated)

@@ -15,6 +15,9 @@ from mtcommission.units.quantities import NUMBER
 
 LARGEST_TABLE = 30_000_000
 """Bytes; as many cases as a sweep takes, with thirty characters each: half a gigabyte as cells."""
+MOST_COLUMNS = 200
+"""More than the keys of a profile with eight modes that make sense to vary together."""
+
 HEAD = re.compile(r"(.*\S)\s+\[([^\]]*)\]")
 """A key, and its unit behind a blank; ``moves[1].distance`` has none."""
 
@@ -74,6 +77,9 @@ def read_cases(text: str, *, where: str) -> Axis:
     if len(table) - 1 > MOST_VALUES:
         message = Message("sweep-table-too-long", count=len(table) - 1, most=MOST_VALUES)
         raise _fault(where, message)
+    if len(table[0][1]) > MOST_COLUMNS:
+        message = Message("sweep-table-too-wide", count=len(table[0][1]), most=MOST_COLUMNS)
+        raise _fault(where, message, line=table[0][0])
     heads = [_split_head(head) for head in table[0][1]]
     faults = [
         Fault(where=where, line=line, message=wrong)

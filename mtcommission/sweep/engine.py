@@ -52,6 +52,9 @@ RESULTS = ("rows.parquet", "rows.csv", "sweep.html")
 """What a finished sweep leaves in its folder."""
 RECORDS = "records"
 """Folder of the records of whole runs in it."""
+PATIENCE = 30.0
+"""Seconds that a cluster is waited for."""
+
 POLL = 0.5
 """Seconds between looks at the keyboard."""
 
@@ -170,8 +173,8 @@ def _complete_pieces(
                 raise ComputationError(Outcome.WORKER_LOST, detail) from error
         except _NoSchedulerError as error:
             if not losses:
-                why = str(error)
-                raise _wrong_address("sweep-no-scheduler", engine.scheduler, why=why) from error
+                place = engine.scheduler
+                raise _wrong_address("sweep-no-scheduler", place, why=error.why) from error
             detail = Message(
                 "sweep-scheduler-gone",
                 address=engine.scheduler,
@@ -250,7 +253,11 @@ class Lane:
 
 
 class _NoSchedulerError(Exception):
-    """A cluster's scheduler does not answer; the text says why."""
+    """A cluster's scheduler does not answer; ``why`` in words."""
+
+    def __init__(self, why: Message | str) -> None:
+        super().__init__(why)
+        self.why = why
 
 
 @contextmanager
@@ -312,7 +319,7 @@ def _open_cluster(address: str) -> Iterator[Lane]:
         raise _wrong_address("sweep-other-scheme", address)
     _hush()
     try:
-        client = Client(address, timeout=10)
+        client = _within_patience(lambda: Client(address, timeout=10))
     except TypeError as error:
         # What Dask says where tls:// finds no certificate among its settings.
         raise _wrong_address("sweep-no-certificate", address) from error
@@ -321,6 +328,10 @@ def _open_cluster(address: str) -> Iterator[Lane]:
         if any(isinstance(cause, SSLError | FileNotFoundError) for cause in _chain(error)):
             raise _wrong_address("sweep-certificate-refused", address, why=why) from error
         raise _NoSchedulerError(why) from error
+    except _NoSchedulerError:
+        raise
+    except Exception as error:  # what listens there is no scheduler: Dask stumbles over its answer
+        raise _NoSchedulerError(Message("sweep-no-dask")) from error
 
     def width() -> int:
         try:
@@ -338,7 +349,27 @@ def _open_cluster(address: str) -> Iterator[Lane]:
             executor.shutdown(wait=False)  # else Ctrl-C waits for what no worker computes
 
 
-def _wrong_address(kind: str, address: str, **values: str) -> InputError:
+def _within_patience(connect: Callable[[], Any]) -> Any:
+    """What is connected; somebody may listen, but never say what Dask waits for."""
+    found: list[Any] = []
+
+    def attempt() -> None:
+        try:
+            found.append(connect())
+        except Exception as error:
+            found.append(error)
+
+    thread = threading.Thread(target=attempt, daemon=True)
+    thread.start()
+    thread.join(PATIENCE)
+    if not found:
+        raise _NoSchedulerError(Message("sweep-no-dask"))
+    if isinstance(found[0], Exception):
+        raise found[0]
+    return found[0]
+
+
+def _wrong_address(kind: str, address: str, **values: Message | str) -> InputError:
     message = Message(kind, address=address, **values)
     return InputError([Fault(where="--scheduler", message=message)])
 

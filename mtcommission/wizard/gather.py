@@ -20,7 +20,7 @@ from mtcommission.profile.values import propose
 from mtcommission.units.quantities import TIME
 from mtcommission.wizard.axis_units import MEASURED, WAYS, YES
 from mtcommission.wizard.convert import OWN, to_answers
-from mtcommission.wizard.question import Answers, list_accepted, note_accepted, si_value
+from mtcommission.wizard.question import ACCEPTED, Answers, list_accepted, note_accepted, si_value
 from mtcommission.wizard.script import list_questions
 
 KEPT = ".answers"
@@ -166,7 +166,7 @@ def _known(answers: dict[str, str], *, where: str, lines: Mapping[str, int]) -> 
     own = _own_keys()
     faults = []
     for key in answers:
-        if _generic(key) in own:
+        if _generic(key) in own or key == ACCEPTED:  # of a profile: machine.assumed
             continue
         wrong = propose(key, own) if key.startswith(OWN) else find_unknown(tuple(key.split(".")))
         if wrong:

@@ -8,7 +8,7 @@ from enum import Enum
 from functools import cache
 from pathlib import Path
 
-from mtcommission.errors import Fault, InputError, Refused
+from mtcommission.errors import INTERRUPTED, Fault, InputError, Refused
 from mtcommission.files import write_text
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.plausibility import check_plausibility
@@ -74,6 +74,7 @@ class _Left(Exception):
 
 
 USER_LEFT = Message("wizard-left-by-user")
+INTERRUPTED_BY_USER = Message("wizard-interrupted")
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +147,10 @@ def run_wizard(
             if left.how == USER_LEFT:
                 speaker.tell(left.answers, message, indent="")
                 return Session(ending=Ending.QUIT, wants_run=False)
-            raise InputError([Fault(where="wizard", message=message)]) from left
+            ending = InputError([Fault(where="wizard", message=message)])
+            if left.how == INTERRUPTED_BY_USER:
+                ending.exit_code = INTERRUPTED
+            raise ending from left
     write_text(str(output), text)
     Path(f"{output}{KEPT}").unlink(missing_ok=True)
     _summarise(speaker, answers, machine, output)
@@ -296,7 +300,7 @@ def _ask_from(
         except EOFError as error:
             raise _Left(known, Message("wizard-input-ended"), question.key) from error
         except KeyboardInterrupt as error:
-            raise _Left(known, Message("wizard-interrupted"), question.key) from error
+            raise _Left(known, INTERRUPTED_BY_USER, question.key) from error
     return known
 
 

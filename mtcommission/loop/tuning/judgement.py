@@ -8,18 +8,17 @@ from functools import reduce
 from math import floor, log10
 
 from mtcommission.errors import ComputationError, Outcome
-from mtcommission.loop.model.controller import Controller
 from mtcommission.loop.tuning.cascade import CLASSIC
 from mtcommission.loop.tuning.family import LoopFamily, tune_shape
 from mtcommission.loop.tuning.tuned import CornerPlants, TunedLoop, describe_margins, has_margins
 from mtcommission.machine.variations import NOMINAL, Corner
 from mtcommission.messages.message import Message
 
-LOWERED = 0.9
+LOWERED = 0.8
 """Factor from one try of a given gain to the next."""
 
-TRIES = 25
-"""A gain is looked for down to 8 % of what was given."""
+TRIES = 32
+"""A gain is looked for down to a thousandth of what was given."""
 
 SOFTENED = 0.5
 """Set-force filters that leave less than this share of the bandwidth are warned about."""
@@ -50,7 +49,7 @@ def judge_given(family: LoopFamily, tuned: TunedLoop) -> tuple[Message, ...]:
     """
     found, settings = [], family.settings
     if not all(has_margins(analysis, settings=settings) for analysis in tuned.analyses):
-        cure = _name_cure(family, tuned.controller)
+        cure = _name_cure(family)
         _require_stable(tuned, cure)
         found.append(
             Message(
@@ -135,13 +134,15 @@ def _name_corner(corner: Corner) -> tuple[Message, ...]:
     return tuple(found)
 
 
-def _name_cure(family: LoopFamily, controller: Controller) -> Message:
-    """The largest value of each given gain that keeps the margins, the others as they are."""
+def _name_cure(family: LoopFamily) -> Message:
+    """The value of each given gain, nearest to it, that keeps the margins.
+
+    The other given gains stay as they are; what is left out is tuned, as it will be then.
+    """
     given = family.machine.control
-    fixed = replace(given, velocity_gain=controller.velocity_gain)
 
     def keeps(**gains: float) -> bool:
-        control = replace(fixed, **gains)  # type: ignore[arg-type]
+        control = replace(given, **gains)  # type: ignore[arg-type]
         changed = replace(family, machine=replace(family.machine, control=control))
         return tune_shape(changed, CLASSIC, largest=1.0) is not None
 
@@ -152,6 +153,11 @@ def _name_cure(family: LoopFamily, controller: Controller) -> Message:
     if given.velocity_gain is not None:
         Kp = _largest(given.velocity_gain, lambda value: keeps(velocity_gain=value))
         cures += [Message("loop-cure-kp", value=Kp)] if Kp else []
+        if not Kp:  # too soft for its integrator, or for Kv
+            compliance = _largest(
+                1.0 / given.velocity_gain, lambda value: keeps(velocity_gain=1.0 / value)
+            )
+            cures += [Message("loop-cure-kp-from", value=1.0 / compliance)] if compliance else []
     if given.integral_time is not None:
         rate = _largest(1.0 / given.integral_time, lambda value: keeps(integral_time=1.0 / value))
         cures += [Message("loop-cure-tn", value=1.0 / rate)] if rate else []
@@ -167,7 +173,7 @@ def _largest(value: float, keeps: Callable[[float], bool]) -> float:
         low = value * LOWERED**power
         if keeps(low):
             high = low / LOWERED
-            for _ in range(4):
+            for _ in range(5):
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if keeps(middle) else (low, middle)
             step = 10.0 ** (floor(log10(low)) - 2)

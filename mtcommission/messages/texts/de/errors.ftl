@@ -15,7 +15,7 @@ outcome-modes-not-told-apart = { $axis ->
    *[linear] Eigenformen nicht zu unterscheiden: { $detail }: eine so große Kraft macht die Bewegung so kurz, dass alle Eigenformen gleich antworten, enger beieinander, als doppelte Genauigkeit unterscheidet; die Einheit von max_force und die Massen prüfen oder max_force verringern
 }
 outcome-no-convergence = keine Konvergenz: { $detail }: die Iteration endete, bevor die verlangte Genauigkeit erreicht war; das Profil einsenden und vorerst --method transcription nehmen
-outcome-unstable-loop = instabiler Regelkreis: { $detail }: der geschlossene Regelkreis ist instabil; velocity_gain verringern, dann position_gain, oder beide weglassen, damit sie eingestellt werden
+outcome-unstable-loop = instabiler Regelkreis: { $detail }: der geschlossene Regelkreis ist instabil; eine Verstärkung wie gesagt ändern oder alle weglassen, damit sie eingestellt werden
 outcome-not-observable = nicht beobachtbar: { $detail }: die Messsysteme sehen diesen Zustand nicht, also kann ihn keine Rückführung nutzen; die Verstärkung weglassen oder mit tcp_sensor = "position" ein zweites Messsystem vorsehen
 outcome-bandwidth-out-of-reach = Bandbreite nicht erreichbar: { $detail }: kein stabiler Regelkreis erreicht minimum_bandwidth mit den verlangten Reserven; force_lag und die Takte verkürzen oder minimum_bandwidth verringern
 outcome-margins-out-of-reach = Reserven nicht erreichbar: { $detail }: bis hinab zu einer so weichen Kaskade hat keine die verlangten Reserven: sie nimmt einer Eigenform, die der Lagegeber sieht, Dämpfung; das Vorzeichen von measured_gain prüfen oder eine Kerbe in force_filters aufnehmen

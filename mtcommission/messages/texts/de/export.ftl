@@ -57,6 +57,7 @@ export-judged = Aus diesem Text simuliert, Zeile fuer Zeile zurueckgelesen (Mass
 }: Einschwingzeit { $settling }, Restabweichung { $residual }
 export-all-met = { $judged }; alle Anforderungen erfuellt.
 export-not-all-met = { $judged }; ANFORDERUNGEN NICHT ERFUELLT: { $missed }.
+export-incomplete = { $judged }; Anforderungen erfüllt, ABER UNVOLLSTÄNDIG: { $missed }.
 export-missed = { $name } { $value }, erlaubt { $limit }
 # $margins: of the loop that the text makes, worst corner
 export-margins-lost = zu wenig Stabilitätsreserve, { $margins }

@@ -35,9 +35,13 @@ loop-filters-soften = Die { $axis ->
 loop-takes-damping = Der Regelkreis entdämpft die Eigenform { $mode }: ihr Dämpfungsgrad ist { NUMBER($closed, digits: 3) } im geschlossenen Kreis, { NUMBER($own, digits: 3) } ohne Regelung.
 
 loop-cure = Die Reserven wären eingehalten mit { $gains }, alle anderen Vorgaben unverändert
-loop-no-cure = Keine Verstärkung allein behebt das; ohne Vorgaben werden sie eingestellt
+loop-no-cure = Keine Verstärkung allein, bis auf das Tausendfache geändert, behebt das; ohne Vorgaben werden sie eingestellt
 loop-cure-kv = Kv bis { NUMBER($value) } 1/s
 loop-cure-kp = Kp bis { NUMBER($value) } { $axis ->
+    [rotary] N m s/rad
+   *[linear] N s/m
+}
+loop-cure-kp-from = Kp ab { NUMBER($value) } { $axis ->
     [rotary] N m s/rad
    *[linear] N s/m
 }

@@ -1,6 +1,7 @@
 sweep-no-text = ist kein UTF-8-Text; als CSV in UTF-8 speichern
 sweep-table-too-large = ist größer als { PLAIN($most, digits: 12) } Bytes; auf mehrere Reihen verteilen
 sweep-table-without-cases = braucht eine Kopfzeile mit Schlüsseln und darunter mindestens einen Fall
+sweep-table-too-wide = hat { $count } Spalten; höchstens { $most } Schlüssel werden zusammen verändert
 sweep-table-too-long = hat { PLAIN($count, digits: 12) } Fälle, höchstens { PLAIN($most, digits: 12) } sind möglich
 sweep-no-csv = ist kein CSV: { $reason }
 sweep-count-of-cells = braucht { $wanted } Werte, erhalten { $got }
@@ -37,6 +38,7 @@ sweep-waits = der Rechnerverbund hat keinen Prozess; es wird auf einen gewartet 
 sweep-scheduler-gone = { $address } antwortet nicht mehr; { PLAIN($done, digits: 12) } von { PLAIN($count, digits: 12) } Fällen sind gespeichert
 sweep-no-certificate = { $address } braucht ein Zertifikat, und Dask kennt keines: distributed.comm.tls.ca-file und distributed.comm.tls.client.cert und .key in seinen Einstellungen angeben (~/.config/dask) oder tcp:// nehmen
 sweep-no-cluster-extra = braucht den Zusatz für Rechnerverbünde: pip install "mtcommission[cluster]"
+sweep-no-dask = was dort lauscht, spricht nicht wie Dask
 sweep-no-scheduler = unter { $address } antwortet kein Scheduler ({ $why }); ihn starten mit: dask scheduler, und die Adresse so angeben, wie er sie nennt: tcp:// oder tls://
 sweep-certificate-refused = bei { $address } taugen die Zertifikate aus den Einstellungen von Dask nicht ({ $why }): die Dateien distributed.comm.tls.ca-file und distributed.comm.tls.client.cert und .key prüfen (~/.config/dask)
 sweep-other-scheme = { $address } angegeben, muss eine Adresse sein, wie dask scheduler sie nennt, tcp://RECHNER:PORT oder tls://RECHNER:PORT

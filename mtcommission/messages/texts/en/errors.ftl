@@ -18,7 +18,7 @@ outcome-modes-not-told-apart = { $axis ->
    *[linear] modes not told apart: { $detail }: so strong a force makes the move so short that all modes answer alike, closer than double precision can tell; check the unit of max_force and the masses, or lower max_force
 }
 outcome-no-convergence = no convergence: { $detail }: the iteration stopped before the required accuracy was reached; report the profile, and use --method transcription meanwhile
-outcome-unstable-loop = unstable loop: { $detail }: the closed loop is unstable; lower velocity_gain, then position_gain, or leave them out to have them tuned
+outcome-unstable-loop = unstable loop: { $detail }: the closed loop is unstable; change a gain as told, or leave the gains out to have them tuned
 outcome-not-observable = not observable: { $detail }: the sensors do not see this state, so no feedback can use it; remove the gain, or add a second encoder with tcp_sensor = "position"
 outcome-bandwidth-out-of-reach = bandwidth out of reach: { $detail }: no stable loop reaches minimum_bandwidth with the required margins; shorten force_lag and the cycles, or lower minimum_bandwidth
 outcome-margins-out-of-reach = margins out of reach: { $detail }: no cascade, down to one so soft, has the required margins: it takes damping from a mode that the encoder sees; check the sign of measured_gain, or add a notch to force_filters

@@ -61,6 +61,7 @@ export-judged = Simulated from this text, read back row by row (masses, modes, d
 }: settling time { $settling }, residual deviation { $residual }
 export-all-met = { $judged }; all requirements met.
 export-not-all-met = { $judged }; REQUIREMENTS NOT MET: { $missed }.
+export-incomplete = { $judged }; requirements met, BUT INCOMPLETE: { $missed }.
 export-missed = { $name } { $value }, allowed { $limit }
 # $margins: of the loop that the text makes, worst corner
 export-margins-lost = too little margin, { $margins }

@@ -46,12 +46,16 @@ loop-takes-damping = The loop takes damping from mode { $mode }: its damping rat
 
 # What to change; $gains: the messages that follow
 loop-cure = The margins would hold with { $gains }, all other given values as they are
-loop-no-cure = No single gain cures that; leave the gains out to have them tuned
+loop-no-cure = No single gain, changed up to a thousandfold, cures that; leave the gains out to have them tuned
 loop-cure-kv = Kv up to { NUMBER($value) } 1/s
 loop-cure-kp = Kp up to { NUMBER($value) } { $axis ->
     [rotary] N m s/rad
    *[linear] N s/m
 }
+loop-cure-kp-from = Kp from { NUMBER($value) } { $axis ->
+    [rotary] N m s/rad
+   *[linear] N s/m
+} on
 loop-cure-tn = Tn from { TIME($value) } on
 
 # Details of outcomes that end the tuning
