@@ -108,7 +108,7 @@ def require_folder(folder: Path, *names: str, inputs: Sequence[Path] = ()) -> No
 
 def no_folder(folder: Path, reason: Message | OSError) -> InputError:
     """Return the error of a folder that cannot be written, for a reason."""
-    said = str(reason.strerror) if isinstance(reason, OSError) else reason
+    said = _why(reason) if isinstance(reason, OSError) else reason
     message = Message("file-folder-not-writable", reason=said)
     return InputError([Fault(where=str(folder), message=message)])
 
@@ -209,10 +209,15 @@ def write_text(name: str, text: str) -> None:
     try:
         replace_file(Path(name), text.encode(errors="replace"))
     except OSError as error:
-        is_unread = isinstance(error, TimeoutError)
-        reason = Message("file-unread-pipe", seconds=PATIENCE) if is_unread else error.strerror
-        message = Message("file-not-writable", reason=reason)
+        message = Message("file-not-writable", reason=_why(error))
         raise InputError([Fault(where=name, message=message)]) from error
+
+
+def _why(error: OSError) -> Message | str:
+    """Why a file could not be written, in words."""
+    if isinstance(error, TimeoutError):
+        return Message("file-unread-pipe", seconds=PATIENCE)
+    return error.strerror or str(error)
 
 
 def replace_file(path: Path, content: bytes | Callable[[BinaryIO], object]) -> None:

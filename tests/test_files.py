@@ -13,7 +13,7 @@ import pytest
 from mtcommission import files
 from mtcommission.errors import InputError
 from mtcommission.files import read_bytes, require_folder, require_writable, write_files, write_text
-from mtcommission.messages.message import Message
+from mtcommission.messages.message import Message, printable
 
 FOLDER = Message("file-is-folder")
 
@@ -105,3 +105,19 @@ def test_nothing_is_left_of_a_write_that_fails(tmp_path: Path) -> None:
         files.replace_file(place, fail)
     assert place.read_text() == "before"
     assert list(tmp_path.iterdir()) == [place]
+
+
+def test_a_pipe_that_nobody_reads_is_named_within_a_folder_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It said "cannot write there (None)"."""
+    monkeypatch.setattr("mtcommission.files.PATIENCE", 0.1)
+    os.mkfifo(tmp_path / "sheet.html")
+    with pytest.raises(InputError, match="nobody read this pipe"):
+        write_files(tmp_path, {"sheet.html": b"text"})
+
+
+def test_marks_that_nobody_sees_do_not_reach_the_screen() -> None:
+    hidden = "\u061c\u200b\u200e\u200f\u202e\u2066\ufeff"
+    assert printable(f"a{hidden}b") == f"a{'?' * len(hidden)}b"
+    assert printable("é漢👩\u200d🔧") == "é漢👩\u200d🔧"

@@ -10,7 +10,9 @@ from typing import NoReturn, TypeAlias
 Value: TypeAlias = "float | int | str | bool | Message | tuple[Value, ...] | None"
 """SI number, text of the user (names of modes, files), key of another text, or messages inside."""
 
-STEERING = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+STEERING = re.compile(
+    r"[\x00-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]"
+)
 """Characters that move a cursor, turn the direction of writing, or are none."""
 
 NO_VALUES: Mapping[str, Value] = MappingProxyType({})

@@ -74,7 +74,9 @@ def load_record(path: Path) -> Record:
     if len(content) > LARGEST_FILE:
         raise _fault(path, Message("record-too-large", most=LARGEST_FILE))
     try:
-        data = json.loads(content.decode(), parse_constant=_refuse, parse_float=_read_float)
+        data = json.loads(
+            content.decode("utf-8-sig"), parse_constant=_refuse, parse_float=_read_float
+        )
     except _NoNumberError as error:
         raise _fault(path, Message("record-not-readable", why=error.message)) from error
     except (ValueError, RecursionError) as error:
