@@ -13,7 +13,8 @@ import select
 import stat
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from secrets import token_hex
 from typing import BinaryIO
@@ -166,7 +167,7 @@ def _wrong_with(name: str, inputs: Sequence[Path]) -> Message | None:
 
 
 def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write files into a folder, each as a whole.
+    """Write files into a folder, all of them or, if one cannot be filled, none.
 
     Parameters
     ----------
@@ -182,8 +183,9 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, content in files.items():
-            replace_file(folder / name, content)
+        with ExitStack() as ready:
+            for name, content in files.items():
+                ready.enter_context(_replacing(folder / name, content))
     except OSError as error:
         raise no_folder(folder, error) from error
 
@@ -235,32 +237,33 @@ def replace_file(path: Path, content: bytes | Callable[[BinaryIO], object]) -> N
     OSError
         If it cannot be written; what was there before is unchanged.
     """
+    with _replacing(path, content):
+        pass
+
+
+@contextmanager
+def _replacing(path: Path, content: bytes | Callable[[BinaryIO], object]) -> Iterator[None]:
+    """Fill a new file beside one, which takes its place at the end, if nothing fails in between."""
     fill = content if callable(content) else lambda file: file.write(content)
-    if (own := _own_stream(path)) >= 0:
-        for stream in (sys.stdout, sys.stderr):
-            stream.flush()
-        with os.fdopen(os.dup(own), "wb") as file:
-            fill(file)
-        return
     if _is_stream(path):
         with os.fdopen(_open_stream(path), "wb") as file:
             fill(file)
+        yield
         return
     place = Path(os.path.realpath(path))
     fresh = place.with_name(f".mtcommission-{token_hex(8)}")
-    with fresh.open("xb") as file:
-        try:
+    try:
+        with fresh.open("xb") as file:
             if place.exists():
                 os.chmod(fresh, stat.S_IMODE(place.stat().st_mode))
             fill(file)
             file.flush()
             os.fsync(file.fileno())
-            file.close()
-            os.replace(fresh, place)
-        except BaseException:
-            file.close()
-            fresh.unlink(missing_ok=True)
-            raise
+        yield
+        os.replace(fresh, place)
+    except BaseException:
+        fresh.unlink(missing_ok=True)
+        raise
 
 
 def _is_stream(path: Path) -> bool:
@@ -283,6 +286,10 @@ def _own_stream(path: Path) -> int:
 
 def _open_stream(path: Path) -> int:
     """Open for writing; a named pipe that nobody reads is not waited for without end."""
+    if (own := _own_stream(path)) >= 0:
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        return os.dup(own)
     flags, end = os.O_WRONLY | getattr(os, "O_NONBLOCK", 0), time.monotonic() + PATIENCE
     while True:
         try:

@@ -121,3 +121,25 @@ def test_marks_that_nobody_sees_do_not_reach_the_screen() -> None:
     hidden = "\u061c\u200b\u200e\u200f\u202e\u2066\ufeff"
     assert printable(f"a{hidden}b") == f"a{'?' * len(hidden)}b"
     assert printable("é漢👩\u200d🔧") == "é漢👩\u200d🔧"
+
+
+def test_of_several_files_none_is_replaced_if_one_cannot_be_filled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A full disk left a new sheet.html beside the old sheet.pdf."""
+    write_files(tmp_path, {"a": b"old", "b": b"old"})
+    left = 1
+
+    def fsync(_: int) -> None:
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("mtcommission.files.os.fsync", fsync)
+    with pytest.raises(InputError, match="No space left"):
+        write_files(tmp_path, {"a": b"new", "b": b"new"})
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {
+        "a": b"old",
+        "b": b"old",
+    }
