@@ -788,3 +788,11 @@ def test_a_file_in_german_has_letters_that_every_control_reads(
 )
 def test_no_cell_of_a_list_is_a_formula(cell: str, written: str) -> None:
     assert _harmless(cell) == written
+
+
+def test_letters_that_plain_text_cannot_hold_are_said(linear_motor: Case) -> None:
+    """CJK names came out as ????? without a word."""
+    record = deepcopy(linear_motor.record)
+    assert "stand as" not in " ".join(export_record(record, control="isg").header)
+    record["machine"] |= {"name": "切削軸"}
+    assert 'cannot hold stand as "?"' in " ".join(export_record(record, control="isg").header)

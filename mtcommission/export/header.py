@@ -15,7 +15,7 @@ from mtcommission.export.held import (
 )
 from mtcommission.export.row import Row, Setting
 from mtcommission.export.subject import Subject
-from mtcommission.export.wording import name_mode, show_value
+from mtcommission.export.wording import name_mode, show_value, to_ascii
 from mtcommission.loop.tuning.tuned import TuningSettings, describe_margins, has_margins
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -82,6 +82,7 @@ def compose_header(
             tool=f"{tool.name} {tool.version}",
             profile=profile.name,
         ),
+        *_lost_letters(machine.name, machine.axis, profile.name),
         Message("export-hash", hash=profile.sha256),
         Message("export-verify"),
         _verdict(subject, control, judged),
@@ -121,6 +122,12 @@ def find_lost_margins(record: Record, held: Held) -> Message | None:
     if not had or all(has_margins(one, settings=ROUNDED_MARGINS) for one in analyses):
         return None
     return Message("export-margins-lost", margins=describe_margins(analyses))
+
+
+def _lost_letters(*names: str) -> tuple[Message, ...]:
+    """Say that a name has letters that plain text for a control cannot hold."""
+    lost = any(to_ascii(name).count("?") > name.count("?") for name in names)
+    return (Message("export-lost-letters"),) if lost else ()
 
 
 def _verdict(subject: Subject, control: Control, judged: Judged) -> Message:

@@ -10,6 +10,7 @@ export-linear-only = { $control } begrenzt nur Linearachsen, diese ist eine Rund
 
 export-title = { $name }, Achse { $axis_name }: Grenzwerte und Regelkreis fuer { $control }
 export-computed = Berechnet { $created } mit { $tool } aus { $profile }
+export-lost-letters = Buchstaben der Namen, die dieser Text nicht fassen kann, stehen als "?".
 export-hash = Profil SHA-256 { $hash }
 export-verify = VOR GEBRAUCH PRUEFEN. Berechnet, nicht gemessen: keine Abnahmepruefung (ISO 230). Von Hand eingeben, alte Werte notieren, mit kleinem Override erproben.
 export-safe-side = Jeder Grenzwert ist zur sicheren Seite gerundet. Einheiten stehen neben den Werten.

@@ -13,6 +13,7 @@ export-linear-only = { $control } limits linear axes only, this one is rotary; u
 # the header
 export-title = { $name }, axis { $axis_name }: limits and loop for { $control }
 export-computed = Computed { $created } by { $tool } from { $profile }
+export-lost-letters = Letters of the names that this text cannot hold stand as "?".
 export-hash = Profile SHA-256 { $hash }
 export-verify = VERIFY BEFORE USE. Calculated, not measured: not an acceptance test (ISO 230). Enter by hand, note the old values, try at reduced override.
 export-safe-side = Each limit is rounded to the safe side. Units stand beside the values.
