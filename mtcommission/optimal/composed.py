@@ -93,7 +93,7 @@ def compose_time_optimum(plant: Plant, move: Move, *, force_limit: float) -> Tim
     else:
         base, signs = np.array([0.0, move.velocity_step / acceleration]), np.array([1.0, -1.0])
         least = move.velocity_step / most
-    require_followable(float(base[-1] + times[-1]), plant.fastest_rate, most=MOST_RADIANS)
+    require_followable(float(base[-1] + times.max()), plant.fastest_rate, most=MOST_RADIANS)
     force = acceleration * plant.moving_mass
     arcs = _arcs(
         np.add.outer(base, times).ravel(), force * np.multiply.outer(signs, shares).ravel()
@@ -130,9 +130,9 @@ def compose_time_optimum(plant: Plant, move: Move, *, force_limit: float) -> Tim
 
 
 def _impulses(plant: Plant) -> tuple[Array, Array]:
-    """Times [s], ascending, and shares of impulses that no pole but the rigid ones answers.
+    """Times [s] and shares of impulses that no pole but the rigid ones answers.
 
-    Both poles e^{st} of a mode vanish under 1 and e^{ζω/ω_d π} half a damped period apart, that of
+    Both poles of a mode vanish under 1 and e^{-π ζω/ω_d} half a damped period apart, that of
     the force lag under 1 and -e^{-d/T}; the shares add up to 1, so the rigid motion stays.
     """
     times, shares = np.zeros(1), np.ones(1)
@@ -144,8 +144,7 @@ def _impulses(plant: Plant) -> tuple[Array, Array]:
     for later, ratio in pairs:
         times = np.add.outer(times, [0.0, later]).ravel()
         shares = np.multiply.outer(shares, np.array([1.0, ratio]) / (1.0 + ratio)).ravel()
-    order = np.argsort(times, kind="stable")
-    return times[order], shares[order]
+    return times, shares
 
 
 def _arcs(times: Array, steps: Array) -> tuple[Arc, ...]:

@@ -353,7 +353,7 @@ class TimeOptimum:
     bounds
         Bounds on states and outputs; empty for the free optimum.
     method
-        ``"exact"`` or ``"transcription"``.
+        ``"exact"``, ``"transcription"``, or ``"composed"``: not optimal, with a proved bound.
     t_f
         Final time [s].
     arcs

@@ -135,8 +135,7 @@ def _read_filter(machine: Machine, text: str, faults: list[Fault]) -> SetpointFi
     wanted = {MOVING_AVERAGE: [("time", TIME, *times)], TWO_AVERAGES: [("time", TIME, *times)] * 2}
     ranges = wanted.get(name, [frequency, damping])
     if len(numbers) != len(ranges) or name == FIR:
-        form = "times" if name == TWO_AVERAGES else "time" if name == MOVING_AVERAGE else "mode"
-        form = FIR if name == FIR else form
+        form = {MOVING_AVERAGE: "time", TWO_AVERAGES: "times", FIR: FIR}.get(name, "mode")
         message = Message("option-filter-form", got=text.strip(), kind=name, numbers=form)
         faults.append(Fault(where=where, message=message))
         return None
