@@ -8,7 +8,7 @@ far from it. docs/optimal-control-bounds.md derives it.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import exp, isfinite, pi, sqrt
+from math import exp, isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mtcommission.allowance import spend
 from mtcommission.errors import ComputationError
 from mtcommission.machine.machine import Move, Positioning
+from mtcommission.machine.shapers import shape
 from mtcommission.optimal.bounded.proof.motion import follow_control, require_followable
 from mtcommission.optimal.bounded.settings import STANDARD
 from mtcommission.optimal.free.time_optimal import solve_time_optimal
@@ -132,18 +133,21 @@ def compose_time_optimum(plant: Plant, move: Move, *, force_limit: float) -> Tim
 def _impulses(plant: Plant) -> tuple[Array, Array]:
     """Times [s] and shares of impulses that no pole but the rigid ones answers.
 
-    Both poles of a mode vanish under 1 and e^{-π ζω/ω_d} half a damped period apart, that of
-    the force lag under 1 and -e^{-d/T}; the shares add up to 1, so the rigid motion stays.
+    A ZV shaper for each mode, and for the pole of the force lag its counterpart, 1 and -e^{-d/T};
+    the shares add up to 1, so the rigid motion stays.
     """
-    times, shares = np.zeros(1), np.ones(1)
-    pairs = [
-        (pi / mode.pole.imag, exp(pi * mode.pole.real / mode.pole.imag)) for mode in plant.modes
-    ]
+    modes = (
+        shape("zv", frequency_hz=mode.frequency_hz, damping_ratio=mode.damping_ratio)
+        for mode in plant.modes
+    )
+    pairs = [(np.array(item.delays), np.array(item.shares)) for item in modes]
     if plant.force_lag:
-        pairs.append((LAG_TIMES * plant.force_lag, -exp(-LAG_TIMES)))
-    for later, ratio in pairs:
-        times = np.add.outer(times, [0.0, later]).ravel()
-        shares = np.multiply.outer(shares, np.array([1.0, ratio]) / (1.0 + ratio)).ravel()
+        both = np.array([1.0, -exp(-LAG_TIMES)])
+        pairs.append((LAG_TIMES * plant.force_lag * np.arange(2), both / both.sum()))
+    times, shares = np.zeros(1), np.ones(1)
+    for delays, parts in pairs:
+        times = np.add.outer(times, delays).ravel()
+        shares = np.multiply.outer(shares, parts).ravel()
     return times, shares
 
 
