@@ -231,7 +231,7 @@ def recommend(
         machine=machine,
         plant=plant,
         tuned=tuned,
-        choice=choose_limits(machine, plant, tuned, settings=settings.search),
+        choice=choose_limits(machine, plant, tuned),
         today=judge_today(machine, plant, tuned, settings.robustness),
     )
 
@@ -293,19 +293,18 @@ def commission(
         find_within_band(machine, plant, item, settings=settings.band) for item in optima
     )
     condensed = condense_optima(machine, plant, optima)
-    starts = [limits for _, limits in condensed]
     progress(Message("stage-feedback-loop"))
     loop = settle_on_loop(machine, plant, settings)
     loop = show_alternatives(machine, plant, loop, settings)
     tuned = loop.tuned
     progress(Message("stage-limits"))
-    choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
+    choice = choose_limits(machine, plant, tuned)
     dispensable = _Dispensable()
     listed = None
     if machine.requirements.every_size and choice.meets_requirements:
         listed = dispensable.find(
             "left-out-listed",
-            lambda: choose_for_listed(machine, plant, tuned, settings=settings.comparison),
+            lambda: choose_for_listed(machine, plant, tuned),
             otherwise=None,
         )
     progress(Message("stage-responses"))
@@ -328,15 +327,13 @@ def commission(
         progress(Message("stage-attainable"))
         attainable = dispensable.find(
             "left-out-attainable",
-            lambda: find_attainable(machine, plant, tuned, choice, settings=settings.comparison),
+            lambda: find_attainable(machine, plant, tuned, choice),
             otherwise=tuple[Attainable, ...](),
         )
     progress(Message("stage-machining-modes"))
     modes = dispensable.find(
         "left-out-modes",
-        lambda: find_limits_by_mode(
-            machine, plant, tuned, choice, starts=starts, settings=settings.search
-        ),
+        lambda: find_limits_by_mode(machine, plant, tuned, choice),
         otherwise=tuple[ModeLimits, ...](),
     )
     progress(Message("stage-comparison"))
@@ -357,7 +354,7 @@ def commission(
     )
     tool_sensor = dispensable.find(
         "left-out-tool-sensor",
-        lambda: value_tool_sensor(machine, tuned, choice, settings=settings.comparison),
+        lambda: value_tool_sensor(machine, tuned, choice),
         otherwise=None,
     )
     return Commissioning(

@@ -1,71 +1,67 @@
-"""The acceleration and jerk that let the slowest move settle soonest, in every corner.
+"""The acceleration, jerk and setpoint filter that let the slowest move settle soonest.
 
-For every size of move (``every``) or for the listed sizes alone (``listed``); what either finds is
-judged again by simulation: only that verdict counts.
+One search for every size of move and for the listed sizes alone (``explore``); what it finds is
+rounded to what is typed in and judged exactly, in every corner: only that verdict counts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import islice
-from math import inf
+from math import inf, isfinite
 
-from mtcommission.limits.every.search import search_every_size
-from mtcommission.limits.every.typed import Typed, bound_of, find_for_every_size
-from mtcommission.limits.listed import explain, first_met, search_listed, soonest_possible
+from mtcommission.limits.bench import build_bench
+from mtcommission.limits.digits import limits_about, round_limits
+from mtcommission.limits.explore import Found, explore
+from mtcommission.limits.landscape import Landscape, chart_landscape
 from mtcommission.limits.reserve import keep_reserve
-from mtcommission.limits.search.landscape import Landscape, chart_landscape
-from mtcommission.limits.search.settings import SearchSettings
-from mtcommission.loop.simulation_budget import require_affordable
 from mtcommission.loop.tuning.tuning import TunedLoop
-from mtcommission.machine.machine import Machine, Reserve
-from mtcommission.machine.requirement import SETTLING_TIME, Requirement
-from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.machine.machine import Machine, Reserve, moving_mass
+from mtcommission.machine.requirement import RESIDUAL_DEVIATION, SETTLING_TIME, Requirement
 from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import plan_setpoint
+from mtcommission.verdict.assess import Assessment, assess
 from mtcommission.verdict.evaluate import Candidate, MoveResult, evaluate_moves, simulate_moves
-from mtcommission.verdict.every_size import judge_every_size
+from mtcommission.verdict.every_size import SizeCheck, judge_every_size
 
-__all__ = ["Choice", "SearchSettings", "choose_limits"]
+__all__ = ["Choice", "choose_limits"]
+
+DIGITS = 3
+"""Significant digits of what is typed in."""
+
+MOST_TYPED, MOST_SCALED = 4, 8
+"""Found limits that are typed and judged, best first, and how often each is scaled."""
+
+JUST_LESS = 0.9995
+"""What the next limits use of what is allowed, if all is in proportion."""
+
+MOST_RAISED, NOTICEABLE = 4, 0.9995
+"""Faster limits that are judged last, the fastest first; and what is not worth it [-]."""
+
+WIDER = (2.0, 4.0, 8.0, 16.0, 64.0, 256.0)
+"""Bands in turn for which limits are sought where nothing keeps the one that is required."""
+
+RAISED = ((1.03, 1.03), (1.03, 1.0), (1.0, 1.03))
+"""Factors of acceleration and jerk with which it is seen what forbids more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Choice:
-    """Recommended limits, judged, and what the search saw.
+    """Recommended limits, judged, and what the search saw."""
 
-    Parameters
-    ----------
-    candidate
-        The limits, rounded to what is typed in, and the verdict on exactly these.
-    moves
-        Their moves in every corner.
-    reserve
-        What was to be kept of band and force.
-    reserve_used
-        Whether the limits need more than that leaves, because nothing else meets the
-        requirements.
-    explain
-        Names what forbids faster limits, when it is first asked for: few choices are.
-    chart
-        Charts the landscape to be printed, likewise.
-    evaluations
-        Limits judged in every corner, or until others were better already.
-    """
-
-    candidate: Candidate
-    moves: tuple[MoveResult, ...]
-    reserve: Reserve
-    reserve_used: bool
-    explain: Callable[[], Message]
-    chart: Callable[[], Landscape]
-    evaluations: int
+    candidate: Candidate  # rounded to what is typed in, and the verdict on exactly that
+    moves: tuple[MoveResult, ...]  # in every corner
+    reserve: Reserve  # what was to be kept of band and force
+    reserve_used: bool  # the limits need more than that leaves: nothing else meets all
+    explain: Callable[[], Message]  # names what forbids faster limits: few choices are asked
+    chart: Callable[[], Landscape]  # the map to be printed, likewise
 
     @property
     def limits(self) -> MotionLimits:
-        """Acceleration and jerk to type in."""
+        """Acceleration, jerk and filter to type in."""
         return self.candidate.limits
 
     @property
@@ -96,195 +92,180 @@ def choose_limits(
     plant: Plant,
     tuned: TunedLoop,
     *,
-    starts: Sequence[MotionLimits] = (),
     near: MotionLimits | None = None,
     largest_jerk: float = inf,
-    settings: SearchSettings | None = None,
 ) -> Choice:
     """Return the limits with the least worst-case settling time that meet all requirements.
 
-    Whatever is returned was simulated with the digits that are typed in and judged as the sheet
-    judges it; what fails there gives way to the next best, and in the end to gentler limits.
-
-    Parameters
-    ----------
-    machine, plant
-        The nominal machine and its plant.
-    tuned
-        Its loop in every corner.
-    starts
-        Limits to begin with besides those of the rules, e.g. from the optima.
-    near
-        Best limits of a loop much like this one: where every size counts, only their
-        neighbourhood is looked at.
-    largest_jerk
-        [m/s³].
-    settings
-        None: the defaults.
-
-    Returns
-    -------
-    Choice
-        Keeps the reserve; where nothing does, all requirements without it. Of limits that settle
-        equally soon the gentlest; else never slower than a rule or a start that meets all that
-        (up to the rounding to what is typed in). Where nothing meets the requirements, the
-        limits with the least settling time within force and peaks.
-
-    Raises
-    ------
-    ComputationError
-        MOVE_TOO_LONG where the moves take more cycles than are followed.
+    ``near``: the best limits of a loop much like this one; then only their neighbourhood is looked
+    at. The reserve is kept; where nothing does, all requirements without it. Of limits that settle
+    equally soon the gentlest. Where nothing meets the requirements, those that leave the band
+    least, within force and peaks.
     """
-    require_affordable(machine)
-    settings = settings or SearchSettings()
     strict = keep_reserve(machine)
-    if not machine.requirements.every_size and machine.control.seeks_setpoint_filter:
-        return _choose_filter(machine, plant, tuned, starts, largest_jerk, settings)
+    for allowed in dict.fromkeys((strict, machine)):
+        typed = find_typed(allowed, plant, tuned, near=near, largest_jerk=largest_jerk)
+        if typed is not None:
+            return _judged(machine, allowed, plant, tuned, typed, largest_jerk)
+    for factor in WIDER:
+        needs = machine.requirements
+        wide = replace(needs, tcp_deviation=factor * needs.tcp_deviation)
+        if isfinite(needs.contour_deviation):
+            wide = replace(wide, contour_deviation=factor * needs.contour_deviation)
+        wider = replace(machine, requirements=wide)
+        typed = find_typed(wider, plant, tuned, near=None, largest_jerk=largest_jerk)
+        if typed is not None:
+            break
+    else:
+        a = 1e-3 * machine.drive.motion_force / moving_mass(machine)
+        limits = round_limits(machine, a, 0.1, digits=DIGITS)
+        typed = Typed(limits=limits, sizes=None)
+    return _judged(machine, machine, plant, tuned, typed, largest_jerk)
+
+
+def choose_for_listed(machine: Machine, plant: Plant, tuned: TunedLoop) -> Candidate:
+    """Return what would serve the listed sizes alone best, whatever smaller moves do."""
+    machine = replace(machine, requirements=replace(machine.requirements, every_size=False))
+    return choose_limits(machine, plant, tuned).candidate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Typed:
+    """Limits as they are typed in, and the worst of every size with them, where it counts."""
+
+    limits: MotionLimits
+    sizes: tuple[SizeCheck, ...] | None
+
+
+def find_typed(
+    machine: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    *,
+    near: MotionLimits | None = None,
+    largest_jerk: float = inf,
+) -> Typed | None:
+    """Return the soonest limits, as typed in, that keep all requirements as they stand.
+
+    None where the search finds none; a settling time is not asked for.
+    """
+    bench = build_bench(machine, plant, tuned)
+    found = explore(bench, largest_jerk=largest_jerk, near=near)
+    best: tuple[float, Typed] | None = None
+    for item in found[:MOST_TYPED]:
+        if best is not None and item.duration >= best[0]:
+            continue
+        typed = _type(machine, plant, tuned, item, largest_jerk)
+        if typed is None:
+            continue
+        duration = _duration(machine, typed.limits)
+        if best is None or duration < best[0]:
+            best = duration, typed
+    return best[1] if best else None
+
+
+def _type(
+    machine: Machine, plant: Plant, tuned: TunedLoop, found: Found, largest_jerk: float
+) -> Typed | None:
+    """The nearest limits that can be typed in and hold; None where that does not end."""
+    a, jerk_time, item = found.acceleration, found.jerk_time, found.setpoint_filter
+    largest = machine.drive.motion_force / moving_mass(machine)
+    for _ in range(MOST_SCALED):
+        limits = replace(round_limits(machine, a, jerk_time, digits=DIGITS), setpoint_filter=item)
+        used, sizes = _use_of_bounds(machine, plant, tuned, limits)
+        if used <= 1.0:
+            break
+        a = min(limits.acceleration / used * JUST_LESS, a * JUST_LESS)
+    else:
+        return None
+    best, scaled = Typed(limits=limits, sizes=sizes), min(limits.acceleration / used, largest)
+    # Rounding, and what the search saw too dark, may leave a little: the next ones up.
+    above = limits_about(machine, scaled, jerk_time, digits=DIGITS, reach=1)
+    above = [each for each in above if each.jerk <= largest_jerk and each.acceleration <= largest]
+    soonest = _duration(machine, limits)
+    for each in sorted(above, key=partial(_duration, machine))[:MOST_RAISED]:
+        raised = replace(each, setpoint_filter=item)
+        if _duration(machine, raised) >= NOTICEABLE * soonest:
+            break
+        used, sizes = _use_of_bounds(machine, plant, tuned, raised)
+        if used <= 1.0:
+            return Typed(limits=raised, sizes=sizes)
+    return best
+
+
+def _duration(machine: Machine, limits: MotionLimits) -> float:
+    """t_e of the slowest listed move [s]."""
+    return max(plan_setpoint(move, limits).duration for move in machine.moves)
+
+
+def _use_of_bounds(
+    machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
+) -> tuple[float, tuple[SizeCheck, ...] | None]:
+    """The largest share of any requirement but the settling time that limits use, exactly [-]."""
     if machine.requirements.every_size:
-        choice = _choose_for_every_size(machine, strict, plant, tuned, near, largest_jerk, settings)
-        if choice is not None:
-            return choice
-    found = search_listed(
-        strict, plant, tuned, starts, largest_jerk=largest_jerk, settings=settings
-    )
-    judged = first_met(machine, strict, plant, tuned, found.proposals())
-    if judged is None and strict is not machine:
-        found = search_listed(
-            machine, plant, tuned, starts, largest_jerk=largest_jerk, settings=settings
-        )
-        judged = first_met(machine, machine, plant, tuned, found.proposals())
-    met = judged is not None
-    candidate, moves = judged or soonest_possible(machine, plant, tuned, found)
+        sizes = judge_every_size(machine, plant, tuned, limits, only_if_kept=True)
+        return max(_proved(item) / item.requirement.bound(machine) for item in sizes), sizes
+    checks = _judge_listed(machine, plant, tuned, limits).checks
+    used = [item.value / item.limit for item in checks if item.requirement != SETTLING_TIME]
+    return max(used), None
+
+
+def _judge_listed(
+    machine: Machine, plant: Plant, tuned: TunedLoop, limits: MotionLimits
+) -> Assessment:
+    rows = [result.responses for result in simulate_moves(machine, tuned, limits)]
+    return assess(machine, plant, tuned.corners, rows)
+
+
+def _proved(check: SizeCheck) -> float:
+    """What no size exceeds, where that is proved; else the worst that was found."""
+    return check.bound if isfinite(check.bound) else check.value
+
+
+def _judged(
+    machine: Machine,
+    allowed: Machine,
+    plant: Plant,
+    tuned: TunedLoop,
+    typed: Typed,
+    largest_jerk: float,
+) -> Choice:
+    """The verdict on limits by the requirements as they stand; ``allowed``: what they keep."""
+    moves = simulate_moves(machine, tuned, typed.limits)
+    candidate = evaluate_moves(machine, plant, tuned, moves, sizes=typed.sizes)
+    met = candidate.assessment.is_met
     return Choice(
         candidate=candidate,
         moves=moves,
         reserve=machine.requirements.reserve,
-        reserve_used=met and found.machine is not strict,
-        explain=cache(partial(explain, found, candidate.limits, met)),
-        chart=cache(
-            partial(
-                chart_landscape,
-                machine,
-                plant,
-                tuned,
-                candidate.limits,
-                settings,
-                widest=found.widest,
-            )
-        ),
-        evaluations=len(found.pool.settling),
+        reserve_used=met and allowed is machine and keep_reserve(machine) is not machine,
+        explain=cache(partial(_explain, allowed, plant, tuned, candidate, largest_jerk)),
+        chart=cache(partial(chart_landscape, machine, plant, tuned, typed.limits)),
     )
 
 
-def choose_for_listed(
-    machine: Machine, plant: Plant, tuned: TunedLoop, *, settings: SearchSettings
-) -> Candidate:
-    """Return what would serve the listed sizes alone best, whatever smaller moves do.
-
-    Parameters
-    ----------
-    machine, plant, tuned
-        Nominal machine, its plant and its loop.
-    settings
-        Of the search.
-
-    Returns
-    -------
-    Candidate
-        Judged on the listed sizes.
-    """
-    machine = replace(machine, requirements=replace(machine.requirements, every_size=False))
-    return choose_limits(machine, plant, tuned, settings=settings).candidate
-
-
-def _choose_filter(
-    machine: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    starts: Sequence[MotionLimits],
-    largest_jerk: float,
-    settings: SearchSettings,
-) -> Choice:
-    """The best choice over no setpoint filter and those that serve every size best.
-
-    What serves every size with a filter serves the listed sizes, too: the search begins there.
-    """
-    strict = keep_reserve(machine)
-    likely: dict[SetpointFilter | None, list[MotionLimits]] = {None: list(starts)}
-    for item in search_every_size(strict, plant, tuned, largest_jerk=largest_jerk):
-        own = MotionLimits(acceleration=item.acceleration, jerk=item.acceleration / item.jerk_time)
-        likely.setdefault(item.setpoint_filter, [*starts]).append(own)
-    choices = []
-    for given, known in islice(likely.items(), 1 + LIKELY_FILTERS):
-        control = replace(machine.control, setpoint_filter=given, seeks_setpoint_filter=False)
-        choices.append(
-            choose_limits(
-                replace(machine, control=control),
-                plant,
-                tuned,
-                starts=known,
-                largest_jerk=largest_jerk,
-                settings=settings,
-            )
-        )
-    met = [choice for choice in choices if choice.meets_requirements] or choices
-    return min(met, key=lambda choice: choice.candidate.settling_time)
-
-
-LIKELY_FILTERS = 2
-"""Setpoint filters that are tried for the listed sizes, the best for every size first."""
-
-
-def _choose_for_every_size(
-    machine: Machine,
-    strict: Machine,
-    plant: Plant,
-    tuned: TunedLoop,
-    near: MotionLimits | None,
-    largest_jerk: float,
-    settings: SearchSettings,
-) -> Choice | None:
-    """The limits and the filter that serve every smaller move, too.
-
-    Where they only take longer than is wanted, they are still what may be typed in. None where no
-    limits keep the rest.
-    """
-    late: Choice | None = None
-    for allowed in dict.fromkeys((strict, machine)):
-        typed = find_for_every_size(allowed, plant, tuned, largest_jerk=largest_jerk, near=near)
-        if typed is None:
-            continue
-        moves = simulate_moves(machine, tuned, typed.limits)
-        candidate = evaluate_moves(machine, plant, tuned, moves, sizes=typed.sizes)
-        choice = Choice(
-            candidate=candidate,
-            moves=moves,
-            reserve=machine.requirements.reserve,
-            reserve_used=allowed is not strict,
-            explain=cache(partial(_explain_sizes, allowed, plant, tuned, typed, largest_jerk)),
-            chart=cache(partial(chart_landscape, machine, plant, tuned, typed.limits, settings)),
-            evaluations=typed.evaluations,
-        )
-        if candidate.assessment.is_met:
-            return choice
-        missed = [item for item in candidate.assessment.checks if not item.is_met]
-        if all(item.requirement == SETTLING_TIME for item in missed):
-            late = late or choice
-    return late
-
-
-def _explain_sizes(
-    machine: Machine, plant: Plant, tuned: TunedLoop, typed: Typed, largest_jerk: float
+def _explain(
+    machine: Machine, plant: Plant, tuned: TunedLoop, candidate: Candidate, largest_jerk: float
 ) -> Message:
-    """Name what breaks at some size when either limit is raised a little."""
-    limits, broken = typed.limits, dict[Requirement, None]()
-    for a, j in RAISED:
+    """Name what breaks when either limit is raised a little."""
+    limits, broken = candidate.limits, dict[Requirement, None]()
+    missed = [item.requirement for item in candidate.assessment.checks if not item.is_met]
+    if RESIDUAL_DEVIATION in missed:
+        return Message("bound-by-nothing-met")
+    has_jerk = machine.control.kind.has_jerk_limit
+    for a, j in RAISED if has_jerk else RAISED[:1]:
         if j * limits.jerk > largest_jerk:
             return Message("bound-by-jerk-in-proportion", jerk=largest_jerk)
         raised = replace(limits, acceleration=a * limits.acceleration, jerk=j * limits.jerk)
-        for check in judge_every_size(machine, plant, tuned, raised):
-            if check.value > bound_of(machine, check.requirement):
-                broken[check.requirement] = None
+        if machine.requirements.every_size:
+            sizes = judge_every_size(machine, plant, tuned, raised)
+            used = {item.requirement: _proved(item) for item in sizes}
+        else:
+            checks = _judge_listed(machine, plant, tuned, raised).checks
+            used = {item.requirement: item.value for item in checks}
+        for requirement, value in used.items():
+            if requirement != SETTLING_TIME and value > requirement.bound(machine):
+                broken[requirement] = None
     motor = machine.drive.motion_force
     if not broken and machine.drive.follows and RAISED[0][0] * limits.acceleration > motor:
         return Message("bound-by-motor", acceleration=motor)
@@ -293,7 +274,3 @@ def _explain_sizes(
     return Message(
         "bound-by-requirements", requirements=join_by_and([item.message for item in broken])
     )
-
-
-RAISED = ((1.03, 1.03), (1.03, 1.0), (1.0, 1.03))
-"""Factors of acceleration and jerk with which it is seen what forbids more."""

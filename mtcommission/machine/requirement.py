@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from mtcommission.machine.machine import Move, Reserve, VelocityStep
+from mtcommission.machine.machine import Machine, Move, Reserve, VelocityStep
 from mtcommission.messages.message import Message
 
 
@@ -46,6 +46,23 @@ class Requirement:
             return 1.0
         is_force = self.kind in (Kind.SET_FORCE, Kind.RMS_FORCE)
         return reserve.force if is_force else reserve.band
+
+    def bound(self, machine: Machine) -> float:
+        """Return what a machine allows of it [own unit]."""
+        needs, drive = machine.requirements, machine.drive
+        match self.kind:
+            case Kind.RESIDUAL_DEVIATION:
+                return needs.tcp_deviation
+            case Kind.CONTOUR_DEVIATION:
+                return needs.contour_deviation
+            case Kind.SETTLING_TIME:
+                return needs.max_settling_time
+            case Kind.SET_FORCE:
+                return drive.motion_force
+            case Kind.RMS_FORCE:
+                return drive.continuous_force
+            case Kind.PEAK:
+                return next(peak.bound for peak in needs.peaks if peak.name == self.signal)
 
     @property
     def message(self) -> Message:

@@ -94,7 +94,6 @@ def limits_part(
             residual_deviation=_plotted(seen.residual_deviation),
             usage=_plotted(seen.usage),
         ),
-        search={"evaluations": choice.evaluations},
         warnings=[
             *choice.warnings,
             *([today.failure] if today and today.failure else []),

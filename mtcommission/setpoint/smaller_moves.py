@@ -7,8 +7,9 @@ times lie one spacing apart follow each other as closely as their responses need
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from math import isfinite, sqrt
+from math import ceil, floor, isfinite, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,28 +38,21 @@ def resize(move: Move, size: float) -> Move:
 
 
 def lay_sizes(
-    move: Move, limits: MotionLimits, *, pointed_spacing: float, spacing: float, decayed: float
+    move: Move,
+    limits: MotionLimits,
+    *,
+    pointed_spacing: float,
+    spacing: float,
+    decayed: float,
+    cycle: float = 0.0,
 ) -> Array:
-    """Return sizes of a move from nearly nothing to its own, one spacing of time apart.
+    """Return sizes of a move from nearly nothing to its own, one spacing of time apart, (n,).
 
-    Parameters
-    ----------
-    move
-        The largest of its kind.
-    limits
-        Acceleration and jerk.
-    pointed_spacing
-        Between the ramps of two neighbours that do not reach the acceleration [s].
-    spacing
-        Between the times that set any other two neighbours apart [s].
-    decayed
-        Time in which the answer to a step of the jerk dies away [s]: what is held or cruised for
-        longer is as good as for ever.
-
-    Returns
-    -------
-    ndarray, shape (n_sizes,)
-        Rising, the last one the move's own [m/s or m].
+    Rising, the last one the move's own [m/s or m]. ``pointed_spacing``: between the ramps of two
+    neighbours that do not reach the acceleration; ``spacing``: between the times that set any other
+    two apart; ``decayed``: time in which the answer to a step of the jerk dies away: what is held
+    or cruised for longer is as good as for ever [s]. ``cycle``: where stated, sizes on either side
+    of each at which a step of the setpoint passes a sample of it are added [s].
 
     Examples
     --------
@@ -66,36 +60,58 @@ def lay_sizes(
     >>> limits = MotionLimits(acceleration=2.0, jerk=200.0)
     >>> sizes = lay_sizes(step, limits, pointed_spacing=0.01, spacing=0.01, decayed=1.0)
     >>> sizes.round(3).tolist()
-    [0.02, 0.04, 0.06, 0.08, 0.1]
+    [0.005, 0.02, 0.02, 0.04, 0.06, 0.08, 0.1]
     """
-    a, j, listed = limits.acceleration, limits.jerk, size_of(move)
-    t_j = limits.jerk_time
+    a, j, t_j, listed = limits.acceleration, limits.jerk, limits.jerk_time, size_of(move)
+    found: list[Array] = [np.array([listed])]
 
-    def times(start: float, stop: float, spacing: float = spacing) -> Array:
+    def lay(start: float, stop: float, spacing: float, size: Callable[[Array], Array]) -> None:
         stop = min(stop, start + decayed)
-        return np.linspace(start, stop, max(int(np.ceil((stop - start) / spacing)), 1) + 1)
+        times = np.linspace(start, stop, max(int(np.ceil((stop - start) / spacing)), 1) + 1)
+        if cycle and stop > start:
+            ends = size(np.array([max(start, 1e-3 * stop), stop]))
+            steps = plan_sizes(move, ends, limits).times
+            times = np.append(times, _passing(steps, max(start, 1e-3 * stop), stop, cycle))
+        found.append(size(times))
 
     if isinstance(move, VelocityStep):
-        pointed = times(0.0, min(t_j, sqrt(listed / j)), pointed_spacing)
-        sizes = [j * pointed**2]
+        lay(0.0, min(t_j, sqrt(listed / j)), pointed_spacing, lambda t: j * t**2)
         if listed / a > t_j:
-            sizes.append(a * times(t_j, listed / a))
+            lay(t_j, listed / a, spacing, lambda T: a * T)
     else:
         fastest = move.max_velocity
         longest = min(t_j, (0.5 * listed / j) ** (1.0 / 3.0), _root(fastest / j))
-        pointed = times(0.0, longest, pointed_spacing)
-        sizes = [2.0 * j * pointed**3]
+        lay(0.0, longest, pointed_spacing, lambda t: 2.0 * j * t**3)
         held = 0.5 * (sqrt(t_j**2 + 4.0 * listed / a) - t_j)
         held = min(held, fastest / a)
         if held > t_j:
-            T = times(t_j, held)
-            sizes.append(a * T * (T + t_j))
+            lay(t_j, held, spacing, lambda T: a * T * (T + t_j))
         if isfinite(fastest):
             ramp = fastest / a + t_j if fastest > a * t_j else 2.0 * sqrt(fastest / j)
             if listed > fastest * ramp:
-                sizes.append(fastest * times(ramp, listed / fastest))
-    found = np.unique(np.concatenate([*sizes, [listed]]))
-    return np.asarray(found[(found >= SMALLEST * listed) & (found <= listed)])
+                lay(ramp, listed / fastest, spacing, lambda T: fastest * T)
+    sizes = np.unique(np.concatenate(found))
+    return np.asarray(sizes[(sizes > 0.0) & (sizes <= listed)])
+
+
+BESIDE = 2e-8
+"""Distance from a free time at which a step passes a sample, on either side [s]."""
+
+
+def _passing(times: Array, start: float, stop: float, cycle: float) -> Array:
+    """Free times just before and after a step of the setpoint passes a sample.
+
+    ``times``: of the steps at ``start`` and at ``stop``, between which they move in proportion.
+    """
+    found = []
+    for begin, end in times.T:
+        rate = (end - begin) / (stop - start)
+        if rate > 1e-9:
+            n = np.arange(ceil(begin / cycle), floor(end / cycle) + 1)
+            found.append(start + (n * cycle - begin) / rate)
+    at = np.concatenate(found) if found else np.zeros(0)
+    both = np.concatenate([at - BESIDE, at + BESIDE])
+    return np.asarray(both[(both > start) & (both < stop)])
 
 
 def _root(value: float) -> float:

@@ -15,8 +15,6 @@ UNITS: Mapping[str, str] = MappingProxyType(
         "phase_margin_deg": "°",
         "reserve_deg": "°",
         "position_noise": "m",
-        "least_jerk_time": "s",
-        "slow_jerk_time": "s",
     }
 )
 """SI units of the settings that have one; the others are counts or ratios, as their names say."""
@@ -28,8 +26,6 @@ def settings(record: Record, words: Catalogue) -> tuple[Table, ...]:
     for key, value in record.settings.items():
         group, _, name = key.rpartition(".")
         groups.setdefault(group, {})[name] = value
-    for name, count in record.limits.search.items():
-        groups.setdefault("search", {})[name] = count
     return tuple(_table(names, [groups[name] for name in names], words) for names in _alike(groups))
 
 

@@ -15,7 +15,7 @@ from math import inf, isfinite, sqrt
 
 import numpy as np
 
-from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
+from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import NO_RESERVE, Machine
 from mtcommission.machine.requirement import (
@@ -74,8 +74,6 @@ def find_attainable(
     plant: Plant,
     tuned: TunedLoop,
     choice: Choice,
-    *,
-    settings: SearchSettings,
 ) -> tuple[Attainable, ...]:
     """Return what could be met in place of each requirement that stands in the way.
 
@@ -85,8 +83,6 @@ def find_attainable(
         Nominal machine, its plant and its loop.
     choice
         The search that met not all requirements; its landscape is used.
-    settings
-        Of the searches with a requirement relaxed.
 
     Returns
     -------
@@ -98,10 +94,10 @@ def find_attainable(
     residual = find_least_residual(machine, plant, tuned, choice)
     found = [] if residual is None else [residual]
     for relaxation in _relaxations(machine):
-        attained = _relax(machine, plant, tuned, relaxation, settings, known=choice.limits)
+        attained = _relax(machine, plant, tuned, relaxation, known=choice.limits)
         if attained is not None:
             found.append(attained)
-    return tuple(found) or _find_together(machine, plant, tuned, settings)
+    return tuple(found) or _find_together(machine, plant, tuned)
 
 
 def find_least_residual(
@@ -229,18 +225,14 @@ def _relax(
     plant: Plant,
     tuned: TunedLoop,
     relaxation: _Relaxation,
-    settings: SearchSettings,
     *,
     known: MotionLimits,
 ) -> Attainable | None:
-    """The least value found for one requirement; None if dropping it does not help.
-
-    These searches are coarser than the one that found the known limits, which may do better.
-    """
+    """The least value found for one requirement; None if dropping it does not help."""
 
     def search(bound: float) -> Attainable | None:
         eased = relaxation.with_bound(machine, bound)
-        found = choose_limits(eased, plant, tuned, settings=settings).limits
+        found = choose_limits(eased, plant, tuned).limits
         attained = [
             _attained(evaluate(machine, plant, tuned, limits), relaxation.requirement)
             for limits in (found, known)
@@ -269,9 +261,7 @@ COMMON_HALVINGS = 6
 """Of the range of the common factor, logarithmic: it is found to within 12 %."""
 
 
-def _find_together(
-    machine: Machine, plant: Plant, tuned: TunedLoop, settings: SearchSettings
-) -> tuple[Attainable, ...]:
+def _find_together(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[Attainable, ...]:
     """What could be met if several requirements give way by one factor; empty if nothing helps."""
     relaxations = (_band_relaxation(machine), *_relaxations(machine))
 
@@ -279,7 +269,7 @@ def _find_together(
         eased = _eased(
             machine, [item for item in relaxations if item.requirement in wanted], factor
         )
-        limits = choose_limits(eased, plant, tuned, settings=settings).limits
+        limits = choose_limits(eased, plant, tuned).limits
         candidate = evaluate(eased, plant, tuned, limits)
         return candidate if candidate.assessment.is_met else None
 

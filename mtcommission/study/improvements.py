@@ -215,9 +215,7 @@ def _family(machine: Machine, shape: Shape, settings: Settings) -> LoopFamily:
 
 def _judged(change: _Change, tuned: TunedLoop, choice: Choice, settings: Settings) -> Improvement:
     changed, plant = change.machine, build_plant(change.machine)
-    search = partial(
-        choose_limits, changed, plant, tuned, starts=(choice.limits,), settings=settings.comparison
-    )
+    search = partial(choose_limits, changed, plant, tuned)
     # A machine that is a little better has its best limits nearby; another loop may not.
     found = [search(near=choice.limits).candidate]
     is_likely = found[0].assessment.is_met and not change.is_of_control

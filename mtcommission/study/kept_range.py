@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.batch.response import simulate_limits_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.requirement import Requirement
@@ -20,6 +19,7 @@ from mtcommission.messages.message import Message, join_by_and
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.settings import RobustnessSettings
+from mtcommission.study.varied import respond_varied
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ class DampingRange:
     kept_to: float
 
 
-DAMPING_FACTORS = np.linspace(0.3, 1.7, 29)
+DAMPING_FACTORS = np.linspace(0.3, 1.7, 15)
 """Looked at: what is measured of damping on one day may be off by half on another."""
 
 
@@ -151,7 +151,7 @@ def find_frequency_error(
     each = _repeat(known, len(factor))
     shape = (len(factor), len(each.payload) // len(factor))
     variations = replace(each, frequency_factor=np.repeat(factor, shape[1]))
-    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
+    found = respond_varied(machine, plant, tuned, limits, variations=variations)
     kept = np.all(found.meets(machine).reshape(shape), axis=1)
     low, high = _stretch_about(kept, middle)
     below = slice((low - 1) * shape[1], low * shape[1]) if low > 0 else slice(0)
@@ -185,7 +185,7 @@ def find_damping_range(
     variations = replace(
         each, damping_factor=np.repeat(DAMPING_FACTORS, len(each.payload) // count)
     )
-    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
+    found = respond_varied(machine, plant, tuned, limits, variations=variations)
     kept, middle = np.all(found.meets(machine).reshape(count, -1), axis=1), count // 2
     low, high = _stretch_about(kept, middle)
     return DampingRange(

@@ -193,10 +193,7 @@ def best_limits(
 ) -> Candidate:
     """Return the limits that suit a loop best by the coarser search, judged."""
     near = starts[0] if starts else None
-    found = choose_limits(
-        machine, plant, tuned, starts=starts, near=near, settings=settings.comparison
-    )
-    return found.candidate
+    return choose_limits(machine, plant, tuned, near=near).candidate
 
 
 def _explain(used: LoopTrial, trials: Sequence[LoopTrial]) -> tuple[Message, ...]:

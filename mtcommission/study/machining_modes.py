@@ -8,17 +8,15 @@ a wider one, unless nothing else meets it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite
 
-from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
+from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
-from mtcommission.setpoint.motion_limits import MotionLimits
 from mtcommission.study.attainable import Attainable, find_least_residual
 from mtcommission.verdict.evaluate import Candidate
 
@@ -64,9 +62,6 @@ def find_limits_by_mode(
     plant: Plant,
     tuned: TunedLoop,
     choice: Choice,
-    *,
-    starts: Sequence[MotionLimits],
-    settings: SearchSettings,
 ) -> tuple[ModeLimits, ...]:
     """Return limits for each machining mode.
 
@@ -76,10 +71,6 @@ def find_limits_by_mode(
         Nominal machine, its plant and its loop.
     choice
         The recommendation; reused where a mode has the same band.
-    starts
-        Limits to refine from.
-    settings
-        Of the search.
     """
     needs, own = machine.requirements, choice.limits.setpoint_filter
     # Controls switch limits with the mode, but have one setpoint filter for all of them.
@@ -96,7 +87,7 @@ def find_limits_by_mode(
     tighter.sort(key=lambda name: -bands[name])
     wider.sort(key=lambda name: bands[name])
     found: dict[str, ModeLimits] = {}
-    known, largest = [*starts, choice.limits], choice.limits.jerk
+    largest = choice.limits.jerk
     for name in (*tighter, *wider):
         if name in wider:
             largest = choice.limits.jerk * bands[name] / needs.tcp_deviation
@@ -108,11 +99,8 @@ def find_limits_by_mode(
             name=name,
             band=bands[name],
             largest_jerk=largest if choice.meets_requirements else inf,
-            starts=known,
-            settings=settings,
         )
         if mode.candidate.assessment.is_met:
-            known.append(mode.candidate.limits)
             largest = min(largest, mode.candidate.limits.jerk)
         found[name] = mode
     return tuple(found[name] for name in MODES)
@@ -127,14 +115,12 @@ def _find_mode(
     name: str,
     band: float,
     largest_jerk: float,
-    starts: Sequence[MotionLimits],
-    settings: SearchSettings,
 ) -> ModeLimits:
     if band == machine.requirements.tcp_deviation:
         chosen, bound_by = choice, choice.bound_by
     else:
         machine = replace(machine, requirements=replace(machine.requirements, tcp_deviation=band))
-        search = partial(choose_limits, machine, plant, tuned, starts=starts, settings=settings)
+        search = partial(choose_limits, machine, plant, tuned)
         chosen = search(largest_jerk=largest_jerk)
         bound_by = chosen.bound_by
         if not chosen.meets_requirements and isfinite(largest_jerk):

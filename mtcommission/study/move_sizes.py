@@ -15,8 +15,7 @@ from math import inf, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from mtcommission.loop.batch.settling import settle
-from mtcommission.loop.batch.tables import ResponseTables, build_tables
+from mtcommission.loop.respond import LoopPoles, find_poles, free_motion, lay_grid, set_in_motion
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, Move, VelocityStep
 from mtcommission.messages.message import Message
@@ -28,6 +27,9 @@ Array = NDArray[np.float64]
 
 SMALLEST, LARGEST = 0.01, 3.0
 """Sizes looked at, as shares of the profile's move [-] (design choice)."""
+
+SAMPLES = 48
+"""Of free motion, to a period."""
 
 SIZES = 96
 """Between them, logarithmic: neighbours differ by 6 %, their ramps by 3 %."""
@@ -111,12 +113,10 @@ def vary_move_sizes(
     found = []
     for way in ways:
         each = [plan_sizes(move, size_of(move) * shares, way.limits) for move in machine.moves]
-        longest = max(float(steps.duration.max()) for steps in each)
-        order = each[0].order
-        tables = [build_tables(loop, longest=longest, order=order) for loop in tuned.loops]
+        poles = find_poles(tuned.loops)
         for move, steps in zip(machine.moves, each, strict=True):
             band = machine.requirements.tcp_deviation
-            found.append(_judge_sizes(way, move, shares, steps, tables, band=band))
+            found.append(_judge_sizes(way, move, shares, steps, poles, band=band))
     return tuple(found)
 
 
@@ -182,12 +182,12 @@ def _judge_sizes(
     move: Move,
     shares: Array,
     steps: JerkSteps,
-    tables: Sequence[ResponseTables],
+    poles: LoopPoles,
     *,
     band: float,
 ) -> MoveSizes:
-    corners = [settle(table, steps, band=band) for table in tables]
-    residual = np.max([item.residual_deviation for item in corners], axis=0)
+    free = free_motion(set_in_motion(poles, steps), lay_grid(poles, SAMPLES))
+    residual = free.residual.max(axis=1)
     own = int(np.flatnonzero(shares == 1.0)[0])
     size = size_of(move) * shares
     kept = residual <= band
@@ -198,7 +198,7 @@ def _judge_sizes(
         way=way,
         move=move,
         size=size,
-        settling_time=np.max([item.settling_time for item in corners], axis=0),
+        settling_time=free.settling(band).max(axis=1),
         residual_deviation=residual,
         full_from=full_size(way, move),
         kept_from=float(size[low]) if kept[own] else nan,

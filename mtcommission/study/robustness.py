@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mtcommission.control_kinds.kind import Jerk
-from mtcommission.loop.batch.response import BatchedResponse, simulate_limits_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine
 from mtcommission.machine.variations import (
@@ -25,7 +24,6 @@ from mtcommission.machine.variations import (
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant
 from mtcommission.setpoint.motion_limits import MotionLimits
-from mtcommission.setpoint.setpoint import jerk_steps
 from mtcommission.study.kept_range import (
     DampingRange,
     FrequencyError,
@@ -34,6 +32,7 @@ from mtcommission.study.kept_range import (
     warn_of_narrow_range,
 )
 from mtcommission.study.settings import RobustnessSettings
+from mtcommission.study.varied import VariedResponse, respond_varied
 
 Array = NDArray[np.float64]
 
@@ -143,7 +142,7 @@ def examine_robustness(
             plant,
             tuned,
             limits,
-            samples=_affordable(machine, limits, settings),
+            samples=settings.samples,
             seed=settings.seed,
         )
     error = find_frequency_error(machine, plant, tuned, limits, settings=settings)
@@ -154,18 +153,6 @@ def examine_robustness(
         sensitivities=find_sensitivities(machine, plant, tuned, limits),
         warnings=warn_of_narrow_range(machine, error),
     )
-
-
-FEWEST_SAMPLES = 100
-"""However slow the moves (a share is then known to within some five per cent)."""
-
-
-def _affordable(machine: Machine, limits: MotionLimits, settings: RobustnessSettings) -> int:
-    """How many machines are drawn, by the length of the moves."""
-    a, j = np.array([limits.acceleration]), np.array([limits.jerk])
-    ends = [jerk_steps(move, acceleration=a, jerk=j).duration[0] for move in machine.moves]
-    cycles = float(np.sum(ends)) / machine.control.position_cycle
-    return max(min(settings.samples, int(settings.sample_cycles / cycles)), FEWEST_SAMPLES)
 
 
 def run_monte_carlo(
@@ -196,7 +183,7 @@ def run_monte_carlo(
         Of the generator.
     """
     variations = draw_variations(machine, samples=samples, seed=seed)
-    found = simulate_limits_batched(machine, plant, tuned, limits, variations=variations)
+    found = respond_varied(machine, plant, tuned, limits, variations=variations)
     band = machine.requirements.tcp_deviation
     return MonteCarlo(
         variations=variations,
@@ -242,20 +229,20 @@ def find_sensitivities(
         ("change-frequencies", -0.01, limits, scale_variations(places, frequency=0.99)),
         ("change-damping", -0.1, limits, scale_variations(places, damping=0.9)),
     ]
-    base = simulate_limits_batched(machine, plant, tuned, limits, variations=places)
+    base = respond_varied(machine, plant, tuned, limits, variations=places)
     return tuple(
         _compare(
             machine,
             Message(kind, change=change),
             base,
-            simulate_limits_batched(machine, plant, tuned, varied, variations=variations),
+            respond_varied(machine, plant, tuned, varied, variations=variations),
         )
         for kind, change, varied, variations in cases
     )
 
 
 def _compare(
-    machine: Machine, change: Message, base: BatchedResponse, found: BatchedResponse
+    machine: Machine, change: Message, base: VariedResponse, found: VariedResponse
 ) -> Sensitivity:
     settling = float(found.settling_time.max())
     residual = float(found.residual_deviation.max())

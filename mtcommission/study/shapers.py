@@ -10,28 +10,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from math import inf
-
-import numpy as np
 
 from mtcommission.control_kinds.kind import MOVING_AVERAGE
+from mtcommission.limits.bench import build_bench
+from mtcommission.limits.explore import Explorer
 from mtcommission.limits.reserve import keep_reserve
-from mtcommission.loop.batch.response import simulate_batched
 from mtcommission.loop.tuning.tuning import TunedLoop
 from mtcommission.machine.machine import Machine, moving_mass
 from mtcommission.machine.setpoint_filter import SetpointFilter
-from mtcommission.machine.variations import as_variations
 from mtcommission.messages.message import Message
 from mtcommission.plant.plant import Plant, dominant_mode
 from mtcommission.setpoint.motion_limits import NO_JERK_LIMIT, MotionLimits
-from mtcommission.setpoint.setpoint import Plan, plan_setpoint
+from mtcommission.setpoint.setpoint import plan_setpoint
 from mtcommission.verdict.evaluate import Candidate, evaluate, evaluate_moves, simulate_planned
 
-ACCELERATIONS = 16
-"""Accelerations tried for each shaper, from a tenth of F_max/m upwards, logarithmic."""
-
-LEAST_ACCELERATION = 0.1
-"""The least of them, as a share of F_max/m [-]."""
+BACKED_OFF, LESS = 4, 0.98
+"""How often, and by what share, an acceleration is lowered that the exact verdict refuses."""
 
 SOURCES = {
     "zv": "source-singer",
@@ -49,9 +43,8 @@ def compare_shapers(machine: Machine, plant: Plant, tuned: TunedLoop) -> tuple[C
     """Return shapers and the jerk filter through the same loop and judgement.
 
     What Klipper's calibrate_shaper would choose comes first, where the machine was measured so.
-    All are designed for the dominant mode of the nominal plant; each gets the acceleration, of
-    ``ACCELERATIONS`` tried, that settles soonest within all requirements (if none does, within
-    force and peaks; if none does, F_max/m).
+    All are designed for the dominant mode of the nominal plant; each gets the acceleration that
+    settles soonest within all requirements; F_max/m if none does.
 
     Parameters
     ----------
@@ -128,40 +121,21 @@ def _best_candidate(
     name: Message,
     source: Message,
 ) -> Candidate:
-    """The acceleration that settles soonest and meets all; else soonest within force and peaks.
-
-    The reserve is kept, as by the recommendation. If none keeps force and peaks, F_max/m, which
-    saturates.
-    """
+    """The soonest acceleration that meets all, reserve kept; else F_max/m, which may saturate."""
     strict = keep_reserve(machine)
-    largest = strict.drive.motion_force / moving_mass(machine)
-    places, band = as_variations(tuned.corners), strict.requirements.tcp_deviation
     # An average needs no ramp of a cycle ahead of it: behind it the jerk is finite.
     ramp = NO_JERK_LIMIT if item.averages else machine.control.position_cycle
-
-    def plan_with(a: float) -> Plan:
+    explorer = Explorer.about(build_bench(strict, plant, tuned))
+    explorer.look_at([(item, ramp)])
+    found = explorer.known.get((item, ramp))
+    largest = strict.drive.motion_force / moving_mass(machine)
+    a = found.acceleration if found else largest
+    for _ in range(BACKED_OFF):
         limits = MotionLimits(acceleration=a, jerk=a / ramp, setpoint_filter=item)
-        return partial(plan_setpoint, limits=limits)
-
-    ranked: list[tuple[bool, float, float]] = []
-    soonest = inf
-    for a in largest * np.geomspace(1.0, LEAST_ACCELERATION, ACCELERATIONS):
-        plan = plan_with(float(a))
-        if max(plan(move).duration for move in machine.moves) > soonest:
-            break
-        found = simulate_batched(strict, plant, tuned, plan, variations=places)
-        # What saturates settles otherwise than it seems here, and takes long to simulate.
-        if np.all(found.usage <= 1.0):
-            is_outside = bool(np.any(found.residual_deviation > band))
-            ranked.append((is_outside, float(found.settling_time.max()), float(a)))
-            soonest = min([item[1] for item in ranked if not item[0]], default=inf)
-    outside: list[Candidate] = []
-    for is_outside, _, a in sorted(ranked) or [(True, inf, largest)]:
-        if is_outside and outside:
-            break
-        moves = simulate_planned(machine, tuned, plan_with(a))
+        plan = partial(plan_setpoint, limits=limits)
+        moves = simulate_planned(machine, tuned, plan)
         candidate = evaluate_moves(machine, plant, tuned, moves, name=name, source=source)
-        if evaluate_moves(strict, plant, tuned, moves).assessment.is_met:
-            return candidate
-        outside.append(candidate)
-    return min(outside, key=lambda item: item.settling_time)
+        if evaluate_moves(strict, plant, tuned, moves, sizes=candidate.sizes).assessment.is_met:
+            break
+        a *= LESS
+    return candidate

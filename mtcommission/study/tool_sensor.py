@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import inf
 
-from mtcommission.limits.choose import Choice, SearchSettings, choose_limits
+from mtcommission.limits.choose import Choice, choose_limits
 from mtcommission.loop.tuning.tuned import TunedLoop, close_loop, corner_plants
 from mtcommission.machine.machine import Machine
 from mtcommission.plant.modal import Modal
@@ -32,9 +32,7 @@ class ToolSensor:
     least: float
 
 
-def value_tool_sensor(
-    machine: Machine, tuned: TunedLoop, choice: Choice, *, settings: SearchSettings
-) -> ToolSensor | None:
+def value_tool_sensor(machine: Machine, tuned: TunedLoop, choice: Choice) -> ToolSensor | None:
     """Return what a sensor at the tool could free at most; None where nothing was assumed.
 
     The measurement may show anything between the assumed share, a worst case, and a tool at rest.
@@ -43,8 +41,6 @@ def value_tool_sensor(
     ----------
     machine, tuned, choice
         The machine, the loop that is used, and the recommendation.
-    settings
-        Of the search for the tool at rest; it begins at the recommendation.
     """
     mechanics = machine.mechanics
     if machine.identified is None or not isinstance(mechanics, Modal):
@@ -59,9 +55,7 @@ def value_tool_sensor(
     modes = tuple(replace(mode, tcp_gain=0.0) if open_ else mode for mode, open_ in pairs)
     still = replace(machine, mechanics=replace(mechanics, modes=modes))
     loop = close_loop(corner_plants(still), tuned.controller)
-    found = choose_limits(
-        still, build_plant(still), loop, starts=[choice.limits], settings=settings
-    )
+    found = choose_limits(still, build_plant(still), loop)
     return ToolSensor(
         modes=tuple(mode.name for mode, open_ in pairs if open_),
         settling_time=choice.candidate.settling_time if choice.meets_requirements else inf,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mtcommission.limits.choose import choose_limits
-from mtcommission.limits.optima import Optima, condense_optima, find_optima, require_force
+from mtcommission.limits.optima import Optima, find_optima, require_force
 from mtcommission.machine.machine import Machine
 from mtcommission.messages.catalogue import Catalogue
 from mtcommission.messages.message import Message
@@ -42,8 +42,7 @@ def choose_case(machine: Machine) -> tuple[Cell, ...]:
     plant = build_plant(machine)
     optima = tuple(find_optima(machine, plant, move) for move in machine.moves)
     tuned = settle_on_loop(machine, plant, settings).tuned
-    starts = [limits for _, limits in condense_optima(machine, plant, optima)]
-    choice = choose_limits(machine, plant, tuned, starts=starts, settings=settings.search)
+    choice = choose_limits(machine, plant, tuned)
     return chain_cells(plant, optima, choice.moves, choice.candidate, choice.bound_by)
 
 

@@ -194,7 +194,7 @@ def _rescale(machine: Machine, *, base: float = 1.0, tower: float = 1.0) -> Mach
 def _vary(machine: Machine) -> VariedLoop:
     plant, settings = build_plant(machine), Settings()
     tuned = settle_on_loop(machine, plant, settings).tuned
-    chosen = choose_limits(machine, plant, tuned, starts=[], settings=settings.search)
+    chosen = choose_limits(machine, plant, tuned)
     rough = without_jerk_limit(machine, machine.drive.motion_force / plant.moving_mass)
     return VariedLoop(
         frequencies=np.array([mode.natural_frequency / (2.0 * np.pi) for mode in plant.modes]),
@@ -217,7 +217,7 @@ def _loop_cases(
         )
         for arcs in optima
     ]
-    chosen = choose_limits(machine, plant, tuned, starts=closest, settings=settings.search)
+    chosen = choose_limits(machine, plant, tuned)
     a = machine.drive.motion_force / plant.moving_mass
     rectangular = without_jerk_limit(machine, a)
     cases = []

@@ -282,6 +282,5 @@ class LimitsPart:
     rules: list[RuleResult]
     rule: RuleText
     landscape: Landscape
-    search: dict[str, float]
     warnings: list[Words]
     would_bring: list[ImprovementEntry]

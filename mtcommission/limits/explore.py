@@ -1,0 +1,214 @@
+"""The shortest motion that keeps all bounds, over setpoint filters, jerk times and accelerations.
+
+Where every move keeps the band after its setpoint has ended, each has settled as soon as that is
+so: the settling time is t_e + τ, with t_e in closed form. What remains is the largest acceleration
+that a filter and a jerk time allow. Sizes that do not reach ``max_velocity`` are judged for all
+accelerations at once; what is dearer is looked at where the motion could still be the shortest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mtcommission.control_kinds.kind import Jerk
+from mtcommission.limits.bench import Bench
+from mtcommission.limits.filters import filters_to_try, neighbours
+from mtcommission.machine.machine import moving_mass
+from mtcommission.machine.setpoint_filter import SetpointFilter
+from mtcommission.setpoint.motion_limits import MotionLimits, without_jerk_limit
+
+Array = NDArray[np.float64]
+
+JERK_TIMES = 18
+"""Jerk times tried with each filter at first, logarithmic."""
+
+SHORTEST, LONGEST = 1e-3, 3.0
+"""Of them [s]; a longer one only makes moves longer."""
+
+LEAST_SHARE, LADDER = 1e-5, 160
+"""Least acceleration looked at, as a share of what the force allows, and rungs up to that."""
+
+EQUALLY_SOON = 1.0015
+"""Limits that settle within this factor of the soonest settle equally soon: then less jerk is
+better (design choice: what a sixth of a per cent of time cannot buy, wear and noise pay for)."""
+
+STEPS = 8
+"""Towards the largest acceleration allowed, at most."""
+
+FALLING = (1.0, 0.9975, 0.995, 0.99, 0.985, 0.98, 0.97, 0.96, 0.94, 0.92, 0.9)
+"""Shares of an acceleration that are looked at together."""
+
+WORTHWHILE = 1.1
+"""What takes longer than the best so far by this factor is not followed further."""
+
+NOTICEABLE = 0.9997
+"""What is not shorter than the best so far by this factor is not worth the next step."""
+
+CLOSE = 0.002
+"""Share of a bound that may be left over [-]."""
+
+REFINED, REACHES = 4, (0.16, 0.08, 0.04, 0.02, 0.01)
+"""Best places, of different filters, that are refined, and how far about them [-]."""
+
+NEARBY, NEAR_TIMES = 0.15, (0.3, 0.5, 0.75, 1.0, 1.4, 2.0)
+"""How far a filter, and by what factors the jerk time, may lie from what is known of a loop much
+like this one [-]."""
+
+Place = tuple[SetpointFilter | None, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """Limits whose every size keeps the bounds, as far as the bench tells."""
+
+    duration: float  # t_e of the slowest listed move, filter included [s]
+    acceleration: float  # [m/s²]
+    jerk_time: float  # [s]
+    setpoint_filter: SetpointFilter | None
+
+
+def explore(
+    bench: Bench, *, largest_jerk: float = inf, near: MotionLimits | None = None
+) -> tuple[Found, ...]:
+    """Return limits and filter with the shortest motion that keep all bounds, the best first.
+
+    Of those equally soon the one with the least jerk; then ever later ones. ``near``: what is known
+    of a loop much like this one; then only its neighbourhood is looked at. Empty where nothing
+    keeps the bounds.
+    """
+    explorer = Explorer.about(bench, largest_jerk=largest_jerk)
+    control, machine = bench.machine.control, bench.machine
+    is_free = control.kind.jerk is not Jerk.NONE
+    jerk_times = [without_jerk_limit(machine, 1.0).jerk_time]
+    if near is None:
+        items = filters_to_try(control, bench.poles.loops[0])
+        if is_free:
+            jerk_times = np.geomspace(SHORTEST, LONGEST, JERK_TIMES).tolist()
+    else:
+        own = near.setpoint_filter
+        items = [own, *neighbours(control, own, NEARBY)]
+        if is_free:
+            jerk_times = [near.jerk_time * factor for factor in NEAR_TIMES]
+    explorer.look_at([(item, t) for item in items for t in jerk_times])
+    best: dict[SetpointFilter | None, Found] = {}
+    for found in explorer.ranked():
+        best.setdefault(found.setpoint_filter, found)
+    for begin in sorted(best.values(), key=lambda item: item.duration)[:REFINED]:
+        explorer.refine(begin, is_free=is_free)
+    return explorer.ranked()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Explorer:
+    """What was looked at so far: the largest acceleration at each filter and jerk time."""
+
+    bench: Bench
+    ladder: Array  # accelerations [m/s²]
+    largest_jerk: float
+    known: dict[Place, Found | None] = field(default_factory=dict)
+
+    @classmethod
+    def about(cls, bench: Bench, *, largest_jerk: float = inf) -> Explorer:
+        """Return one that has looked at nothing yet."""
+        largest = bench.machine.drive.motion_force / moving_mass(bench.machine)
+        ladder = largest * np.geomspace(LEAST_SHARE, 1.0, LADDER)
+        return cls(bench=bench, ladder=ladder, largest_jerk=largest_jerk)
+
+    def ranked(self) -> tuple[Found, ...]:
+        """All that was found, the best first."""
+        found = sorted(
+            (item for item in self.known.values() if item is not None),
+            key=lambda item: item.duration,
+        )
+        if not found:
+            return ()
+        latest = EQUALLY_SOON * (found[0].duration + self.bench.delay)
+        near = [item for item in found if item.duration + self.bench.delay <= latest]
+        best = min(near, key=lambda item: item.acceleration / item.jerk_time)
+        return (best, *(item for item in found if item is not best))
+
+    def look_at(self, places: list[Place], *, latest: float | None = None) -> None:
+        """Find the largest accelerations at some places, those first that may be the shortest.
+
+        ``latest``: durations above it are left out; None: what takes longer than the best so far.
+        """
+        new = [place for place in dict.fromkeys(places) if place not in self.known]
+        for place in sorted(new, key=lambda place: self._shortest(*place)):
+            most = WORTHWHILE * self._soonest() if latest is None else latest
+            a = self._hope(*place, most)
+            if a is not None:
+                self.known[place] = self._settle(*place, a, most)
+
+    def refine(self, begin: Found, *, is_free: bool) -> None:
+        """Look about a place, ever nearer, in the direction of either time."""
+        here, control = begin, self.bench.machine.control
+        for reach in REACHES:
+            while True:
+                t = here.jerk_time
+                around = [t * (1.0 - reach), t * (1.0 + reach)] if is_free else []
+                around = [time for time in around if time >= SHORTEST]
+                items = neighbours(control, here.setpoint_filter, reach)
+                places = [(here.setpoint_filter, time) for time in around]
+                places += [(item, time) for item in items for time in (t, *around)]
+                self.look_at(places, latest=NOTICEABLE * here.duration)
+                found = [item for place in places if (item := self.known.get(place)) is not None]
+                best = min(found, key=lambda item: item.duration, default=here)
+                if best.duration >= NOTICEABLE * here.duration:
+                    break
+                here = best
+
+    def _soonest(self) -> float:
+        return min((f.duration for f in self.known.values() if f is not None), default=inf)
+
+    def _shortest(self, item: SetpointFilter | None, t_j: float) -> float:
+        """Duration with all the acceleration that force and largest jerk allow."""
+        a = min(float(self.ladder[-1]), self.largest_jerk * t_j)
+        return float(self.bench.durations(item, np.array([a]), t_j)[0])
+
+    def _hope(self, item: SetpointFilter | None, t_j: float, latest: float) -> float | None:
+        """The largest acceleration that quick looks leave possible, where that is soon enough."""
+        a = self.ladder[self.ladder <= self.largest_jerk * t_j]
+        a = a[self.bench.durations(item, a, t_j) <= latest]
+        if not len(a):
+            return None
+        used = self.bench.use(item, t_j).of_band(a)
+        # The share rises between two rungs; where only the lower one is allowed, between them.
+        allowed = used <= 1.0
+        if not allowed.any():
+            return None
+        last = int(np.flatnonzero(allowed)[-1])
+        if last == len(a) - 1:
+            return float(a[last])
+        low, high = np.log(max(used[last], 1e-12)), np.log(used[last + 1])
+        return float(a[last] * (a[last + 1] / a[last]) ** (-low / (high - low)))
+
+    def _settle(
+        self, item: SetpointFilter | None, t_j: float, a: float, latest: float
+    ) -> Found | None:
+        """The largest acceleration up to some that keeps everything, where that is soon enough."""
+        use, bench = self.bench.use(item, t_j), self.bench
+        for _ in range(STEPS):
+            # The time to max_velocity may cancel a mode: what is allowed has gaps.
+            steps = a * np.array(FALLING)
+            steps = steps[bench.durations(item, steps, t_j) <= latest]
+            if not len(steps):
+                return None
+            for part in (steps[:1], steps[1:]) if len(steps) > 1 else (steps,):
+                share = np.maximum(use.of_cruise(part), use.of_band(part))
+                kept = part[share <= 1.0 + CLOSE]
+                if len(kept):
+                    break
+            if not len(kept):
+                a = FALLING[-1] * a / max(float(share.min(initial=2.0)), 1.0)
+                continue
+            a = float(kept[0])
+            rest = use.of_rest(a)
+            if rest <= 1.0 + CLOSE:
+                duration = float(bench.durations(item, np.array([a]), t_j)[0])
+                return Found(duration=duration, acceleration=a, jerk_time=t_j, setpoint_filter=item)
+            a /= rest
+        return None

@@ -1,1 +1,0 @@
-"""Thousands of setpoints, or of machines, at once."""

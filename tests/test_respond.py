@@ -1,0 +1,194 @@
+"""The response by poles must be what stepping the loop cycle by cycle gives, at every phase."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mtcommission.control_kinds.kind import TWO_AVERAGES, PositionLoop
+from mtcommission.loop import respond
+from mtcommission.loop.respond import (
+    LoopPoles,
+    extremes,
+    find_poles,
+    free_motion,
+    lay_grid,
+    outputs_at,
+    set_in_motion,
+)
+from mtcommission.loop.simulate.response import LoopResponse, simulate
+from mtcommission.loop.tuning.tuning import TunedLoop, tune_loop
+from mtcommission.machine.control import TcpSensor
+from mtcommission.machine.machine import Machine, Move, Positioning, VelocityStep, moving_mass
+from mtcommission.machine.setpoint_filter import SetpointFilter, moving_average
+from mtcommission.profile.shipped import read_shipped
+from mtcommission.setpoint.motion_limits import MotionLimits
+from mtcommission.setpoint.setpoint import (
+    JerkSteps,
+    filter_steps,
+    jerk_steps,
+    plan_within,
+    sample_setpoint,
+)
+from mtcommission.verdict.every_size import rms_forces
+from tests.independent_loop import quiet_copy
+from tests.machines import paper_machine, random_modal_machine
+
+Array = NDArray[np.float64]
+
+MOVES: list[Move] = [
+    VelocityStep(velocity_step=0.1, dwell=0.02),
+    VelocityStep(velocity_step=5e-6),  # of a few cycles
+    Positioning(distance=0.01, max_velocity=0.2, dwell=0.1),
+    Positioning(distance=2e-4),
+]
+MACHINES = {
+    "paper": paper_machine(),
+    "filtered": quiet_copy(paper_machine(), setpoint_filter=moving_average(17e-3)),
+    "two averages": quiet_copy(
+        paper_machine(),
+        setpoint_filter=SetpointFilter(kind=TWO_AVERAGES, time=17e-3, second_time=6e-3),
+    ),
+    "shaped": quiet_copy(
+        paper_machine(),
+        setpoint_filter=SetpointFilter(kind="2hump_ei", frequency_hz=31.0, damping_ratio=0.02),
+    ),
+    "two encoders": quiet_copy(paper_machine(), tcp_sensor=TcpSensor.POSITION),
+    "interpolated": quiet_copy(paper_machine(), position_loop=PositionLoop.INTERPOLATED),
+    "drive": quiet_copy(
+        paper_machine(), position_loop=PositionLoop.DRIVE, setpoint_filter=moving_average(7e-3)
+    ),
+    "no delay": quiet_copy(paper_machine(), reference_delay=0.0),
+    "four modes": random_modal_machine(7, n_modes=4),
+    "open loop": read_shipped("printer-belt").machine,
+}
+
+
+def limits(machine: Machine, count: int) -> tuple[Array, Array]:
+    generator = np.random.default_rng(count)
+    a_max = machine.drive.motion_force / moving_mass(machine)
+    a = a_max * generator.uniform(0.1, 1.0, count)
+    return a, a / np.exp(generator.uniform(np.log(5e-4), np.log(0.04), count))
+
+
+def steps_of(machine: Machine, move: Move, a: Array, j: Array) -> JerkSteps:
+    steps = jerk_steps(move, acceleration=a, jerk=j)
+    return filter_steps(steps, machine.control.setpoint_filter)
+
+
+def stepped(machine: Machine, tuned: TunedLoop, move: Move, a: float, j: float) -> LoopResponse:
+    strong = replace(machine.drive, max_force=1e12)
+    setpoint = plan_within(machine, MotionLimits(acceleration=a, jerk=j))(move)
+    band = machine.requirements.tcp_deviation
+    return simulate(tuned.loops[-1], setpoint, drive=strong, band=band)
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_every_sample_is_that_of_the_stepped_loop(name: str) -> None:
+    """A response that is right at most phases would still promise what a move of another size
+    breaks."""
+    machine = MACHINES[name]
+    tuned = tune_loop(machine)
+    poles = find_poles(tuned.loops)
+    for move in MOVES:
+        a, j = limits(machine, 2)
+        for i in range(len(a)):
+            full = stepped(machine, tuned, move, a[i], j[i])
+            motions = set_in_motion(poles, steps_of(machine, move, a[i : i + 1], j[i : i + 1]))
+            n = np.arange(len(full.t) // poles.cycles)[None]
+            found = outputs_at(motions, n, np.eye(poles.outputs))[0, -1]
+            found = found.reshape(-1, poles.outputs)
+            for k, expected in ((2, full.force), *enumerate(full.states.T, start=3)):
+                expected = expected[: len(found)]
+                scale = max(np.abs(expected).max(), 1e-12)
+                assert np.abs(found[:, k] - expected).max() < 1e-6 * scale + 1e-15
+            setpoint = plan_within(machine, MotionLimits(acceleration=a[i], jerk=j[i]))(move)
+            late = full.t[: len(found)] - poles.delay
+            e = found[:, 0] - sample_setpoint(setpoint, late)[:, 0]
+            size = full.peak_deviation
+            assert np.abs(e - full.deviation[: len(e)]).max() < 1e-6 * size + 1e-14
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_what_is_left_and_what_is_asked_for_agree_with_the_stepped_loop(name: str) -> None:
+    """The search would recommend limits that the sheet then judges otherwise."""
+    machine = MACHINES[name]
+    tuned = tune_loop(machine)
+    poles, band = find_poles(tuned.loops), machine.requirements.tcp_deviation
+    grid, parts = lay_grid(poles, 96), np.arange(poles.cycles)
+    force = np.eye(1, poles.outputs, 2)
+    for move in MOVES:
+        a, j = limits(machine, 3)
+        motions = set_in_motion(poles, steps_of(machine, move, a, j))
+        free = free_motion(motions, grid)
+        found = extremes(motions, grid, force, parts=parts, with_deviation=True)
+        for i in range(len(a)):
+            full = stepped(machine, tuned, move, a[i], j[i])
+            # Instants are thinned, late ones most: crossings of a long ring are seen roughly.
+            assert free.residual[i, -1] == pytest.approx(full.residual_deviation, rel=2e-3)
+            assert found.peaks[i, -1, 0] == pytest.approx(full.max_force, rel=2e-3)
+            assert found.deviation[i, -1] == pytest.approx(full.peak_deviation, rel=2e-3)
+            settled = free.settling(band)[i, -1]
+            if np.isfinite(settled):
+                assert settled == pytest.approx(full.settling_time, rel=0.1)
+
+
+@pytest.mark.parametrize("name", ["paper", "two averages", "drive", "four modes"])
+def test_rms_force_is_that_of_the_stepped_loop(name: str) -> None:
+    """A drive would run hot on limits that were called cool."""
+    machine = MACHINES[name]
+    tuned = tune_loop(machine)
+    poles, load = find_poles(tuned.loops), machine.drive.static_load
+    for move in MOVES[:3]:
+        a, j = limits(machine, 2)
+        full = stepped(machine, tuned, move, a[0], j[0])
+        steps = steps_of(machine, move, a[:1], j[:1])
+        found = rms_forces(poles, steps, move.dwell, static_load=load)
+        assert found[-1] == pytest.approx(full.rms_force, rel=5e-3)
+
+
+def test_the_cost_hangs_neither_on_the_length_of_a_move_nor_on_its_decay() -> None:
+    """A mode of 0.2 Hz or a stroke of 30 s would bring back the counters."""
+    machine = paper_machine()
+    poles = find_poles(tune_loop(machine).loops)
+    counts = [len(lay_grid(poles, 24).cycle)]
+    mechanics = replace(machine.mechanics, base_stiffness=machine.mechanics.base_stiffness / 400)
+    slow = quiet_copy(replace(machine, mechanics=mechanics))
+    counts.append(len(lay_grid(find_poles(tune_loop(slow).loops), 24).cycle))
+    assert counts[1] <= 1.5 * counts[0]
+    move = Positioning(distance=30.0, max_velocity=1.0)
+    motions = set_in_motion(poles, steps_of(machine, move, np.array([1.0]), np.array([20.0])))
+    assert motions.held.shape[0] == 8
+
+
+def test_where_poles_coincide_the_loop_is_stepped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Eigenvectors of equal poles are parallel: their residues would be differences of nothing."""
+    machine = paper_machine()
+    tuned = tune_loop(machine)
+    by_poles = find_poles(tuned.loops)
+    monkeypatch.setattr(respond, "ILL_CONDITIONED", 1.0)
+    find_poles.cache_clear()
+    by_steps = find_poles(tuned.loops)
+    find_poles.cache_clear()
+    assert by_poles.factors.size and not by_steps.factors.size
+    move = MOVES[2]
+    steps = steps_of(machine, move, *limits(machine, 2))
+    found = [_residual(poles, steps) for poles in (by_poles, by_steps)]
+    assert found[0] == pytest.approx(found[1], rel=3e-3)
+
+
+def _residual(poles: LoopPoles, steps: JerkSteps) -> Array:
+    return free_motion(set_in_motion(poles, steps), lay_grid(poles, 96)).residual
+
+
+def test_doubling_every_limit_and_the_move_doubles_the_deviation() -> None:
+    """The loop is linear: what is allowed would otherwise not be in proportion."""
+    machine = paper_machine()
+    poles = find_poles(tune_loop(machine).loops)
+    a, j = limits(machine, 3)
+    once = _residual(poles, jerk_steps(Positioning(distance=0.01), acceleration=a, jerk=j))
+    twice = _residual(poles, jerk_steps(Positioning(distance=0.02), acceleration=2 * a, jerk=2 * j))
+    assert twice == pytest.approx(2.0 * once, rel=1e-6)
