@@ -5,8 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import isfinite
 
+import numpy as np
+
+from mtcommission.control_kinds.kind import Jerk
 from mtcommission.limits.digits import round_limits
 from mtcommission.limits.every.search import Found, search_every_size
+from mtcommission.limits.search.bench import reached_accelerations
 from mtcommission.loop.simulation_budget import longest_affordable
 from mtcommission.loop.tuning.tuned import TunedLoop
 from mtcommission.machine.machine import Machine
@@ -104,7 +108,7 @@ def _type(
 
     None where that does not end, or only with moves that take as long as ``latest``.
     """
-    a, jerk_time = found.acceleration, found.jerk_time
+    a, jerk_time = _reached(machine, found)
     for tried in range(MOST_SCALED):
         rounded = round_limits(machine, a, jerk_time, digits=DIGITS)
         limits = replace(rounded, setpoint_filter=found.setpoint_filter)
@@ -118,6 +122,18 @@ def _type(
         # Behind a shaper the worst size may change little with a: then ever longer steps.
         a = min(limits.acceleration, a) / used ** (1 + tried) * JUST_LESS
     return None
+
+
+def _reached(machine: Machine, found: Found) -> tuple[float, float]:
+    """The same motions by the acceleration that the listed moves reach, and its jerk time.
+
+    More of it changes nothing, so that how much more would be up to the last digit of a sum.
+    """
+    a, t = found.acceleration, found.jerk_time
+    if machine.control.kind.jerk is Jerk.NONE:  # the ramp follows from a: there more of it counts
+        return a, t
+    reached = float(reached_accelerations(machine, np.array([a]), np.array([t]))[0])
+    return reached, t * reached / a
 
 
 def _proved(check: SizeCheck) -> float:
