@@ -325,7 +325,8 @@ def test_the_acceleration_judged_is_the_one_that_the_steps_ask_of_the_motor(
         tune_loop(machine).loops[0], plan_setpoint(move, limits), drive=machine.drive, band=20e-6
     )
     v = min(move.max_velocity, sqrt(acceleration * move.distance))
-    edges = np.array([0.0, v / acceleration, move.distance / v, move.distance / v + v / acceleration])
+    ramp, begin = v / acceleration, move.distance / v
+    edges = np.array([0.0, ramp, begin, begin + ramp])
     impulses = item.impulses if item else None
     delays, shares = (impulses.delays, impulses.shares) if impulses else ((0.0,), (1.0,))
     t = np.arange(0.0, edges[-1] + limits.jerk_time + delays[-1], 5e-7)

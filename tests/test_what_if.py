@@ -340,7 +340,8 @@ addEventListener("load", () => {
   slider.value = 900;
   slider.dispatchEvent(new Event("input", {bubbles: true}));
   seen.slid = [state.acceleration, document.getElementById("wi-acceleration").value];
-  const mark = () => [box.value, getComputedStyle(box.closest(".knob").querySelector("label"), "::after").content, complaint.textContent];
+  const label = box.closest(".knob").querySelector("label");
+  const mark = () => [box.value, getComputedStyle(label, "::after").content, complaint.textContent];
   seen.still = mark();
   document.getElementById("wi-load-0").click();
   seen.loaded = mark();
