@@ -201,7 +201,7 @@ def test_a_setpoint_recorded_behind_the_delay_is_recognised(
     behind = verified(name, tmp_path, replace(how, behind=tau))
     assert before.warnings == ()
     assert behind.warnings[0].kind == "verify-behind-delay"
-    assert behind.warnings[0].values["shift"] == pytest.approx(tau, rel=0.05)
+    assert behind.warnings[0].values["delay"] == tau
     assert behind.verdict is before.verdict is Verdict.HOLDS
     for key in ("settling time", "residual deviation", "peak deviation", "max force"):
         one, other = (find(found, f"move 1: {key}") for found in (before, behind))
@@ -213,6 +213,26 @@ def test_a_setpoint_recorded_behind_the_delay_is_recognised(
     parameters = {one.name: one for one in refine(behind).parameters}
     assert "delay" not in parameters
     assert not any(one.has_changed for key, one in parameters.items() if "frequency" in key)
+
+
+@pytest.mark.parametrize("name", [MILLING, GANTRY])
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_a_following_error_alone_tells_it_too(name: str, share: float, tmp_path: Path) -> None:
+    record, rebuilt = record_of(name), rebuilt_of(name)
+    tau = rebuilt.controller.reference_delay
+    how = Spoilt(step=5e-4, behind=share * tau)
+    columns = record_moves(rebuilt, limits_of(record), how)
+    late = np.interp(columns["t"] - (1.0 - share) * tau, columns["t"], columns["x_ref"])
+    own = {"t": columns["t"], "x_ref": columns["x_ref"],
+           "following_error": late - columns["encoder"]}  # fmt: skip
+    file = write_csv(tmp_path / "e.csv", own, units={**UNITS, "following_error": "m"})
+    found = verify(record, [read_trace(str(file), {}, axis_of(rebuilt))])
+    said = [warning.kind for warning in found.warnings]
+    assert said == ["verify-behind-delay"] * (share == 1.0)
+    residual = find(found, "move 1: residual deviation")
+    assert residual.measured == pytest.approx(
+        residual.predicted, abs=residual.uncertainty + 0.05 * residual.predicted
+    )
 
 
 @pytest.mark.parametrize("share", [0.5, 2.0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import isfinite, sqrt
+from math import inf, isfinite, sqrt
 
 import numpy as np
 
@@ -28,6 +28,10 @@ MOST_MOTIONS = 40
 SAME_DELAY = 0.25
 """Of τ, by which the shift of a setpoint that was recorded behind it may differ from it (design
 choice: the columns of a recorder are some samples apart)."""
+
+FITS_BETTER = 0.5
+"""Share of what the prediction left unexplained that a setpoint behind τ leaves at most where only
+a following error was recorded (design choice)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -85,15 +89,7 @@ class Verification:
     @property
     def unexplained(self) -> float | None:
         """Share of the deviation that the nominal prediction leaves, by RMS; None: no position."""
-        missed = total = 0.0
-        for move in self.recorded:
-            for one in move.beside:
-                if one.is_position:
-                    moving = one.after(move.motion.begin)
-                    apart = one.deviation - one.predicted_deviation[0]
-                    missed += float(np.sum(apart[moving] ** 2))
-                    total += float(np.sum(one.deviation[moving] ** 2))
-        return sqrt(missed / total) if total > 0.0 else None
+        return _unexplained(self.recorded)
 
     @property
     def noise_floor(self) -> float | None:
@@ -121,6 +117,7 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
         No trace holds a move from rest.
     """
     rebuilt = rebuild(record)
+    tau = rebuilt.controller.reference_delay
     entered = read_limits(record.limits.recommended)
     recorded: list[Recorded] = []
     behind: list[Message] = []
@@ -128,11 +125,18 @@ def verify(record: Record, traces: Sequence[Trace]) -> Verification:
     read: list[Trace] = []
     for trace in traces:
         own, more = _lay_out_all(rebuilt, entered, trace)
-        shift = _middle_shift(own)
-        if _is_behind_delay(rebuilt, trace, shift):
-            trace = replace(trace, is_delayed=True)
-            own, more = _lay_out_all(rebuilt, entered, trace)
-            behind.append(Message("verify-behind-delay", file=trace.file, shift=-(shift or 0.0)))
+        if not trace.is_delayed and tau > 0.0:
+            late = replace(trace, is_delayed=True)
+            if (shift := _middle_shift(own)) is not None and abs(shift + tau) < SAME_DELAY * tau:
+                trace = late
+            elif _has_error_alone(trace):
+                # No position comes earlier then: the deviation itself does.
+                other, _ = _lay_out_all(rebuilt, entered, late)
+                before, after = _unexplained(own), _unexplained(other)
+                trace = late if (after or inf) < FITS_BETTER * (before or 0.0) else trace
+            if trace is late:
+                own, more = _lay_out_all(rebuilt, entered, trace)
+                behind.append(Message("verify-behind-delay", file=trace.file, delay=tau))
         read.append(trace)
         warnings += more
         recorded += own
@@ -179,10 +183,22 @@ def _middle_shift(recorded: Sequence[Recorded]) -> float | None:
     return float(np.median(known)) if known else None
 
 
-def _is_behind_delay(rebuilt: Rebuilt, trace: Trace, shift: float | None) -> bool:
-    """Whether the position comes earlier than predicted by just the delay of the control."""
-    tau = rebuilt.controller.reference_delay
-    return shift is not None and not trace.is_delayed and abs(shift + tau) < SAME_DELAY * tau
+def _has_error_alone(trace: Trace) -> bool:
+    """Whether only a following error tells where the axis is."""
+    return trace.find(Role.ENCODER) is None and trace.find(Role.TOOL) is None
+
+
+def _unexplained(recorded: Sequence[Recorded]) -> float | None:
+    """Share of the deviation that the nominal prediction leaves, by RMS; None: no position."""
+    missed = total = 0.0
+    for move in recorded:
+        for one in move.beside:
+            if one.is_position:
+                moving = one.after(move.motion.begin)
+                apart = one.deviation - one.predicted_deviation[0]
+                missed += float(np.sum(apart[moving] ** 2))
+                total += float(np.sum(one.deviation[moving] ** 2))
+    return sqrt(missed / total) if total > 0.0 else None
 
 
 def _planner_says(check: Check) -> Message:

@@ -64,7 +64,7 @@ verify-delay-not-recorded = der Sollwert ist hinter dem Verzug aufgezeichnet, de
 verify-mode-not-seen = die Eigenform hebt sich nach der Bewegung nicht ab
 
 # Warnungen
-verify-behind-delay = { $file }: die Lage kommt { TIME($shift) } früher als vorhergesagt, so viel wie der Verzug der Steuerung: der Sollwert ist hinter diesem Verzug aufgezeichnet und wird so beurteilt. Ist er davor aufgezeichnet, so wirkt der Verzug in der Steuerung nicht.
+verify-behind-delay = { $file }: das Gemessene kommt um { TIME($delay) } früher als vorhergesagt, so viel wie der Verzug der Steuerung: der Sollwert ist hinter diesem Verzug aufgezeichnet und wird so beurteilt. Ist er davor aufgezeichnet, so wirkt der Verzug in der Steuerung nicht.
 verify-planner-exceeds = Die Steuerung überschreitet, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Dort vor der Mechanik suchen: Achs- oder Dynamikmodus, Ruckbegrenzung ausgeschaltet, anderer Parametersatz.
 verify-planner-below = Die Steuerung erreicht nie, was eingegeben war: { $what } { QUANTITY($measured, $unit) }, geplant { QUANTITY($planned, $unit) }. Nach einer anderen Grenze suchen: Override, Bahnbeschleunigung, Dynamikmodus, Sollwertfilter.
 verify-moves-missing = Nicht aufgezeichnet: Bewegung { $moves } des Protokolls. Was es dafür zusagt, ist nicht zu entscheiden.

@@ -64,7 +64,7 @@ verify-delay-not-recorded = the setpoint was recorded behind the delay, which is
 verify-mode-not-seen = the mode does not stand out in the dwell
 
 # Warnings
-verify-behind-delay = { $file }: the position comes { TIME($shift) } earlier than predicted, which is the delay of the control: the setpoint was recorded behind this delay, and is judged so. If it was recorded before it, the delay does not act in the control.
+verify-behind-delay = { $file }: what was measured comes earlier than predicted by { TIME($delay) }, which is the delay of the control: the setpoint was recorded behind this delay, and is judged so. If it was recorded before it, the delay does not act in the control.
 verify-planner-exceeds = The control exceeds what was entered: { $what } { QUANTITY($measured, $unit) }, planned { QUANTITY($planned, $unit) }. Look there before at the mechanics: axis or dynamic mode, jerk limit switched off, another parameter set.
 verify-planner-below = The control never reaches what was entered: { $what } { QUANTITY($measured, $unit) }, planned { QUANTITY($planned, $unit) }. Look for another limit: override, path acceleration, dynamic mode, setpoint filter.
 verify-moves-missing = Not recorded: move { $moves } of the record. What it promises there cannot be told.
